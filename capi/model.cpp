@@ -45,7 +45,7 @@ std::int32_t selfproj_gray_take(selfproj_gray* gray, const selfproj_image* image
                                 std::int32_t good, std::uint16_t* codes, std::int32_t* due) {
   return guarded([&] {
     require(gray != nullptr && due != nullptr, "null pointer");
-    *due = gray->decoder.take(image_of(image), pattern, good != 0, codes) ? 1 : 0;
+    *due = gray->decoder.add_frame(image_of(image), pattern, good != 0, codes) ? 1 : 0;
   });
 }
 

@@ -12,7 +12,6 @@ set(selfproj_headers_for_users
   model/gray_decoder.h
   model/gray_match.h
   model/median3x3.h
-  model/moments_words.h
   model/packet.h
   model/packet_payload.h
   model/pixel_clock.h
@@ -29,12 +28,11 @@ set(selfproj_headers_for_users
   host/light_section/reference_file.h
   host/rig/calibration_file.h
   host/rig/rig.h
-  host/rig/rig_calibration.h
+  host/rig/calibration.h
   host/structured_light/depth_geometry.h
   host/structured_light/fast_decoder.h
   host/structured_light/gray_sequence.h
   host/structured_light/point_cloud.h
-  host/structured_light/rig_triangulation.h
   host/structured_light/scanner.h
   host/structured_light/triangulation.h)
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "host/rig/rig.h"
-#include "host/structured_light/stripe_code.h"
+#include "host/structured_light/self_reference.h"
 #include "lab/structured_light.h"
 #include "sim/scene/renderer.h"
 #include "sim/scene/virtual_scan.h"

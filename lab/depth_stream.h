@@ -41,7 +41,7 @@ class DepthStream {
 class SelfProjectedStream final : public DepthStream {
  public:
   SelfProjectedStream(const Rig& rig, const SelfReference& reference, const MatchTable& table);
-  bool take(const ImageView& image, int pattern) override { return scanner_.take(image, pattern); }
+  bool take(const ImageView& image, int pattern) override { return scanner_.add_frame(image, pattern); }
   [[nodiscard]] const FloatImage& depth() const override { return scanner_.depth(); }
   [[nodiscard]] FloatImage difference() const override { return scanner_.difference(); }
   [[nodiscard]] int bits() const override { return reference_.stripes.bits; }
@@ -56,7 +56,7 @@ class SelfProjectedStream final : public DepthStream {
 class GrayStream : public DepthStream {
  public:
   GrayStream(const Rig& rig, std::unique_ptr<Triangulation> triangulation, int bits, int lines);
-  bool take(const ImageView& image, int pattern) override { return scanner_.take(image, pattern); }
+  bool take(const ImageView& image, int pattern) override { return scanner_.add_frame(image, pattern); }
   [[nodiscard]] const FloatImage& depth() const override { return scanner_.depth(); }
   [[nodiscard]] FloatImage difference() const override;
   [[nodiscard]] int bits() const override { return bits_; }

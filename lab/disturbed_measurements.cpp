@@ -20,7 +20,7 @@
 #include "host/light_section/profile.h"
 #include "host/light_section/reference.h"
 #include "host/structured_light/match_table.h"
-#include "host/structured_light/moved.h"
+#include "host/structured_light/foreground.h"
 #include "host/structured_light/scanner.h"
 #include "host/structured_light/self_reference.h"
 #include "host/structured_light/self_scanner.h"
@@ -145,8 +145,8 @@ std::vector<float> with_neighbours(const FloatImage& depth, int least) {
     return depth.values;
   }
   const std::vector<float> nowhere(depth.values.size(), -1e6F);  // so that every point differs from it
-  SteadyFilter filter(depth.rows, depth.columns, {.most_change_mm = kSameDepth, .least_neighbours = least});
-  filter.take(depth.values.data(), nowhere.data(), kSameDepth);
+  SteadyFilter filter(depth.rows, depth.columns, {.max_change_mm = kSameDepth, .min_neighbours = least});
+  filter.apply(depth.values.data(), nowhere.data(), kSameDepth);
   return {filter.kept(), filter.kept() + depth.values.size()};
 }
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "host/cli/command_line.h"
-#include "host/structured_light/stripe_code.h"
+#include "host/structured_light/self_reference.h"
 #include "lab/experiment.h"
 #include "sim/cosim/world_options.h"
 #include "sim/scene/renderer.h"

@@ -39,13 +39,13 @@ class Following {
   void take(const Seen& seen) {
     const float* kept = seen.depth.values.data();
     if (filter_.is_on()) {
-      filter_.take(seen.depth.values.data(), seen.background.values.data(), kMovedMm);
+      filter_.apply(seen.depth.values.data(), seen.background.values.data(), kMovedMm);
       filter_.remember(seen.depth.values.data());
       kept = filter_.kept();
     }
-    const Moved found = moved(seen.triangulation, kept, seen.background.values.data(), kMovedMm);
-    const Moved truth =
-        moved(seen.triangulation, seen.truth.values.data(), seen.true_background.values.data(), kMovedMm);
+    const Foreground found = foreground_of(seen.triangulation, kept, seen.background.values.data(), kMovedMm);
+    const Foreground truth =
+        foreground_of(seen.triangulation, seen.truth.values.data(), seen.true_background.values.data(), kMovedMm);
     for (std::size_t i = 0; i < seen.truth.values.size(); ++i) {
       const double rise = static_cast<double>(seen.background.values[i]) - static_cast<double>(kept[i]);
       const double off = std::abs(static_cast<double>(kept[i]) - static_cast<double>(seen.truth.values[i]));
@@ -87,7 +87,7 @@ constexpr std::array<float, 4> kChanges{std::numeric_limits<float>::infinity(), 
 constexpr std::array<int, 4> kNeighbours{0, 4, 6, 8};
 
 std::string change_text(const SteadySettings& s) {
-  return std::isinf(s.most_change_mm) ? "any" : fmt::format("{:g}", s.most_change_mm);
+  return std::isinf(s.max_change_mm) ? "any" : fmt::format("{:g}", s.max_change_mm);
 }
 
 // The least RMS among those that keep at least half as many pixels as truly moved.
@@ -132,7 +132,7 @@ StructuredLightResult run_fist(const GrayMotionOptions& options, const ProgressO
                                 kMovedMm, filters[0].true_pixels(), kWrongMm)};
   for (std::size_t i = 0; i < filters.size(); ++i) {
     const Following& f = filters[i];
-    tuned.rows.push_back({change_text(f.settings()), std::to_string(f.settings().least_neighbours),
+    tuned.rows.push_back({change_text(f.settings()), std::to_string(f.settings().min_neighbours),
                           figure_text(f.rms(), 1), figure_text(f.most(), 0), figure_text(f.pixels(), 0),
                           figure_text(f.wrong(), 0), i == best ? "yes" : ""});
   }
@@ -193,7 +193,7 @@ StructuredLightResult run_keys(const GrayMotionOptions& options, const ProgressO
         options, {*scene, *keyboard, 0, frames, rig.imaging.seed + static_cast<std::int64_t>(set)},
         [&] { progress(++done, images_of(2, frames)); },
         [&](const Seen& seen) {
-          filter.take(seen.depth.values.data(), seen.background.values.data(), kMovedMm);
+          filter.apply(seen.depth.values.data(), seen.background.values.data(), kMovedMm);
           filter.remember(seen.depth.values.data());
           t.push_back(seen.t);
           for (std::size_t key = 0; key < 2; ++key) {

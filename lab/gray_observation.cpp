@@ -8,7 +8,7 @@
 #include "host/images/float_image.h"
 #include "host/rig/rig.h"
 #include "host/structured_light/code_borders.h"
-#include "host/structured_light/rig_triangulation.h"
+#include "host/structured_light/depth_geometry.h"
 #include "lab/depth_stream.h"
 #include "model/column_moments.h"
 #include "sim/scene/pattern_renderer.h"
@@ -31,7 +31,7 @@ class WholeStream final : public GrayStream {
     if (pattern % 2 == 0) {
       positive_ = image;  // only a view; the scanner, too, reads these pixels again when the negative comes
     } else {
-      borders_.take(pattern / 2, positive_, image);
+      borders_.add_plane(pattern / 2, positive_, image);
     }
     const bool due = GrayStream::take(image, pattern);
     has_borders_ = due && pattern + 1 == kGrayCycle;

@@ -13,7 +13,6 @@
 #include <vector>
 
 #include "host/calibration/calibrate.h"
-#include "host/calibration/calibrated_rig.h"
 #include "host/calibration/capture.h"
 #include "host/files/user_error.h"
 #include "host/images/image_sequence.h"

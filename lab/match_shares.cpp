@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "host/structured_light/stripe_code.h"
+#include "host/structured_light/self_reference.h"
 #include "lab/line_planes.h"
 #include "sim/scene/pinhole.h"
 

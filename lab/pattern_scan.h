@@ -25,9 +25,9 @@ void scan_cycle(const PatternRenderer& renderer, int first, int bits, const std:
                 see(i, image);
                 if (i % 2 == 0) {
                   positive.assign(image.pixels, image.pixels + renderer.rig().camera.pixels());
-                  scanner.take({positive.data(), image.rows, image.columns, image.columns}, i);
+                  scanner.add_frame({positive.data(), image.rows, image.columns, image.columns}, i);
                 } else {
-                  scanner.take(image, i);
+                  scanner.add_frame(image, i);
                 }
               });
 }

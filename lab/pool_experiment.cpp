@@ -17,7 +17,7 @@
 
 #include "host/images/float_image.h"
 #include "host/report/report.h"
-#include "host/rig/depth_matrices.h"
+#include "host/rig/calibration.h"
 #include "host/rig/rig.h"
 #include "host/structured_light/triangulation.h"
 #include "lab/gray_observation.h"

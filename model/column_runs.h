@@ -1,4 +1,4 @@
-// The strongest run of each column: the definition. Where speed counts, the host uses host/light_section/fast_runs.
+// The strongest run of each column: the definition. Where speed counts, the host uses host/light_section/fast_moments.
 //
 // Where more than the line is lit, the moments of all lit pixels (model/column_moments.h) are not those of the line. A
 // run of a column is a maximal sequence of lit pixels in which two neighbours have at most g dark rows between them,

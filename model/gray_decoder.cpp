@@ -86,7 +86,7 @@ void GrayDecoder::end(bool good) {
   }
 }
 
-bool GrayDecoder::take(const ImageView& image, int pattern, bool good, std::uint16_t* codes) {
+bool GrayDecoder::add_frame(const ImageView& image, int pattern, bool good, std::uint16_t* codes) {
   if (image.rows != settings_.rows || image.columns != settings_.columns) {
     throw std::invalid_argument("gray decoder: the image has not the size of the settings");
   }

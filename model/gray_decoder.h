@@ -22,11 +22,18 @@
 #include <cstdint>
 #include <vector>
 
-#include "model/code_word.h"
 #include "model/column_moments.h"
 #include "model/spec/generated/selfproj_spec.h"
 
 namespace selfproj {
+
+// The word of a pixel of a code image: its space code, and whether it is measurable.
+inline constexpr std::uint16_t kCodeMask = (1U << spec::kCodeCodeBits) - 1;
+inline constexpr std::uint16_t kCodeMeasurable = std::uint16_t{1} << spec::kCodeMeasurableLsb;
+static_assert(spec::kCodeCodeLsb == 0, "the code has the low bits of its word");
+
+constexpr unsigned code_of(std::uint16_t word) { return word & kCodeMask; }
+constexpr bool is_measurable(std::uint16_t word) { return (word & kCodeMeasurable) != 0; }
 
 // A change of any of these makes the decoder wait for plane 0.
 struct GraySettings {
@@ -59,7 +66,7 @@ class GrayDecoder {
   // to `codes` and returns true; otherwise does not touch `codes`. The image has rows · columns words, row by row: the
   // code in bits 11..0, and bit 15 set if it is measurable. In the code of an unmeasurable pixel ambiguous values count
   // as 0. Throws std::invalid_argument if the image has not the size of the settings, or a pointer is null.
-  bool take(const ImageView& image, int pattern, bool good, std::uint16_t* codes);
+  bool add_frame(const ImageView& image, int pattern, bool good, std::uint16_t* codes);
 
   // The same piece by piece, for frames that may break after some of their pixels were decoded: call begin with the
   // first pixel, pixels for each piece of a line, and end with `good` false if the frame broke.

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <stdexcept>
 
-#include "model/code_word.h"
+#include "model/gray_decoder.h"
 
 namespace selfproj {
 void median3x3(const std::uint16_t* codes, int rows, int columns, std::uint16_t* out) {

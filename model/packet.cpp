@@ -170,7 +170,7 @@ std::size_t implied_payload_bytes(const PacketHeader& header) {
   }
 }
 
-// Judges hash and version, which belong together.
+// Checks hash and version, which belong together.
 PacketError judge_version(const std::uint8_t* bytes) {
   const auto hash = load_little_endian<std::uint32_t>(bytes + spec::kHeaderSpecHash);
   const auto version = load_little_endian<std::uint16_t>(bytes + spec::kHeaderVersion);
@@ -196,7 +196,7 @@ std::size_t first_reserved_byte(const std::uint8_t* bytes) {
   return spec::kHeaderReserved;
 }
 
-// Judges 64 bytes of header; `header` holds their values.
+// Checks 64 bytes of header; `header` holds their values.
 PacketError judge_header(const std::uint8_t* bytes, const PacketHeader& header) {
   if (load_little_endian<std::uint32_t>(bytes + spec::kHeaderMagic) != spec::kMagic) {
     return PacketError::magic;

@@ -4,7 +4,6 @@
 #include <stdexcept>
 
 #include "model/little_endian.h"
-#include "model/moments_words.h"
 #include "model/spec/generated/selfproj_spec.h"
 
 namespace selfproj {

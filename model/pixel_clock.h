@@ -12,8 +12,8 @@ namespace selfproj {
 inline constexpr double kDefaultPixelClockHz = 151.2e6;
 
 // The range of pixel clocks, in Hz.
-inline constexpr double kLeastPixelClockHz = 1e3;
-inline constexpr double kMostPixelClockHz = 1e10;
+inline constexpr double kMinPixelClockHz = 1e3;
+inline constexpr double kMaxPixelClockHz = 1e10;
 
 // The seconds that this many clocks take, for example a difference of time stamps.
 constexpr double seconds_of_clocks(std::uint64_t clocks, double pixel_clock_hz) {

@@ -65,13 +65,13 @@ std::optional<ReplayFrame> ReplayModel::datagram(const Datagram& datagram) {
   const bool begins = header && header->offset == 0 && ahead < kHalfRange && (pixels_.empty() || ahead != 0);
   const bool goes_on = header && !pixels_.empty() && ahead == 0 && header->offset == pixels_.size() &&
                        header->columns == columns_ && header->rows == rows_;
-  const bool judged =
+  const bool checked =
       datagram.may_send && !leaving_ && header && header->session == session_ && fits(*header) && (begins || goes_on);
   const auto piece = datagram.came.subspan(header ? spec::kReplayHeaderBytes : datagram.came.size());
-  if (judged && begins && !piece.empty()) {  // the place of what came before is needed, whatever follows the header
+  if (checked && begins && !piece.empty()) {  // the place of what came before is needed, whatever follows the header
     pixels_.clear();
   }
-  if (!judged || datagram.damaged || piece.size() < header->length) {
+  if (!checked || datagram.damaged || piece.size() < header->length) {
     ++ignored_;
     return std::nullopt;
   }

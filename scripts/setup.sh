@@ -10,6 +10,7 @@ for_programs=(
   libsystemc-dev                             # co-simulation
   libopencv-core-dev libopencv-imgcodecs-dev libopencv-imgproc-dev  # image files, colour conversion
   libopencv-calib3d-dev libceres-dev libeigen3-dev  # calibration
+  libnanoflann-dev                           # distances between point clouds
   libcli11-dev libfmt-dev libyaml-cpp-dev    # command line, text, rigs
   nlohmann-json3-dev                         # summaries
   libmodbus-dev                              # results for controllers

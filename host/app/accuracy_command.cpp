@@ -13,7 +13,7 @@
 #include "host/files/user_error.h"
 #include "host/rig/rig.h"
 #include "host/structured_light/accuracy.h"
-#include "host/structured_light/stripe_code.h"
+#include "host/structured_light/self_reference.h"
 
 namespace selfproj {
 namespace {
@@ -49,7 +49,7 @@ std::string error_map(const Rig& rig) {
   for (const Published& what : kPublished) {
     for (int i = 0; i < kPoints; ++i) {
       for (int k = 0; k < kPoints; ++k) {
-        const SeenPoint point{0.5 * (rig.camera.rows - 1) + (i - 0.5 * (kPoints - 1)) * kStep,
+        const CameraPoint point{0.5 * (rig.camera.rows - 1) + (i - 0.5 * (kPoints - 1)) * kStep,
                               0.5 * (rig.camera.columns - 1) + (k - 0.5 * (kPoints - 1)) * kStep,
                               rig.plane_z_mm - what.height};
         const ErrorTerms terms =
@@ -77,7 +77,7 @@ void run_accuracy(const AccuracyOptions& options) {
   fmt::print("Half a pixel of projector and camera, |Δz| in mm in the middle of the image (4.23)\n");
   fmt::print("  height   projector   camera      sum   published for rig B\n");
   for (const Published& what : kPublished) {
-    const SeenPoint point{row, column, rig.plane_z_mm - what.height};
+    const CameraPoint point{row, column, rig.plane_z_mm - what.height};
     const ErrorTerms terms =
         error_terms(rig, point, 0.5 * rig.projector.line_pitch_mm, 0.5 * rig.camera.pixel_pitch_mm);
     fmt::print("  {:6.0f}   {:9.2f}   {:6.2f}   {:6.2f}   {:>9}\n", what.height, std::abs(terms.projector.z),
@@ -92,14 +92,14 @@ void run_accuracy(const AccuracyOptions& options) {
              options.bits, options.width, options.line_width);
   fmt::print("  reference        in cells      window of {:.0f} lines   published for rig B, e = 8\n", lines);
   for (const Published& what : kPublished) {
-    const SeenPoint point{row, column, rig.plane_z_mm - what.height};
+    const CameraPoint point{row, column, rig.plane_z_mm - what.height};
     const DepthRange printed =
         range_of_lines(rig, point, options.line_width * options.e, options.line_width * (codes - options.e));
     fmt::print("  {:9.0f}   {:>17}   {:>19}   {:>16}\n", what.height,
                heights(rig, range_of_cells(rig, point, options.width, options.bits, options.e)), heights(rig, printed),
                what.range);
   }
-  const SeenPoint plane{row, column, rig.plane_z_mm};
+  const CameraPoint plane{row, column, rig.plane_z_mm};
   fmt::print("\nRange over the plane, z in mm, e = 0: published for rig B 457.88 .. 550\n");
   for (const double window : {lines, 2 * lines}) {
     const DepthRange range = range_of_lines(rig, plane, 0, window);

@@ -21,7 +21,6 @@
 #include "host/images/image_files.h"
 #include "host/images/image_sequence.h"
 #include "host/report/depth_output.h"
-#include "host/report/depth_summary.h"
 #include "host/structured_light/depth_run.h"
 #include "host/structured_light/plane_fit.h"
 #include "host/structured_light/point_cloud.h"
@@ -261,13 +260,13 @@ selfproj depth --rig scanner --bits 8 --device ring:line1 \
       ->type_name("MM")
       ->capture_default_str();
   command
-      ->add_option("--max-change", scanner.steady.most_change_mm,
+      ->add_option("--max-change", scanner.steady.max_change_mm,
                    "A pixel has moved only if its depth changed by at most this many mm since the last depth image.")
       ->transform(real_number(0, 1e6))
       ->type_name("MM")
       ->default_str("any");
   command
-      ->add_option("--min-neighbours", scanner.steady.least_neighbours,
+      ->add_option("--min-neighbours", scanner.steady.min_neighbours,
                    "A pixel has moved only if at least this many of the 8 pixels around it have moved too and are as "
                    "close in z as --max-change says.")
       ->transform(whole_number(0, 8))

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "host/app/capture_options.h"
-#include "host/calibration/calibration_report.h"
+#include "host/calibration/calibrate.h"
 #include "host/calibration/capture.h"
 #include "host/files/output_folder.h"
 

@@ -17,7 +17,7 @@
 #include "host/files/output_folder.h"
 #include "host/files/user_error.h"
 #include "host/images/image_files.h"
-#include "model/code_word.h"
+#include "model/gray_decoder.h"
 #include "model/packet.h"
 
 namespace selfproj {

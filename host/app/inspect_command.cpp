@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <utility>
@@ -29,8 +30,7 @@
 #include "host/images/frame_options.h"
 #include "host/light_section/differential_profile.h"
 #include "host/light_section/inspection.h"
-#include "host/report/counter_facts.h"
-#include "host/report/facts_json.h"
+#include "host/report/facts.h"
 #include "host/report/inspection_output.h"
 #include "host/report/report.h"
 #include "host/rig/rig.h"

@@ -15,7 +15,7 @@
 #include "host/production/endpoint.h"
 #include "host/production/section_reference.h"
 #include "host/production/tolerance.h"
-#include "host/report/counter_facts.h"
+#include "host/report/facts.h"
 
 namespace selfproj {
 
@@ -65,7 +65,7 @@ LineRun::LineRun(const LineOptions& options, const Rig& rig, const std::string& 
     camera_.emplace(
         [this] { return live_->watched(); },
         [this, kind = rig.kind, measure = rig.measure](const PacketHeader& header, const ImageView& image) mutable {
-          measure.take(measure_of(header));  // a device may measure otherwise than the rig says
+          measure.apply(measure_of(header));  // a device may measure otherwise than the rig says
           const std::vector<float> line =
               kind == RigKind::light_section ? line_in_image(image, measure) : std::vector<float>();
           live_->camera(header, image, line, judge_exposure(image, line, measure));

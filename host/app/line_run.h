@@ -13,7 +13,7 @@
 
 #include "host/driver/counters.h"
 #include "host/light_section/differential_profile.h"
-#include "host/light_section/reference_profile.h"
+#include "host/light_section/reference.h"
 #include "host/production/camera_view.h"
 #include "host/production/depth_line.h"
 #include "host/production/judge.h"

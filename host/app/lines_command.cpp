@@ -18,7 +18,7 @@
 #include "host/images/frame_options.h"
 #include "host/images/image_files.h"
 #include "host/images/prepared_images.h"
-#include "host/light_section/fast_runs.h"
+#include "host/light_section/fast_moments.h"
 #include "host/report/frame_picture.h"
 #include "host/report/line_images.h"
 #include "host/report/report.h"
@@ -44,7 +44,7 @@ RigMeasure measure_of(const LinesOptions& options) {
   Measure measure{.mode = mode_of(options.mode), .threshold = options.threshold, .select = Select::strongest};
   options.select.apply(measure);
   RigMeasure result;
-  result.take(measure);
+  result.apply(measure);
   if (result.runs) {
     result.runs->ambiguous_from = options.ambiguous_from;
   }

@@ -24,13 +24,13 @@
 #include "host/files/user_error.h"
 #include "host/images/float_image.h"
 #include "host/images/frame_options.h"
-#include "host/report/counter_facts.h"
-#include "host/report/depth_summary.h"
+#include "host/report/depth_output.h"
+#include "host/report/facts.h"
 #include "host/structured_light/depth_run.h"
-#include "host/structured_light/depth_shares.h"
 #include "host/structured_light/scan_stream.h"
-#include "host/structured_light/self_reference_file.h"
+#include "host/structured_light/self_reference.h"
 #include "host/structured_light/self_scanner.h"
+#include "host/structured_light/triangulation.h"
 
 namespace selfproj {
 namespace {
@@ -55,7 +55,7 @@ std::vector<OfImage<DepthShares>> match_images(const Rig& rig, std::size_t patte
     Image& image = pair.at(i % 2);
     image = images.read(i);
     check_camera_size(rig, images.files()[i], image);
-    if (scanner.take(image.view(), static_cast<int>(i % patterns))) {
+    if (scanner.add_frame(image.view(), static_cast<int>(i % patterns))) {
       scanner.explain(states);
       all_shares.push_back({i / 2, count_states(states)});
       if (images.count() > patterns) {
@@ -200,13 +200,13 @@ bool MatchStream::take(const PacketView& packet, const std::string& uri) {
   check_size("the rig's camera", camera.rows, camera.columns,
              {"an image of " + uri, stream_.header().rows, stream_.header().columns});
   if (got == ScanStream::Got::codes) {
-    scanner_.take_codes(stream_.codes().data());
+    scanner_.add_codes(stream_.codes().data());
     return true;
   }
   if (!stream_.follows()) {
     scanner_.restart();
   }
-  return scanner_.take(stream_.image(), stream_.pattern(run_.patterns()));
+  return scanner_.add_frame(stream_.image(), stream_.pattern(run_.patterns()));
 }
 
 MatchResult MatchRun::measure(const MatchDevice& of, const std::function<std::unique_ptr<Device>()>& open,

@@ -17,7 +17,7 @@
 #include "host/files/output_folder.h"
 #include "host/images/image_files.h"
 #include "host/images/image_sequence.h"
-#include "host/report/match_output.h"
+#include "host/report/depth_output.h"
 #include "host/rig/rig.h"
 #include "host/structured_light/match_table.h"
 #include "host/structured_light/scan_stream.h"

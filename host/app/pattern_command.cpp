@@ -23,7 +23,6 @@
 #include "host/images/frame_options.h"
 #include "host/images/image_files.h"
 #include "host/light_section/pattern.h"
-#include "host/light_section/preview.h"
 #include "host/light_section/reference.h"
 #include "host/light_section/reference_file.h"
 #include "host/light_section/scan.h"

@@ -21,7 +21,7 @@
 #include "host/images/frame_options.h"
 #include "host/images/image_files.h"
 #include "host/images/image_sequence.h"
-#include "host/report/depth_summary.h"
+#include "host/report/depth_output.h"
 #include "host/report/report.h"
 #include "host/structured_light/depth_run.h"
 #include "host/structured_light/gray_sequence.h"

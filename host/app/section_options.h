@@ -7,7 +7,7 @@
 #include <string>
 
 #include "host/camera/camera_device.h"
-#include "host/light_section/reference_profile.h"
+#include "host/light_section/reference.h"
 #include "host/rig/rig.h"
 #include "model/column_runs.h"
 

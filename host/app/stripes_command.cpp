@@ -23,7 +23,6 @@
 #include "host/rig/rig.h"
 #include "host/structured_light/point_scan.h"
 #include "host/structured_light/self_reference.h"
-#include "host/structured_light/self_reference_file.h"
 
 namespace selfproj {
 namespace {

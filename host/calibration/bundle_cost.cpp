@@ -1,7 +1,11 @@
 #include "host/calibration/bundle_cost.h"
 
+#include <ceres/autodiff_cost_function.h>
+#include <ceres/rotation.h>
+
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <vector>
@@ -115,6 +119,43 @@ void view_derivatives(const Motion& motion, const RowsOf3& by_moved, const RowsO
   }
 }
 
+// What a belt's guides and an encoder leave, between two places of one plate.
+constexpr double kTightTurn = 2e-5;   // rad
+constexpr double kTightShift = 2e-3;  // mm
+
+class PlateResidual {
+ public:
+  PlateResidual(const PlatePlace& place, const Plates& plates)
+      : place_(place), deviations_(plates.deviations), scale_deviation_(plates.scale_deviation) {}
+
+  template <typename T>
+  bool operator()(const T* belt, const T* way, const T* plate_off, const T* view, T* residuals) const {
+    const std::array<T, 3> back{-belt[0], -belt[1], -belt[2]};
+    std::array<T, 4> from_camera;
+    std::array<T, 4> of_view;
+    std::array<T, 4> turn;
+    ceres::AngleAxisToQuaternion(back.data(), from_camera.data());
+    ceres::AngleAxisToQuaternion(view, of_view.data());
+    ceres::QuaternionProduct(from_camera.data(), of_view.data(), turn.data());
+    ceres::QuaternionToAngleAxis(turn.data(), residuals);
+    const std::array<T, 3> between{view[3] - belt[3], view[4] - belt[4], view[5] - belt[5]};
+    ceres::QuaternionRotatePoint(from_camera.data(), between.data(), residuals + 3);
+    residuals[3] -= place_.belt_mm * way[0];
+    residuals[4] -= place_.belt_mm * way[1];
+    // z leads away from the camera; poses are in units of the drawn chessboard.
+    residuals[5] += place_.height_mm / (1.0 + scale_deviation_ * way[2]);
+    for (std::size_t i = 0; i < deviations_.size(); ++i) {
+      residuals[i] = (residuals[i] - deviations_[i] * plate_off[i]) / (i < 3 ? kTightTurn : kTightShift);
+    }
+    return true;
+  }
+
+ private:
+  PlatePlace place_;
+  std::array<double, 6> deviations_;
+  double scale_deviation_;
+};
+
 }  // namespace
 
 const CornerModes& modes_at(const std::vector<CornerModes>* shape, const Sight& sight) {
@@ -195,6 +236,11 @@ bool ViewCost::Evaluate(const double* const* parameters, double* residuals, doub
     }
   }
   return true;
+}
+
+ceres::CostFunction* plate_cost(const PlatePlace& place, const Plates& plates) {
+  return new ceres::AutoDiffCostFunction<PlateResidual, kPose, kPose, 3, kPose, kView>(
+      new PlateResidual(place, plates));
 }
 
 }  // namespace selfproj::bundle_cost

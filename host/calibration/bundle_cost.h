@@ -10,12 +10,13 @@
 #include <cstddef>
 #include <vector>
 
-#include "host/calibration/bundle_types.h"
+#include "host/calibration/bundle.h"
+#include "host/calibration/plates.h"
 
 namespace selfproj::bundle_cost {
 
 inline constexpr int kLens = static_cast<int>(kLensParameters);
-inline constexpr int kPose = 6;                  // rotation, translation
+inline constexpr int kPose = kPoseParameters;
 inline constexpr int kView = kPose + kOwnModes;  // the pose, and the bend of this view
 
 // The modes of the chessboard's shape at a corner, all 0 if there is no shape.
@@ -62,6 +63,10 @@ class PriorCost final : public ceres::SizedCostFunction<Size, Block> {
     return true;
   }
 };
+
+// The residuals of a view on a plate, six, in standard deviations of a tight tie: its pose less that of belt and plate.
+// The blocks are belt pose, way and scale (3), plate_off, view.
+ceres::CostFunction* plate_cost(const PlatePlace& place, const Plates& plates);
 
 }  // namespace selfproj::bundle_cost
 

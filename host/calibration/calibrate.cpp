@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <exception>
@@ -17,29 +19,24 @@
 #include <utility>
 #include <vector>
 
-#include "host/calibration/belt_report.h"
-#include "host/calibration/bundle.h"
-#include "host/calibration/bundle_plates.h"
-#include "host/calibration/calibration_warnings.h"
+#include "host/calibration/bundle_solver.h"
+#include "host/calibration/capture.h"
 #include "host/calibration/chessboard.h"
-#include "host/calibration/corner_codes.h"
 #include "host/calibration/model_choice.h"
+#include "host/calibration/plates.h"
+#include "host/calibration/starts.h"
+#include "host/files/numbers.h"
 #include "host/files/numbers.h"
 #include "host/files/user_error.h"
 #include "host/images/frame_options.h"
+#include "host/rig/calibration.h"
+#include "host/rig/optics.h"
 
 namespace selfproj {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kDegrees = 180 / std::numbers::pi;
-
-// The place of a corner on the chessboard, mm.
-cv::Point3d place_of(const Chessboard& chessboard, int corner) {
-  const int column = corner % chessboard.columns;
-  const int row = corner / chessboard.columns;
-  return {chessboard.square_mm * column, chessboard.square_mm * row, 0};
-}
 
 // Whether the corners turn the other way round in the projector than in the camera.
 bool is_mirrored(const std::vector<View>& views) {
@@ -62,14 +59,14 @@ bool is_mirrored(const std::vector<View>& views) {
 // nothing.
 double limit_of(const std::vector<std::vector<cv::Vec2d>>& residuals, double factor, double noise) {
   constexpr double kPerMedian = 0.8493;  // for Rayleigh's distribution: 1/sqrt(2 ln 2)
-  constexpr double kLeast = 0.01;
+  constexpr double kMin = 0.01;
   std::vector<double> lengths;
   for (const auto& view : residuals) {
     for (const cv::Vec2d& residual : view) {
       lengths.push_back(cv::norm(residual));
     }
   }
-  return std::max(kLeast, factor * std::max(noise, kPerMedian * median_of(lengths)));
+  return std::max(kMin, factor * std::max(noise, kPerMedian * median_of(lengths)));
 }
 
 double hull_share(const std::vector<cv::Point2f>& points, cv::Size size) {
@@ -77,8 +74,6 @@ double hull_share(const std::vector<cv::Point2f>& points, cv::Size size) {
   cv::convexHull(points, hull);
   return cv::contourArea(hull) / (static_cast<double>(size.width) * size.height);
 }
-
-Lens lens_of(const LensParameters& p) { return {p[0], p[1], p[2], p[3], {p[4], p[5], p[6], p[7], p[8], 0, 0, 0}}; }
 
 // Connects poses and corners with the views made of them.
 struct Index {
@@ -355,8 +350,8 @@ class Calibrator {
     }
     for (const cv::Vec3d& a : normals) {
       for (const cv::Vec3d& b : normals) {
-        report_.greatest_angle_deg =
-            std::max(report_.greatest_angle_deg, kDegrees * std::acos(std::min(1.0, std::abs(a.dot(b)))));
+        report_.max_angle_deg =
+            std::max(report_.max_angle_deg, kDegrees * std::acos(std::min(1.0, std::abs(a.dot(b)))));
       }
     }
     report_.board_range_mm = board_range(index);
@@ -424,7 +419,7 @@ View view_of(const PoseReport& pose, const CalibrateSettings& settings, bool mir
       const cv::Point2d& seen = corner.projector;
       const double row = mirrored ? settings.projector_rows - 1 - seen.y : seen.y;
       view.sights.push_back(
-          {static_cast<int>(i), place_of(settings.chessboard, static_cast<int>(i)), corner.camera, {seen.x, row}});
+          {static_cast<int>(i), settings.chessboard.place(static_cast<int>(i)), corner.camera, {seen.x, row}});
     }
   }
   return view;
@@ -432,6 +427,247 @@ View view_of(const PoseReport& pose, const CalibrateSettings& settings, bool mir
 
 CalibrationReport calibrate(std::vector<PoseReport> poses, const CalibrateSettings& settings) {
   return Calibrator(std::move(poses), settings).run();
+}
+
+namespace {
+
+// Limits within which a number counts as well constrained.
+constexpr int kFewPoses = 3;
+constexpr double kParallel = 15;         // degrees between the most different poses
+constexpr double kPoorFocal = 0.01;      // relative standard deviation
+constexpr double kPoorCentre = 0.01;     // standard deviation, of the image's longer side
+constexpr double kPoorDistortion = 0.5;  // pixels at the outermost corner
+constexpr double kPoorBaseline = 0.005;  // relative
+constexpr double kPoorCoverage = 0.3;
+
+// A lens from the least squares, and the used corners in its image. Rows of a mirrored projector count from below in
+// both.
+struct EstimatedLens {
+  const char* name;
+  LensParameters parameters, deviation;
+  LensParameters shown;  // the parameters with rows counted as in the result
+  cv::Size image;
+  std::vector<cv::Point2d> corners;
+};
+
+// The greatest effect in pixels, at the outermost corner, of a distortion coefficient's standard deviation.
+double distortion_px(const EstimatedLens& lens) {
+  const LensParameters& p = lens.parameters;
+  double greatest = 0;
+  for (const cv::Point2d& corner : lens.corners) {
+    greatest = std::max(greatest, std::hypot((corner.x - p[2]) / p[0], (corner.y - p[3]) / p[1]));
+  }
+  const double r2 = greatest * greatest;
+  const std::array<double, 5> powers{greatest * r2, greatest * r2 * r2, 3 * r2, 3 * r2, greatest * r2 * r2 * r2};
+  double px = 0;
+  for (std::size_t i = 0; i < powers.size(); ++i) {
+    px = std::max(px, p[0] * powers[i] * lens.deviation[4 + i]);
+  }
+  return px;
+}
+
+// With plates a centre and the lean of the camera stand in for each other; what they see together is known.
+void warn_of_lens(const EstimatedLens& lens, bool plates, std::vector<std::string>& warnings) {
+  const auto warn = [&](std::size_t i, double limit, const char* of_what) {
+    warnings.push_back(
+        fmt::format("{} {} is {:.1f} px with a standard deviation of {:.2g} px: not constrained to {:g} %{}", lens.name,
+                    kLensNames[i], lens.shown[i], lens.deviation[i], 100 * limit, of_what));
+  };
+  for (std::size_t i = 0; i < 2; ++i) {
+    if (!(lens.deviation[i] <= kPoorFocal * lens.parameters[i])) {
+      warn(i, kPoorFocal, "");
+    }
+  }
+  const double side = std::max(lens.image.width, lens.image.height);
+  for (std::size_t i = 2; i < kPinholeParameters; ++i) {
+    if (!plates && !(lens.deviation[i] <= kPoorCentre * side)) {
+      warn(i, kPoorCentre, " of the image");
+    }
+  }
+  const double px = distortion_px(lens);
+  if (!(px <= kPoorDistortion)) {
+    warnings.push_back(
+        fmt::format("{} distortion: a coefficient's standard deviation is worth {:.2g} px at the "
+                    "outermost corner; estimate fewer coefficients or spread the corners wider",
+                    lens.name, px));
+  }
+}
+
+void warn_of_coverage(const char* name, double share, std::vector<std::string>& warnings) {
+  if (share < kPoorCoverage) {
+    warnings.push_back(fmt::format(
+        "{}: corners cover only {:.0f} % of the image; beyond them the distortion is a guess", name, 100 * share));
+  }
+}
+
+// Camera and projector.
+std::array<EstimatedLens, 2> lenses_of(const CalibrationReport& report) {
+  const BundleResult& found = report.bundle;
+  const Calibration& calibration = report.calibration;
+  EstimatedLens camera{"camera",
+                       found.bundle.camera,
+                       found.deviation.camera,
+                       found.bundle.camera,
+                       {calibration.camera_columns, calibration.camera_rows},
+                       {}};
+  EstimatedLens projector{"projector",
+                          found.bundle.projector,
+                          found.deviation.projector,
+                          found.bundle.projector,
+                          {calibration.projector_columns, calibration.projector_rows},
+                          {}};
+  const int last_row = calibration.projector_rows - 1;
+  if (report.mirrored) {
+    projector.shown[1] *= -1;
+    projector.shown[3] = last_row - projector.shown[3];
+  }
+  for (const PoseReport& pose : report.poses) {
+    for (const Corner& corner : pose.corners) {
+      if (pose.reason.empty() && corner.used) {
+        camera.corners.push_back(corner.camera);
+        projector.corners.emplace_back(corner.projector.x,
+                                       report.mirrored ? last_row - corner.projector.y : corner.projector.y);
+      }
+    }
+  }
+  return {camera, projector};
+}
+
+}  // namespace
+
+std::vector<std::string> warnings_of(const CalibrationReport& report) {
+  const BundleResult& found = report.bundle;
+  std::vector<std::string> warnings;
+  if (found.bundle.chessboard.size() < kFewPoses) {
+    warnings.push_back(fmt::format("only {} poses: their noise, rather than the fit's residuals, decides",
+                                   found.bundle.chessboard.size()));
+  }
+  // Plates are parallel; that they are at known heights tells what leaning poses would.
+  if (!report.belt && report.max_angle_deg < kParallel) {
+    warnings.push_back(
+        fmt::format("all poses are parallel within {:.1f} degrees: focal lengths and distances cannot "
+                    "be told apart well; turn the board by 20 to 45 degrees",
+                    report.max_angle_deg));
+  }
+  for (const EstimatedLens& lens : lenses_of(report)) {
+    warn_of_lens(lens, report.belt.has_value(), warnings);
+  }
+  const double baseline = cv::norm(found.bundle.stereo.translation);
+  if (!(found.baseline_deviation <= kPoorBaseline * baseline)) {
+    warnings.push_back(
+        fmt::format("baseline {:.2f} mm with a standard deviation of {:.2g} mm: not constrained to {:g} %", baseline,
+                    found.baseline_deviation, 100 * kPoorBaseline));
+  }
+  warn_of_coverage("camera", report.camera_coverage, warnings);
+  warn_of_coverage("projector", report.projector_coverage, warnings);
+  return warnings;
+}
+
+namespace {
+
+// The point halfway between a camera pixel's ray and a projector pixel's, in the camera's frame; nothing if a lens has
+// no ray for its pixel.
+std::optional<cv::Vec3d> triangulated(const Calibration& c, const Corner& corner) {
+  const std::optional<cv::Vec2d> in_camera = c.camera.ray({corner.camera.x, corner.camera.y});
+  const std::optional<cv::Vec2d> in_projector = c.projector.ray({corner.projector.x, corner.projector.y});
+  if (!in_camera || !in_projector) {
+    return std::nullopt;
+  }
+  const cv::Vec3d a((*in_camera)[0], (*in_camera)[1], 1);
+  const cv::Vec3d b = c.rotation.t() * cv::Vec3d((*in_projector)[0], (*in_projector)[1], 1);
+  const cv::Vec3d from = -(c.rotation.t() * c.translation);  // the projector's place
+  const cv::Matx22d normal(a.dot(a), -a.dot(b), -a.dot(b), b.dot(b));
+  const cv::Vec2d along = normal.inv() * cv::Vec2d(a.dot(from), -b.dot(from));
+  return 0.5 * (along[0] * a + from + along[1] * b);
+}
+
+// Compares the triangulated corners with the chessboard, whose scale is free.
+void measure(const PoseReport& pose, const View& view, const CalibrationReport& report, CheckReport& check) {
+  const std::vector<CornerModes>* shape = report.shape.empty() ? nullptr : &report.shape;
+  Eigen::Matrix3Xd on_board(3, static_cast<Eigen::Index>(view.sights.size()));
+  Eigen::Matrix3Xd seen(3, on_board.cols());
+  Eigen::Index count = 0;
+  for (const Sight& sight : view.sights) {
+    const auto point = triangulated(report.calibration, pose.corners[static_cast<std::size_t>(sight.corner)]);
+    if (point) {
+      const cv::Vec3d place = place_on_board(sight, report.bundle.bundle, shape);
+      on_board.col(count) << place[0], place[1], place[2];
+      seen.col(count++) << (*point)[0], (*point)[1], (*point)[2];
+    }
+  }
+  constexpr Eigen::Index kMin = 4;
+  if (count < kMin) {
+    check.reason = "too few of its corners can be triangulated";
+    return;
+  }
+  on_board.conservativeResize(3, count);
+  seen.conservativeResize(3, count);
+  const Eigen::Matrix4d map = Eigen::umeyama(on_board, seen, true);
+  const Eigen::Matrix3Xd off =
+      seen - ((map.topLeftCorner<3, 3>() * on_board).colwise() + map.topRightCorner<3, 1>()).eval();
+  check.scale = map.topLeftCorner<3, 1>().norm() - 1;
+  check.point_rms_mm = std::sqrt(off.squaredNorm() / static_cast<double>(count));
+}
+
+}  // namespace
+
+CheckReport check_pose(const PoseReport& pose, const CalibrationReport& report) {
+  CheckReport check;
+  check.name = pose.name;
+  check.corners = pose.used();
+  check.reason = pose.reason;
+  if (check.reason.empty() &&
+      (pose.rows != report.calibration.camera_rows || pose.columns != report.calibration.camera_columns)) {
+    check.reason = "its images have another size";
+  }
+  if (check.reason.empty() && check.corners < report.settings.min_corners) {
+    check.reason = "too few of its corners can be used";
+  }
+  if (!check.reason.empty()) {
+    return check;
+  }
+  const std::vector<CornerModes>* shape = report.shape.empty() ? nullptr : &report.shape;
+  const View view = view_of(pose, report.settings, report.mirrored);
+  try {
+    const Pose start = chessboard_pose(view, report.bundle.bundle.camera);
+    if (!(start.translation[2] > 0)) {
+      throw std::runtime_error("no pose of the chessboard explains its corners");
+    }
+    const BundleResult found = locate_view(view, report.bundle.bundle, start, shape);
+    check.camera_rms = found.camera_rms;
+    check.projector_rms = found.projector_rms;
+    measure(pose, view, report, check);
+  } catch (const std::runtime_error& error) {
+    check.reason = error.what();
+  }
+  return check;
+}
+
+namespace {
+
+// Twice what a projector line is worth in z in the middle of the camera's image, at this distance.
+double coarse(const Rig& rig, double distance_mm) {
+  const RigOptics optics(rig);
+  const auto ray = optics.ray({0.5 * (rig.camera.rows - 1), 0.5 * (rig.camera.columns - 1)});
+  const double way = ray ? 2 * optics.z_per_line(*ray, distance_mm) : 0;
+  return std::isfinite(way) ? way : 0;
+}
+
+}  // namespace
+
+Rig calibrated_rig(const CalibrationReport& report, const Rig& drawn) {
+  Rig rig = rig_of(report.calibration, drawn);
+  if (report.belt) {
+    if (report.belt->moved) {
+      rig.belt_pose = report.belt->pose;
+    }
+    rig.plane_z_mm = report.belt->plane_z_mm;
+  }
+  if (rig.kind == RigKind::scanner) {
+    // The limit of the drawn rig may be that of a much finer one.
+    rig.measure.max_z_per_line_mm = std::max(rig.measure.max_z_per_line_mm, coarse(rig, report.mean_distance_mm));
+  }
+  return rig;
 }
 
 }  // namespace selfproj

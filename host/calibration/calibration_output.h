@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "host/calibration/calibration_report.h"
+#include "host/calibration/calibrate.h"
 
 namespace selfproj {
 
@@ -16,6 +16,12 @@ std::string report_json(const CalibrationReport& report);
 
 // The same for a human reader, in lines of at most about 110 characters.
 std::string report_text(const CalibrationReport& report);
+
+// PNG: the corners of camera and projector in their images, coloured by pose, with their hull; unused ones are crossed.
+std::string coverage_picture(const CalibrationReport& report);
+
+// PNG: the residuals of camera and projector, above as points in pixels, below as magnified arrows in place.
+std::string residual_picture(const CalibrationReport& report);
 
 }  // namespace selfproj
 

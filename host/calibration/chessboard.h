@@ -1,7 +1,9 @@
-// The chessboard and its corners in the camera's image.
+// The chessboard: its corners in the camera's image, and the modes by which its shape differs from its drawing.
 #ifndef SELFPROJ_HOST_CALIBRATION_CHESSBOARD_H
 #define SELFPROJ_HOST_CALIBRATION_CHESSBOARD_H
 
+#include <array>
+#include <opencv2/core/matx.hpp>
 #include <opencv2/core/types.hpp>
 #include <string>
 #include <vector>
@@ -18,6 +20,12 @@ struct Chessboard {
   double square_mm = 0;
 
   [[nodiscard]] int corners() const { return columns * rows; }
+
+  // Where a corner is on the drawing: mm, z = 0.
+  [[nodiscard]] cv::Point3d place(int corner) const {
+    const int row = corner / columns;
+    return {square_mm * (corner % columns), square_mm * row, 0};
+  }
 };
 
 struct FoundChessboard {
@@ -30,6 +38,22 @@ struct FoundChessboard {
 // Finds the corners of the whole chessboard, in any orientation. A chessboard with more corners than asked for is not
 // taken for a part of itself.
 FoundChessboard find_chessboard(const Image& image, const Chessboard& chessboard);
+
+inline constexpr int kBendModes = 18;    // along the chessboard's normal: polynomials of degree 2 to 5 in the position
+inline constexpr int kStretchModes = 8;  // within the chessboard's plane: aspect, shear and degree 2
+inline constexpr int kSharedModes = kBendModes + kStretchModes;
+inline constexpr int kOwnModes = 7;  // the first bends, of degree 2 and 3, which may differ from pose to pose
+
+// The modes at one corner. Over all corners, a stretch has a root mean square of 1, and a bend of degree d has one of
+// 1 / (d - 1), because long bends of paper are stronger than short ones.
+struct CornerModes {
+  std::array<double, kBendModes> bend{};
+  std::array<cv::Vec2d, kStretchModes> stretch{};
+};
+
+// Returns the modes at every corner, in the order of the corners. They contain no motion of the whole chessboard and no
+// change of its size. Modes for which the chessboard has too few corners are 0.
+std::vector<CornerModes> board_modes(const Chessboard& chessboard);
 
 }  // namespace selfproj
 

@@ -18,10 +18,12 @@
 #include <vector>
 
 #include "host/calibration/bundle.h"
+#include "host/calibration/bundle_solver.h"
+#include "host/files/numbers.h"
 #include "host/files/numbers.h"
 #include "host/files/user_error.h"
 #include "host/images/frame_options.h"
-#include "host/rig/lens.h"
+#include "host/rig/calibration.h"
 
 namespace selfproj {
 namespace {
@@ -32,9 +34,7 @@ View view_of(const BoardImage& image, const Chessboard& board) {
   for (std::size_t i = 0; i < image.corners.size(); ++i) {
     if (image.used[i]) {
       const int corner = static_cast<int>(i);
-      const int row = corner / board.columns;
-      view.sights.push_back(
-          {corner, {board.square_mm * (corner % board.columns), board.square_mm * row, 0}, image.corners[i], {}});
+      view.sights.push_back({corner, board.place(corner), image.corners[i], {}});
     }
   }
   return view;
@@ -119,9 +119,9 @@ class CameraCalibrator {
 
   // Leaves out corners that are too far off. Returns whether there were any.
   bool reject() {
-    constexpr double kLeast = 0.01;  // px, so that exact data lose nothing
+    constexpr double kMin = 0.01;  // px, so that exact data lose nothing
     const BundleResult& found = report_.model.result;
-    const double limit = std::max(kLeast, report_.settings.reject * found.bundle.noise.camera);
+    const double limit = std::max(kMin, report_.settings.reject * found.bundle.noise.camera);
     bool any = false;
     for (std::size_t v = 0; v < views_.size(); ++v) {
       BoardImage& image = report_.images[report_.image_of_view[v]];
@@ -151,8 +151,7 @@ class BoardInSpace {
     for (int i = 0; i < board_.corners(); ++i) {
       Sight sight;
       sight.corner = i;
-      const int row = i / board_.columns;
-      sight.chessboard = {board_.square_mm * (i % board_.columns), board_.square_mm * row, 0};
+      sight.chessboard = board_.place(i);
       height_.push_back(place_on_board(sight, found, shape)[2]);
     }
   }
@@ -235,7 +234,7 @@ FittedPlane plane_of(const std::vector<Eigen::Vector3d>& points, std::vector<boo
 FittedPlane robust_plane(const std::vector<Eigen::Vector3d>& points) {
   constexpr int kRounds = 20;
   constexpr double kSpreads = 4.5 * 1.4826;
-  constexpr double kLeast = 1e-6;  // mm
+  constexpr double kMin = 1e-6;  // mm
   FittedPlane plane = plane_of(points, std::vector<bool>(points.size(), true));
   for (int round = 0; round < kRounds; ++round) {
     std::vector<double> distances;
@@ -243,7 +242,7 @@ FittedPlane robust_plane(const std::vector<Eigen::Vector3d>& points) {
     for (const Eigen::Vector3d& point : points) {
       distances.push_back(std::abs(plane.normal.dot(point - plane.middle)));
     }
-    const double limit = std::max(kLeast, kSpreads * median_of(distances));
+    const double limit = std::max(kMin, kSpreads * median_of(distances));
     std::vector<bool> on(points.size());
     std::transform(distances.begin(), distances.end(), on.begin(), [&](double d) { return d <= limit; });
     if (on == plane.on) {
@@ -308,10 +307,9 @@ std::vector<cv::Point2d> line_centres(const Image& image, int threshold) {
 }
 
 LaserPlane laser_plane(const CameraReport& camera, const std::vector<Image>& lines) {
-  constexpr std::size_t kLeastPoints = 5;  // of an image
-  constexpr std::size_t kLeastImages = 3;
-  const LensParameters& p = camera.model.result.bundle.camera;
-  const Lens lens{p[0], p[1], p[2], p[3], {p[4], p[5], p[6], p[7], p[8], 0, 0, 0}};
+  constexpr std::size_t kMinPoints = 5;  // of an image
+  constexpr std::size_t kMinImages = 3;
+  const Lens lens = lens_of(camera.model.result.bundle.camera);
   std::vector<Eigen::Vector3d> points;
   std::vector<std::size_t> image_of_point;
   LaserPlane result;
@@ -325,12 +323,12 @@ LaserPlane laser_plane(const CameraReport& camera, const std::vector<Image>& lin
         own.emplace_back((*at)[0], (*at)[1], (*at)[2]);
       }
     }
-    if (own.size() >= kLeastPoints) {
+    if (own.size() >= kMinPoints) {
       points.insert(points.end(), own.begin(), own.end());
       image_of_point.insert(image_of_point.end(), own.size(), result.images++);
     }
   }
-  if (result.images < kLeastImages) {
+  if (result.images < kMinImages) {
     throw UserError("--laser",
                     fmt::format("the line is found on {} chessboards; 3 or more are needed (it must cross the "
                                 "squares and be brighter than --laser-threshold)",

@@ -7,7 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "host/calibration/board_shape.h"
 #include "host/calibration/chessboard.h"
 #include "host/calibration/model_choice.h"
 #include "host/images/image_files.h"

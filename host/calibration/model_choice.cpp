@@ -13,13 +13,14 @@
 #include <utility>
 #include <vector>
 
+#include "host/calibration/bundle_solver.h"
 #include "host/calibration/starts.h"
 
 namespace selfproj {
 namespace {
 
 constexpr std::array<int, 5> kLevels{0, 1, 2, 4, 5};  // coefficients that may be free
-constexpr int kMostByData = 4;
+constexpr int kMaxByData = 4;
 
 // Chi square of five standard deviations, by the degrees of freedom. Three would do for noise; but what paper and codes
 // add is not quite independent from corner to corner.
@@ -32,10 +33,10 @@ BundleOptions options_of(const ModelSettings& settings, const FreeDistortion& fr
   BundleOptions options;
   options.free = free;
   if (settings.free.camera == FreeDistortion::kByData) {
-    options.uncertain.camera = kMostByData;
+    options.uncertain.camera = kMaxByData;
   }
   if (settings.free.projector == FreeDistortion::kByData) {
-    options.uncertain.projector = kMostByData;
+    options.uncertain.projector = kMaxByData;
   }
   options.shape = settings.shape;
   options.plates = settings.plates;
@@ -46,12 +47,7 @@ BundleOptions options_of(const ModelSettings& settings, const FreeDistortion& fr
 // The shape's standard deviations that a fit begins with, of the chessboard's longer side.
 void begin_shape(Bundle& bundle, const std::vector<View>& views) {
   constexpr double kBegin = 1e-3;
-  double side = 0;
-  for (const View& view : views) {
-    for (const Sight& sight : view.sights) {
-      side = std::max({side, sight.chessboard.x, sight.chessboard.y});
-    }
-  }
+  const double side = board_side(views);
   bundle.noise.bend = bundle.noise.own = kBegin * side;
   bundle.noise.stretch = 0.1 * kBegin * side;
 }
@@ -175,7 +171,7 @@ class Ladder {
       FreeDistortion next = choice_.free;
       int& count = camera ? next.camera : next.projector;
       const int before = count;
-      count = level_above(before, levels, kMostByData);
+      count = level_above(before, levels, kMaxByData);
       if (count == before) {
         continue;
       }
@@ -216,7 +212,6 @@ struct Difference {
 };
 
 Difference difference(const BundleResult& found, const Bundle& other) {
-  const std::array<const char*, kLensParameters> names{"fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3"};
   Difference most;
   const auto compare = [&](const char* what, const char* name, double a, double b, double deviation) {
     const double off = deviation > 0 ? std::abs(a - b) / deviation : 0;
@@ -226,8 +221,8 @@ Difference difference(const BundleResult& found, const Bundle& other) {
   };
   const Bundle& bundle = found.bundle;
   for (std::size_t i = 0; i < kLensParameters; ++i) {
-    compare("camera", names[i], bundle.camera[i], other.camera[i], found.deviation.camera[i]);
-    compare("projector", names[i], bundle.projector[i], other.projector[i], found.deviation.projector[i]);
+    compare("camera", kLensNames[i], bundle.camera[i], other.camera[i], found.deviation.camera[i]);
+    compare("projector", kLensNames[i], bundle.projector[i], other.projector[i], found.deviation.projector[i]);
   }
   for (int i = 0; i < 3; ++i) {
     compare("projector", "place (mm)", bundle.stereo.translation[i], other.stereo.translation[i],
@@ -314,8 +309,8 @@ void check_starts(const std::vector<View>& views, const ModelSettings& settings,
   // Standard deviations within which solutions are the same: what is left of the rough minimum of a start, and too
   // little to matter beside the deviations themselves.
   constexpr double kSame = 0.3;
-  constexpr int kMostBetter = 3;
-  for (int round = 0; round <= kMostBetter; ++round) {
+  constexpr int kMaxBetter = 3;
+  for (int round = 0; round <= kMaxBetter; ++round) {
     choice.agreeing = choice.worse = choice.failed = 0;
     choice.refusal = undetermined(choice.result, settings);
     std::optional<BundleResult> better;

@@ -27,7 +27,7 @@ std::size_t index(Lean lean) { return static_cast<std::size_t>(lean); }
 }  // namespace
 
 Lean lean_of(const PoseReport& pose, const Chessboard& chessboard) {
-  constexpr double kLeast = 0.03;
+  constexpr double kMin = 0.03;
   std::vector<cv::Point2d> board;
   std::vector<cv::Point2d> image;
   for (std::size_t i = 0; i < pose.corners.size(); ++i) {
@@ -37,8 +37,8 @@ Lean lean_of(const PoseReport& pose, const Chessboard& chessboard) {
     board.emplace_back(column - 0.5 * (chessboard.columns - 1), row - 0.5 * (chessboard.rows - 1));
     image.push_back(pose.corners[i].camera);
   }
-  constexpr std::size_t kLeastCorners = 4;
-  const cv::Mat found = board.size() < kLeastCorners ? cv::Mat() : cv::findHomography(board, image);
+  constexpr std::size_t kMinCorners = 4;
+  const cv::Mat found = board.size() < kMinCorners ? cv::Mat() : cv::findHomography(board, image);
   if (found.empty()) {
     return Lean::none;
   }
@@ -49,7 +49,7 @@ Lean lean_of(const PoseReport& pose, const Chessboard& chessboard) {
   const double p = h(2, 0) / w;
   const double q = h(2, 1) / w;
   const double far = std::abs(p) * (chessboard.columns - 1) + std::abs(q) * (chessboard.rows - 1);
-  if (far < kLeast) {
+  if (far < kMin) {
     return Lean::none;
   }
   const double x = h(0, 2) / w;

@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <string>
 
-#include "host/calibration/calibration_report.h"
+#include "host/calibration/calibrate.h"
 
 namespace selfproj {
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <complex>
 #include <cstddef>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/core.hpp>
@@ -122,31 +121,14 @@ LensParameters changed(LensParameters lens, cv::Size size, double focal, double 
   return lens;
 }
 
-// The pose of a view square to the camera's axis: the similarity that fits its corners best.
-Pose square_pose(const View& view, const LensParameters& lens) {
-  using Complex = std::complex<double>;
-  Complex board_mean = 0;
-  Complex seen_mean = 0;
-  std::vector<std::pair<Complex, Complex>> pairs;
+// The pose of a view square to the axis of a camera without distortion.
+Pose square_pose_of(const View& view, const LensParameters& lens) {
+  std::vector<PlanePoint> points;
   for (const Sight& sight : view.sights) {
-    const Complex board(sight.chessboard.x, sight.chessboard.y);
-    const Complex seen((sight.camera.x - lens[2]) / lens[0], (sight.camera.y - lens[3]) / lens[1]);
-    pairs.emplace_back(board, seen);
-    board_mean += board;
-    seen_mean += seen;
+    points.push_back({{sight.chessboard.x, sight.chessboard.y},
+                      {(sight.camera.x - lens[2]) / lens[0], (sight.camera.y - lens[3]) / lens[1]}});
   }
-  const auto count = static_cast<double>(pairs.size());
-  board_mean /= count;
-  seen_mean /= count;
-  Complex product = 0;
-  double squares = 0;
-  for (const auto& [board, seen] : pairs) {
-    product += (seen - seen_mean) * std::conj(board - board_mean);
-    squares += std::norm(board - board_mean);
-  }
-  const Complex turn = product / squares;  // its length is 1 / z
-  const Complex at = (seen_mean - turn * board_mean) / std::abs(turn);
-  return {{0, 0, std::arg(turn)}, {at.real(), at.imag(), 1 / std::abs(turn)}};
+  return square_pose(points);
 }
 
 }  // namespace
@@ -163,7 +145,8 @@ std::vector<Bundle> bundle_starts_of(const std::vector<View>& views, const Plate
     start.stereo = plates.stereo;
     for (std::size_t v = 0; v < views.size(); ++v) {
       const bool lies = plates.places[v].plate >= 0;
-      start.chessboard.push_back(lies ? square_pose(views[v], start.camera) : chessboard_pose(views[v], start.camera));
+      start.chessboard.push_back(lies ? square_pose_of(views[v], start.camera)
+                                      : chessboard_pose(views[v], start.camera));
     }
     start_belt(plates, start);
     starts.push_back(start);

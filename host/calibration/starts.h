@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "host/calibration/bundle.h"
-#include "host/calibration/bundle_plates.h"
+#include "host/calibration/plates.h"
 
 namespace selfproj {
 

@@ -129,7 +129,7 @@ constexpr std::array<Key, 21> kKeys = {{
      [](CameraUri& uri, const std::string& text) { uri.board.stream = number_in(text, 0, UINT8_MAX); }},
     {"pixel-clock-hz", "NUMBER", "clock in which time stamps count",
      [](CameraUri& uri, const std::string& text) {
-       uri.board.pixel_clock_hz = number_in(text, kLeastPixelClockHz, kMostPixelClockHz);
+       uri.board.pixel_clock_hz = number_in(text, kMinPixelClockHz, kMaxPixelClockHz);
      }},
     {"median", "yes|no", "codes pass through the 3 x 3 median",
      [](CameraUri& uri, const std::string& text) { uri.board.median = yes(text); }},

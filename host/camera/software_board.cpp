@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "host/light_section/fast_runs.h"
+#include "host/light_section/fast_moments.h"
 #include "model/packet_payload.h"
 #include "model/spec/generated/selfproj_spec.h"
 
@@ -155,7 +155,7 @@ bool SoftwareBoard::decode(const ImageView& image, bool complete, int pattern) {
                   positive_.data() + static_cast<std::ptrdiff_t>(row) * image.columns);
     }
   }
-  if (!decoder_->take(kept, pattern)) {
+  if (!decoder_->add_frame(kept, pattern)) {
     return false;
   }
   if (median_) {

@@ -9,6 +9,7 @@
 #include <exception>
 #include <functional>
 #include <memory>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -16,6 +17,7 @@
 #include "host/cli/command_line.h"
 #include "host/cli/help_text.h"
 #include "host/cli/program_run.h"
+#include "host/files/notes.h"
 #include "host/files/user_error.h"
 #include "model/spec/generated/selfproj_spec.h"
 
@@ -128,6 +130,12 @@ int run_commands(const CommandText& text, const std::function<void(CLI::App&)>& 
       return 0;
     }
     take_check_usage(app, words);
+    // A note is printed once, however often its file is read.
+    note_sink() = [name, said = std::set<std::string>()](const std::string& line) mutable {
+      if (said.insert(line).second) {
+        report(name, line, 0);
+      }
+    };
     std::reverse(words.begin(), words.end());  // CLI11 takes the words from the back
     try {
       app.parse(std::move(words));

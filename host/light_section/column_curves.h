@@ -1,4 +1,4 @@
-// For each camera column the curve from the row of the light to the point there, as polynomials, for any rig.
+// Profiles of any rig: for each camera column the curve from the row of the light to the point there, as polynomials.
 #ifndef SELFPROJ_HOST_LIGHT_SECTION_COLUMN_CURVES_H
 #define SELFPROJ_HOST_LIGHT_SECTION_COLUMN_CURVES_H
 
@@ -8,8 +8,12 @@
 #include <optional>
 #include <vector>
 
-#include "host/light_section/reference_profile.h"
+#include "host/light_section/profile.h"
+#include "host/light_section/reference.h"
+#include "host/light_section/strip_moments.h"
 #include "host/rig/rig.h"
+#include "model/column_moments.h"
+#include "model/column_runs.h"
 
 namespace selfproj {
 
@@ -27,11 +31,11 @@ class ColumnCurves {
   static constexpr std::array<int, 3> kDegrees = {3, 5, 8};
 
   // What x, y and z of a fit may be off, mm.
-  static constexpr double kMostError = 0.001;
+  static constexpr double kMaxError = 0.001;
 
   // Fits the curves of all columns with the least degree that is exact enough. Throws std::invalid_argument if the
   // reference has another number of columns than the rig, and UserError, naming the column and its error, if even the
-  // greatest degree misses kMostError.
+  // greatest degree misses kMaxError.
   ColumnCurves(const Rig& rig, const ReferenceProfile& reference);
 
   [[nodiscard]] int columns() const { return static_cast<int>(valid.size()); }
@@ -57,6 +61,12 @@ class ColumnCurves {
   int degree_ = 0;
   double fit_error_ = 0;
 };
+
+// What DifferentialProfiler::profile does, for all columns.
+void profile_by_curves(const ColumnCurves& curves, const LineRules& rules, Select select, Mode mode,
+                       const std::uint8_t* payload, const ProfileView& out);
+void profile_by_curves(const ColumnCurves& curves, const LineRules& rules, const RunsView& runs,
+                       const ProfileView& out);
 
 }  // namespace selfproj
 

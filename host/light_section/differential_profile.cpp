@@ -9,12 +9,11 @@
 
 #include "host/images/float_image.h"
 #include "host/light_section/column_curves.h"
-#include "host/light_section/curve_kernel.h"
 #include "host/light_section/strip_moments.h"
 #include "host/rig/geometry.h"
 #include "model/column_runs.h"
 #include "model/cpu_clones.h"
-#include "model/moments_words.h"
+#include "model/packet_payload.h"
 
 // The compiler vectorizes the loops over columns for each instruction set of SELFPROJ_CLONES. -std=c++20 (ISO, without
 // extensions) keeps it from fusing multiplications with additions, so that all sets give the same bits.

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdlib>
 #include <iterator>
 #include <limits>
 #include <opencv2/core.hpp>
@@ -15,20 +16,418 @@
 #include <vector>
 
 #include "host/files/user_error.h"
-#include "host/light_section/height_model.h"
-#include "host/light_section/height_samples.h"
 #include "host/rig/geometry.h"
 #include "host/rig/height_correction.h"
 #include "host/rig/optics.h"
+#include "host/rig/rig.h"
 
 namespace selfproj {
 namespace {
 
-constexpr std::size_t kLeastLevels = 3;
-constexpr std::size_t kLeastSamples = 200;  // of a level
-constexpr int kMostFittedOrder = 6;
-constexpr int kMostHeightOrder = 2;  // the rest of a geometry is hardly curved in height
-constexpr int kParts = 16;           // of the columns, for unevenness
+// --- samples: where the camera saw which line, at which true height ---
+
+struct HeightSample {
+  double row = 0;  // from 0
+  int column = 0;
+  double line = 0;
+  std::size_t position = 0;
+  std::size_t level = 0;
+  double height_mm = 0;        // true
+  double x = 0, y = 0, z = 0;  // by the geometry alone
+};
+
+constexpr double kClose = 0.5;  // mm: how near to its tread a sample must be
+
+bool place(const RigOptics& optics, HeightSample& sample) {
+  const std::optional<cv::Vec2d> ray = optics.ray({sample.row, static_cast<double>(sample.column)});
+  const LightSheet sheet{sample.line, 0, 0.5 * (optics.rig().projector.columns - 1)};
+  const std::optional<double> z = ray ? optics.meet(*ray, sheet) : std::nullopt;
+  if (z) {
+    sample.x = *z * (*ray)[0];
+    sample.y = *z * (*ray)[1];
+    sample.z = *z;
+  }
+  return z.has_value();
+}
+
+// How the true height follows from that by the geometry, roughly: p . (1, x, y, height).
+using Rough = cv::Vec4d;
+
+double rough_height(const Rough& p, const Rig& rig, const HeightSample& sample) {
+  return p.dot({1, sample.x, sample.y, rig.plane_z_mm - sample.z});
+}
+
+// The tread nearest to a height; none if all are further than `close`.
+std::optional<std::size_t> tread_of(const std::vector<double>& steps, double height, double close) {
+  const auto nearest = std::min_element(
+      steps.begin(), steps.end(), [height](double a, double b) { return std::abs(a - height) < std::abs(b - height); });
+  return std::abs(*nearest - height) < close ? std::optional(static_cast<std::size_t>(nearest - steps.begin()))
+                                             : std::nullopt;
+}
+
+// The shift of all heights, and the lean across the belt, with which most samples lie near treads, and most treads have
+// samples.
+Rough shifted(const Rig& rig, const std::vector<HeightSample>& samples, const std::vector<double>& steps,
+              double close) {
+  constexpr int kOffsets = 60;  // to either side, of 0.5 mm
+  constexpr int kLeans = 8;     // to either side, of 0.004
+  Rough best;
+  double most = -1;
+  for (int k = -kLeans; k <= kLeans; ++k) {
+    for (int i = -kOffsets; i <= kOffsets; ++i) {
+      const Rough shift(0.5 * i, 0, 0.004 * k, 1);
+      std::vector<double> on(steps.size(), 0);
+      for (const HeightSample& sample : samples) {
+        const double height = rough_height(shift, rig, sample);
+        if (const auto tread = tread_of(steps, height, close)) {
+          on[*tread] += 1 - std::abs(steps[*tread] - height) / close;
+        }
+      }
+      double sum = 0;
+      for (const double count : on) {
+        sum += count + (count > 0 ? 0.02 * static_cast<double>(samples.size()) : 0);
+      }
+      if (sum > most) {
+        most = sum;
+        best = shift;
+      }
+    }
+  }
+  return best;
+}
+
+// From there by least squares over the samples near treads, which become more and the treads narrower.
+Rough rough_heights(const Rig& rig, const std::vector<HeightSample>& samples, const std::vector<double>& steps) {
+  constexpr std::size_t kLooked = 2000;
+  constexpr int kRounds = 8;
+  double close = 10;
+  for (std::size_t k = 1; k < steps.size(); ++k) {
+    close = std::min(close, 0.3 * (steps[k] - steps[k - 1]));
+  }
+  std::vector<HeightSample> some;
+  for (std::size_t i = 0; i < samples.size(); i += std::max<std::size_t>(1, samples.size() / kLooked)) {
+    some.push_back(samples[i]);
+  }
+  Rough rough = shifted(rig, some, steps, close);
+  for (int round = 0; round < kRounds; ++round) {
+    cv::Matx44d matrix = cv::Matx44d::zeros();
+    cv::Vec4d right(0, 0, 0, 0);
+    for (const HeightSample& sample : some) {
+      if (const auto tread = tread_of(steps, rough_height(rough, rig, sample), close)) {
+        const cv::Vec4d terms(1, sample.x, sample.y, rig.plane_z_mm - sample.z);
+        matrix += terms * terms.t();
+        right += steps[*tread] * terms;
+      }
+    }
+    rough = matrix.inv(cv::DECOMP_SVD) * right;
+    close = std::max(std::min(kClose, close), 0.7 * close);
+  }
+  return rough;
+}
+
+// Gives each sample its tread, and leaves out those without one or near a step.
+std::vector<HeightSample> on_treads(const Rig& rig, std::vector<HeightSample> samples,
+                                    const std::vector<double>& steps) {
+  constexpr int kApart = 3;
+  const Rough rough = rough_heights(rig, samples, steps);
+  const std::size_t none = steps.size();
+  for (HeightSample& sample : samples) {
+    sample.level = tread_of(steps, rough_height(rough, rig, sample), kClose).value_or(none);
+  }
+  std::vector<HeightSample> kept;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    // The samples of an image lie side by side, in the order of their columns.
+    bool good = samples[i].level != none;
+    for (const int step : {-1, 1}) {
+      for (std::size_t k = i; good;) {
+        if ((step < 0 && k == 0) || (step > 0 && k + 1 == samples.size())) {
+          break;
+        }
+        k = step < 0 ? k - 1 : k + 1;
+        const bool beside = samples[k].line == samples[i].line && samples[k].position == samples[i].position &&
+                            std::abs(samples[k].column - samples[i].column) <= kApart;
+        if (!beside) {
+          break;
+        }
+        good = samples[k].level == samples[i].level;
+      }
+    }
+    if (good) {
+      kept.push_back(samples[i]);
+      kept.back().height_mm = steps[samples[i].level];
+    }
+  }
+  return kept;
+}
+
+// All samples that the geometry can place. With steps, each gets the height of its tread; samples that belong to none,
+// or lie within three columns of a step, are left out.
+std::vector<HeightSample> height_samples(const Rig& rig, const std::vector<HeightPosition>& positions,
+                                         const HeightSettings& settings) {
+  const RigOptics optics(rig);
+  std::vector<HeightSample> samples;
+  for (std::size_t p = 0; p < positions.size(); ++p) {
+    for (const LineSighting& seen : positions[p].seen) {
+      HeightSample sample{seen.row, seen.column, seen.line, p, p, positions[p].height_mm};
+      if (place(optics, sample)) {
+        samples.push_back(sample);
+      }
+    }
+  }
+  return settings.steps_mm.empty() ? samples : on_treads(rig, std::move(samples), settings.steps_mm);
+}
+
+// Places the samples anew by the geometry of another rig.
+void place_samples(const RigOptics& optics, std::vector<HeightSample>& samples) {
+  samples.erase(
+      std::remove_if(samples.begin(), samples.end(), [&](HeightSample& sample) { return !place(optics, sample); }),
+      samples.end());
+}
+
+// --- the correction as a problem of least squares: which orders the samples support, and what they leave open ---
+
+// Least squares of the corrections, from the samples of even and of odd columns apart.
+class HeightModel {
+ public:
+  HeightModel(const RigCamera& camera, const RigHeights& most, double plane_z, const std::vector<HeightSample>& samples,
+              const std::vector<char>& used, std::size_t levels)
+      : terms_(height_terms(most.order, most.order_heights)),
+        correction_(camera, most),
+        by_level_(terms_.size(), std::vector<double>(levels, 0)) {
+    const auto n = static_cast<int>(terms_.size());
+    for (Half& half : halves_) {
+      half.matrix = cv::Mat::zeros(n, n, CV_64F);
+      half.right = cv::Mat::zeros(n, 1, CV_64F);
+    }
+    std::vector<double> row;
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+      const HeightSample& s = samples[i];
+      if (used[i] == 0) {
+        continue;
+      }
+      const double geometric = plane_z - s.z;
+      correction_.terms(s.row, s.column, geometric, row);
+      add(row, s.height_mm - geometric, halves_.at(static_cast<std::size_t>(s.column % 2)));
+      for (std::size_t t = 0; t < row.size(); ++t) {
+        by_level_[t][s.level] += row[t];
+      }
+    }
+  }
+
+  // The terms of a smaller correction, by their places among all.
+  [[nodiscard]] std::vector<int> places(int order, int order_heights) const {
+    std::vector<int> places;
+    for (std::size_t i = 0; i < terms_.size(); ++i) {
+      const auto& [column, row, height] = terms_[i];
+      if (column + row + height <= order && height <= order_heights) {
+        places.push_back(static_cast<int>(i));
+      }
+    }
+    return places;
+  }
+
+  struct Solved {
+    cv::Mat inverse;       // of the normal matrix
+    cv::Mat coefficients;  // n x 1
+  };
+  // `which`: 0 even columns, 1 odd ones, 2 all.
+  [[nodiscard]] std::optional<Solved> solve(const std::vector<int>& places, int which) const {
+    const Half half = of(which);
+    const auto n = static_cast<int>(places.size());
+    cv::Mat matrix(n, n, CV_64F);
+    cv::Mat right(n, 1, CV_64F);
+    for (int i = 0; i < n; ++i) {
+      const int from = places[static_cast<std::size_t>(i)];
+      right.at<double>(i) = half.right.at<double>(from);
+      for (int k = 0; k < n; ++k) {
+        matrix.at<double>(i, k) = half.matrix.at<double>(from, places[static_cast<std::size_t>(k)]);
+      }
+    }
+    Solved solved;
+    if (cv::invert(matrix, solved.inverse, cv::DECOMP_CHOLESKY) == 0) {
+      return std::nullopt;
+    }
+    solved.coefficients = solved.inverse * right;
+    return solved;
+  }
+
+  // The mean square error of the coefficients on the samples of `which`.
+  [[nodiscard]] double error(const std::vector<int>& places, const cv::Mat& coefficients, int which) const {
+    const Half half = of(which);
+    double sum = half.square;
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      const double at = coefficients.at<double>(static_cast<int>(i));
+      sum -= 2 * at * half.right.at<double>(places[i]);
+      for (std::size_t k = 0; k < places.size(); ++k) {
+        sum += at * coefficients.at<double>(static_cast<int>(k)) * half.matrix.at<double>(places[i], places[k]);
+      }
+    }
+    return std::max(0.0, sum) / half.count;
+  }
+
+  [[nodiscard]] std::size_t levels() const { return by_level_.front().size(); }
+
+  // The sum of a term over the samples of a level.
+  [[nodiscard]] double sum_of_level(int place, std::size_t level) const {
+    return by_level_[static_cast<std::size_t>(place)][level];
+  }
+
+ private:
+  struct Half {
+    cv::Mat matrix, right;
+    double square = 0, count = 0;
+  };
+  static void add(const std::vector<double>& row, double off, Half& half) {
+    const auto n = static_cast<int>(row.size());
+    for (int i = 0; i < n; ++i) {
+      auto* to = half.matrix.ptr<double>(i);
+      const double at = row[static_cast<std::size_t>(i)];
+      for (int k = 0; k < n; ++k) {
+        to[k] += at * row[static_cast<std::size_t>(k)];
+      }
+      half.right.at<double>(i) += at * off;
+    }
+    half.square += off * off;
+    half.count += 1;
+  }
+  [[nodiscard]] Half of(int which) const {
+    if (which < 2) {
+      return halves_.at(static_cast<std::size_t>(which));
+    }
+    return {halves_[0].matrix + halves_[1].matrix, halves_[0].right + halves_[1].right,
+            halves_[0].square + halves_[1].square, halves_[0].count + halves_[1].count};
+  }
+
+  std::vector<std::array<int, 3>> terms_;
+  HeightCorrection correction_;
+  std::vector<std::vector<double>> by_level_;
+  std::array<Half, 2> halves_;
+};
+
+// A correction of one order, fitted to all samples.
+struct FittedHeights {
+  RigHeights heights;
+  std::vector<int> places;
+  HeightModel::Solved solved;
+  double rms = 0;
+  double uncertain = 0;  // greatest standard deviation by noise on the grid
+};
+
+// Places (row, column, height) over the image and the calibrated heights.
+std::vector<std::array<double, 3>> grid_of(const Rig& rig, const RigHeights& heights) {
+  constexpr int kSteps = 8;
+  std::vector<std::array<double, 3>> grid;
+  for (int r = 0; r <= kSteps; ++r) {
+    for (int c = 0; c <= kSteps; ++c) {
+      for (int h = 0; h <= kSteps; ++h) {
+        grid.push_back({r * (rig.camera.rows - 1.0) / kSteps, c * (rig.camera.columns - 1.0) / kSteps,
+                        heights.min_mm + h * (heights.max_mm - heights.min_mm) / kSteps});
+      }
+    }
+  }
+  return grid;
+}
+
+constexpr double kMaxUncertain = 0.02;  // mm, one standard deviation by noise: more is not determined
+
+cv::Mat terms_at(const HeightCorrection& correction, const std::array<double, 3>& place) {
+  std::vector<double> values;
+  correction.terms(place[0], place[1], place[2], values);
+  cv::Mat terms(static_cast<int>(values.size()), 1, CV_64F);
+  std::copy(values.begin(), values.end(), terms.begin<double>());
+  return terms;
+}
+
+std::optional<FittedHeights> fitted(const HeightModel& model, const Rig& rig, const RigHeights& range, int order,
+                                    int order_heights) {
+  FittedHeights fit{range, model.places(order, order_heights), {}};
+  const auto solved = model.solve(fit.places, 2);
+  if (!solved) {
+    return std::nullopt;
+  }
+  fit.solved = *solved;
+  fit.heights.order = order;
+  fit.heights.order_heights = std::min(order, order_heights);
+  fit.heights.corrections_mm.assign(solved->coefficients.begin<double>(), solved->coefficients.end<double>());
+  fit.rms = std::sqrt(model.error(fit.places, solved->coefficients, 2));
+  const HeightCorrection correction(rig.camera, fit.heights);
+  for (const auto& place : grid_of(rig, fit.heights)) {
+    const cv::Mat terms = terms_at(correction, place);
+    const cv::Mat variance = terms.t() * solved->inverse * terms;
+    fit.uncertain = std::max(fit.uncertain, fit.rms * std::sqrt(std::max(0.0, variance.at<double>(0))));
+  }
+  return fit;
+}
+
+// The smallest correction that predicts the other half of the columns as well as any, among those of at most the orders
+// of `range` that the samples determine. Throws UserError if there is none.
+FittedHeights choose(const HeightModel& model, const Rig& rig, const RigHeights& range) {
+  constexpr double kAsWell = 1.002;
+  constexpr double kNone = std::numeric_limits<double>::infinity();
+  struct Candidate {
+    int order;
+    double error;
+  };
+  std::vector<Candidate> candidates;
+  double least = kNone;
+  double uncertain = kNone;
+  for (int order = 1; order <= range.order; ++order) {
+    const std::optional<FittedHeights> fit = fitted(model, rig, range, order, range.order_heights);
+    uncertain = fit && order == 1 ? fit->uncertain : uncertain;
+    if (!fit || fit->uncertain > kMaxUncertain) {
+      continue;
+    }
+    double error = 0;
+    for (const int half : {0, 1}) {
+      if (const auto solved = model.solve(fit->places, half)) {
+        error += model.error(fit->places, solved->coefficients, 1 - half);
+      } else {
+        error = kNone;
+      }
+    }
+    candidates.push_back({order, error});
+    least = std::min(least, error);
+  }
+  for (const Candidate& candidate : candidates) {
+    if (candidate.error <= kAsWell * kAsWell * least) {
+      return *fitted(model, rig, range, candidate.order, range.order_heights);
+    }
+  }
+  throw UserError("heights", fmt::format("the positions do not determine the heights of the whole image (a standard "
+                                         "deviation of {:.3g} mm somewhere, {} is allowed); add positions, or lines",
+                                         uncertain, kMaxUncertain));
+}
+
+// What heights move by if each level is off by the tolerance, in the worst way, anywhere in the image, mm.
+double open_by_levels(const HeightModel& model, const FittedHeights& fit, const Rig& rig, double tolerance) {
+  const HeightCorrection correction(rig.camera, fit.heights);
+  std::vector<cv::Mat> responses;
+  for (std::size_t k = 0; k < model.levels(); ++k) {
+    cv::Mat right(static_cast<int>(fit.places.size()), 1, CV_64F);
+    for (std::size_t i = 0; i < fit.places.size(); ++i) {
+      right.at<double>(static_cast<int>(i)) = model.sum_of_level(fit.places[i], k);
+    }
+    responses.emplace_back(fit.solved.inverse * right);
+  }
+  double greatest = 0;
+  for (const auto& place : grid_of(rig, fit.heights)) {
+    const cv::Mat terms = terms_at(correction, place);
+    double sum = 0;
+    for (const cv::Mat& response : responses) {
+      sum += std::abs(terms.dot(response));
+    }
+    greatest = std::max(greatest, tolerance * sum);
+  }
+  return greatest;
+}
+
+// --- levels, and what is wrong with them ---
+
+constexpr std::size_t kMinLevels = 3;
+constexpr std::size_t kMinSamples = 200;  // of a level
+constexpr int kMaxFittedOrder = 6;
+constexpr int kMaxHeightOrder = 2;  // the rest of a geometry is hardly curved in height
+constexpr int kParts = 16;          // of the columns, for unevenness
 
 std::vector<HeightLevel> levels_of(const std::vector<HeightPosition>& positions, const HeightSettings& settings) {
   std::vector<HeightLevel> levels;
@@ -79,14 +478,14 @@ void set_errors(const std::vector<HeightSample>& samples, int columns, const Err
 }
 
 void expect_samples(const std::vector<HeightLevel>& levels) {
-  if (levels.size() < kLeastLevels) {
+  if (levels.size() < kMinLevels) {
     throw UserError("heights",
-                    fmt::format("{} are too few; {} or more are needed, 5 are good", levels.size(), kLeastLevels));
+                    fmt::format("{} are too few; {} or more are needed, 5 are good", levels.size(), kMinLevels));
   }
   for (const HeightLevel& level : levels) {
-    if (level.samples < kLeastSamples) {
+    if (level.samples < kMinSamples) {
       throw UserError(level.name,
-                      fmt::format("the line was found in {} places only; {} are needed", level.samples, kLeastSamples));
+                      fmt::format("the line was found in {} places only; {} are needed", level.samples, kMinSamples));
     }
   }
 }
@@ -155,8 +554,8 @@ void set_range(const Rig& rig, const std::vector<HeightSample>& samples, const s
     }
   }
   std::sort(all.begin(), all.end());
-  heights.lowest_mm = all[all.size() / 1000];
-  heights.highest_mm = all[all.size() - 1 - all.size() / 1000];
+  heights.min_mm = all[all.size() / 1000];
+  heights.max_mm = all[all.size() - 1 - all.size() / 1000];
 }
 
 // Leaves out of the samples used those whose error is far beyond the rest.
@@ -199,8 +598,8 @@ Corrected correct(const Rig& rig, const std::vector<HeightSample>& samples, std:
   }
   const std::size_t count = levels.size() - (left_out ? 1 : 0);
   RigHeights range;
-  range.order = kMostFittedOrder;
-  range.order_heights = std::min(kMostHeightOrder, static_cast<int>(count) - 2);
+  range.order = kMaxFittedOrder;
+  range.order_heights = std::min(kMaxHeightOrder, static_cast<int>(count) - 2);
   set_range(rig, samples, used, range);
   const auto model = [&] { return HeightModel(rig.camera, range, rig.plane_z_mm, samples, used, levels.size()); };
   const FittedHeights first = choose(model(), rig, range);
@@ -256,7 +655,7 @@ void expect_flat(const Corrected& all, const Rig& rig, const std::vector<HeightS
       fmt::format("{} mm of flatness and {} mm of tolerance are allowed", settings.flatness_mm, settings.tolerance_mm);
   std::vector<double> shares;
   std::vector<double> rests;
-  for (std::size_t k = 0; k < all.levels.size() && all.levels.size() > kLeastLevels; ++k) {
+  for (std::size_t k = 0; k < all.levels.size() && all.levels.size() > kMinLevels; ++k) {
     const Corrected others = correct(rig, samples, all.levels, k);
     shares.push_back(greatest_share(others, settings));
     rests.push_back(greatest_uneven(others.levels));

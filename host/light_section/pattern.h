@@ -1,4 +1,5 @@
-// Patterns for the projector: images of its lines x columns, from 0 (dark) to 1 (full light).
+// Patterns for the projector: images of its lines x columns, from 0 (dark) to 1 (full light); and a picture of pattern
+// and reference to look at.
 #ifndef SELFPROJ_HOST_LIGHT_SECTION_PATTERN_H
 #define SELFPROJ_HOST_LIGHT_SECTION_PATTERN_H
 
@@ -6,6 +7,7 @@
 #include <string>
 
 #include "host/images/float_image.h"
+#include "host/light_section/reference.h"
 #include "host/rig/rig.h"
 
 namespace selfproj {
@@ -23,6 +25,10 @@ FloatImage draw_straight_line(const Rig& rig, double line);
 // The pattern as an 8-bit PNG file for projectors: 0..255, rounded. Throws std::invalid_argument for a pattern without
 // pixels.
 std::string encode_pattern_png(const FloatImage& pattern);
+
+// PNG bytes: the pattern as the projector shows it, and below it the reference's height (plane_z - z) over the camera's
+// columns, with gaps at columns without a reference. If `reference` has no columns, only the pattern is drawn.
+std::string draw_preview(const Rig& rig, const FloatImage& pattern, const ReferenceProfile& reference);
 
 }  // namespace selfproj
 

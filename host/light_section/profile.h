@@ -21,12 +21,13 @@ enum class Validity : std::uint8_t {
 };
 inline constexpr int kValidities = 8;
 
-// Whether a line of n lit pixels around the centroid (rows from 1) reaches the first or the last of `rows` rows. Part
-// of it may then lie outside the image, and its centroid is not where the line is. Moments do not say which rows were
-// lit, but a line is about equally long on both sides of its centroid, and so begins at centroid - n / 2 (row r covers
-// r - 1/2 to r + 1/2). In mode binary this is exact for lit rows without a gap. In the grey modes the centroid may
-// differ from the middle of the lit rows by half a row, so a line that leaves only the outermost row free may be called
-// cut off. A line that is cut off is always found if its centroid is within one row of the middle of its lit rows.
+// Whether a line of n lit pixels around the centroid C (rows from 1, 3.2) reaches the first or the last of `rows` rows.
+// Part of it may then lie outside the image, and its centroid is not where the line is. Moments do not say which rows
+// were lit, but a line is about equally long on both sides of its centroid, and so begins at centroid - n / 2 (row r
+// covers r - 1/2 to r + 1/2). In mode binary this is exact for lit rows without a gap. In the grey modes the centroid
+// may differ from the middle of the lit rows by half a row, so a line that leaves only the outermost row free may be
+// called cut off. A line that is cut off is always found if its centroid is within one row of the middle of its lit
+// rows.
 [[gnu::always_inline]] inline bool line_is_cut_off(float centroid, float n, float rows) {
   const float half = 0.5F * n;
   // Computes both conditions, so that a loop has no branch.

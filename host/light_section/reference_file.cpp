@@ -17,7 +17,7 @@
 #include "host/files/numbers.h"
 #include "host/files/user_error.h"
 #include "host/rig/geometry.h"
-#include "host/rig/geometry_keys.h"
+#include "host/rig/yaml.h"
 
 namespace selfproj {
 namespace {
@@ -35,11 +35,11 @@ constexpr Form kLenses{"# selfproj reference 2", "column,line,line_slope,z_mm,of
 
 const Form& form_of(const Rig& rig) { return rig.is_pinholes() ? kPinholes : kLenses; }
 
-constexpr double kFar = 1e6;          // mm: as of the rig's own lengths
-constexpr double kNear = 1e-3;        // mm
-constexpr double kMostTangent = 1e4;  // of tan θ: 89.99 degrees
-constexpr double kMostSlope = 1e4;    // lines for each column
-constexpr double kMostLine = 1e5;
+constexpr double kFar = 1e6;         // mm: as of the rig's own lengths
+constexpr double kNear = 1e-3;       // mm
+constexpr double kMaxTangent = 1e4;  // of tan θ: 89.99 degrees
+constexpr double kMaxSlope = 1e4;    // lines for each column
+constexpr double kMaxLine = 1e5;
 
 // Splits a text into lines, and makes errors that name them.
 class Lines {
@@ -219,7 +219,10 @@ void read_head(const Rig& rig, const std::string& source, Lines& lines, std::str
   static_cast<void>(lines.next());
   for (const auto& [key, value] : geometry_of(rig)) {
     const auto line = lines.next();
-    const std::string start = fmt::format("# {} ", key);
+    std::string start = fmt::format("# {} ", key);
+    for (const std::string& earlier : earlier_names(key)) {
+      start = line && line->starts_with("# " + earlier + " ") ? "# " + earlier + " " : start;
+    }
     if (!line || !line->starts_with(start)) {
       lines.fail(fmt::format("is damaged: {} is expected", key));
     }
@@ -241,10 +244,10 @@ void read_column(const Rig& rig, const Lines& lines, const std::vector<std::stri
     return valid ? number_within(lines, fields[field], what, most) : kUnknown;
   };
   if (rig.is_pinholes()) {
-    reference.tan_theta[i] = value(1, "tan_theta", kMostTangent);
+    reference.tan_theta[i] = value(1, "tan_theta", kMaxTangent);
   } else {
-    reference.line[i] = value(1, "line", kMostLine);
-    reference.slope[i] = value(2, "line_slope", kMostSlope);
+    reference.line[i] = value(1, "line", kMaxLine);
+    reference.slope[i] = value(2, "line_slope", kMaxSlope);
   }
   reference.z_mm[i] = value(fields.size() - 2, "z_mm", kFar);
   reference.offset_px[i] = value(fields.size() - 1, "offset_px", rig.camera.rows);

@@ -9,17 +9,17 @@
 #include <vector>
 
 #include "host/light_section/fast_moments.h"
-#include "host/light_section/lens_reference.h"
 #include "host/light_section/pattern.h"
 #include "host/light_section/profile.h"
+#include "host/light_section/reference.h"
 #include "host/rig/geometry.h"
 #include "host/rig/optics.h"
 
 namespace selfproj {
 namespace {
 
-// Takes the moments of an image as the board would; throws unless it has the camera's size.
-void take_moments(const Rig& rig, const ImageView& image, Moments& moments) {
+// Computes the moments of an image as the board would; throws unless it has the camera's size.
+void measure_moments(const Rig& rig, const ImageView& image, Moments& moments) {
   if (image.rows != rig.camera.rows || image.columns != rig.camera.columns) {
     throw std::invalid_argument("scan: an image has another size than the camera's");
   }
@@ -76,7 +76,7 @@ std::vector<int> sweep_lines(const Rig& rig, int every) {
 void add_sightings(const Rig& rig, double line, const ImageView& image, std::vector<LineSighting>& seen) {
   Moments moments;
   moments.resize(rig.camera.columns);
-  take_moments(rig, image, moments);
+  measure_moments(rig, image, moments);
   for (std::size_t i = 0; i < moments.m0.size(); ++i) {
     if (has_centroid(rig, moments, i)) {
       seen.push_back({line, centroid(moments, i) - 1, static_cast<int>(i)});
@@ -93,7 +93,7 @@ LineScan::LineScan(const Rig& rig, int every)
 }
 
 void LineScan::add(double line, const ImageView& image) {
-  take_moments(rig_, image, moments_);
+  measure_moments(rig_, image, moments_);
   for (std::size_t i = 0; i < sightings_.size(); ++i) {
     if (has_centroid(rig_, moments_, i)) {
       const double row = centroid(moments_, i) - middle_row(rig_.camera);
@@ -159,20 +159,7 @@ ReferenceProfile LineScan::reference() const {
   for (std::size_t i = 0; i < sightings_.size(); ++i) {
     lines[i] = crossing(sightings_[i]).value_or(kUnknown);
   }
-  if (!rig_.is_pinholes()) {
-    return lens_reference_of_scan(rig_, lines);
-  }
-  ReferenceProfile reference;
-  reference.resize(rig_.camera.columns);
-  for (std::size_t i = 0; i < lines.size(); ++i) {
-    const bool valid = !std::isnan(lines[i]);
-    const double theta = valid ? tan_theta(rig_.projector, lines[i]) : kUnknown;
-    reference.valid[i] = valid ? 1 : 0;
-    reference.tan_theta[i] = theta;
-    reference.z_mm[i] = valid ? rig_.projector.x_mm / theta + rig_.projector.z_mm : kUnknown;  // (3.8)
-    reference.offset_px[i] = valid ? 0 : kUnknown;
-  }
-  return reference;
+  return reference_of_scan(rig_, lines);
 }
 
 ReferenceProfile scan_reference(const Rig& rig, const std::function<Image(const FloatImage& pattern)>& show_and_take,
@@ -192,7 +179,7 @@ CentroidMean::CentroidMean(const Rig& rig)
 }
 
 void CentroidMean::add(const ImageView& image) {
-  take_moments(rig_, image, moments_);
+  measure_moments(rig_, image, moments_);
   ++images_;
   for (std::size_t i = 0; i < sums_.size(); ++i) {
     if (has_centroid(rig_, moments_, i)) {

@@ -10,7 +10,7 @@
 #include "host/light_section/profile.h"
 #include "host/rig/rig.h"
 #include "model/column_runs.h"
-#include "model/moments_words.h"
+#include "model/packet_payload.h"
 
 namespace selfproj {
 
@@ -46,7 +46,7 @@ inline LineRules line_rules(const Rig& rig) {
 
 // The most that `second` may be, in sixteenths. A binary word says only whether it is 8 or more; what it leaves open
 // counts against the column.
-[[gnu::always_inline]] constexpr std::int32_t most_of_binary_second(std::uint32_t runs, std::uint32_t second) {
+[[gnu::always_inline]] constexpr std::int32_t max_of_binary_second(std::uint32_t runs, std::uint32_t second) {
   return second != 0 ? 16 : runs > 1 ? 7 : 0;
 }
 
@@ -71,7 +71,7 @@ inline LineRules line_rules(const Rig& rig) {
         moments.m0[at] = static_cast<std::int32_t>(m0);
         moments.m1[at] = static_cast<std::int32_t>(m1);
         moments.n[at] = static_cast<std::int32_t>(n);
-        moments.second[at] = most_of_binary_second(runs, second);
+        moments.second[at] = max_of_binary_second(runs, second);
       });
 }
 

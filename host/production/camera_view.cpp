@@ -11,7 +11,7 @@
 
 #include "host/driver/clock.h"
 #include "host/images/float_image.h"
-#include "host/light_section/fast_runs.h"
+#include "host/light_section/fast_moments.h"
 
 namespace selfproj {
 namespace {

@@ -22,7 +22,7 @@
 #include "host/images/float_image.h"
 #include "host/production/live_files.h"
 #include "host/production/page_server.h"
-#include "host/report/facts_json.h"
+#include "host/report/facts.h"
 
 namespace selfproj {
 namespace {

@@ -13,7 +13,7 @@
 
 #include "host/files/numbers.h"
 #include "host/files/user_error.h"
-#include "host/light_section/reference_profile.h"
+#include "host/light_section/reference.h"
 #include "host/production/section_reference.h"
 
 namespace selfproj {

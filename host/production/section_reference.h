@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "host/light_section/differential_profile.h"
-#include "host/light_section/reference_profile.h"
+#include "host/light_section/reference.h"
 #include "host/rig/rig.h"
 
 namespace selfproj {

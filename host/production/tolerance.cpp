@@ -15,8 +15,7 @@
 #include "host/files/numbers.h"
 #include "host/files/user_error.h"
 #include "host/rig/geometry.h"
-#include "host/rig/yaml_document.h"
-#include "host/rig/yaml_fields.h"
+#include "host/rig/yaml.h"
 
 namespace selfproj {
 namespace {

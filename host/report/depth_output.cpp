@@ -7,19 +7,24 @@
 #include <cstddef>
 #include <cstdint>
 #include <iterator>
-#include <opencv2/core.hpp>
-#include <opencv2/imgcodecs.hpp>
+#include <nlohmann/json.hpp>
+#include <numbers>
 #include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "host/driver/counters.h"
 #include "host/files/numbers.h"
-#include "host/report/colour_map.h"
+#include "host/images/image_files.h"
+#include "host/images/float_image.h"
+#include "host/images/frame_options.h"
+#include "host/report/facts.h"
 #include "host/report/map_picture.h"
 #include "host/structured_light/point_cloud.h"
 
 namespace selfproj {
+
 namespace {
 
 // The median of the depths in mm; 1 if there is none.
@@ -37,20 +42,14 @@ double distance(const Point3f& a, const Point3f& b) {
 }  // namespace
 
 std::string depth_png(const FloatImage& depth) {
-  cv::Mat picture(depth.rows, depth.columns, CV_16UC1);
-  for (int r = 0; r < depth.rows; ++r) {
-    std::transform(depth.row(r), depth.row(r) + depth.columns, picture.ptr<std::uint16_t>(r), [](float z) {
-      constexpr double kMost = 65535;
-      return std::isnan(z)
-                 ? std::uint16_t{0}
-                 : static_cast<std::uint16_t>(std::lround(std::clamp(static_cast<double>(z) / kDepthUnit, 0.0, kMost)));
-    });
-  }
-  std::vector<std::uint8_t> bytes;
-  if (depth.values.empty() || !cv::imencode(".png", picture, bytes)) {
-    throw std::runtime_error("depth.png: an image of this size cannot be written as PNG");
-  }
-  return {bytes.begin(), bytes.end()};
+  std::vector<std::uint16_t> units(depth.values.size());
+  std::transform(depth.values.begin(), depth.values.end(), units.begin(), [](float z) {
+    constexpr double kMax = 65535;
+    return std::isnan(z)
+               ? std::uint16_t{0}
+               : static_cast<std::uint16_t>(std::lround(std::clamp(static_cast<double>(z) / kDepthUnit, 0.0, kMax)));
+  });
+  return encode_png16(depth.rows, depth.columns, units);
 }
 
 std::string depth_picture(const Triangulation& triangulation, const FloatImage& depth, const std::string& title) {
@@ -98,6 +97,245 @@ std::string shares_csv(const std::vector<OfImage<DepthShares>>& shares) {
     fmt::format_to(std::back_inserter(text), "{},{}\n", image.number, fmt::join(image.value.count, ","));
   }
   return text;
+}
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// Numbers that are not finite become null.
+Json number(double value) { return std::isfinite(value) ? Json(value) : Json(); }
+
+Json depth_json(const FloatImage& depth) {
+  std::vector<float> values;
+  std::copy_if(depth.values.begin(), depth.values.end(), std::back_inserter(values),
+               [](float value) { return !std::isnan(value); });
+  if (values.empty()) {
+    return nullptr;
+  }
+  std::sort(values.begin(), values.end());
+  return {{"min", values.front()}, {"median", values[values.size() / 2]}, {"max", values.back()}};
+}
+
+// Angle between the plane's normal and z.
+double tilt_deg(const PlaneFit& fit) { return std::atan(std::hypot(fit.a, fit.b)) * 180 / std::numbers::pi; }
+
+Json plane_json(const PlaneFit& plane) {
+  return {{"points", plane.points},
+          {"points_not_on_it", plane.left_out},
+          {"z_on_axis_mm", number(plane.z0)},
+          {"z_per_x", number(plane.a)},
+          {"z_per_y", number(plane.b)},
+          {"tilt_deg", number(tilt_deg(plane))},
+          {"residual_rms_mm", number(plane.rms)},
+          {"residual_max_mm", number(plane.greatest)},
+          {"rounding_rms_mm", number(plane.rounding_rms)}};
+}
+
+// The newest depth image.
+Json newest_json(const DepthRun& run, const DepthGeometry& geometry) {
+  const std::size_t total = run.shares.total();
+  Json pixels;
+  Json shares;
+  for (int i = 0; i < kPointStates; ++i) {
+    const auto state = static_cast<PointState>(i);
+    pixels[name_of(state)] = run.shares.of(state);
+    shares[name_of(state)] = static_cast<double>(run.shares.of(state)) / static_cast<double>(total);
+  }
+  Json json{{"pixels", total},
+            {"measurable", total - run.shares.of(PointState::not_measurable)},
+            {"by_state", pixels},
+            {"share", shares},
+            {"z_mm", depth_json(run.depth)}};
+  if (geometry.row_bits > 0) {
+    json["median_residual_px"] = number(run.median_residual_px);
+  }
+  if (!run.moved.empty()) {
+    const Foreground& moved = run.moved.back().value;
+    json["moved"] = {{"pixels", moved.pixels}, {"x", number(moved.x)}, {"y", number(moved.y)}, {"z", number(moved.z)}};
+  }
+  return json;
+}
+
+std::string summary(const DepthRun& run, const DepthReport& report) {
+  const DepthGeometry& geometry = report.setup.geometry;
+  Json json;
+  json["geometry"] = geometry.rig.empty() ? geometry.calibration : geometry.rig;
+  if (run.device) {
+    json["device"] = device_json(report.device, *run.device);
+  } else {
+    json["images"] = report.images;
+    json["threshold"] = report.setup.scanner.threshold;
+    json["median"] = report.setup.scanner.median;
+    json["strict"] = report.setup.scanner.strict;
+  }
+  json["rows"] = run.depth.rows;
+  json["columns"] = run.depth.columns;
+  json["bits"] = geometry.bits;
+  json["row_bits"] = geometry.row_bits;
+  json["depth_images"] = run.depth_images;
+  json["depth_png_mm_per_unit"] = kDepthUnit;
+  json["newest"] = newest_json(run, geometry);
+  if (report.comparison) {
+    const CloudComparison& comparison = *report.comparison;
+    json["compare"] = {{"file", report.cloud},
+                       {"points", comparison.ours},
+                       {"points_of_file", comparison.theirs},
+                       {"median_mm", number(comparison.median_mm)},
+                       {"points_within_1_mm", number(comparison.ours_within)},
+                       {"points_of_file_within_1_mm", number(comparison.theirs_within)}};
+  }
+  if (report.plane) {
+    json["plane"] = plane_json(*report.plane);
+  }
+  return json.dump(2) + "\n";
+}
+
+// One line for each depth image: pair,pixels,x,y,z. If nothing moved, pixels is 0 and the rest is empty.
+std::string moved_csv(const std::vector<OfImage<Foreground>>& all) {
+  std::string text = "pair,pixels,x,y,z\n";
+  for (const auto& [image, moved] : all) {
+    if (moved.pixels == 0) {
+      fmt::format_to(std::back_inserter(text), "{},0,,,\n", image);
+    } else {
+      fmt::format_to(std::back_inserter(text), "{},{},{:.4f},{:.4f},{:.4f}\n", image, moved.pixels, moved.x, moved.y,
+                     moved.z);
+    }
+  }
+  return text;
+}
+
+}  // namespace
+
+nlohmann::ordered_json device_json(const std::string& uri, const DeviceCounts& counts) {
+  nlohmann::ordered_json json = {{"uri", uri}};
+  for (const CounterName& name : kCounterNames) {
+    json[name.key] = counts.counters.*name.field;
+  }
+  json["incomplete"] = counts.incomplete;
+  return json;
+}
+
+std::string losses_of(const DeviceCounts& counts) {
+  return counters_text(counts.counters, {&Counters::lost_board, &Counters::lost_ring, &Counters::lost_network,
+                                         &Counters::missing, &Counters::bad}) +
+         fmt::format(", incomplete images {}", counts.incomplete);
+}
+
+std::string write_depth(const DepthRun& run, const DepthReport& report, OutputFolder& folder) {
+  const std::string title =
+      fmt::format("depth z, {} of {} pixels", run.shares.of(PointState::valid), run.shares.total());
+  folder.append("depth.tiff", encode_float_tiff("depth.tiff", run.depth));
+  folder.append("depth.png", depth_png(run.depth));
+  std::string picture = depth_picture(*run.triangulation, run.depth, title);
+  folder.append("depth_colour.png", picture);
+  folder.append("cloud.ply", cloud_ply(*run.triangulation, run.depth));
+  folder.append("shares.csv", shares_csv(run.all_shares));
+  if (!run.moved.empty()) {
+    folder.append("moved.csv", moved_csv(run.moved));
+  }
+  if (run.moved_depth) {
+    folder.append("moved.tiff", encode_float_tiff("moved.tiff", *run.moved_depth));
+  }
+  folder.append("summary.json", summary(run, report));
+  return picture;
+}
+
+std::string depth_text(const DepthRun& run, const DepthReport& report, const std::string& folder) {
+  std::string shares;
+  for (int i = 0; i < kPointStates; ++i) {
+    const auto state = static_cast<PointState>(i);
+    if (state == PointState::valid || run.shares.of(state) > 0) {
+      shares += (shares.empty() ? "" : ", ") + share_text(run.shares, state);
+    }
+  }
+  const std::string how =
+      report.device.empty() ? fmt::format("threshold {}", report.setup.scanner.threshold) : report.device;
+  std::string text = fmt::format(
+      "{} {} of {}, {} bits, {}: {} → {}\n", run.depth_images, run.depth_images == 1 ? "depth image" : "depth images",
+      size_text(run.depth.rows, run.depth.columns), report.setup.geometry.bits, how, shares, folder);
+  const auto to = std::back_inserter(text);
+  if (report.comparison) {
+    const CloudComparison& comparison = *report.comparison;
+    fmt::format_to(
+        to,
+        "{}: median distance of our {} points to its {}: {:.3f} mm; within 1 mm: {:.1f} % of ours, {:.1f} % of its\n",
+        report.cloud, comparison.ours, comparison.theirs, comparison.median_mm, 100 * comparison.ours_within,
+        100 * comparison.theirs_within);
+  }
+  if (!report.plane) {
+    return text;
+  }
+  const PlaneFit& plane = *report.plane;
+  if (std::isnan(plane.rms)) {
+    fmt::format_to(to, "plane: {} points are too few, or on a line\n", plane.points);
+  } else {
+    fmt::format_to(to,
+                   "plane through {} of {} points: z {:.3f} mm on the axis, leaning by {:.3f}°; residuals {:.3f} mm "
+                   "RMS, {:.3f} mm at "
+                   "most; rounding to whole codes predicts {:.3f} mm RMS\n",
+                   plane.points, plane.points + plane.left_out, plane.z0, tilt_deg(plane), plane.rms, plane.greatest,
+                   plane.rounding_rms);
+  }
+  return text;
+}
+
+namespace {
+
+std::string summary(const MatchTable& table, const MatchReport& report) {
+  nlohmann::ordered_json json{{"rig", report.rig},
+                              {"reference", report.reference},
+                              {"bits", report.bits},
+                              {"e", report.settings.e},
+                              {"printed_direction", report.settings.printed_direction},
+                              {"printed_window", report.settings.printed_window},
+                              {"threshold", report.threshold},
+                              {"images", report.images},
+                              {"depth_images", report.depth_images},
+                              {"codes_without_match", table.missing()},
+                              {"codes_with_several_candidates", table.doubled()}};
+  if (report.counts) {
+    json["device"] = device_json(report.device, *report.counts);
+  }
+  if (!report.line.empty()) {
+    json["line"] = facts_json(report.line);
+  }
+  for (int i = 0; i < kPointStates; ++i) {
+    const auto state = static_cast<PointState>(i);
+    json["newest"][name_of(state)] = report.all_shares.back().value.of(state);
+  }
+  return json.dump(2) + "\n";
+}
+
+}  // namespace
+
+MatchPictures write_match(const Rig& rig, const MatchTable& table, const SelfScanner& scanner,
+                          const MatchReport& report, OutputFolder& folder) {
+  const double pitch = rig.plane_z_mm * rig.camera.pixel_pitch_mm / rig.camera.focal_length_mm;
+  const FloatImage& depth = scanner.depth();
+  const FloatImage& difference = scanner.difference();
+  MatchPictures pictures{.depth = depth_picture(scanner.triangulation(), depth, "depth z"),
+                         .difference = labelled_map_png(difference, difference_scale(difference), {pitch, pitch},
+                                                        "difference from the reference, mm")};
+  folder.append("depth.tiff", encode_float_tiff("depth.tiff", depth));
+  folder.append("depth.png", depth_png(depth));
+  folder.append("depth_colour.png", pictures.depth);
+  folder.append("difference.tiff", encode_float_tiff("difference.tiff", difference));
+  folder.append("difference.png", pictures.difference);
+  folder.append("cloud.ply", cloud_ply(scanner.triangulation(), depth));
+  folder.append("shares.csv", shares_csv(report.all_shares));
+  folder.append("summary.json", summary(table, report));
+  return pictures;
+}
+
+std::string match_text(const MatchTable& table, const MatchReport& report, const std::string& folder) {
+  const DepthShares& newest = report.all_shares.back().value;
+  const std::string losses = report.counts ? losses_of(*report.counts) + "; " : std::string();
+  return fmt::format(
+      "{} depth images: {}{} of {} pixels valid; codes without a match {:.2f} %, with several candidates {:.2f} % "
+      "→ {}\n",
+      report.depth_images, losses, newest.of(PointState::valid), newest.total(), 100 * table.missing(),
+      100 * table.doubled(), folder);
 }
 
 }  // namespace selfproj

@@ -1,13 +1,22 @@
-// Depth images as pictures, clouds and tables.
+// Depth images as pictures, clouds and tables; the files and the text of `selfproj depth` and of `selfproj match`.
 #ifndef SELFPROJ_HOST_REPORT_DEPTH_OUTPUT_H
 #define SELFPROJ_HOST_REPORT_DEPTH_OUTPUT_H
 
+#include <cstddef>
+#include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "host/files/output_folder.h"
 #include "host/images/float_image.h"
+#include "host/report/facts.h"
+#include "host/rig/rig.h"
 #include "host/structured_light/depth_run.h"
-#include "host/structured_light/depth_shares.h"
+#include "host/structured_light/match_table.h"
+#include "host/structured_light/plane_fit.h"
+#include "host/structured_light/point_cloud.h"
+#include "host/structured_light/self_scanner.h"
 #include "host/structured_light/triangulation.h"
 
 namespace selfproj {
@@ -28,6 +37,57 @@ std::string cloud_ply(const Triangulation& triangulation, const FloatImage& dept
 
 // One line for each depth image: pair,valid,not_measurable,...
 std::string shares_csv(const std::vector<OfImage<DepthShares>>& shares);
+
+// The counts of a device: every counter, for a terminal the losses.
+nlohmann::ordered_json device_json(const std::string& uri, const DeviceCounts& counts);
+std::string losses_of(const DeviceCounts& counts);
+
+// The measurements, and the values computed from the newest depth image.
+struct DepthReport {
+  DepthSetup setup;
+  std::string device;      // URI; empty for recorded images
+  std::size_t images = 0;  // number of recorded images
+  std::string cloud;       // file with which the points are compared
+  std::optional<CloudComparison> comparison;
+  std::optional<PlaneFit> plane;
+};
+
+// Writes pictures, cloud, tables and summary of the run, without the single depth images, and returns the picture of
+// the newest one in colours, as PNG. Does not commit the folder. Throws UserError as OutputFolder does.
+std::string write_depth(const DepthRun& run, const DepthReport& report, OutputFolder& folder);
+
+// The same for the terminal: one line each on the depth images, on the comparison and on the plane. `folder` is where
+// the files are.
+std::string depth_text(const DepthRun& run, const DepthReport& report, const std::string& folder);
+
+// How the depth images were measured.
+struct MatchReport {
+  std::string rig;        // its name or file
+  std::string reference;  // its folder
+  int bits = 0;           // m of the reference
+  MatchSettings settings;
+  int threshold = 0;                             // threshold of a pair's difference
+  std::size_t images = 0;                        // number of recorded images
+  std::vector<OfImage<DepthShares>> all_shares;  // shares of all depth images, at least one; of a device the newest
+  std::string device = {};                       // its URI, if there is one
+  std::size_t depth_images = 0;
+  std::optional<DeviceCounts> counts = {};
+  std::vector<Fact> line = {};  // what was counted of the parts of a running line
+};
+
+// The newest depth image and its difference from the reference in colours, as PNG.
+struct MatchPictures {
+  std::string depth;
+  std::string difference;
+};
+
+// Writes pictures, cloud, tables and summary of the scanner's newest depth image, and returns the pictures. Does not
+// commit the folder. Throws UserError as OutputFolder does.
+MatchPictures write_match(const Rig& rig, const MatchTable& table, const SelfScanner& scanner,
+                          const MatchReport& report, OutputFolder& folder);
+
+// The same for the terminal, in one line. `folder` is where the files are.
+std::string match_text(const MatchTable& table, const MatchReport& report, const std::string& folder);
 
 }  // namespace selfproj
 

@@ -3,9 +3,12 @@
 #define SELFPROJ_HOST_REPORT_FACTS_H
 
 #include <cstdint>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <variant>
 #include <vector>
+
+#include "host/driver/counters.h"
 
 namespace selfproj {
 
@@ -16,6 +19,16 @@ struct Fact {
   std::variant<std::int64_t, double, std::string> value;
   std::string unit = {};
 };
+
+// The key and value of each fact, in order, as an object of summary.json.
+nlohmann::ordered_json facts_json(const std::vector<Fact>& facts);
+
+// The same number, or the greatest that a fact can have.
+std::int64_t fact_number(std::uint64_t value);
+
+// A counter of the driver as a fact, with its names from host/driver/counters.h: one with a value; all of them.
+Fact counter_fact(std::uint64_t Counters::*counter, std::uint64_t value);
+std::vector<Fact> counter_facts(const Counters& counters);
 
 // A table. The first column names the subject of the row. Cells are plain text.
 struct ReportTable {

@@ -30,12 +30,6 @@ cv::Mat to_mat(const Image& image) {
   return mat;
 }
 
-std::string encoded(const cv::Mat& picture) {
-  std::vector<std::uint8_t> bytes;
-  cv::imencode(".png", picture, bytes);
-  return {bytes.begin(), bytes.end()};
-}
-
 void put_label(cv::Mat& picture, const std::string& text, cv::Point at) {
   cv::putText(picture, text, at, cv::FONT_HERSHEY_SIMPLEX, kLabelFontSize, kLabelInk, 1, cv::LINE_AA);
 }
@@ -57,8 +51,6 @@ void draw_trace(cv::Mat& picture, const std::vector<double>& x, const std::vecto
 }
 
 }  // namespace
-
-std::string image_png(const Image& image) { return encoded(to_mat(image)); }
 
 std::string frame_png(const CameraPicture& camera) {
   constexpr int kMargin = 60;
@@ -109,7 +101,9 @@ std::string frame_png(const CameraPicture& camera) {
     draw_trace(picture, x, y, kPlot);
     top += kPlot + kGap;
   }
-  return encoded(picture);
+  std::vector<std::uint8_t> bytes;
+  cv::imencode(".png", picture, bytes);
+  return {bytes.begin(), bytes.end()};
 }
 
 }  // namespace selfproj

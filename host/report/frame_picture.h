@@ -20,12 +20,8 @@ struct CameraPicture {
   std::size_t frame = 0;                     // from 1
 };
 
-// The image alone as PNG, with its rows and columns unchanged.
-std::string image_png(const Image& image);
-
 // PNG of the enlarged image with the centroid of every column drawn over it, that of an ambiguous column in magenta and
-// apart. Below it are the moments M0 (amount of
-// light over the threshold) and n (lit pixels) of the columns.
+// apart. Below it are the moments M0 (amount of light over the threshold) and n (lit pixels) of the columns.
 std::string frame_png(const CameraPicture& camera);
 
 }  // namespace selfproj

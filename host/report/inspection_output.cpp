@@ -20,12 +20,10 @@
 #include "host/images/float_image.h"
 #include "host/images/frame_options.h"
 #include "host/light_section/profile.h"
-#include "host/report/colour_map.h"
-#include "host/report/facts_json.h"
+#include "host/report/facts.h"
 #include "host/report/frame_picture.h"
 #include "host/report/map_picture.h"
-#include "host/report/moments_csv.h"
-#include "host/report/number_text.h"
+#include "host/report/tables.h"
 #include "model/spec/generated/selfproj_spec.h"
 
 namespace selfproj {

@@ -17,7 +17,7 @@
 #include "host/images/frame_options.h"
 #include "host/images/prepared_images.h"
 #include "host/light_section/strip_moments.h"
-#include "host/report/facts_json.h"
+#include "host/report/facts.h"
 #include "host/report/report.h"
 #include "model/column_runs.h"
 
@@ -41,7 +41,7 @@ std::vector<std::uint8_t> LineImages::ambiguous_of(const Runs& runs) const {
   std::vector<std::uint8_t> marked(runs.second.size());
   for (std::size_t i = 0; i < marked.size(); ++i) {
     const std::int32_t second =
-        measure_.mode == Mode::binary ? most_of_binary_second(runs.runs[i], runs.second[i]) : runs.second[i];
+        measure_.mode == Mode::binary ? max_of_binary_second(runs.runs[i], runs.second[i]) : runs.second[i];
     marked[i] = second >= limit ? 1 : 0;
   }
   return marked;

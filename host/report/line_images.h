@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "host/files/output_folder.h"
-#include "host/report/moments_csv.h"
 #include "host/report/report.h"
+#include "host/report/tables.h"
 #include "host/rig/rig.h"
 #include "model/column_runs.h"
 
@@ -25,7 +25,7 @@ struct LineFacts {
 
 class LineImages {
  public:
-  // For images of this size. Of the measurement only what the board is told to measure matters, and what is ambiguous.
+  // For images of this size. Of the measurement only what the board's registers say matters, and what is ambiguous.
   LineImages(int rows, int columns, const RigMeasure& measure)
       : rows_(rows), columns_(columns), measure_(measure), csv_(moments_csv_header(measure.of_board().select)) {}
 

@@ -1,14 +1,28 @@
-// Pictures of a map (rows are frames, columns are image columns) in colours, to scale.
+// Colours for numbers, and pictures of a map (rows are frames, columns are image columns) in these colours, to scale.
 #ifndef SELFPROJ_HOST_REPORT_MAP_PICTURE_H
 #define SELFPROJ_HOST_REPORT_MAP_PICTURE_H
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
 #include "host/images/float_image.h"
-#include "host/report/colour_map.h"
 
 namespace selfproj {
+
+struct Colour {
+  std::uint8_t red = 0;
+  std::uint8_t green = 0;
+  std::uint8_t blue = 0;
+};
+
+enum class ColourMap : std::uint8_t {
+  diverging,   // blue - white - red, perceptually symmetric about white: for signed values around 0
+  sequential,  // viridis, dark to light in perceptually even steps: for heights
+};
+
+// The colour at t, which is clamped to 0..1 and must not be NaN.
+Colour colour_at(ColourMap map, double t);
 
 // Distance on the surface from one row to the next (along x, by the belt) and from one column to the next (along y), >
 // 0. row_mm is 0 if the distance between rows is unknown, because the belt stands still.

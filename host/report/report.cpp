@@ -13,10 +13,8 @@
 #include "host/images/float_image.h"
 #include "host/light_section/profile.h"
 #include "host/report/frame_picture.h"
-#include "host/report/html_text.h"
 #include "host/report/map_picture.h"
-#include "host/report/page_map.h"
-#include "host/report/page_parts.h"
+#include "host/report/page.h"
 
 namespace selfproj {
 namespace {

@@ -10,7 +10,7 @@
 #include "host/report/facts.h"
 #include "host/report/frame_picture.h"
 #include "host/report/map_picture.h"
-#include "host/report/page_plot.h"
+#include "host/report/page.h"
 
 namespace selfproj {
 

@@ -1,21 +1,117 @@
 #include "host/rig/calibration_file.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <opencv2/core.hpp>
 #include <opencv2/core/persistence.hpp>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "host/files/input_file.h"
 #include "host/files/stderr_capture.h"
 #include "host/files/user_error.h"
-#include "host/rig/calibration_text.h"
-#include "host/rig/depth_matrices.h"
+#include "host/rig/calibration.h"
+#include "host/rig/yaml.h"
 
 namespace selfproj {
+namespace {
+
+bool is_digit(char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; }
+
+bool is_space(char c) { return std::isspace(static_cast<unsigned char>(c)) != 0; }
+
+// Whether OpenCV reads the text as an octal or hexadecimal number.
+bool is_not_decimal(std::string_view text) {
+  if (text.starts_with('+') || text.starts_with('-')) {
+    text.remove_prefix(1);
+  }
+  if (text.size() < 2 || text[0] != '0') {
+    return false;
+  }
+  return text[1] == 'x' || text[1] == 'X' || std::all_of(text.begin(), text.end(), is_digit);
+}
+
+std::string not_decimal(std::string_view number) {
+  return fmt::format("{} begins with 0; OpenCV would not read it as a decimal number", number);
+}
+
+// Walks through the tags of an XML text and the words between them.
+class XmlValidator {
+ public:
+  XmlValidator(std::string_view text, const std::string& source) : text_(text), source_(source) {}
+
+  void validate() {
+    while (at_ < text_.size()) {
+      if (text_[at_] == '<') {
+        tag();
+      } else {
+        word();
+      }
+    }
+  }
+
+ private:
+  // A comment is no tag, and neither are <? ... > and <! ... >.
+  void tag() {
+    const std::string_view rest = text_.substr(at_);
+    const bool comment = rest.starts_with("<!--");
+    const std::size_t end = text_.find(comment ? "-->" : ">", at_);
+    const std::string_view inside = text_.substr(at_, end == std::string_view::npos ? end : end - at_);
+    if (rest.starts_with("</")) {
+      --depth_;
+    } else if (!comment && !rest.starts_with("<?") && !rest.starts_with("<!") && !inside.ends_with('/') &&
+               ++depth_ > kDeepestDocument) {
+      fail("is nested too deeply");
+    }
+    at_ = end == std::string_view::npos ? text_.size() : end + 1;
+  }
+
+  // What stands between quotation marks is one word and no number.
+  void word() {
+    std::size_t end = at_;
+    if (text_[at_] == '"') {
+      end = std::min(text_.find_first_of("\"<", at_ + 1), text_.size());
+      end += end < text_.size() && text_[end] == '"' ? 1 : 0;
+    } else {
+      while (end < text_.size() && text_[end] != '<' && !is_space(text_[end])) {
+        ++end;
+      }
+      if (const std::string_view found = text_.substr(at_, end - at_); is_not_decimal(found)) {
+        fail(not_decimal(found));
+      }
+    }
+    at_ = std::max(end, at_ + 1);  // at least the space that stands here
+  }
+
+  [[noreturn]] void fail(const std::string& reason) const {
+    const auto line = 1 + std::count(text_.begin(), text_.begin() + static_cast<std::ptrdiff_t>(at_), '\n');
+    throw UserError(source_, fmt::format("line {}: {}", line, reason));
+  }
+
+  std::string_view text_;
+  const std::string& source_;
+  std::size_t at_ = 0;
+  int depth_ = 0;
+};
+
+}  // namespace
+
+void check_calibration_text(const std::string& text, const std::string& source) {
+  const std::size_t begin = std::min(text.find_first_not_of(" \t\r\n"), text.size());
+  if (std::string_view(text).substr(begin).starts_with('<')) {
+    XmlValidator(text, source).validate();
+    return;
+  }
+  validate_yaml(text, source,
+                [](const std::string& scalar) { return is_not_decimal(scalar) ? not_decimal(scalar) : ""; });
+}
+
 namespace {
 
 class Reader {
@@ -45,8 +141,8 @@ class Reader {
     {
       const StderrCapture capture;
       try {
-        constexpr double kMostNumbers = 100;
-        if (!node.isMap() || static_cast<double>(node["rows"]) * static_cast<double>(node["cols"]) <= kMostNumbers) {
+        constexpr double kMaxNumbers = 100;
+        if (!node.isMap() || static_cast<double>(node["rows"]) * static_cast<double>(node["cols"]) <= kMaxNumbers) {
           node >> matrix;
         }
         matrix.convertTo(matrix, CV_64F);
@@ -74,9 +170,9 @@ class Reader {
 
   Lens lens(const std::string& name, Mirrored mirrored) const {
     const std::vector<double> m = numbers(name + "_K", 9);
-    constexpr double kLeast = 1e-9;
-    if (!(m[0] > kLeast && (m[4] > kLeast || (mirrored == Mirrored::possible && m[4] < -kLeast))) || m[1] != 0 ||
-        m[3] != 0 || m[6] != 0 || m[7] != 0 || m[8] != 1) {
+    constexpr double kMin = 1e-9;
+    if (!(m[0] > kMin && (m[4] > kMin || (mirrored == Mirrored::possible && m[4] < -kMin))) || m[1] != 0 || m[3] != 0 ||
+        m[6] != 0 || m[7] != 0 || m[8] != 1) {
       throw UserError(file_, name + "_K is not a camera matrix (fx, 0, cx; 0, fy, cy; 0, 0, 1)");
     }
     const std::vector<double> k = numbers(name + "_kc", 0);
@@ -94,8 +190,8 @@ class Reader {
       return;
     }
     const std::vector<double> values = numbers(key, 2);
-    constexpr double kMost = 1 << 15;
-    if (!std::all_of(values.begin(), values.end(), [](double value) { return value >= 1 && value <= kMost; })) {
+    constexpr double kMax = 1 << 15;
+    if (!std::all_of(values.begin(), values.end(), [](double value) { return value >= 1 && value <= kMax; })) {
       throw UserError(file_, key + " is not a size in pixels");
     }
     columns = static_cast<int>(values[0]);
@@ -123,8 +219,8 @@ Calibration read_calibration(const std::string& file) {
   }
   const std::vector<double> t = reader.numbers("T", 3);
   result.translation = {t[0], t[1], t[2]};
-  constexpr double kLeast = 1e-9;
-  if (cv::norm(result.translation) < kLeast) {
+  constexpr double kMin = 1e-9;
+  if (cv::norm(result.translation) < kMin) {
     throw UserError(file, "T is 0: camera and projector are at the same place");
   }
   reader.size("cam_size", result.camera_columns, result.camera_rows);

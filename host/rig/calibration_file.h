@@ -15,12 +15,19 @@ namespace selfproj {
 // rotation, or T has length 0.
 Calibration read_calibration(const std::string& file);
 
-// The text of such a file: the keys above, T_C, T_P and T_P_rows of (4.7) without distortion (depth_matrices.h), and
-// `rms` in pixels as camera_rms, projector_rms, stereo_rms.
+// Root mean squares of the residuals of a calibration, pixels; NaN is allowed.
 struct CalibrationRms {
   double camera = 0, projector = 0, stereo = 0;
 };
+
+// The text of such a file: the keys above, T_C, T_P and T_P_rows of (4.7) without distortion (depth_matrices), and
+// `rms` as cam_rms, pro_rms, stereo_rms. Distortion coefficients k4, k5, k6 are written only if one of them is not 0.
 std::string calibration_yaml(const Calibration& calibration, const CalibrationRms& rms);
+
+// Throws UserError, naming `source` and the line, for a text (YAML, JSON or XML) that cv::FileStorage would read
+// wrongly or that would crash it: it is nested deeper than any calibration, has more than one document or aliases, or
+// has a whole number that begins with 0, which OpenCV takes for an octal one ("010" for 8) or a hexadecimal one.
+void check_calibration_text(const std::string& text, const std::string& source);
 
 }  // namespace selfproj
 

@@ -9,7 +9,7 @@
 namespace selfproj {
 namespace {
 
-using Chebyshev = std::array<double, kMostOrder + 1>;
+using Chebyshev = std::array<double, kMaxHeightOrder + 1>;
 
 Chebyshev chebyshev(double x) {
   Chebyshev t{1, x};
@@ -30,8 +30,8 @@ HeightCorrection::HeightCorrection(const RigCamera& camera, const RigHeights& he
       degrees_(height_terms(heights.order, heights.order_heights)) {}
 
 void HeightCorrection::terms(double row, double column, double height_mm, std::vector<double>& values) const {
-  const double middle = 0.5 * (heights_.lowest_mm + heights_.highest_mm);
-  const double half = 0.5 * (heights_.highest_mm - heights_.lowest_mm);
+  const double middle = 0.5 * (heights_.min_mm + heights_.max_mm);
+  const double half = 0.5 * (heights_.max_mm - heights_.min_mm);
   const Chebyshev c = chebyshev(std::clamp((column - column_middle_) / column_half_, -1.0, 1.0));
   const Chebyshev r = chebyshev(std::clamp((row - row_middle_) / row_half_, -1.0, 1.0));
   const Chebyshev h = chebyshev((height_mm - middle) / half);
@@ -44,8 +44,8 @@ void HeightCorrection::terms(double row, double column, double height_mm, std::v
 
 double HeightCorrection::at(double row, double column, double height_mm) const {
   // Far beyond its ends a polynomial means nothing.
-  const double beyond = 0.25 * (heights_.highest_mm - heights_.lowest_mm);
-  if (!(height_mm >= heights_.lowest_mm - beyond && height_mm <= heights_.highest_mm + beyond)) {
+  const double beyond = 0.25 * (heights_.max_mm - heights_.min_mm);
+  if (!(height_mm >= heights_.min_mm - beyond && height_mm <= heights_.max_mm + beyond)) {
     return std::numeric_limits<double>::quiet_NaN();
   }
   std::vector<double> values;

@@ -5,7 +5,6 @@
 #include <array>
 #include <vector>
 
-#include "host/rig/height_terms.h"
 #include "host/rig/rig.h"
 
 namespace selfproj {

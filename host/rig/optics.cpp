@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "host/rig/rig_calibration.h"
+#include "host/rig/calibration.h"
 
 namespace selfproj {
 namespace {
@@ -14,10 +14,10 @@ namespace {
 // The square of the smallest ray length at which the radial part of the lens stops growing; infinite if it never does.
 double reach_of(const Lens& lens) {
   constexpr double kStep = 1e-3;
-  constexpr double kMost = 10;  // the tangent of 84 degrees
+  constexpr double kMax = 10;  // the tangent of 84 degrees
   const auto [k1, k2, p1, p2, k3, k4, k5, k6] = lens.k;
   double before = 0;
-  for (double r = kStep; r < kMost; r += kStep) {
+  for (double r = kStep; r < kMax; r += kStep) {
     const double s = r * r;
     const double image = r * (1 + s * (k1 + s * (k2 + s * k3))) / (1 + s * (k4 + s * (k5 + s * k6)));
     if (!(image > before)) {

@@ -19,10 +19,8 @@
 #include "host/files/numbers.h"
 #include "host/files/user_error.h"
 #include "host/images/frame_options.h"
-#include "host/rig/height_terms.h"
 #include "host/rig/rigs_built_in.h"
-#include "host/rig/yaml_document.h"
-#include "host/rig/yaml_fields.h"
+#include "host/rig/yaml.h"
 #include "model/pixel_clock.h"
 
 namespace selfproj {
@@ -96,10 +94,10 @@ void visit_belt_pose(PoseT& pose, Visitor& v) {
 template <class HeightsT, class Visitor>
 void visit_heights(HeightsT& heights, Visitor& v) {
   v.begin("heights");
-  v.number("lowest_mm", heights.lowest_mm, 1, kAny);
-  v.number("highest_mm", heights.highest_mm, 1, kAny);
-  v.integer("order", heights.order, 0, kMostOrder);
-  v.integer("order_heights", heights.order_heights, 0, kMostOrder);
+  v.number("min_mm", heights.min_mm, 1, kAny);
+  v.number("max_mm", heights.max_mm, 1, kAny);
+  v.integer("order", heights.order, 0, kMaxHeightOrder);
+  v.integer("order_heights", heights.order_heights, 0, kMaxHeightOrder);
   v.numbers("corrections_mm", heights.corrections_mm, 1, kAny);
   v.end();
 }
@@ -167,7 +165,7 @@ void visit_rig(RigT& rig, Visitor& v) {
   v.end();
   if (v.has_any({"board"}, rig.board)) {
     v.begin("board");
-    v.number("pixel_clock_hz", rig.board->pixel_clock_hz, 1, {kLeastPixelClockHz, kMostPixelClockHz});
+    v.number("pixel_clock_hz", rig.board->pixel_clock_hz, 1, {kMinPixelClockHz, kMaxPixelClockHz});
     v.end();
   }
   v.begin("measure");
@@ -255,17 +253,17 @@ void check_sections(const Rig& rig, const std::string& source) {
       throw UserError(source, fmt::format("parts.length_mm is {}, parts.min_length_mm {}; it must be greater",
                                           parts.length_mm, parts.min_length_mm));
     }
-    constexpr double kMostRows = 20'000;  // of a part's map
-    if ((parts.length_mm + 2 * parts.gap_mm) / parts.grid_mm > kMostRows) {
+    constexpr double kMaxRows = 20'000;  // of a part's map
+    if ((parts.length_mm + 2 * parts.gap_mm) / parts.grid_mm > kMaxRows) {
       throw UserError(source, fmt::format("parts.length_mm, {}, has more than {} cells of parts.grid_mm, {}",
-                                          parts.length_mm, kMostRows, parts.grid_mm));
+                                          parts.length_mm, kMaxRows, parts.grid_mm));
     }
   }
   if (rig.heights) {
     const RigHeights& h = *rig.heights;
-    if (!(h.lowest_mm < h.highest_mm)) {
-      throw UserError(source, fmt::format("heights.lowest_mm is {}, heights.highest_mm {}; it must be greater",
-                                          h.lowest_mm, h.highest_mm));
+    if (!(h.min_mm < h.max_mm)) {
+      throw UserError(source,
+                      fmt::format("heights.min_mm is {}, heights.max_mm {}; it must be greater", h.min_mm, h.max_mm));
     }
     const std::size_t terms = height_terms(h.order, h.order_heights).size();
     if (h.corrections_mm.size() != terms) {
@@ -275,7 +273,31 @@ void check_sections(const Rig& rig, const std::string& source) {
   }
 }
 
+void add_lens(const std::string& section, const RigLens& lens, std::vector<std::pair<std::string, double>>& keys) {
+  keys.insert(keys.end(), {{section + ".fx_px", lens.fx_px},
+                           {section + ".fy_px", lens.fy_px},
+                           {section + ".cx_px", lens.cx_px},
+                           {section + ".cy_px", lens.cy_px},
+                           {section + ".k1", lens.k1},
+                           {section + ".k2", lens.k2},
+                           {section + ".p1", lens.p1},
+                           {section + ".p2", lens.p2},
+                           {section + ".k3", lens.k3}});
+}
+
 }  // namespace
+
+std::vector<std::array<int, 3>> height_terms(int order, int order_heights) {
+  std::vector<std::array<int, 3>> terms;
+  for (int height = 0; height <= std::min(order, order_heights); ++height) {
+    for (int row = 0; row + height <= order; ++row) {
+      for (int column = 0; column + row + height <= order; ++column) {
+        terms.push_back({column, row, height});
+      }
+    }
+  }
+  return terms;
+}
 
 const std::vector<std::string>& built_in_rigs() {
   static const std::vector<std::string> names = [] {
@@ -342,5 +364,64 @@ std::string to_yaml(const Rig& rig) {
   visit_rig(rig, writer);
   return writer.yaml();
 }
+
+std::vector<std::pair<std::string, double>> geometry_of(const Rig& rig) {
+  std::vector<std::pair<std::string, double>> keys = {{"camera.rows", rig.camera.rows},
+                                                      {"camera.columns", rig.camera.columns},
+                                                      {"camera.pixel_pitch_mm", rig.camera.pixel_pitch_mm},
+                                                      {"camera.focal_length_mm", rig.camera.focal_length_mm},
+                                                      {"projector.x_mm", rig.projector.x_mm},
+                                                      {"projector.z_mm", rig.projector.z_mm},
+                                                      {"projector.tilt_rad", rig.projector.tilt_rad},
+                                                      {"projector.focal_length_mm", rig.projector.focal_length_mm},
+                                                      {"projector.lines", rig.projector.lines},
+                                                      {"projector.columns", rig.projector.columns},
+                                                      {"projector.line_pitch_mm", rig.projector.line_pitch_mm},
+                                                      {"projector.column_pitch_mm", rig.projector.column_pitch_mm},
+                                                      {"projector.center_xp_mm", rig.projector.center_xp_mm},
+                                                      {"projector.center_yp_mm", rig.projector.center_yp_mm}};
+  if (rig.calibration) {
+    add_lens("camera_lens", rig.calibration->camera, keys);
+  }
+  if (rig.calibration && !rig.light_plane) {
+    const std::array<double, 3>& turn = rig.calibration->rotation_rad;
+    const std::array<double, 3>& move = rig.calibration->translation_mm;
+    add_lens("projector_lens", rig.calibration->projector, keys);
+    keys.insert(keys.end(), {{"projector_pose.rotation_x_rad", turn[0]},
+                             {"projector_pose.rotation_y_rad", turn[1]},
+                             {"projector_pose.rotation_z_rad", turn[2]},
+                             {"projector_pose.translation_x_mm", move[0]},
+                             {"projector_pose.translation_y_mm", move[1]},
+                             {"projector_pose.translation_z_mm", move[2]}});
+  }
+  if (rig.light_plane) {
+    keys.insert(keys.end(), {{"light_plane.normal_x", rig.light_plane->normal[0]},
+                             {"light_plane.normal_y", rig.light_plane->normal[1]},
+                             {"light_plane.normal_z", rig.light_plane->normal[2]},
+                             {"light_plane.distance_mm", rig.light_plane->distance_mm}});
+  }
+  if (rig.belt_pose) {
+    const auto& [direction, normal] = *rig.belt_pose;
+    keys.insert(keys.end(), {{"belt_pose.direction_x", direction[0]},
+                             {"belt_pose.direction_y", direction[1]},
+                             {"belt_pose.direction_z", direction[2]},
+                             {"belt_pose.normal_x", normal[0]},
+                             {"belt_pose.normal_y", normal[1]},
+                             {"belt_pose.normal_z", normal[2]}});
+  }
+  if (rig.heights) {
+    keys.insert(keys.end(), {{"plane_z_mm", rig.plane_z_mm},
+                             {"heights.min_mm", rig.heights->min_mm},
+                             {"heights.max_mm", rig.heights->max_mm},
+                             {"heights.order", rig.heights->order},
+                             {"heights.order_heights", rig.heights->order_heights}});
+    for (std::size_t i = 0; i < rig.heights->corrections_mm.size(); ++i) {
+      keys.emplace_back("heights.corrections_mm." + std::to_string(i + 1), rig.heights->corrections_mm[i]);
+    }
+  }
+  return keys;
+}
+
+bool same_geometry(double a, double b) { return std::abs(a - b) <= 1e-12 * std::max(std::abs(a), std::abs(b)); }
 
 }  // namespace selfproj

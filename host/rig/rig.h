@@ -13,6 +13,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "model/column_moments.h"
@@ -83,7 +84,7 @@ struct RigMeasure {
   std::optional<RigRuns> runs = {};      // select the strongest run; nothing: all lit pixels
   std::optional<RowWindow> window = {};  // rows that count; nothing: all
 
-  // What the board is told to measure.
+  // What the board measures, as its registers say.
   [[nodiscard]] Measure of_board() const {
     return {.mode = mode,
             .threshold = threshold,
@@ -93,7 +94,7 @@ struct RigMeasure {
   }
 
   // Makes this what `measure` says, as from options of a command.
-  void take(const Measure& measure) {
+  void apply(const Measure& measure) {
     mode = measure.mode;
     threshold = measure.threshold;
     if (measure.select == Select::all) {
@@ -117,7 +118,7 @@ struct RigImaging {
   std::int64_t seed = 0;
 };
 
-// A lens as OpenCV describes it (host/rig/lens.h), in pixels: x along columns, y along rows or lines.
+// A lens as OpenCV describes it (host/rig/calibration.h), in pixels: x along columns, y along rows or lines.
 struct RigLens {
   double fx_px = 0, fy_px = 0;  // negative for a projector that counts against its axes
   double cx_px = 0, cy_px = 0;
@@ -149,12 +150,19 @@ struct RigBeltPose {
 // What `selfproj calibrate heights` found: how true heights over the plate differ from those of the geometry
 // (host/rig/height_correction.h). Only for a light section.
 struct RigHeights {
-  double lowest_mm = 0;  // range of the heights, by the geometry, that were calibrated
-  double highest_mm = 0;
+  double min_mm = 0;  // range of the heights, by the geometry, that were calibrated
+  double max_mm = 0;
   int order = 0;          // greatest degree of a term
   int order_heights = 0;  // greatest degree of a term in the height
   std::vector<double> corrections_mm;
 };
+
+// The greatest order that a rig may have.
+inline constexpr int kMaxHeightOrder = 8;
+
+// Degrees of the terms in column, row and height, in the order of RigHeights::corrections_mm: all whose sum is at most
+// `order`, and whose degree in the height is at most `order_heights`.
+std::vector<std::array<int, 3>> height_terms(int order, int order_heights);
 
 // What tells one part from the next (host/parts).
 enum class PartCut : std::uint8_t {
@@ -215,11 +223,20 @@ Rig load_rig(const std::string& name_or_file);
 // The same, but a laser line is welcome.
 Rig load_any_rig(const std::string& name_or_file);
 
-// The same from a text; errors name `source`.
+// The same from a text (with a laser line or without); errors name `source`.
 Rig parse_rig(const std::string& yaml, const std::string& source);
 
 // The rig as YAML, which parse_rig reads back to equal values.
 std::string to_yaml(const Rig& rig);
+
+// The numbers of a rig that its references depend on, with the names that they have in reference files: camera and
+// projector; of a laser line camera and plane; of a calibrated rig also lenses and pose; of corrected heights the
+// corrections.
+std::vector<std::pair<std::string, double>> geometry_of(const Rig& rig);
+
+// Whether two of these numbers are the same. They are written so that they read back to the same value, but a rig that
+// went through its YAML may differ in the last digit.
+bool same_geometry(double a, double b);
 
 }  // namespace selfproj
 

@@ -16,7 +16,7 @@
 namespace selfproj {
 namespace {
 
-// Returns 1 if depth grows with the code, and -1 if it falls or if this cannot be told. It compares the depths of the
+// Returns 1 if depth grows with the code, and -1 if it falls or if no pixel decides. It compares the depths of the
 // two middle codes at the first pixel that has both.
 float direction(const Triangulation& triangulation) {
   const std::size_t pixels = triangulation.pixels();
@@ -47,7 +47,7 @@ CodeBorders::CodeBorders(const Triangulation& triangulation, int threshold)
   check(threshold >= 0 && threshold <= 255, "borders between codes: the threshold is not in 0..255");
 }
 
-void CodeBorders::take(int plane, const ImageView& positive, const ImageView& negative) {
+void CodeBorders::add_plane(int plane, const ImageView& positive, const ImageView& negative) {
   check(plane >= 0 && plane < triangulation_.bits(), "borders between codes: there is no such plane");
   const int rows = triangulation_.rows();
   const int columns = triangulation_.columns();

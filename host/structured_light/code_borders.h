@@ -25,7 +25,7 @@ class CodeBorders {
 
   // Takes the two images of a bit plane. Plane 0 is the most significant one. Throws std::invalid_argument if the plane
   // does not exist or an image has another size.
-  void take(int plane, const ImageView& positive, const ImageView& negative);
+  void add_plane(int plane, const ImageView& positive, const ImageView& negative);
 
   // Writes rows · columns depths (mm) from the images taken last. Each border's depth is written to the pixel that is
   // nearest to the border, and NaN to all other pixels. `codes` are the words decoded from these images. Call this when

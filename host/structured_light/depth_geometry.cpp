@@ -9,12 +9,20 @@
 
 #include "host/files/user_error.h"
 #include "host/images/frame_options.h"
+#include "host/rig/calibration.h"
 #include "host/rig/calibration_file.h"
 #include "host/rig/rig.h"
-#include "host/rig/rig_calibration.h"
+#include "host/structured_light/lens_triangulation.h"
 
 namespace selfproj {
 namespace {
+
+// For images of the rig's camera, with its limit of z for a line.
+LensSettings settings_of(const Rig& rig, const DepthLimits& limits) {
+  LensSettings settings{.rows = rig.camera.rows, .columns = rig.camera.columns, .limits = limits, .rows_are_x = true};
+  settings.limits.max_z_per_line_mm = rig.measure.max_z_per_line_mm;
+  return settings;
+}
 
 std::unique_ptr<LensTriangulation> with_lens(const std::string& name, const Calibration& calibration,
                                              const LensSettings& settings) {
@@ -37,29 +45,10 @@ Rig rig_for(const DepthGeometry& geometry, const ImageSource& source) {
 // The first code is that of the projector's lines, the second that of its columns: those of the images exchanged.
 std::unique_ptr<LensTriangulation> rig_triangulation_of_both(const DepthGeometry& geometry, const ImageSource& source) {
   const Rig rig = rig_for(geometry, source);
-  LensSettings settings{.rows = source.rows,
-                        .columns = source.columns,
-                        .bits = geometry.row_bits,
-                        .row_bits = geometry.bits,
-                        .max_residual_px = geometry.max_residual_px,
-                        .limits = geometry.limits,
-                        .rows_are_x = true};
-  settings.limits.max_z_per_line_mm = rig.measure.max_z_per_line_mm;
-  return with_lens(geometry.rig, calibration_of(rig), settings);
-}
-
-std::unique_ptr<Triangulation> rig_triangulation(const DepthGeometry& geometry, const ImageSource& source) {
-  const Rig rig = rig_for(geometry, source);
-  if (!rig.calibration) {
-    return std::make_unique<PlaneTriangulation>(rig, geometry.bits, geometry.limits);
-  }
-  LensSettings settings{.rows = source.rows,
-                        .columns = source.columns,
-                        .bits = geometry.bits,
-                        .lines = static_cast<double>(rig.projector.lines),
-                        .limits = geometry.limits,
-                        .rows_are_x = true};
-  settings.limits.max_z_per_line_mm = rig.measure.max_z_per_line_mm;
+  LensSettings settings = settings_of(rig, geometry.limits);
+  settings.bits = geometry.row_bits;
+  settings.row_bits = geometry.bits;
+  settings.max_residual_px = geometry.max_residual_px;
   return with_lens(geometry.rig, calibration_of(rig), settings);
 }
 
@@ -95,7 +84,25 @@ std::unique_ptr<Triangulation> make_triangulation(const DepthGeometry& geometry,
   if (geometry.rig.empty()) {
     return make_lens_triangulation(geometry, source);
   }
-  return rig_triangulation(geometry, source);
+  const Rig rig = rig_for(geometry, source);
+  if (!rig.calibration) {
+    return std::make_unique<PlaneTriangulation>(rig, geometry.bits, geometry.limits);
+  }
+  try {
+    return triangulation_of_rig(rig, geometry.bits, geometry.limits);
+  } catch (const std::invalid_argument& error) {
+    throw UserError(geometry.rig, error.what());
+  }
+}
+
+std::unique_ptr<Triangulation> triangulation_of_rig(const Rig& rig, int bits, const DepthLimits& limits) {
+  if (rig.is_pinholes()) {
+    return std::make_unique<PlaneTriangulation>(rig, bits, limits);
+  }
+  LensSettings settings = settings_of(rig, limits);
+  settings.bits = bits;
+  settings.lines = rig.projector.lines;
+  return std::make_unique<LensTriangulation>(calibration_of(rig), settings);
 }
 
 }  // namespace selfproj

@@ -1,10 +1,11 @@
-// The geometry from which depth images are computed: a rig or a calibration file.
+// The geometry from which depth images are computed: a rig, or a calibration file.
 #ifndef SELFPROJ_HOST_STRUCTURED_LIGHT_DEPTH_GEOMETRY_H
 #define SELFPROJ_HOST_STRUCTURED_LIGHT_DEPTH_GEOMETRY_H
 
 #include <memory>
 #include <string>
 
+#include "host/rig/rig.h"
 #include "host/structured_light/lens_triangulation.h"
 #include "host/structured_light/triangulation.h"
 
@@ -40,6 +41,10 @@ std::unique_ptr<Triangulation> make_triangulation(const DepthGeometry& geometry,
 // The same for both axes. `bits` are then those of the code of the projector's columns, also with a rig, whose x and y
 // are exchanged (LensSettings::rows_are_x): it takes the code of its lines, the second one, for the first.
 std::unique_ptr<LensTriangulation> make_lens_triangulation(const DepthGeometry& geometry, const ImageSource& source);
+
+// Codes of `bits` bits along the lines of the rig's projector, for images of its camera; its max_z_per_line_mm takes
+// the place of that of `limits`. Throws std::invalid_argument as the triangulations do.
+std::unique_ptr<Triangulation> triangulation_of_rig(const Rig& rig, int bits, const DepthLimits& limits = {});
 
 }  // namespace selfproj
 

@@ -72,7 +72,7 @@ class AxisDecoder {
     for (int pattern = 0; pattern < 2 * bits; ++pattern, ++next_) {
       Image& image = pair_[next_ % 2];
       image = images_.read(next_);
-      decoder.take(image.view(), pattern);
+      decoder.add_frame(image.view(), pattern);
       progress_.update(next_ + 1);
     }
     std::vector<std::uint16_t> words(triangulation.pixels());
@@ -148,14 +148,14 @@ class DeviceScan {
       scanner_->restart();
     }
     if (got == ScanStream::Got::codes) {
-      scanner_->take_codes(stream_.codes().data());
-    } else if (!scanner_->take(stream_.image(), stream_.pattern(2 * setup_.geometry.bits))) {
+      scanner_->add_codes(stream_.codes().data());
+    } else if (!scanner_->add_frame(stream_.image(), stream_.pattern(2 * setup_.geometry.bits))) {
       return;
     }
     sequence_ = header.sequence;
     ++run_.depth_images;
     if (scanner_->has_background()) {
-      run_.moved.push_back({sequence_, scanner_->moved()});
+      run_.moved.push_back({sequence_, scanner_->foreground()});
     }
     take_(stream_.pair(), scanner_->depth());
   }
@@ -165,7 +165,7 @@ class DeviceScan {
     std::string note = counters_text(counters, {&Counters::lost_board, &Counters::lost_ring, &Counters::bad});
     note += fmt::format(", incomplete images {}", stream_.incomplete());
     if (scanner_->has_background()) {
-      const Moved& moved = scanner_->moved();
+      const Foreground& moved = scanner_->foreground();
       note += fmt::format("; {} pixels moved, at {:.1f}, {:.1f}, {:.1f} mm", moved.pixels, moved.x, moved.y, moved.z);
     }
     return note;
@@ -197,14 +197,14 @@ DepthRun depth_of_images(const DepthSetup& setup, ImageSequence& images, const T
   for (std::size_t i = 0; i < images.count(); ++i) {
     Image& image = pair[i % 2];
     image = images.read(i);
-    if (scanner.take(image.view(), static_cast<int>(i % patterns))) {
+    if (scanner.add_frame(image.view(), static_cast<int>(i % patterns))) {
       const std::size_t number = i / 2;
       run.shares = shares_of(triangulation, scanner, states);
       run.all_shares.push_back({number, run.shares});
       note = share_text(run.shares, PointState::valid);
       if (scanner.has_background()) {
-        run.moved.push_back({number, scanner.moved()});
-        note += fmt::format(", {} pixels moved", scanner.moved().pixels);
+        run.moved.push_back({number, scanner.foreground()});
+        note += fmt::format(", {} pixels moved", scanner.foreground().pixels);
       }
       take(number, scanner.depth());
       ++run.depth_images;

@@ -16,8 +16,7 @@
 #include "host/images/float_image.h"
 #include "host/images/image_sequence.h"
 #include "host/structured_light/depth_geometry.h"
-#include "host/structured_light/depth_shares.h"
-#include "host/structured_light/moved.h"
+#include "host/structured_light/foreground.h"
 #include "host/structured_light/scanner.h"
 #include "host/structured_light/triangulation.h"
 
@@ -50,7 +49,7 @@ struct DepthRun {
   // computing.
   std::vector<OfImage<DepthShares>> all_shares;
   // With a background: of all depth images in order, and the depth in mm of what moved in the newest, NaN elsewhere.
-  std::vector<OfImage<Moved>> moved;
+  std::vector<OfImage<Foreground>> moved;
   std::optional<FloatImage> moved_depth;
   double median_residual_px = std::numeric_limits<double>::quiet_NaN();  // both axes: over the pixels with a depth
   std::optional<DeviceCounts> device;

@@ -353,7 +353,7 @@ FastGrayDecoder::FastGrayDecoder(const GraySettings& settings) : settings_(setti
   }
 }
 
-bool FastGrayDecoder::take(const ImageView& image, int pattern, bool good) {
+bool FastGrayDecoder::add_frame(const ImageView& image, int pattern, bool good) {
   check(image.rows == settings_.rows && image.columns == settings_.columns,
         "fast gray decoder: the image has not the size of the settings");
   check(image.pixels != nullptr, "fast gray decoder: null pointer");

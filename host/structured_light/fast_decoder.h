@@ -50,7 +50,7 @@ class FastGrayDecoder {
   // negative comes, so its pixels must stay unchanged until then. Returns true if a new code image is due; it stays in
   // codes() until the next frame is taken. `good` is false for a flagged frame. Throws std::invalid_argument if the
   // image has not the size of the settings, or its pointer is null.
-  bool take(const ImageView& image, int pattern, bool good = true);
+  bool add_frame(const ImageView& image, int pattern, bool good = true);
 
   [[nodiscard]] const GraySettings& settings() const { return settings_; }
   [[nodiscard]] CodeImageView codes() const;

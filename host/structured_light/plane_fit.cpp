@@ -147,7 +147,7 @@ PlaneFit fit_plane(const Triangulation& triangulation, const FloatImage& depth, 
       region.rows > depth.rows - region.row || region.columns > depth.columns - region.column) {
     throw std::invalid_argument("plane fit: the region is not within the image");
   }
-  constexpr int kMostRounds = 30;
+  constexpr int kMaxRounds = 30;
   std::vector<Sample> samples = samples_of(triangulation, depth, region);
   PlaneFit fit;
   fit.points = samples.size();
@@ -156,7 +156,7 @@ PlaneFit fit_plane(const Triangulation& triangulation, const FloatImage& depth, 
     return fit;
   }
   mark(*plane, 0, samples);
-  for (int round = 0; round < kMostRounds; ++round) {
+  for (int round = 0; round < kMaxRounds; ++round) {
     const std::optional<Plane> next = least_squares(samples);
     if (!next) {
       break;

@@ -10,6 +10,8 @@
 #include <iterator>
 #include <limits>
 #include <map>
+#include <memory>
+#include <nanoflann.hpp>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -17,29 +19,19 @@
 #include "host/files/input_file.h"
 #include "host/files/numbers.h"
 #include "host/files/user_error.h"
+#include "model/little_endian.h"
 
 namespace selfproj {
 namespace {
 
-void append(std::string& to, float value) {
-  const auto bits = std::bit_cast<std::uint32_t>(value);
-  for (unsigned shift = 0; shift < 32; shift += 8) {
-    to.push_back(static_cast<char>((bits >> shift) & 0xFFU));
-  }
-}
-
 float float_at(const std::string& bytes, std::size_t at) {
-  std::uint32_t bits = 0;
-  for (unsigned i = 0; i < 4; ++i) {
-    bits |= static_cast<std::uint32_t>(static_cast<std::uint8_t>(bytes[at + i])) << (8 * i);
-  }
-  return std::bit_cast<float>(bits);
+  std::array<std::uint8_t, sizeof(float)> little{};
+  std::memcpy(little.data(), bytes.data() + at, little.size());
+  return std::bit_cast<float>(load_little_endian<std::uint32_t>(little.data()));
 }
 
 constexpr float kFar = 1e9F;
 constexpr double kNoDistance = std::numeric_limits<double>::quiet_NaN();
-
-float along(const Point3f& point, int axis) { return axis == 0 ? point.x : axis == 1 ? point.y : point.z; }
 
 // Where the vertices are in a PLY file.
 struct PlyLayout {
@@ -102,12 +94,14 @@ PlyLayout layout_of(const std::string& file, const std::string& bytes) {
 }  // namespace
 
 void PlyText::add(const Point3f& point, std::uint8_t red, std::uint8_t green, std::uint8_t blue) {
+  std::array<std::uint8_t, kBytes> vertex{};
+  std::uint8_t* at = vertex.data();
   for (const float value : {point.x, point.y, point.z}) {
-    append(vertices_, value);
+    store_little_endian(at, std::bit_cast<std::uint32_t>(value));
+    at += sizeof(float);
   }
-  for (const std::uint8_t value : {red, green, blue}) {
-    vertices_.push_back(static_cast<char>(value));
-  }
+  std::copy_n(std::array{red, green, blue}.begin(), 3, at);
+  vertices_.append(vertex.begin(), vertex.end());
   ++count_;
 }
 
@@ -136,44 +130,36 @@ std::vector<Point3f> read_ply(const std::string& file) {
   return points;
 }
 
-NearestPoint::NearestPoint(std::vector<Point3f> points) : points_(std::move(points)) { build(0, points_.size(), 0); }
+// The points in the form that nanoflann asks for, and its tree over them.
+struct NearestPoint::Tree {
+  using Metric = nanoflann::L2_Simple_Adaptor<float, Tree, float, std::uint32_t>;
+  using Index = nanoflann::KDTreeSingleIndexAdaptor<Metric, Tree, 3, std::uint32_t>;
 
-void NearestPoint::build(std::size_t first, std::size_t last, int axis) {
-  if (last - first < 2) {
-    return;
-  }
-  const std::size_t middle = first + (last - first) / 2;
-  const auto at = [this](std::size_t i) { return points_.begin() + static_cast<std::ptrdiff_t>(i); };
-  std::nth_element(at(first), at(middle), at(last),
-                   [axis](const Point3f& a, const Point3f& b) { return along(a, axis) < along(b, axis); });
-  build(first, middle, (axis + 1) % 3);
-  build(middle + 1, last, (axis + 1) % 3);
-}
+  explicit Tree(std::vector<Point3f> all) : points(std::move(all)), index(3, *this) {}
 
-// `best` is a squared distance.
-void NearestPoint::search(std::size_t first, std::size_t last, int axis, const Point3f& point, float& best) const {
-  if (first == last) {
-    return;
+  [[nodiscard]] std::size_t kdtree_get_point_count() const { return points.size(); }
+  [[nodiscard]] float kdtree_get_pt(std::size_t i, std::size_t axis) const {
+    return axis == 0 ? points[i].x : axis == 1 ? points[i].y : points[i].z;
   }
-  const std::size_t middle = first + (last - first) / 2;
-  const Point3f& node = points_[middle];
-  const float dx = node.x - point.x;
-  const float dy = node.y - point.y;
-  const float dz = node.z - point.z;
-  best = std::min(best, dx * dx + dy * dy + dz * dz);
-  const float side = along(point, axis) - along(node, axis);
-  const int next = (axis + 1) % 3;
-  const bool below = side < 0;
-  below ? search(first, middle, next, point, best) : search(middle + 1, last, next, point, best);
-  if (side * side < best) {
-    below ? search(middle + 1, last, next, point, best) : search(first, middle, next, point, best);
+  template <class Box>
+  bool kdtree_get_bbox(Box& /*box*/) const {
+    return false;  // to be computed
   }
-}
+
+  std::vector<Point3f> points;
+  Index index;
+};
+
+NearestPoint::NearestPoint(std::vector<Point3f> points) : tree_(std::make_shared<const Tree>(std::move(points))) {}
 
 double NearestPoint::distance(const Point3f& point) const {
-  float best = std::numeric_limits<float>::infinity();
-  search(0, points_.size(), 0, point, best);
-  return std::sqrt(static_cast<double>(best));
+  const std::array<float, 3> at{point.x, point.y, point.z};
+  std::uint32_t nearest = 0;
+  float squared = std::numeric_limits<float>::infinity();
+  if (!tree_->points.empty()) {
+    tree_->index.knnSearch(at.data(), 1, &nearest, &squared);
+  }
+  return std::sqrt(static_cast<double>(squared));
 }
 
 CloudComparison compare_clouds(const std::vector<Point3f>& ours, const std::vector<Point3f>& theirs, double within_mm) {

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -32,28 +33,29 @@ class PlyText {
 // others may have any scalar type. Throws UserError with the file if it is unreadable, no such PLY, or cut short.
 std::vector<Point3f> read_ply(const std::string& file);
 
-// Finds the nearest of many points by a k-d tree.
+// Finds the nearest of many points by a k-d tree (nanoflann).
 class NearestPoint {
  public:
   explicit NearestPoint(std::vector<Point3f> points);
 
-  // Distance in mm to the nearest point; infinite if there are no points.
+  // Distance in mm to the nearest point, computed in 32-bit floats; infinite if there are no points.
   [[nodiscard]] double distance(const Point3f& point) const;
 
  private:
-  void build(std::size_t first, std::size_t last, int axis);
-  void search(std::size_t first, std::size_t last, int axis, const Point3f& point, float& best) const;
-  std::vector<Point3f> points_;  // the middle point of a range halves it along the axis, x, y and z in turn
+  struct Tree;
+  std::shared_ptr<const Tree> tree_;
 };
 
-// The distances between two clouds; NaN if one of them is empty.
+// The distances between two clouds. Median and shares are NaN if one of them is empty.
 struct CloudComparison {
   std::size_t ours = 0;
   std::size_t theirs = 0;
   double median_mm = 0;      // over our points, the distance to the nearest of theirs
-  double ours_within = 0;    // share of our points with one of theirs within `within_mm`
+  double ours_within = 0;    // share, 0..1, of our points with one of theirs within `within_mm`
   double theirs_within = 0;  // share of their points with one of ours
 };
+
+// Points in mm; `within_mm` >= 0. Takes time in proportion to n log n of their numbers.
 CloudComparison compare_clouds(const std::vector<Point3f>& ours, const std::vector<Point3f>& theirs, double within_mm);
 
 }  // namespace selfproj

@@ -133,7 +133,7 @@ namespace {
 
 // The code without what follows the planes `above` (a mask). Reflected codes change in one plane only, so two codes
 // that differ in plane `bit` alone are mirror images about the edge between them.
-float place_of_code(unsigned code, unsigned ambiguous, int most_open) {
+float place_of_code(unsigned code, unsigned ambiguous, int max_open) {
   if (ambiguous == 0) {
     return static_cast<float>(code);
   }
@@ -141,7 +141,7 @@ float place_of_code(unsigned code, unsigned ambiguous, int most_open) {
   const unsigned below = top - 1;
   // All of the finest planes from `top` on are ambiguous: 2 top codes are left open, and their middle is taken.
   if (ambiguous == (top | below)) {
-    if (2 * top > static_cast<unsigned>(most_open)) {
+    if (2 * top > static_cast<unsigned>(max_open)) {
       return kNoValue;
     }
     const unsigned first = code & ~(ambiguous);
@@ -159,12 +159,12 @@ float place_of_code(unsigned code, unsigned ambiguous, int most_open) {
 
 }  // namespace
 
-FloatImage coordinates_of_codes(const AmbiguousCodes& codes, int most_open, int reach, double jump) {
+FloatImage coordinates_of_codes(const AmbiguousCodes& codes, int max_open, int reach, double jump) {
   const int rows = codes.rows;
   const int columns = codes.columns;
   FloatImage raw(rows, columns);
   for (std::size_t i = 0; i < raw.values.size(); ++i) {
-    raw.values[i] = place_of_code(codes.codes[i], codes.ambiguous[i], most_open);
+    raw.values[i] = place_of_code(codes.codes[i], codes.ambiguous[i], max_open);
   }
   FloatImage result = raw;
   for (int r = 0; r < rows; ++r) {
@@ -229,9 +229,9 @@ void GrayPointScan::add(const ImageView& image) {
         std::copy_n(image.pixels + r * image.stride, image.columns,
                     positive_.data() + static_cast<std::ptrdiff_t>(r) * image.columns);
       }
-      decoder.take({positive_.data(), image.rows, image.columns, image.columns}, pattern);
+      decoder.add_frame({positive_.data(), image.rows, image.columns, image.columns}, pattern);
     } else {
-      decoder.take(image, pattern);
+      decoder.add_frame(image, pattern);
     }
   }
   ++next_;

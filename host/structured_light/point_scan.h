@@ -90,11 +90,11 @@ struct AmbiguousCodes {
 
 // Coordinates from Gray codes that count single lines. If an edge of a plane passes through the pixel, this plane alone
 // is ambiguous, and the place is between the two codes that differ in that plane. If the pixel sees too much of the
-// projector to resolve the finest planes, the place is the middle of what the others leave open, at most `most_open`
+// projector to resolve the finest planes, the place is the middle of what the others leave open, at most `max_open`
 // lines. Anything else gives NaN. In a second step each place is replaced by that of the plane fitted to its
 // neighbourhood, which averages the steps of the codes. The fit uses pixels up to `reach` rows and columns away whose
 // places are within `jump` lines for each pixel of distance. If these are fewer than half, the place stays.
-FloatImage coordinates_of_codes(const AmbiguousCodes& codes, int most_open = 4, int reach = 2, double jump = 4);
+FloatImage coordinates_of_codes(const AmbiguousCodes& codes, int max_open = 4, int reach = 2, double jump = 4);
 
 // The same from the images seen under the patterns of GraySequence: columns, lines, and finally white and black, which
 // are not needed. On rig B these are 42 images instead of 1792.

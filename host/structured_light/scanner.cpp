@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <stdexcept>
 
-#include "host/structured_light/moved.h"
+#include "host/structured_light/foreground.h"
 #include "model/gray_decoder.h"
 
 namespace selfproj {
@@ -27,8 +27,8 @@ Scanner::Scanner(const Triangulation& triangulation, const ScannerSettings& sett
   }
 }
 
-bool Scanner::take(const ImageView& image, int pattern, bool good) {
-  if (!decoder_.take(image, pattern, good)) {
+bool Scanner::add_frame(const ImageView& image, int pattern, bool good) {
+  if (!decoder_.add_frame(image, pattern, good)) {
     return false;
   }
   if (settings_.median) {
@@ -42,7 +42,7 @@ bool Scanner::take(const ImageView& image, int pattern, bool good) {
   return true;
 }
 
-void Scanner::take_codes(const std::uint16_t* codes) {
+void Scanner::add_codes(const std::uint16_t* codes) {
   std::copy_n(codes, codes_.size(), codes_.begin());
   triangulate();
 }
@@ -52,9 +52,9 @@ void Scanner::triangulate() {
   if (has_background_) {
     const float* const background = background_.values.data();
     if (steady_.is_on()) {
-      steady_.take(depth_.values.data(), background, settings_.min_difference_mm);
+      steady_.apply(depth_.values.data(), background, settings_.min_difference_mm);
     }
-    moved_ = selfproj::moved(*triangulation_, candidates(), background, settings_.min_difference_mm);
+    foreground_ = foreground_of(*triangulation_, candidates(), background, settings_.min_difference_mm);
   }
   if (steady_.is_on()) {
     steady_.remember(depth_.values.data());

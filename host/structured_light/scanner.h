@@ -1,4 +1,4 @@
-// The scanner of chapter 4: frames in, a depth image and the centroid of what moved after every pair.
+// The scanner of chapter 4: frames in, a depth image and the centroid of the foreground after every pair.
 #ifndef SELFPROJ_HOST_STRUCTURED_LIGHT_SCANNER_H
 #define SELFPROJ_HOST_STRUCTURED_LIGHT_SCANNER_H
 
@@ -7,7 +7,7 @@
 
 #include "host/images/float_image.h"
 #include "host/structured_light/fast_decoder.h"
-#include "host/structured_light/moved.h"
+#include "host/structured_light/foreground.h"
 #include "host/structured_light/triangulation.h"
 #include "model/column_moments.h"
 
@@ -17,8 +17,8 @@ struct ScannerSettings {
   int threshold = 5;            // θ_b of (4.15), 0..255
   bool median = true;           // 3 x 3 median of the code image
   bool strict = false;          // a single ambiguous pair leaves a pixel without depth; not together with the median
-  float min_difference_mm = 5;  // difference from the background above which a pixel counts as moved
-  SteadySettings steady = {};   // further conditions for what counts as moved
+  float min_difference_mm = 5;  // difference from the background above which a pixel is foreground
+  SteadySettings steady = {};   // further conditions for the foreground
 };
 
 class Scanner {
@@ -29,13 +29,13 @@ class Scanner {
 
   // Takes a frame with its pattern index, by the rules of FastGrayDecoder. Returns true if there is a new depth image.
   // `good` is false for a flagged frame.
-  bool take(const ImageView& image, int pattern, bool good = true);
+  bool add_frame(const ImageView& image, int pattern, bool good = true);
 
   // The next frame does not follow the one before: decoding begins anew.
   void restart() { decoder_.restart(); }
 
   // Takes a code image that was decoded elsewhere (on the board), rows · columns words.
-  void take_codes(const std::uint16_t* codes);
+  void add_codes(const std::uint16_t* codes);
 
   // The newest depth image in mm, NaN for pixels without depth, and the code words from which it was made.
   [[nodiscard]] const FloatImage& depth() const { return depth_; }
@@ -45,15 +45,15 @@ class Scanner {
   void set_background(const FloatImage& background);
   [[nodiscard]] bool has_background() const { return has_background_; }
 
-  // What moved in the newest depth image; 0 pixels if there is no background.
-  [[nodiscard]] const Moved& moved() const { return moved_; }
+  // The foreground of the newest depth image; 0 pixels if there is no background.
+  [[nodiscard]] const Foreground& foreground() const { return foreground_; }
 
-  // Writes the depth of the pixels that moved, NaN elsewhere, to `out`, which has the same size.
+  // Writes the depth of the foreground, NaN elsewhere, to `out`, which has the same size.
   void difference(FloatImage& out) const;
 
  private:
   void triangulate();
-  // The depths of pixels that may have moved.
+  // The depths of pixels that may be foreground.
   [[nodiscard]] const float* candidates() const { return steady_.is_on() ? steady_.kept() : depth_.values.data(); }
 
   const Triangulation* triangulation_;
@@ -65,7 +65,7 @@ class Scanner {
   FloatImage background_;
   bool has_background_ = false;
   SteadyFilter steady_;
-  Moved moved_;
+  Foreground foreground_;
 };
 
 }  // namespace selfproj

@@ -1,18 +1,50 @@
-// The reference of self-projected structured light, known before the first frame, and the patterns made from it.
+// Self-projected structured light, before the first frame: the code of its stripes, which are straight in the camera's
+// view if it sees the reference; the reference; the patterns made from it; and the folder that holds all of this.
 #ifndef SELFPROJ_HOST_STRUCTURED_LIGHT_SELF_REFERENCE_H
 #define SELFPROJ_HOST_STRUCTURED_LIGHT_SELF_REFERENCE_H
 
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <string>
 #include <vector>
 
+#include "host/files/output_folder.h"
 #include "host/images/float_image.h"
 #include "host/rig/rig.h"
 #include "host/structured_light/point_scan.h"
-#include "host/structured_light/stripe_code.h"
 
 namespace selfproj {
+
+// How the stripes count.
+enum class StripeCode : std::uint8_t {
+  cyclic,     // 0..2^m - 1, 0..2^m - 1, ...: every window of 2^m cells holds each code once
+  reflected,  // (4.10) as printed: 0..2^m - 1, then 2^m - 1..0, ...
+};
+
+// Stripes of m bits whose smallest width is `width` rows of the camera (a of (4.10)). A cell is the width of one code:
+// cell k covers Xc from k a δc to (k + 1) a δc, and Xc = 0 is the middle of the image.
+struct Stripes {
+  static constexpr int kMaxBits = 8;
+  static constexpr int kMaxWidth = 64;
+
+  int bits = 4;   // m, 1..kMaxBits
+  int width = 2;  // a, 1..kMaxWidth
+  StripeCode code = StripeCode::cyclic;
+
+  bool operator==(const Stripes&) const = default;
+};
+
+// ⌊Xc / (a δc)⌋ of a row (from 0, with a fraction) of an image with `rows` rows.
+int cell_of_row(double row, int rows, int width);
+
+// Whether the positive pattern of plane `plane` (0 is the most significant bit) is light in this cell. This is (4.10)
+// with u = Xc / (a 2^m δc) and does not change within a cell:
+//     g_2i = ⌊2^i u + 1/2⌋ mod 2,   cyclic: g_0 = ⌊2u⌋ mod 2
+bool is_light(const Stripes& stripes, int cell, int plane);
+
+// The code that a decoder makes from the cell's bits (4.17, 4.18).
+int code_of_cell(const Stripes& stripes, int cell);
 
 // Stands for the cell of a projector pixel that has no place f_R.
 inline constexpr int kNoCell = std::numeric_limits<int>::min();
@@ -61,6 +93,24 @@ FloatImage scan_pattern(const Rig& rig, int index);
 // Pattern i of the conventional method (4.1): stripes along the projector's lines, 2^bits codes over the central
 // `lines` lines, which may be all. Beyond them positives and negatives are dark.
 FloatImage gray_pattern(const Rig& rig, int bits, int lines, int index);
+
+// A reference as a folder, which `selfproj pattern stripes` makes:
+//
+//   reference.yaml          version, geometry of the rig, stripes (m, a, code)
+//   x_r_line.tiff, x_r_column.tiff   X_R: camera rows x columns, 32-bit floats, NaN where A_R = 0
+//   f_r_row.tiff, f_r_column.tiff    f_R: projector lines x columns, 32-bit floats
+//   f_r_seen.png            255 where f_R was seen, 0 where it was filled in
+//   c_r.png, a_r.png        C_R, 16 bits, 0 where A_R = 0; A_R, 0 or 255
+//   pattern_00.png ...      the 2m patterns for the projector: positive and negative of plane 0, ...
+//
+// That command adds preview.png, the line coordinate of X_R in colours. Adds all other files to the folder, which the
+// caller must commit. Throws UserError.
+void write_self_reference(const Rig& rig, const SelfReference& reference, OutputFolder& folder);
+
+// Reads such a folder back (reference.yaml, X_R, f_R and f_r_seen). Throws UserError with file and reason if there is
+// no folder, a file is missing, damaged, of another size or version, or made for a rig of another geometry, the stripes
+// are out of range, or a value of f_R is not a number.
+SelfReference read_self_reference(const Rig& rig, const std::string& folder);
 
 }  // namespace selfproj
 

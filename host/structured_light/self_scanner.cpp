@@ -9,7 +9,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "host/structured_light/rig_triangulation.h"
+#include "host/structured_light/depth_geometry.h"
 #include "model/cpu_clones.h"
 
 namespace selfproj {
@@ -157,15 +157,15 @@ void SelfScanner::depth_of_lines(int row, const float* lines, float* z) const {
   }
 }
 
-bool SelfScanner::take(const ImageView& image, int pattern, bool good) {
-  if (!decoder_.take(image, pattern, good)) {
+bool SelfScanner::add_frame(const ImageView& image, int pattern, bool good) {
+  if (!decoder_.add_frame(image, pattern, good)) {
     return false;
   }
   match(decoder_.codes().codes8, decoder_.codes().ambiguous8);
   return true;
 }
 
-void SelfScanner::take_codes(const std::uint16_t* words) {
+void SelfScanner::add_codes(const std::uint16_t* words) {
   constexpr std::uint8_t kTwoPairs = 3;
   for (std::size_t i = 0; i < board_codes_.size(); ++i) {
     const unsigned code = code_of(words[i]);

@@ -10,7 +10,7 @@
 #include "host/images/float_image.h"
 #include "host/rig/rig.h"
 #include "host/structured_light/fast_decoder.h"
-#include "host/structured_light/lens_lines.h"
+#include "host/structured_light/lens_triangulation.h"
 #include "host/structured_light/match_table.h"
 #include "host/structured_light/self_reference.h"
 #include "host/structured_light/triangulation.h"
@@ -36,14 +36,14 @@ class SelfScanner {
 
   // Takes a frame with its pattern index, by the rules of FastGrayDecoder. Returns true if there is a new depth image:
   // codes (4.15 to 4.18), match (4.19, 4.20), triangulation (4.8), difference. `good` is false for a flagged frame.
-  bool take(const ImageView& image, int pattern, bool good = true);
+  bool add_frame(const ImageView& image, int pattern, bool good = true);
 
   // The next frame does not follow the one before: decoding begins anew.
   void restart() { decoder_.restart(); }
 
   // Takes a code image that was decoded elsewhere (on the board), rows x columns words. Codes of more than m bits are
   // not measurable.
-  void take_codes(const std::uint16_t* words);
+  void add_codes(const std::uint16_t* words);
 
   // The newest depth image in mm, NaN for pixels without depth, and z_R - z in mm, positive towards the camera.
   [[nodiscard]] const FloatImage& depth() const { return depth_; }
@@ -71,7 +71,7 @@ class SelfScanner {
   const PlaneTriangulation* planes_ = nullptr;  // of pinholes, else null
   std::unique_ptr<LensLines> lenses_;           // of any other rig, else null
   FastGrayDecoder decoder_;
-  std::vector<std::uint8_t> board_codes_, board_ambiguous_;  // from take_codes
+  std::vector<std::uint8_t> board_codes_, board_ambiguous_;  // from add_codes
   const std::uint8_t* codes_ = nullptr;                      // newest codes
   const std::uint8_t* ambiguous_ = nullptr;
   std::vector<float> lines_;  // lines of one row

@@ -1,12 +1,17 @@
 #include "host/structured_light/triangulation.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <numeric>
 #include <opencv2/core.hpp>
 #include <stdexcept>
+#include <string>
 #include <vector>
 
 #include "host/structured_light/check.h"
@@ -224,6 +229,30 @@ void PlaneTriangulation::explain(const std::uint16_t* codes, const float* z, Poi
                     ? PointState::not_measurable
                     : explain_code(i, (codes[i] & GrayDecoder::kCode) + 0.5, z[i]);
   }
+}
+
+namespace {
+
+constexpr std::array<const char*, kPointStates> kNames{"valid",      "not_measurable", "no_line", "no_intersection",
+                                                       "too_coarse", "out_of_range",   "off_line"};
+
+}  // namespace
+
+std::size_t DepthShares::total() const { return std::accumulate(count.begin(), count.end(), std::size_t{0}); }
+
+DepthShares count_states(const std::vector<PointState>& states) {
+  DepthShares shares;
+  for (const PointState state : states) {
+    ++shares.count[static_cast<std::size_t>(state)];
+  }
+  return shares;
+}
+
+const char* name_of(PointState state) { return kNames[static_cast<std::size_t>(state)]; }
+
+std::string share_text(const DepthShares& shares, PointState state) {
+  return fmt::format("{:.2f} % {}", 100.0 * static_cast<double>(shares.of(state)) / static_cast<double>(shares.total()),
+                     name_of(state));
 }
 
 }  // namespace selfproj

@@ -5,13 +5,15 @@
 #ifndef SELFPROJ_HOST_STRUCTURED_LIGHT_TRIANGULATION_H
 #define SELFPROJ_HOST_STRUCTURED_LIGHT_TRIANGULATION_H
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <opencv2/core/matx.hpp>
+#include <string>
 #include <vector>
 
-#include "host/rig/depth_matrices.h"
+#include "host/rig/calibration.h"
 #include "host/rig/rig.h"
 
 namespace selfproj {
@@ -41,7 +43,8 @@ struct Point3f {
   float z = 0;
 };
 
-// Depth from codes along one axis of the projector, for images of one size.
+// Depth from codes along one axis of the projector, for images of one size: rows() x columns() pixels, row by row. Any
+// number of threads may call the const functions at once.
 class Triangulation {
  public:
   Triangulation(const Triangulation&) = delete;
@@ -141,6 +144,21 @@ class PlaneTriangulation : public Triangulation {
   bool by_rows_ = false;
   std::vector<float> at_, slope_, least_;  // one entry for each pixel or for each row
 };
+
+// How many pixels of a depth image have a depth, and why the others have none: the number of pixels in each state.
+struct DepthShares {
+  std::array<std::size_t, kPointStates> count{};
+
+  [[nodiscard]] std::size_t of(PointState state) const { return count[static_cast<std::size_t>(state)]; }
+  [[nodiscard]] std::size_t total() const;
+};
+DepthShares count_states(const std::vector<PointState>& states);
+
+// The name used in summary.json: "valid", "not_measurable", ...
+const char* name_of(PointState state);
+
+// Text such as "44.37 % valid".
+std::string share_text(const DepthShares& shares, PointState state);
 
 }  // namespace selfproj
 

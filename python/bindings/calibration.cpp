@@ -15,7 +15,6 @@
 
 #include "host/calibration/calibrate.h"
 #include "host/calibration/calibration_output.h"
-#include "host/calibration/calibration_report.h"
 #include "host/calibration/capture.h"
 #include "host/calibration/chessboard.h"
 #include "host/files/output_file.h"

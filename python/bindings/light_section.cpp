@@ -13,7 +13,7 @@
 
 #include "host/images/float_image.h"
 #include "host/light_section/differential_profile.h"
-#include "host/light_section/fast_runs.h"
+#include "host/light_section/fast_moments.h"
 #include "host/light_section/inspection.h"
 #include "host/light_section/profile.h"
 #include "host/light_section/reference.h"

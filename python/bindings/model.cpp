@@ -41,7 +41,7 @@ class Decoder {
       spare_ = new_array<std::uint16_t>(
           {static_cast<std::size_t>(decoder_.settings().rows), static_cast<std::size_t>(decoder_.settings().columns)});
     }
-    if (!without_gil([&] { return decoder_.take(view, pattern, good, spare_->data()); })) {
+    if (!without_gil([&] { return decoder_.add_frame(view, pattern, good, spare_->data()); })) {
       return std::nullopt;
     }
     std::optional<Out<std::uint16_t>> codes;

@@ -20,11 +20,11 @@
 #include "host/images/frame_options.h"
 #include "host/images/image_files.h"
 #include "host/images/image_sequence.h"
+#include "host/structured_light/depth_geometry.h"
 #include "host/structured_light/depth_run.h"
 #include "host/structured_light/fast_decoder.h"
 #include "host/structured_light/gray_sequence.h"
 #include "host/structured_light/point_cloud.h"
-#include "host/structured_light/rig_triangulation.h"
 #include "python/bindings/arrays.h"
 
 namespace selfproj::python {
@@ -50,7 +50,7 @@ class FastDecoder {
     const ImageView view = image_of(image);
     const GraySettings& settings = decoder_.settings();
     require(view.rows == settings.rows && view.columns == settings.columns, "image: its size is not the decoder's");
-    if (!without_gil([&] { return decoder_.take(kept(view, pattern), pattern, good); })) {
+    if (!without_gil([&] { return decoder_.add_frame(kept(view, pattern), pattern, good); })) {
       return std::nullopt;
     }
     auto codes =

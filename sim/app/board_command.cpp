@@ -314,7 +314,7 @@ selfproj inspect --device ring:line1 --wait-for-board --seconds 3
       ->type_name("FPS")
       ->capture_default_str();
   command->add_option("--pixel-clock-hz", options->pixel_clock_hz, "Pixel clock in Hz, which the time stamps count.")
-      ->transform(real_number(kLeastPixelClockHz, kMostPixelClockHz))
+      ->transform(real_number(kMinPixelClockHz, kMaxPixelClockHz))
       ->type_name("HZ")
       ->capture_default_str();
   command->add_option("--count", options->count, "Frames to play, repeating the source as needed.")

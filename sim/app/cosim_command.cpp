@@ -8,7 +8,7 @@
 
 #include "host/cli/command_line.h"
 #include "host/images/frame_options.h"
-#include "host/structured_light/stripe_code.h"
+#include "host/structured_light/self_reference.h"
 #include "model/gray_decoder.h"
 #include "sim/cosim/cosim.h"
 #include "sim/cosim/cosim_options.h"

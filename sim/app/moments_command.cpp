@@ -17,7 +17,7 @@
 #include "host/images/frame_options.h"
 #include "host/images/image_files.h"
 #include "host/images/prepared_images.h"
-#include "host/report/moments_csv.h"
+#include "host/report/tables.h"
 #include "model/column_runs.h"
 #include "model/spec/generated/selfproj_spec.h"
 #include "sim/board/moments_engine.h"

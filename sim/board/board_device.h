@@ -32,6 +32,7 @@
 #include "model/column_moments.h"
 #include "model/packet.h"
 #include "model/pixel_clock.h"
+#include "model/register_file.h"
 #include "sim/board/clocks.h"
 #include "sim/board/coverage.h"
 #include "sim/board/mutant.h"
@@ -46,12 +47,6 @@ struct BoardDeviceOptions {
   int bus_stall_percent = 0;    // share of bus clocks in which the sink is not ready
   int video_gap_percent = 0;    // share of video clocks without a beat while beats are waiting
   std::string trace_file = {};  // FST file; only if the model was built with TRACE
-};
-
-// The answer of a register access.
-struct RegisterAnswer {
-  bool error = false;  // SLVERR
-  std::uint32_t data = 0;
 };
 
 template <class Model>

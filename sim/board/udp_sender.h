@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "model/datagram_cutter.h"
+#include "model/datagram.h"
 
 namespace selfproj {
 

@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <span>
 #include <stdexcept>
@@ -24,8 +25,7 @@
 #include "host/files/temporary.h"
 #include "host/files/user_error.h"
 #include "host/images/image_files.h"
-#include "host/report/counter_facts.h"
-#include "host/report/facts_json.h"
+#include "host/report/facts.h"
 #include "host/report/report.h"
 #include "model/packet.h"
 #include "sim/board/packet_judge.h"

@@ -70,7 +70,7 @@ Rig rig_of(const CosimOptions& options) {
   rig.measure.threshold = options.threshold.value_or(rig.measure.threshold);
   Measure measure = rig.measure.of_board();
   options.select.apply(measure);
-  rig.measure.take(measure);
+  rig.measure.apply(measure);
   if (measure.select == Select::strongest && options.engine == "hls") {
     throw UserError("--select strongest", "the SystemC shell has no runs; --engine rtl and model have them");
   }

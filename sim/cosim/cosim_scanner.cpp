@@ -21,8 +21,8 @@
 #include "host/report/map_picture.h"
 #include "host/report/report.h"
 #include "host/rig/rig.h"
-#include "host/structured_light/moved.h"
-#include "host/structured_light/rig_triangulation.h"
+#include "host/structured_light/depth_geometry.h"
+#include "host/structured_light/foreground.h"
 #include "host/structured_light/scanner.h"
 #include "host/structured_light/triangulation.h"
 #include "sim/cosim/cosim_measurement.h"
@@ -62,8 +62,8 @@ class ScannerCosim final : public DepthCosim {
   ScannerCosim(const CosimOptions& options, const SceneInfo& info, DepthCosimSetup setup, const PatternSet& patterns)
       : DepthCosim(options, info, std::move(setup), options.no_median ? Median::off : Median::on, patterns),
         min_difference_(options.min_difference.value_or(kMovedMm)),
-        steady_{options.max_change.value_or(kSteady.most_change_mm),
-                options.min_neighbours.value_or(kSteady.least_neighbours)},
+        steady_{options.max_change.value_or(kSteady.max_change_mm),
+                options.min_neighbours.value_or(kSteady.min_neighbours)},
         triangulation_(triangulation_of_rig(rig(), bits(), {0, rig().plane_z_mm + kBelowPlane})),
         scanner_(*triangulation_, {.threshold = rig().measure.code_threshold,
                                    .median = median() == Median::on,
@@ -86,8 +86,8 @@ class ScannerCosim final : public DepthCosim {
     facts.push_back({"threshold", "threshold", std::int64_t{rig().measure.code_threshold}});
     facts.push_back({"min_difference_mm", "moved: differs by more than", min_difference_, "mm"});
     facts.push_back({"max_change_mm", "... changes from one depth image to the next by no more than",
-                     static_cast<double>(steady_.most_change_mm), "mm"});
-    facts.push_back({"min_neighbours", "... neighbours that moved, too", std::int64_t{steady_.least_neighbours}});
+                     static_cast<double>(steady_.max_change_mm), "mm"});
+    facts.push_back({"min_neighbours", "... neighbours that moved, too", std::int64_t{steady_.min_neighbours}});
     return facts;
   }
 
@@ -113,7 +113,7 @@ class ScannerCosim final : public DepthCosim {
   }
 
  private:
-  void take_codes(const std::uint16_t* codes) override { scanner_.take_codes(codes); }
+  void add_codes(const std::uint16_t* codes) override { scanner_.add_codes(codes); }
   [[nodiscard]] const Triangulation& triangulation() const override { return *triangulation_; }
   [[nodiscard]] const FloatImage& depth() const override { return scanner_.depth(); }
 
@@ -121,8 +121,8 @@ class ScannerCosim final : public DepthCosim {
     DepthSample sample;
     sample.frame = newest_frame();
     sample.t = middle_frame() / rig().camera.frame_rate_hz;
-    sample.moved = scanner_.moved();
-    sample.true_moved = moved(*triangulation_, truth().values.data(), true_background_.values.data(),
+    sample.moved = scanner_.foreground();
+    sample.true_moved = foreground_of(*triangulation_, truth().values.data(), true_background_.values.data(),
                               static_cast<float>(min_difference_));
     if (info().analysis == SceneAnalysis::wave_front) {
       sample.front = front(sample.t, depth(), background_);
@@ -176,7 +176,7 @@ class ScannerCosim final : public DepthCosim {
     for (int k = 0; k < patterns.size(); ++k) {
       Image& image = k % 2 == 0 ? positive : negative;
       still.render(k, patterns[k], std::span<std::uint8_t>(image.pixels));
-      scanner_.take(image.view(), k);
+      scanner_.add_frame(image.view(), k);
     }
     background_ = scanner_.depth();
     scanner_.set_background(background_);

@@ -82,10 +82,10 @@ class Matching {
         expected_(lines_) {}
 
   // Takes a code image, row by row, that was complete with this frame of the run.
-  void take_codes(const std::uint16_t* codes, std::size_t frame) {
+  void add_codes(const std::uint16_t* codes, std::size_t frame) {
     engine_->look_up(codes, rows_, columns_, lines_.data());
     model_->look_up(codes, rows_, columns_, expected_.data());
-    scanner_.take_codes(codes);
+    scanner_.add_codes(codes);
     compare(frame);
   }
 
@@ -155,7 +155,7 @@ class SelfProjectedCosim final : public DepthCosim {
       : DepthCosim(options, info, std::move(setup), Median::off, std::move(patterns)),
         cells_below_(cells_below),
         matching_(options, rig(), reference, cells_below) {
-    page().pictures.push_back({"Finest self-projected pattern", image_png(drawn[drawn.size() - 2]), ""});
+    page().pictures.push_back({"Finest self-projected pattern", encode_png(drawn[drawn.size() - 2]), ""});
   }
 
   void judge(CosimResult& result) const override {
@@ -195,7 +195,7 @@ class SelfProjectedCosim final : public DepthCosim {
     return fmt::format("self-projected, {} bits, e = {}", bits(), cells_below_);
   }
 
-  void take_codes(const std::uint16_t* codes) override { matching_.take_codes(codes, newest_frame()); }
+  void add_codes(const std::uint16_t* codes) override { matching_.add_codes(codes, newest_frame()); }
   [[nodiscard]] const Triangulation& triangulation() const override { return matching_.scanner().triangulation(); }
   [[nodiscard]] const FloatImage& depth() const override { return matching_.scanner().depth(); }
   [[nodiscard]] const FloatImage& difference() const { return matching_.scanner().difference(); }

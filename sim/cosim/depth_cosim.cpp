@@ -14,7 +14,7 @@
 
 #include "host/files/user_error.h"
 #include "host/report/depth_output.h"
-#include "host/report/facts_json.h"
+#include "host/report/facts.h"
 #include "host/report/frame_picture.h"
 #include "model/spec/generated/selfproj_spec.h"
 
@@ -144,7 +144,7 @@ void DepthCosim::packet(const PacketView& packet, OutputFolder* folder) {
     return;
   }
   ++images_;
-  take_codes(assembler_.codes().data());
+  add_codes(assembler_.codes().data());
   renderer_.lit_depth(middle_frame(), truth_.values, static_cast<float>(setup_.rig.measure.code_threshold));
   errors_.add(depth(), truth_);
   followed();
@@ -168,7 +168,7 @@ void DepthCosim::show(OutputFolder& folder) {
   folder.append("depth_" + name + "png", depth_png);
   folder.append(map.file + "_" + name + "png", map.png);
   if (const auto image = camera_.find(frame); image != camera_.end()) {
-    const std::string camera_png = image_png(image->second);
+    const std::string camera_png = encode_png(image->second);
     folder.append("frame_" + name + "png", camera_png);
     page_.pictures.push_back({"Camera, " + when, camera_png, "the newest image of its cycle"});
   }

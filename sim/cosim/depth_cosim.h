@@ -97,7 +97,7 @@ class DepthCosim : public CosimMeasurement {
   [[nodiscard]] std::vector<Fact> scene_facts(const char* reference_label) const;
 
   // Makes a depth image from the newest code image, given row by row.
-  virtual void take_codes(const std::uint16_t* codes) = 0;
+  virtual void add_codes(const std::uint16_t* codes) = 0;
   // Called when the newest depth image has its truth.
   virtual void followed() {}
   [[nodiscard]] virtual const Triangulation& triangulation() const = 0;

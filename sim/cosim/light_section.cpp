@@ -14,7 +14,6 @@
 #include "host/files/user_error.h"
 #include "host/light_section/differential_profile.h"
 #include "host/light_section/inspection.h"
-#include "host/light_section/lens_reference.h"
 #include "host/light_section/pattern.h"
 #include "host/light_section/profile.h"
 #include "host/light_section/reference.h"

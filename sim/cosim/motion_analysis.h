@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "host/images/float_image.h"
-#include "host/structured_light/moved.h"
+#include "host/structured_light/foreground.h"
 #include "host/structured_light/triangulation.h"
 
 namespace selfproj {

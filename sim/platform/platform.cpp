@@ -67,7 +67,7 @@ double clocks_a_step(double steps_per_s, double pixel_clock_hz) {
 }
 
 void check(const PlatformOptions& options) {
-  if (!(options.pixel_clock_hz >= kLeastPixelClockHz && options.pixel_clock_hz <= kMostPixelClockHz)) {
+  if (!(options.pixel_clock_hz >= kMinPixelClockHz && options.pixel_clock_hz <= kMaxPixelClockHz)) {
     throw std::invalid_argument("no board has this pixel clock");
   }
   constexpr int kMostStalls = 95;

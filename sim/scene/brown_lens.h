@@ -1,5 +1,5 @@
 // The distortion of a lens by Brown's model, which OpenCV uses too, and its inverse to machine precision. Written apart
-// from host/rig/lens.h, so that each checks the other.
+// from host/rig/calibration.h, so that each checks the other.
 #ifndef SELFPROJ_SIM_SCENE_BROWN_LENS_H
 #define SELFPROJ_SIM_SCENE_BROWN_LENS_H
 

@@ -14,8 +14,7 @@
 #include "host/files/input_file.h"
 #include "host/files/numbers.h"
 #include "host/files/user_error.h"
-#include "host/rig/yaml_document.h"
-#include "host/rig/yaml_fields.h"
+#include "host/rig/yaml.h"
 #include "sim/scene/world_built_in.h"
 
 namespace selfproj {

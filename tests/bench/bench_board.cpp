@@ -21,7 +21,7 @@
 #include <vector>
 
 #include "host/camera/software_board.h"
-#include "host/light_section/fast_runs.h"
+#include "host/light_section/fast_moments.h"
 #include "model/board.h"
 #include "tests/bench/collector.h"
 #include "tests/bench/read_ceiling.h"

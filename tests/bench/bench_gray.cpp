@@ -17,7 +17,7 @@
 
 #include "host/rig/rig.h"
 #include "host/structured_light/fast_decoder.h"
-#include "host/structured_light/moved.h"
+#include "host/structured_light/foreground.h"
 #include "host/structured_light/scanner.h"
 #include "host/structured_light/triangulation.h"
 #include "model/gray_decoder.h"
@@ -45,8 +45,8 @@ bool results_are_right(const std::uint8_t* images) {
   std::vector<std::uint16_t> expected(kImageBytes), found(kImageBytes), expected_median(kImageBytes);
   for (int i = 0; i < 4 * kBits; ++i) {
     const int pattern = i % (2 * kBits);
-    const bool due = model.take(image_at(images, i), pattern, true, expected.data());
-    if (fast.take(image_at(images, i), pattern, true) != due) {
+    const bool due = model.add_frame(image_at(images, i), pattern, true, expected.data());
+    if (fast.add_frame(image_at(images, i), pattern, true) != due) {
       return false;
     }
     if (due) {
@@ -92,7 +92,7 @@ bool depths_are_right(const std::uint8_t* images) {
   std::size_t valid = 0;
   std::size_t on_limit = 0;
   for (int i = 0; i < 2 * kBits + 2; ++i) {
-    if (!scanner.take(image_at(images, i), i % (2 * kBits))) {
+    if (!scanner.add_frame(image_at(images, i), i % (2 * kBits))) {
       continue;
     }
     for (std::size_t k = 0; k < kImageBytes; ++k) {
@@ -123,7 +123,7 @@ void decode(benchmark::State& state, const std::uint8_t* images, int pairs) {
   int pattern = 0;
   for (auto _ : state) {
     for (int half = 0; half < 2; ++half) {
-      benchmark::DoNotOptimize(decoder.take(image_at(images, image), pattern, true));
+      benchmark::DoNotOptimize(decoder.add_frame(image_at(images, image), pattern, true));
       image = (image + 1) % (2 * pairs);
       pattern = (pattern + 1) % (2 * kBits);
     }
@@ -135,7 +135,7 @@ void decode(benchmark::State& state, const std::uint8_t* images, int pairs) {
 FastGrayDecoder filled_decoder(const std::uint8_t* images) {
   FastGrayDecoder decoder(kSettings);
   for (int i = 0; i < 2 * kBits; ++i) {
-    decoder.take(image_at(images, i), i, true);
+    decoder.add_frame(image_at(images, i), i, true);
   }
   return decoder;
 }
@@ -182,7 +182,7 @@ void find_moved(benchmark::State& state, const std::uint8_t* images) {
   code_words(decoder.codes(), words.data());
   triangulation.depth(words.data(), z.data());
   for (auto _ : state) {
-    benchmark::DoNotOptimize(moved(triangulation, z.data(), background.data(), 5));
+    benchmark::DoNotOptimize(foreground_of(triangulation, z.data(), background.data(), 5));
   }
   set_counters(state, 1);
 }
@@ -195,7 +195,7 @@ void depth(benchmark::State& state, const std::uint8_t* images, int pairs) {
   int pattern = 0;
   for (auto _ : state) {
     for (int half = 0; half < 2; ++half) {
-      benchmark::DoNotOptimize(scanner.take(image_at(images, image), pattern));
+      benchmark::DoNotOptimize(scanner.add_frame(image_at(images, image), pattern));
       image = (image + 1) % (2 * pairs);
       pattern = (pattern + 1) % (2 * kBits);
     }

@@ -76,8 +76,8 @@ bool results_are_right(const Setup& setup, const std::uint8_t* images) {
   std::vector<float> row(kSide), z(kSide);
   std::size_t valid = 0;
   for (int i = 0; i < 2 * kBits; ++i) {
-    const bool due = decoder.take(image_at(images, i), i, true, codes.data());
-    if (scanner.take(image_at(images, i), i) != due) {
+    const bool due = decoder.add_frame(image_at(images, i), i, true, codes.data());
+    if (scanner.add_frame(image_at(images, i), i) != due) {
       return false;
     }
   }
@@ -111,7 +111,7 @@ void whole(benchmark::State& state, const Setup& setup, const std::uint8_t* imag
   int pattern = 0;
   for (auto _ : state) {
     for (int half = 0; half < 2; ++half) {
-      benchmark::DoNotOptimize(scanner.take(image_at(images, image), pattern));
+      benchmark::DoNotOptimize(scanner.add_frame(image_at(images, image), pattern));
       image = (image + 1) % count;
       pattern = (pattern + 1) % (2 * kBits);
     }
@@ -125,7 +125,7 @@ void decode(benchmark::State& state, const std::uint8_t* images) {
   int pattern = 0;
   for (auto _ : state) {
     for (int half = 0; half < 2; ++half) {
-      benchmark::DoNotOptimize(decoder.take(image_at(images, pattern), pattern, true));
+      benchmark::DoNotOptimize(decoder.add_frame(image_at(images, pattern), pattern, true));
       pattern = (pattern + 1) % (2 * kBits);
     }
     benchmark::ClobberMemory();
@@ -138,7 +138,7 @@ enum class Step { search, triangulation, difference };
 void step(benchmark::State& state, const Setup& setup, const std::uint8_t* images, Step which) {
   FastGrayDecoder decoder({kSide, kSide, kBits, 5});
   for (int i = 0; i < 2 * kBits; ++i) {
-    decoder.take(image_at(images, i), i, true);
+    decoder.add_frame(image_at(images, i), i, true);
   }
   const CodeImageView codes = decoder.codes();
   const PlaneTriangulation triangulation(setup.rig, kBits);

@@ -23,7 +23,6 @@
 #include <vector>
 
 #include "host/light_section/fast_moments.h"
-#include "host/light_section/fast_runs.h"
 #include "model/column_moments.h"
 #include "model/column_runs.h"
 #include "model/packet.h"

@@ -99,7 +99,7 @@ class OurDecoder {
                                  std::vector<std::uint16_t>& codes) {
     decoder.restart();
     for (int pattern = 0; pattern < 2 * decoder.settings().bits; ++pattern) {
-      decoder.take(images[image++].view(), pattern);
+      decoder.add_frame(images[image++].view(), pattern);
     }
     unambiguous_code_words(decoder.codes(), codes.data());
     return image;
@@ -227,7 +227,7 @@ void add_pair(const Capture& capture) {
       [&capture, patterns, pattern = 0, words = std::vector<std::uint16_t>(capture.pixels()),
        decoder = FastGrayDecoder({capture.rows(), capture.columns(), patterns / 2, kThreshold})]() mutable {
         for (int half = 0; half < 2; ++half, pattern = (pattern + 1) % patterns) {
-          decoder.take(capture.images()[static_cast<std::size_t>(pattern)].view(), pattern);
+          decoder.add_frame(capture.images()[static_cast<std::size_t>(pattern)].view(), pattern);
         }
         unambiguous_code_words(decoder.codes(), words.data());
       });

@@ -24,12 +24,11 @@
 #include <vector>
 
 #include "host/light_section/differential_profile.h"
-#include "host/light_section/lens_reference.h"
 #include "host/light_section/reference.h"
+#include "host/rig/calibration.h"
 #include "host/rig/geometry.h"
 #include "host/rig/optics.h"
 #include "host/rig/rig.h"
-#include "host/rig/rig_calibration.h"
 #include "model/cpu_clones.h"
 #include "model/packet.h"
 #include "tests/bench/collector.h"

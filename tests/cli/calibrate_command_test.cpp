@@ -15,9 +15,9 @@
 
 #include "host/images/float_image.h"
 #include "host/images/image_files.h"
+#include "host/rig/calibration.h"
 #include "host/rig/calibration_file.h"
 #include "host/rig/rig.h"
-#include "host/rig/rig_calibration.h"
 #include "host/structured_light/gray_sequence.h"
 #include "tests/cli/program.h"
 #include "tests/support/chessboard_world.h"

@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
+#include "host/rig/calibration.h"
 #include "host/rig/calibration_file.h"
 #include "host/rig/rig.h"
-#include "host/rig/rig_calibration.h"
 #include "tests/cli/program.h"
 
 namespace selfproj::test {

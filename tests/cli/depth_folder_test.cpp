@@ -13,8 +13,8 @@
 
 #include "host/images/float_image.h"
 #include "host/images/image_files.h"
+#include "host/rig/calibration.h"
 #include "host/rig/rig.h"
-#include "host/rig/rig_calibration.h"
 #include "host/structured_light/lens_triangulation.h"
 #include "tests/cli/program.h"
 #include "tests/host/structured_light/pinhole.h"

@@ -15,7 +15,6 @@
 
 #include "host/files/output_folder.h"
 #include "host/structured_light/self_reference.h"
-#include "host/structured_light/self_reference_file.h"
 #include "model/gray_decoder.h"
 #include "model/packet.h"
 #include "model/packet_payload.h"
@@ -79,7 +78,7 @@ class Board {
     header.kind = spec::kKindMoments;
     append_packet(header, std::vector<std::uint8_t>(moments_payload_bytes(Mode::binary, camera.columns)), 0, bytes_);
     const ImageView view{pixels.data(), camera.rows, camera.columns, camera.columns};
-    if (!decoder_.take(view, static_cast<int>(frame_ % patterns_.size()), true, words_.data())) {
+    if (!decoder_.add_frame(view, static_cast<int>(frame_ % patterns_.size()), true, words_.data())) {
       return;
     }
     header.kind = spec::kKindCodes;

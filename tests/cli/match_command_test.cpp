@@ -20,7 +20,6 @@
 #include "host/rig/rig.h"
 #include "host/structured_light/gray_sequence.h"
 #include "host/structured_light/self_reference.h"
-#include "host/structured_light/self_reference_file.h"
 #include "model/gray_decoder.h"
 #include "model/packet.h"
 #include "model/packet_payload.h"
@@ -125,7 +124,7 @@ class MatchCommand : public ::testing::Test {
       append_packet(header, std::vector<std::uint8_t>(moments_payload_bytes(Mode::binary, image.cols)), 0, bytes);
       header.kind = codes ? spec::kKindCodes : spec::kKindImage;
       const bool due =
-          decoder.take({image.data, image.rows, image.cols, image.cols}, static_cast<int>(i % 8), true, words.data());
+          decoder.add_frame({image.data, image.rows, image.cols, image.cols}, static_cast<int>(i % 8), true, words.data());
       for (int row = 0; row < image.rows && (due || !codes); ++row) {
         header.first_line = static_cast<std::uint16_t>(row + 1);
         header.lines = 1;

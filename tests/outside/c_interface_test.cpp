@@ -190,7 +190,7 @@ TEST(CInterface, CodesMedianAndMatches) {
       const selfproj_image view{image.data(), rows, columns, columns};
       std::int32_t due = -1;
       ASSERT_EQ(selfproj_gray_take(gray, &view, pattern, good ? 1 : 0, theirs.data(), &due), SELFPROJ_OK);
-      EXPECT_EQ(due != 0, decoder.take({image.data(), rows, columns, columns}, pattern, good, ours.data()));
+      EXPECT_EQ(due != 0, decoder.add_frame({image.data(), rows, columns, columns}, pattern, good, ours.data()));
       ASSERT_EQ(theirs, ours);
     }
     selfproj_gray_destroy(gray);

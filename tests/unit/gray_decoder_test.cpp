@@ -29,7 +29,7 @@ ImageView view_of(const GrayFrame& frame, const GraySettings& settings) {
 std::optional<std::vector<std::uint16_t>> codes_of(GrayDecoder& decoder, const GrayFrame& frame) {
   const GraySettings settings = decoder.settings();
   std::vector<std::uint16_t> codes(frame.pixels.size(), kUntouched);
-  if (decoder.take(view_of(frame, settings), frame.pattern, frame.good, codes.data())) {
+  if (decoder.add_frame(view_of(frame, settings), frame.pattern, frame.good, codes.data())) {
     return codes;
   }
   EXPECT_EQ(codes, std::vector<std::uint16_t>(frame.pixels.size(), kUntouched));
@@ -229,10 +229,10 @@ TEST(GrayDecoder, RefusesWhatIsOutOfRange) {
   GrayDecoder decoder(good);
   const std::vector<std::uint8_t> pixels(32);
   std::vector<std::uint16_t> codes(32);
-  EXPECT_THROW(decoder.take({pixels.data(), 3, 8, 8}, 0, true, codes.data()), std::invalid_argument);
-  EXPECT_THROW(decoder.take({pixels.data(), 4, 7, 8}, 0, true, codes.data()), std::invalid_argument);
-  EXPECT_THROW(decoder.take({nullptr, 4, 8, 8}, 0, true, codes.data()), std::invalid_argument);
-  EXPECT_THROW(decoder.take({pixels.data(), 4, 8, 8}, 0, true, nullptr), std::invalid_argument);
+  EXPECT_THROW(decoder.add_frame({pixels.data(), 3, 8, 8}, 0, true, codes.data()), std::invalid_argument);
+  EXPECT_THROW(decoder.add_frame({pixels.data(), 4, 7, 8}, 0, true, codes.data()), std::invalid_argument);
+  EXPECT_THROW(decoder.add_frame({nullptr, 4, 8, 8}, 0, true, codes.data()), std::invalid_argument);
+  EXPECT_THROW(decoder.add_frame({pixels.data(), 4, 8, 8}, 0, true, nullptr), std::invalid_argument);
 }
 
 TEST(Median3x3, SmallImagesByHand) {

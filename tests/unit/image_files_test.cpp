@@ -1,3 +1,4 @@
+
 #include "host/images/image_files.h"
 
 #include <gtest/gtest.h>
@@ -5,17 +6,22 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <csignal>
 #include <cstdint>
+#include <fstream>
 #include <functional>
+#include <limits>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <string>
 #include <vector>
 
 #include "host/files/user_error.h"
+#include "host/images/float_image.h"
 #include "host/images/image_decoder.h"
 #include "tests/cli/program.h"
+#include "tests/support/error_of.h"
 
 namespace selfproj {
 namespace {
@@ -49,12 +55,7 @@ bool holds_in_child(const std::function<bool()>& what) {
 }
 
 bool is_refused(const std::string& file) {
-  try {
-    static_cast<void>(read_image(file, std::nullopt));
-  } catch (const UserError&) {
-    return true;
-  }
-  return false;
+  return test::error_of([&] { read_image(file, std::nullopt); }) != "none";
 }
 
 // Messages of libjpeg are noticed whether or not they can be written.
@@ -114,12 +115,38 @@ TEST(ImageFiles, HugeImagesAreRefusedByTheirHeaders) {
   std::string png = encoded(".png");
   png.replace(16, 8, std::string("\x00\x00\xFF\xFF\x00\x00\xFF\xFF", 8));
   test::write_text(scratch / "huge.png", png);
-  try {
-    static_cast<void>(read_image(scratch / "huge.png", std::nullopt));
-    FAIL();
-  } catch (const UserError& error) {
-    EXPECT_NE(std::string(error.what()).find("65535 x 65535 pixels"), std::string::npos) << error.what();
+  const std::string error = test::error_of([&] { read_image(scratch / "huge.png", std::nullopt); });
+  EXPECT_NE(error.find("65535 x 65535 pixels"), std::string::npos) << error;
+}
+
+TEST(FloatImage, ComesBackFromTiffWithItsGaps) {
+  const test::ScratchFolder folder;
+  FloatImage image(3, 5);
+  for (std::size_t i = 0; i < image.values.size(); ++i) {
+    image.values[i] = 0.1F * static_cast<float>(i) - 1e6F;
   }
+  image.row(1)[2] = std::numeric_limits<float>::quiet_NaN();
+  const std::string file = folder / "a.tiff";
+  write_float_tiff(file, image);
+  const FloatImage read = read_float_tiff(file);
+  ASSERT_EQ(read.rows, 3);
+  ASSERT_EQ(read.columns, 5);
+  for (std::size_t i = 0; i < image.values.size(); ++i) {
+    if (i == 7) {
+      EXPECT_TRUE(std::isnan(read.values[i]));
+    } else {
+      EXPECT_EQ(read.values[i], image.values[i]) << i;
+    }
+  }
+}
+
+TEST(FloatImage, OtherFilesAreRefused) {
+  const test::ScratchFolder folder;
+  EXPECT_THROW(read_float_tiff(folder / "none.tiff"), UserError);
+  std::ofstream(folder / "grey.pgm") << "P2\n2 1\n255\n1 2\n";
+  EXPECT_THROW(read_float_tiff(folder / "grey.pgm"), UserError);
+  EXPECT_THROW(write_float_tiff(folder / "grey.pgm" / "a.tiff", FloatImage(1, 1)), UserError);
+  EXPECT_THROW(write_float_tiff(folder / "empty.tiff", FloatImage()), UserError);
 }
 
 }  // namespace

@@ -19,6 +19,7 @@
 #include "host/files/stop_signal.h"
 #include "host/files/user_error.h"
 #include "tests/cli/program.h"
+#include "tests/support/error_of.h"
 
 namespace selfproj {
 namespace {
@@ -318,14 +319,11 @@ TEST(OutputFolder, AFullDiskLeavesWhatWasThere) {
   small.rlim_cur = 1000;
   auto* const handler = std::signal(SIGXFSZ, SIG_IGN);
   ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &small), 0);
-  std::string message;
-  try {
+  const std::string message = test::error_of([&] {
     OutputFolder output(scratch / "results");
     output.append("a", std::string(600, '1'));
     output.append("a", std::string(600, '2'));
-  } catch (const UserError& error) {
-    message = error.what();
-  }
+  });
   setrlimit(RLIMIT_FSIZE, &before);
   std::signal(SIGXFSZ, handler);
   EXPECT_NE(message.find("results/a: "), std::string::npos) << message;

@@ -9,7 +9,6 @@
 #include <random>
 #include <vector>
 
-#include "host/calibration/board_shape.h"
 #include "host/calibration/chessboard.h"
 
 namespace selfproj::bundle_cost {

@@ -17,7 +17,7 @@
 
 #include "host/calibration/bundle.h"
 #include "host/calibration/calibrate.h"
-#include "host/calibration/corner_codes.h"
+#include "host/calibration/capture.h"
 #include "host/calibration/model_choice.h"
 #include "tests/support/chessboard_world.h"
 #include "tests/support/error_of.h"
@@ -169,7 +169,7 @@ TEST(Calibrate, RejectsAndSaysSo) {
   }
   EXPECT_GE(used, 8 * 35 - 5);
   EXPECT_NEAR(report.calibration.camera.fx, world.camera.fx, 2);
-  // It keeps them if told to.
+  // It keeps them if it is set to.
   CalibrateSettings keep = settings_of(world);
   keep.reject = 0;
   EXPECT_TRUE(calibrate(poses, keep).poses[2].corners[11].used);

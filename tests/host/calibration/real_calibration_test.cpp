@@ -15,7 +15,6 @@
 #include <vector>
 
 #include "host/calibration/calibrate.h"
-#include "host/calibration/calibration_check.h"
 #include "host/calibration/capture.h"
 #include "host/files/results_file.h"
 #include "host/images/image_files.h"

@@ -14,7 +14,6 @@
 #include "host/driver/device.h"
 #include "host/files/user_error.h"
 #include "model/datagram.h"
-#include "model/datagram_cutter.h"
 #include "sim/board/udp_sender.h"
 #include "tests/host/driver/packets.h"
 #include "tests/support/datagram_network.h"

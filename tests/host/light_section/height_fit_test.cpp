@@ -25,7 +25,7 @@ using test::LensWorld;
 
 constexpr double kNoise = 0.02;  // rows
 
-// The real rig, and a belt that leans against its camera by some degrees (along rows, along columns).
+// A perturbed rig, and a belt that leans against its camera by some degrees (along rows, along columns).
 struct HiddenRig {
   explicit HiddenRig(const Distortion& distortion)
       : believed(load_rig("light-section")), world(test::distorted_calibration(believed, distortion)) {

@@ -15,10 +15,11 @@
 #include "host/light_section/reference.h"
 #include "host/light_section/reference_file.h"
 #include "host/light_section/scan.h"
+#include "host/rig/calibration.h"
 #include "host/rig/geometry.h"
 #include "host/rig/rig.h"
-#include "host/rig/rig_calibration.h"
 #include "tests/host/light_section/lens_world.h"
+#include "tests/support/error_of.h"
 
 namespace selfproj {
 namespace {
@@ -260,12 +261,7 @@ TEST(LensSection, ReferenceFileIsReadBackAndKeptApart) {
   EXPECT_EQ(read.valid, reference.valid);
   EXPECT_EQ(read.valid[7], 0);
   const auto message = [&](const Rig& other) {
-    try {
-      parse_reference_csv(other, text, "r.csv");
-      return std::string();
-    } catch (const UserError& error) {
-      return std::string(error.what());
-    }
+    return test::error_of([&] { parse_reference_csv(other, text, "r.csv"); });
   };
   EXPECT_EQ(message(ideal), "r.csv: was made for another rig: one with lenses, a laser or corrected heights");
   Rig other = rig;
@@ -284,13 +280,8 @@ TEST(LensSection, CurvesThatCannotBeFittedAreRefused) {
   calibration.camera_rows = ideal.camera.rows;
   const Rig rig = rig_of(calibration, ideal);
   const ReferenceProfile reference = reference_of_curve(rig, curve_of_heights(rig, level(rig, 0)));
-  try {
-    const DifferentialProfiler profiler(rig, reference);
-    FAIL() << "a fit of degree " << profiler.curves()->degree() << " with an error of "
-           << profiler.curves()->fit_error_mm() << " mm";
-  } catch (const UserError& error) {
-    EXPECT_NE(std::string(error.what()).find("0.001 mm is allowed"), std::string::npos) << error.what();
-  }
+  const std::string error = test::error_of([&] { const DifferentialProfiler profiler(rig, reference); });
+  EXPECT_NE(error.find("0.001 mm is allowed"), std::string::npos) << error;
 }
 
 }  // namespace

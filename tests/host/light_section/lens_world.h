@@ -12,7 +12,6 @@
 
 #include "host/rig/calibration.h"
 #include "host/rig/rig.h"
-#include "host/rig/rig_calibration.h"
 #include "tests/host/rig/random_lens.h"
 
 namespace selfproj::test {

@@ -11,21 +11,12 @@
 
 #include "host/files/user_error.h"
 #include "tests/cli/program.h"
+#include "tests/support/error_of.h"
 
 namespace selfproj::test {
 namespace {
 
 constexpr double kUnmeasured = std::numeric_limits<double>::quiet_NaN();
-
-template <class Function>
-std::string message_of(Function&& call) {
-  try {
-    call();
-  } catch (const UserError& error) {
-    return error.what();
-  }
-  return "no error";
-}
 
 bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
@@ -65,7 +56,7 @@ TEST(ReferenceFile, ComesBackToTheLastBit) {
 TEST(ReferenceFile, AnotherRigIsRefused) {
   const Rig rig = load_rig("light-section");
   const std::string text = reference_csv(rig, some_reference(rig));
-  const auto message = [&](const Rig& other) { return message_of([&] { parse_reference_csv(other, text, "r.csv"); }); };
+  const auto message = [&](const Rig& other) { return error_of([&] { parse_reference_csv(other, text, "r.csv"); }); };
   Rig other = rig;
   other.camera.focal_length_mm = 35;
   EXPECT_EQ(message(other), "r.csv: was made for another rig: camera.focal_length_mm is 50 there and 35 here");
@@ -77,16 +68,16 @@ TEST(ReferenceFile, AnotherRigIsRefused) {
   EXPECT_TRUE(contains(message(other), "projector.tilt_rad")) << message(other);
   other = rig;
   other.measure.threshold = 7;  // is not geometry
-  EXPECT_EQ(message(other), "no error");
+  EXPECT_EQ(message(other), "none");
 }
 
 TEST(ReferenceFile, DamageIsSeen) {
   const Rig rig = load_rig("light-section");
   const std::string text = reference_csv(rig, some_reference(rig));
   const auto message = [&](const std::string& damaged) {
-    return message_of([&] { parse_reference_csv(rig, damaged, "r.csv"); });
+    return error_of([&] { parse_reference_csv(rig, damaged, "r.csv"); });
   };
-  EXPECT_EQ(message(text), "no error");
+  EXPECT_EQ(message(text), "none");
   EXPECT_EQ(message(""), "r.csv: is not a reference; `selfproj pattern` writes references");
   EXPECT_EQ(message("frame,column,m0,m1,n\n"), "r.csv: is not a reference; `selfproj pattern` writes references");
   EXPECT_EQ(message("# selfproj reference 3\n"), "r.csv: is of version 3; this program reads versions 1 and 2");
@@ -94,9 +85,9 @@ TEST(ReferenceFile, DamageIsSeen) {
             "r.csv: was made for another rig: one with lenses, a laser or corrected heights");
   // A cut at any place is noticed.
   for (std::size_t size = 0; size < text.size(); size += 37) {
-    ASSERT_NE(message(text.substr(0, size)), "no error") << size;
+    ASSERT_NE(message(text.substr(0, size)), "none") << size;
   }
-  ASSERT_NE(message(text.substr(0, text.size() - 1)), "no error");
+  ASSERT_NE(message(text.substr(0, text.size() - 1)), "none");
   const std::size_t line = text.find("\n9,");
   EXPECT_TRUE(contains(message(text.substr(0, line + 1)), "is truncated: it has 8 of 512 columns"));
   const auto replaced = [&](const std::string& from, const std::string& to) {
@@ -115,7 +106,7 @@ TEST(ReferenceFile, DamageIsSeen) {
   const auto fourth = [&](const std::string& numbers) {
     return message(replaced("\n4,,,\n", "\n4," + numbers + "\n"));
   };
-  EXPECT_EQ(fourth("0.6,1167,0.5"), "no error");
+  EXPECT_EQ(fourth("0.6,1167,0.5"), "none");
   EXPECT_TRUE(contains(fourth("0.6,1167,-1e308"), "offset_px is -1e+308; its size may be at most 96"));
   EXPECT_TRUE(contains(fourth("0.6,1e39,0.5"), "z_mm is 1e+39; its size may be at most 1000000"));
   EXPECT_TRUE(contains(fourth("1e39,1167,0.5"), "tan_theta is 1e+39; its size may be at most 10000"));
@@ -126,7 +117,7 @@ TEST(ReferenceFile, FoldersAndPatterns) {
   const Rig rig = load_rig("light-section");
   const ScratchFolder folder;
   const std::string path = folder.path().string();
-  EXPECT_TRUE(contains(message_of([&] { load_reference(rig, path); }), "reference.csv: No such file"));
+  EXPECT_TRUE(contains(error_of([&] { load_reference(rig, path); }), "reference.csv: No such file"));
   write_text(folder / "reference.csv", reference_csv(rig, some_reference(rig)));
   EXPECT_EQ(load_reference(rig, path).valid, some_reference(rig).valid);
   EXPECT_EQ(load_reference(rig, path + "/reference.csv").valid, some_reference(rig).valid);
@@ -135,9 +126,9 @@ TEST(ReferenceFile, FoldersAndPatterns) {
   EXPECT_EQ(load_pattern(rig, path), pattern);
   pattern.row(3)[4] = 1.5F;
   write_float_tiff(folder / "pattern.tiff", pattern);
-  EXPECT_TRUE(contains(message_of([&] { load_pattern(rig, path); }), "outside 0 to 1"));
+  EXPECT_TRUE(contains(error_of([&] { load_pattern(rig, path); }), "outside 0 to 1"));
   write_float_tiff(folder / "pattern.tiff", FloatImage(3, 4));
-  EXPECT_TRUE(contains(message_of([&] { load_pattern(rig, path); }), "has 3 x 4 pixels; the rig's projector has 512"));
+  EXPECT_TRUE(contains(error_of([&] { load_pattern(rig, path); }), "has 3 x 4 pixels; the rig's projector has 512"));
 }
 
 TEST(CurveFile, Csv) {
@@ -147,7 +138,7 @@ TEST(CurveFile, Csv) {
   EXPECT_TRUE(std::isnan(curve.z_mm[1]));
   EXPECT_EQ(curve.z_mm[2], 1000);
   EXPECT_EQ(curve.z_mm[3], 1000.5);
-  const auto message = [](const std::string& text) { return message_of([&] { parse_curve_csv(text, "c.csv"); }); };
+  const auto message = [](const std::string& text) { return error_of([&] { parse_curve_csv(text, "c.csv"); }); };
   EXPECT_EQ(message("y,z\n"), "c.csv: line 1: y_mm,z_mm is expected");
   EXPECT_EQ(message(""), "c.csv: line 1: y_mm,z_mm is expected");
   EXPECT_EQ(message("y_mm,z_mm\n0,1000\n"), "c.csv: has fewer than two points");
@@ -177,12 +168,12 @@ TEST(CurveFile, HeightsOfFrames) {
   EXPECT_EQ(load_curve(rig, file, 2).z_mm[4], 1137);
   EXPECT_TRUE(std::isnan(load_curve(rig, file, 3).z_mm[5]));
   EXPECT_NEAR(load_curve(rig, file, 3).y_mm[0], -255.5 * 0.01 / 50 * 1165, 1e-9);
-  EXPECT_TRUE(contains(message_of([&] { load_curve(rig, file, 4); }), "has no frame 4; it has 3"));
+  EXPECT_TRUE(contains(error_of([&] { load_curve(rig, file, 4); }), "has no frame 4; it has 3"));
   write_float_tiff(file, FloatImage(1, 500));
-  EXPECT_TRUE(contains(message_of([&] { load_curve(rig, file, {}); }), "has 500 columns; the rig's camera has 512"));
+  EXPECT_TRUE(contains(error_of([&] { load_curve(rig, file, {}); }), "has 500 columns; the rig's camera has 512"));
   EXPECT_TRUE(
-      contains(message_of([&] { load_curve(rig, (folder / "none.csv").string(), {}); }), "none.csv: No such file"));
-  EXPECT_TRUE(contains(message_of([&] { load_curve(rig, folder.path().string(), {}); }), "is a folder"));
+      contains(error_of([&] { load_curve(rig, (folder / "none.csv").string(), {}); }), "none.csv: No such file"));
+  EXPECT_TRUE(contains(error_of([&] { load_curve(rig, folder.path().string(), {}); }), "is a folder"));
 }
 
 }  // namespace

@@ -125,10 +125,10 @@ TEST_P(StrongestRun, AmbiguousFromTheRigsShare) {
 INSTANTIATE_TEST_SUITE_P(Modes, StrongestRun, ::testing::Values(Mode::binary, Mode::grey, Mode::grey_over));
 
 TEST(BinarySecond, WhatIsOpenCountsAgainstTheColumn) {
-  EXPECT_EQ(most_of_binary_second(1, 0), 0);
-  EXPECT_EQ(most_of_binary_second(2, 0), 7);
-  EXPECT_EQ(most_of_binary_second(3, 0), 7);
-  EXPECT_EQ(most_of_binary_second(2, 8), 16);
+  EXPECT_EQ(max_of_binary_second(1, 0), 0);
+  EXPECT_EQ(max_of_binary_second(2, 0), 7);
+  EXPECT_EQ(max_of_binary_second(3, 0), 7);
+  EXPECT_EQ(max_of_binary_second(2, 8), 16);
 }
 
 }  // namespace

@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "host/files/user_error.h"
-#include "host/report/colour_map.h"
 
 namespace selfproj {
 namespace {

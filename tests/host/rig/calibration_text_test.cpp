@@ -1,11 +1,10 @@
 // Tests what is refused of the text of a calibration, before OpenCV reads it.
 
-#include "host/rig/calibration_text.h"
-
 #include <gtest/gtest.h>
 
 #include <string>
 
+#include "host/rig/calibration_file.h"
 #include "tests/support/error_of.h"
 
 namespace selfproj {

@@ -1,4 +1,4 @@
-// Random lenses, and OpenCV's lens model written out, against which host/rig/lens is tested.
+// Random lenses, and OpenCV's lens model written out, against which host/rig/calibration is tested.
 #ifndef SELFPROJ_TESTS_HOST_RIG_RANDOM_LENS_H
 #define SELFPROJ_TESTS_HOST_RIG_RANDOM_LENS_H
 
@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <utility>
 
-#include "host/rig/lens.h"
+#include "host/rig/calibration.h"
 #include "tests/support/random_cases.h"
 
 namespace selfproj::test {

@@ -6,7 +6,9 @@
 
 #include <numbers>
 #include <string>
+#include <vector>
 
+#include "host/files/notes.h"
 #include "host/files/user_error.h"
 #include "tests/support/error_of.h"
 
@@ -179,9 +181,32 @@ TEST(Rig, HeightsAreReadBackAndChecked) {
     return error_of(text.replace(text.find(from), from.size(), to));
   };
   EXPECT_EQ(changed("order: 1", "order: 2"), "rig.yaml: heights.corrections_mm has 4 numbers; orders 2 and 1 have 9");
-  EXPECT_EQ(changed("highest_mm: 41", "highest_mm: -1"),
-            "rig.yaml: heights.lowest_mm is -1, heights.highest_mm -1; it must be greater");
+  EXPECT_EQ(changed("max_mm: 41", "max_mm: -1"),
+            "rig.yaml: heights.min_mm is -1, heights.max_mm -1; it must be greater");
   EXPECT_NE(changed("[0.5, ", "[half, ").find("has an entry, number 1, that is not a number"), std::string::npos);
+}
+
+// Keys had other names in files of the version before.
+TEST(Rig, EarlierNamesOfKeysAreReadAndNoted) {
+  Rig rig = load_rig("light-section");
+  rig.heights = RigHeights{-1, 41, 0, 0, {0.5}};
+  const std::string yaml = to_yaml(rig);
+  std::string earlier = yaml;
+  earlier.replace(earlier.find("min_mm: -1"), 6, "lowest_mm");
+  earlier.replace(earlier.find("max_mm: 41"), 6, "highest_mm");
+  std::vector<std::string> notes;
+  note_sink() = [&](const std::string& line) { notes.push_back(line); };
+  EXPECT_EQ(to_yaml(parse_rig(earlier, "rig.yaml")), yaml);
+  ASSERT_EQ(notes.size(), 2U);
+  EXPECT_EQ(notes[0].find("rig.yaml: line "), 0U);
+  EXPECT_NE(notes[0].find("heights.lowest_mm: this key is now called min_mm"), std::string::npos) << notes[0];
+  notes.clear();
+  EXPECT_EQ(to_yaml(parse_rig(yaml, "rig.yaml")), yaml);
+  EXPECT_TRUE(notes.empty());
+  EXPECT_NE(
+      error_of(earlier.replace(earlier.find("lowest_mm: -1"), 13, "lowest_mm: x")).find("heights.lowest_mm is 'x'"),
+      std::string::npos);
+  note_sink() = {};
 }
 
 }  // namespace

@@ -15,7 +15,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "host/rig/depth_matrices.h"
+#include "host/rig/calibration.h"
 #include "host/rig/rig.h"
 #include "host/structured_light/triangulation.h"
 #include "model/column_moments.h"
@@ -61,7 +61,7 @@ class SeenBorders {
         positive[i] = static_cast<std::uint8_t>(std::clamp(std::lround(128 + half + grey(random)), 0L, 255L));
         negative[i] = static_cast<std::uint8_t>(std::clamp(std::lround(128 - half + grey(random)), 0L, 255L));
       }
-      at_borders.take(plane, view(positive), view(negative));
+      at_borders.add_plane(plane, view(positive), view(negative));
     }
     plane_.depth(words.data(), whole.data());
     at_borders.depth(words.data(), borders.data());
@@ -153,9 +153,9 @@ TEST(CodeBorders, BadArguments) {
   const std::vector<std::uint8_t> image(plane.pixels());
   const ImageView whole{image.data(), plane.rows(), plane.columns(), plane.columns()};
   const ImageView small{image.data(), plane.rows() - 1, plane.columns(), plane.columns()};
-  EXPECT_THROW(borders.take(kSceneBits, whole, whole), std::invalid_argument);
-  EXPECT_THROW(borders.take(0, whole, small), std::invalid_argument);
-  EXPECT_NO_THROW(borders.take(0, whole, whole));
+  EXPECT_THROW(borders.add_plane(kSceneBits, whole, whole), std::invalid_argument);
+  EXPECT_THROW(borders.add_plane(0, whole, small), std::invalid_argument);
+  EXPECT_NO_THROW(borders.add_plane(0, whole, whole));
 }
 
 }  // namespace

@@ -59,8 +59,8 @@ TEST(FastGrayDecoder, EqualsTheModelOverRandomSequences) {
         model.restart();
         fast.restart();
       }
-      const bool due = model.take(view, pattern, good, expected.data());
-      ASSERT_EQ(fast.take(view, pattern, good), due) << "frame " << frame;
+      const bool due = model.add_frame(view, pattern, good, expected.data());
+      ASSERT_EQ(fast.add_frame(view, pattern, good), due) << "frame " << frame;
       pattern = (pattern + 1) % (2 * settings.bits);
       if (due) {
         code_words(fast.codes(), found.data());
@@ -120,8 +120,8 @@ TEST(FastGrayDecoder, RefusesWhatIsOutOfRange) {
   EXPECT_THROW(FastMedian(0), std::invalid_argument);
   FastGrayDecoder decoder({4, 4, 8, 5});
   const std::vector<std::uint8_t> pixels(16);
-  EXPECT_THROW(decoder.take({pixels.data(), 2, 8, 8}, 0, true), std::invalid_argument);
-  EXPECT_THROW(decoder.take({nullptr, 4, 4, 4}, 0, true), std::invalid_argument);
+  EXPECT_THROW(decoder.add_frame({pixels.data(), 2, 8, 8}, 0, true), std::invalid_argument);
+  EXPECT_THROW(decoder.add_frame({nullptr, 4, 4, 4}, 0, true), std::invalid_argument);
 }
 
 }  // namespace

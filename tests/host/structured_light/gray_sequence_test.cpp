@@ -51,7 +51,7 @@ TEST(GraySequence, DecodesToColumnAndRow) {
       }
       for (int i = 0; i < 2 * bits; ++i) {
         const auto& image = images[static_cast<std::size_t>(i)];
-        decoder.take({image.data(), sequence.rows(), sequence.columns(), sequence.columns()}, i);
+        decoder.add_frame({image.data(), sequence.rows(), sequence.columns(), sequence.columns()}, i);
       }
       std::vector<std::uint16_t> words(pixels);
       unambiguous_code_words(decoder.codes(), words.data());

@@ -12,12 +12,11 @@
 #include <vector>
 
 #include "host/files/output_folder.h"
+#include "host/rig/calibration.h"
 #include "host/rig/rig.h"
-#include "host/rig/rig_calibration.h"
 #include "host/structured_light/accuracy.h"
 #include "host/structured_light/match_table.h"
 #include "host/structured_light/self_reference.h"
-#include "host/structured_light/self_reference_file.h"
 #include "host/structured_light/self_scanner.h"
 #include "model/gray_decoder.h"
 #include "tests/cli/program.h"
@@ -115,7 +114,7 @@ Measured measure(const Station& setup, const SelfReference& reference, double z)
                                                                    GrayDecoder::kMeasurable));
     }
   }
-  scanner.take_codes(codes.data());
+  scanner.add_codes(codes.data());
   Measured measured;
   double square = 0;
   for (const float depth : scanner.depth().values) {
@@ -197,7 +196,7 @@ TEST(LensMatch, NothingIsExtrapolatedFar) {
 TEST(LensMatch, AccuracyIsThatOfTheClosedFormsWithoutDistortion) {
   const Rig rig = load_rig("scanner");
   Rig calibrated = rig_of(calibration_of(rig), rig);
-  for (const SeenPoint& point : {SeenPoint{255.5, 255.5, 550}, SeenPoint{100, 400, 470}}) {
+  for (const CameraPoint& point : {CameraPoint{255.5, 255.5, 550}, CameraPoint{100, 400, 470}}) {
     const ErrorTerms plain = error_terms(rig, point, 0.02, 0.005);
     const ErrorTerms lens = error_terms(calibrated, point, 0.02, 0.005);
     for (const auto& [a, b] : {std::pair{plain.projector, lens.projector}, std::pair{plain.camera, lens.camera}}) {

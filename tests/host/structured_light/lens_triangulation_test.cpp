@@ -11,9 +11,8 @@
 #include <utility>
 #include <vector>
 
+#include "host/rig/calibration.h"
 #include "host/rig/calibration_file.h"
-#include "host/rig/depth_matrices.h"
-#include "host/rig/lens.h"
 #include "host/structured_light/triangulation.h"
 #include "tests/host/rig/random_lens.h"
 #include "tests/host/structured_light/pinhole.h"

@@ -15,7 +15,6 @@
 
 #include "host/rig/rig.h"
 #include "host/structured_light/self_reference.h"
-#include "host/structured_light/stripe_code.h"
 #include "model/gray_match.h"
 #include "tests/host/light_section/seen_surface.h"
 #include "tests/host/structured_light/pinhole.h"

@@ -13,9 +13,9 @@
 #include <vector>
 
 #include "host/images/float_image.h"
+#include "host/rig/calibration.h"
 #include "host/rig/calibration_file.h"
 #include "host/rig/rig.h"
-#include "host/rig/rig_calibration.h"
 #include "host/structured_light/lens_triangulation.h"
 #include "host/structured_light/triangulation.h"
 #include "tests/host/structured_light/pinhole.h"

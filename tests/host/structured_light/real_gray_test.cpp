@@ -70,7 +70,7 @@ TEST(RealGray, ShellLiesOnTheOwnersCloud) {
       Image& image = pair[static_cast<std::size_t>(pattern % 2)];
       image = read_image(files[axis * 2 * kBits + static_cast<std::size_t>(pattern)], Channel::grey);
       for (FastGrayDecoder& decoder : decoders) {
-        decoder.take(image.view(), pattern);
+        decoder.add_frame(image.view(), pattern);
       }
     }
     for (std::size_t i = 0; i < thresholds.size(); ++i) {
@@ -132,7 +132,7 @@ TEST(RealGray, ChessboardDecodesAsWithOpenCv) {
     std::vector<cv::Mat> mats;
     for (int i = 0; i < 2 * kBits; ++i) {
       Image& image = images[static_cast<std::size_t>(i)];
-      decoder.take(image.view(), i);
+      decoder.add_frame(image.view(), i);
       mats.emplace_back(rows, columns, CV_8U, image.pixels.data());
     }
     mats.push_back(mats[0]);

@@ -1,4 +1,4 @@
-// Compares the scanner with its steps by the models: decoder, median, triangulation, moved pixels.
+// Compares the scanner with its steps by the models: decoder, median, triangulation, foreground.
 
 #include "host/structured_light/scanner.h"
 
@@ -54,9 +54,9 @@ TEST(Scanner, EqualsItsStepsByTheModels) {
       const bool good = !random.chance(3);
       const int pattern = i % (2 * bits);
       const ImageView view{pixels.data(), rig.camera.rows, rig.camera.columns, rig.camera.columns};
-      const bool due = decoder.take(view, pattern, good, codes.data());
+      const bool due = decoder.add_frame(view, pattern, good, codes.data());
       const std::uint64_t before = test::allocations();
-      const bool found = scanner.take(view, pattern, good);
+      const bool found = scanner.add_frame(view, pattern, good);
       ASSERT_EQ(test::allocations(), before) << "the scanner allocates";
       ASSERT_EQ(found, due);
       if (!due) {
@@ -74,11 +74,11 @@ TEST(Scanner, EqualsItsStepsByTheModels) {
       if (has_background) {
         const float* candidates = z.data();
         if (steady_filter.is_on()) {
-          steady_filter.take(z.data(), background.data(), 2);
+          steady_filter.apply(z.data(), background.data(), 2);
           candidates = steady_filter.kept();
         }
-        const Moved expected = moved(triangulation, candidates, background.data(), 2);
-        ASSERT_EQ(scanner.moved().pixels, expected.pixels);
+        const Foreground expected = foreground_of(triangulation, candidates, background.data(), 2);
+        ASSERT_EQ(scanner.foreground().pixels, expected.pixels);
         FloatImage difference(rig.camera.rows, rig.camera.columns);
         scanner.difference(difference);
         std::int64_t differing = 0;
@@ -87,7 +87,7 @@ TEST(Scanner, EqualsItsStepsByTheModels) {
         }
         ASSERT_EQ(differing, expected.pixels);
       } else {
-        ASSERT_EQ(scanner.moved().pixels, 0);
+        ASSERT_EQ(scanner.foreground().pixels, 0);
         scanner.set_background(scanner.depth());
         background = z;
         has_background = true;
@@ -109,7 +109,7 @@ TEST(Scanner, TakesCodesOfTheBoard) {
   for (std::uint16_t& code : codes) {
     code = static_cast<std::uint16_t>(random.between(0, 255) | (random.chance(80) ? 0x8000 : 0));
   }
-  scanner.take_codes(codes.data());
+  scanner.add_codes(codes.data());
   std::vector<float> z(codes.size());
   triangulation.depth(codes.data(), z.data());
   EXPECT_TRUE(same_bits(scanner.depth(), z));
@@ -128,7 +128,7 @@ TEST(Scanner, StrictLeavesOutPixelsWithOneAmbiguousPair) {
     Scanner scanner(triangulation, {.median = false, .strict = strict});
     for (int pattern = 0; pattern < 6; ++pattern) {
       const auto& pixels = pattern % 2 == 1 ? dark : pattern == 4 ? one_equal : two_equal;
-      scanner.take({pixels.data(), 1, 3, 3}, pattern);
+      scanner.add_frame({pixels.data(), 1, 3, 3}, pattern);
     }
     EXPECT_EQ((scanner.codes()[0] & 0x8000) == 0, strict);
     EXPECT_NE(scanner.codes()[1] & 0x8000, 0);

@@ -179,9 +179,9 @@ TEST(SelfScanner, EqualsItsStepsByTheModels) {
       pixels = random.bytes(count);
       const bool good = !random.chance(3);
       const ImageView view{pixels.data(), rig.camera.rows, rig.camera.columns, rig.camera.columns};
-      const bool due = decoder.take(view, i % (2 * bits), good, codes.data());
+      const bool due = decoder.add_frame(view, i % (2 * bits), good, codes.data());
       const std::uint64_t before = test::allocations();
-      const bool found = scanner.take(view, i % (2 * bits), good);
+      const bool found = scanner.add_frame(view, i % (2 * bits), good);
       ASSERT_EQ(test::allocations(), before) << "the scanner allocates";
       ASSERT_EQ(found, due);
       if (!due) {
@@ -189,7 +189,7 @@ TEST(SelfScanner, EqualsItsStepsByTheModels) {
       }
       ++images;
       GrayMatch::look_up(codes.data(), count, bits, words.data(), lines.data());
-      of_board.take_codes(codes.data());
+      of_board.add_codes(codes.data());
       for (std::size_t k = 0; k < count; ++k) {
         const float z = scanner.depth().values[k];
         const float board = of_board.depth().values[k];
@@ -228,7 +228,7 @@ TEST(SelfScanner, MeasuresWhatIsOnTheReference) {
   for (int i = 0; i < 8; ++i) {
     images.push_back(picture(seen, self_projected_pattern(reference, i)));
     const ImageView view{images.back().data(), narrow.camera.rows, narrow.camera.columns, narrow.camera.columns};
-    EXPECT_EQ(scanner.take(view, i), i == 7);
+    EXPECT_EQ(scanner.add_frame(view, i), i == 7);
   }
   std::vector<PointState> states;
   scanner.explain(states);

@@ -13,7 +13,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "host/rig/depth_matrices.h"
+#include "host/rig/calibration.h"
 #include "host/rig/geometry.h"
 #include "host/rig/rig.h"
 #include "tests/host/structured_light/pinhole.h"

@@ -14,7 +14,6 @@
 
 #include "Vsp_datagram_cutter_small_ports.h"
 #include "model/datagram.h"
-#include "model/datagram_cutter.h"
 #include "model/little_endian.h"
 #include "tests/host/driver/packets.h"
 #include "tests/rtl/blocks/clocked.h"

@@ -99,7 +99,7 @@ TEST(GrayCoreMedian, DecodesAndFilters) {
         const std::vector<std::uint8_t> pixels = random.bytes(size);
         std::vector<std::uint16_t> raw(size);
         const int pattern = frame % (2 * settings.bits);
-        if (decoder.take({pixels.data(), settings.rows, settings.columns, settings.columns}, pattern, true,
+        if (decoder.add_frame({pixels.data(), settings.rows, settings.columns, settings.columns}, pattern, true,
                          raw.data())) {
           if (since <= groups + 3) {  // the median is busy: the decoder waits for plane 0
             ++refused;

@@ -1,0 +1,39 @@
+#include "host/report/facts.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <variant>
+#include <vector>
+
+namespace selfproj {
+
+nlohmann::ordered_json facts_json(const std::vector<Fact>& facts) {
+  nlohmann::ordered_json result = nlohmann::ordered_json::object();
+  for (const Fact& fact : facts) {
+    std::visit([&](const auto& value) { result[fact.key] = value; }, fact.value);
+  }
+  return result;
+}
+
+std::int64_t fact_number(std::uint64_t value) {
+  constexpr auto kMax = static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max());
+  return static_cast<std::int64_t>(std::min(value, kMax));
+}
+
+Fact counter_fact(std::uint64_t Counters::*counter, std::uint64_t value) {
+  const CounterName& name = name_of(counter);
+  return {name.key, name.label, fact_number(value)};
+}
+
+std::vector<Fact> counter_facts(const Counters& counters) {
+  std::vector<Fact> facts;
+  facts.reserve(kCounterNames.size());
+  for (const CounterName& name : kCounterNames) {
+    facts.push_back({name.key, name.label, fact_number(counters.*name.field)});
+  }
+  return facts;
+}
+
+}  // namespace selfproj
