@@ -33,8 +33,7 @@
 #include "model/packet.h"
 #include "model/pixel_clock.h"
 #include "sim/board/clocks.h"
-#include "sim/board/coverage.h"
-#include "sim/board/mutant.h"
+#include "sim/board/verilated_model.h"
 
 namespace selfproj {
 

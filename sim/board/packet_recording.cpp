@@ -19,6 +19,7 @@
 #include "model/packet.h"
 
 namespace selfproj {
+
 void PacketRecording::add(const PacketHeader& header, std::span<const std::uint8_t> packet) {
   if (frames_.empty() || frames_.back().sequence != header.sequence) {
     frames_.push_back({header.sequence, header.encoder, packets_.size(), 0});
