@@ -16,7 +16,7 @@
 
 #include "lab/robustness.h"
 #include "lab/structured_light.h"
-#include "sim/scene/even_numbers.h"
+#include "sim/scene/random.h"
 
 namespace selfproj {
 namespace {
@@ -49,8 +49,8 @@ World drawn_world(const WorldFile& file, const std::string& disturbance, std::ui
   world.seed = seed;
   if (world.second_line && seed > 1) {
     SecondLine& line = *world.second_line;
-    line.least_rows += (line.most_rows - line.least_rows) * EvenNumbers(seed).next();
-    line.most_rows = line.least_rows;
+    line.min_rows += (line.max_rows - line.min_rows) * EvenNumbers(seed).next();
+    line.max_rows = line.min_rows;
   }
   return world;
 }

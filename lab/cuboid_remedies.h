@@ -9,7 +9,7 @@
 
 #include "host/report/report.h"
 #include "lab/disturbed_measurements.h"
-#include "lab/error_spread.h"
+#include "lab/evaluation.h"
 #include "sim/scene/world.h"
 
 namespace selfproj {

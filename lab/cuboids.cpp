@@ -22,17 +22,194 @@
 #include "host/structured_light/self_reference.h"
 #include "host/structured_light/self_scanner.h"
 #include "host/structured_light/triangulation.h"
-#include "lab/cuboid_faces.h"
-#include "lab/line_planes.h"
-#include "lab/match_shares.h"
-#include "lab/pattern_scan.h"
+#include "lab/structured_light.h"
+#include "sim/scene/optics.h"
 #include "sim/scene/pattern_renderer.h"
 #include "sim/scene/scene.h"
-#include "sim/scene/scene_list.h"
-#include "sim/scene/self_scenes.h"
+#include "sim/scene/scenes.h"
 #include "sim/scene/virtual_capture.h"
 
 namespace selfproj {
+namespace {
+
+// Marks the pixels with a step (neighbours more than 1 mm apart in z, or the edge of a shadow) within `reach` pixels
+// along rows and columns.
+std::vector<std::uint8_t> steps_within(const FloatImage& z, int reach) {
+  const auto at = [&](int r, int c) {
+    return static_cast<std::size_t>(r) * static_cast<std::size_t>(z.columns) + static_cast<std::size_t>(c);
+  };
+  const auto differ = [&](std::size_t a, std::size_t b) {
+    return std::isnan(z.values[a]) != std::isnan(z.values[b]) || std::abs(z.values[a] - z.values[b]) > 1;
+  };
+  std::vector<std::uint8_t> steps(z.values.size(), 0);
+  for (int r = 0; r < z.rows; ++r) {
+    for (int c = 0; c < z.columns; ++c) {
+      const bool down = r + 1 < z.rows && differ(at(r, c), at(r + 1, c));
+      const bool right = c + 1 < z.columns && differ(at(r, c), at(r, c + 1));
+      steps[at(r, c)] = down || right ? 1 : 0;
+    }
+  }
+  std::vector<std::uint8_t> along = steps;
+  for (int r = 0; r < z.rows; ++r) {
+    for (int c = 0; c < z.columns; ++c) {
+      for (int k = std::max(0, c - reach); k <= std::min(z.columns - 1, c + reach) && along[at(r, c)] == 0; ++k) {
+        along[at(r, c)] = steps[at(r, k)];
+      }
+    }
+  }
+  std::vector<std::uint8_t> result = along;
+  for (int r = 0; r < z.rows; ++r) {
+    for (int c = 0; c < z.columns; ++c) {
+      for (int k = std::max(0, r - reach); k <= std::min(z.rows - 1, r + reach) && result[at(r, c)] == 0; ++k) {
+        result[at(r, c)] = along[at(k, c)];
+      }
+    }
+  }
+  return result;
+}
+
+}  // namespace
+
+MatchShares match_shares(const Rig& rig, const SelfReference& reference, const MatchSettings& settings,
+                         const FloatImage& true_z, const FloatImage& reference_z) {
+  const MatchSearch search(rig, reference, settings);
+  const LinePlanes planes(rig);
+  const int codes = 1 << reference.stripes.bits;
+  const std::vector<std::uint8_t> near = steps_within(reference_z, codes * reference.stripes.width);
+  std::vector<Match> matches;
+  MatchShares shares;
+  std::size_t wrong = 0;
+  std::size_t missing = 0;
+  std::size_t far_wrong = 0;
+  for (std::size_t i = 0; i < true_z.values.size(); ++i) {
+    const auto columns = static_cast<std::size_t>(rig.camera.columns);
+    const int row = static_cast<int>(i / columns);
+    const int column = static_cast<int>(i % columns);
+    if (std::isnan(true_z.values[i]) || !search.can_find(row, column)) {
+      continue;
+    }
+    const PixelPoint light = planes.light(i, static_cast<double>(true_z.values[i]));
+    const auto line = static_cast<int>(std::lround(light.row));
+    const auto across = static_cast<int>(std::lround(light.column));
+    if (line < 0 || line >= rig.projector.lines || across < 0 || across >= rig.projector.columns) {
+      continue;
+    }
+    const int cell = reference.cell(line, across);
+    const int n = cell_of_row(row, rig.camera.rows, reference.stripes.width) - cell;
+    if (n < -settings.e || n >= codes - settings.e) {
+      continue;
+    }
+    search.find(row, column, matches);
+    const Match& match = matches[static_cast<std::size_t>(code_of_cell(reference.stripes, cell))];
+    const bool is_wrong = match.candidates > 0 && std::abs(match.line - light.row) > match.half_width + 1;
+    ++shares.pixels;
+    missing += match.candidates == 0 ? 1 : 0;
+    wrong += is_wrong ? 1 : 0;
+    if (near[i] == 0) {
+      ++shares.far;
+      far_wrong += is_wrong ? 1 : 0;
+    }
+  }
+  shares.wrong = static_cast<double>(wrong) / static_cast<double>(shares.pixels);
+  shares.none = static_cast<double>(missing) / static_cast<double>(shares.pixels);
+  shares.far_wrong = static_cast<double>(far_wrong) / static_cast<double>(shares.far);
+  return shares;
+}
+
+namespace {
+
+Face face_of(const Rig& rig, const Point3& p) {
+  const double height = rig.plane_z_mm - p.z;
+  const auto is = [&](double wanted) { return std::abs(height - wanted) < 0.05; };
+  const auto in = [&](const Box& box) { return p.x > box.x0 && p.x < box.x1 && p.y > box.y0 && p.y < box.y1; };
+  if (is(0)) {
+    return Face::plane;
+  }
+  if (in(Cuboids::kLowPart.box)) {
+    return is(Cuboids::kLow) ? Face::low : is(Cuboids::kLow - Cuboids::kLetterDepth) ? Face::letter : Face::none;
+  }
+  if (in(Cuboids::kHighPart.box)) {
+    constexpr std::array<Face, 3> kBlocks{Face::block_3, Face::block_6, Face::block_9};
+    for (std::size_t i = 0; i < kBlocks.size(); ++i) {
+      if (is(Cuboids::kHigh + Cuboids::kBlockHeights.at(i))) {
+        return kBlocks.at(i);
+      }
+    }
+    return is(Cuboids::kHigh) ? Face::high : Face::none;
+  }
+  return Face::none;
+}
+
+}  // namespace
+
+std::vector<Face> face_interiors(const Rig& rig, const FloatImage& truth) {
+  constexpr int kMargin = 3;
+  std::vector<Face> all(truth.values.size());
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    all[i] = std::isnan(truth.values[i]) ? Face::none
+                                         : face_of(rig, point_of_pixel(rig, i, static_cast<double>(truth.values[i])));
+  }
+  const auto index = [&](int row, int column) {
+    return static_cast<std::size_t>(row) * static_cast<std::size_t>(truth.columns) + static_cast<std::size_t>(column);
+  };
+  std::vector<Face> inner(all.size(), Face::none);
+  for (int r = kMargin; r + kMargin < truth.rows; ++r) {
+    for (int c = kMargin; c + kMargin < truth.columns; ++c) {
+      bool even = true;
+      for (int dr = -kMargin; dr <= kMargin && even; ++dr) {
+        for (int dc = -kMargin; dc <= kMargin && even; ++dc) {
+          even = all[index(r + dr, c + dc)] == all[index(r, c)];
+        }
+      }
+      if (even) {
+        inner[index(r, c)] = all[index(r, c)];
+      }
+    }
+  }
+  return inner;
+}
+
+CuboidFigures cuboid_figures(const Rig& rig, const std::vector<Face>& faces, const FloatImage& depth,
+                             const FloatImage& difference, const FloatImage& truth,
+                             const std::function<double(std::size_t pixel)>& code_width) {
+  CuboidFigures figures;
+  std::array<std::size_t, kFaceNames.size()> widths{};  // number of known widths of each face
+  for (std::size_t i = 0; i < faces.size(); ++i) {
+    if (faces[i] == Face::none) {
+      continue;
+    }
+    FaceFigures& face = figures[faces[i]];
+    ++face.pixels;
+    const auto z = static_cast<double>(depth.values[i]);
+    const auto from_reference = static_cast<double>(difference.values[i]);
+    if (std::isnan(z) || std::isnan(from_reference)) {
+      face.errors.add(std::numeric_limits<double>::quiet_NaN());
+      continue;
+    }
+    ++face.valid;
+    const double error = z - static_cast<double>(truth.values[i]);
+    face.errors.add(error);
+    face.height += rig.plane_z_mm - z;
+    face.difference += from_reference;
+    face.rms += error * error;
+    face.most = std::max(face.most, std::abs(error));
+    const double width = code_width(i);
+    if (!std::isnan(width)) {
+      face.width += width;
+      ++widths.at(static_cast<std::size_t>(faces[i]));
+    }
+  }
+  for (std::size_t k = 0; k < kFaceNames.size(); ++k) {
+    FaceFigures& face = figures[static_cast<Face>(k)];
+    const auto count = static_cast<double>(face.valid);  // NaN if there is none
+    face.height /= count;
+    face.difference /= count;
+    face.rms = std::sqrt(face.rms / count);
+    face.width /= static_cast<double>(widths.at(k));
+  }
+  return figures;
+}
+
 namespace {
 
 // Both scenes in front of the camera, and their truth.

@@ -1,18 +1,119 @@
-// Experiment B4 in simulation: cuboids of different heights under self-projected structured light, compared with the
-// conventional method.
+// Pixels of the camera and lines of the projector by the renderer's pinholes, independent of the host's triangulation,
+// which is measured with them.
 #ifndef SELFPROJ_LAB_CUBOIDS_H
 #define SELFPROJ_LAB_CUBOIDS_H
 
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
 #include <vector>
 
+#include "host/images/float_image.h"
 #include "host/rig/rig.h"
+#include "host/structured_light/match_table.h"
 #include "host/structured_light/self_reference.h"
+#include "lab/evaluation.h"
 #include "lab/structured_light.h"
+#include "sim/scene/optics.h"
 #include "sim/scene/renderer.h"
-#include "sim/scene/virtual_scan.h"
+#include "sim/scene/virtual_capture.h"
 
 namespace selfproj {
 
+// The point that a pixel (row by row, from 0) sees at depth z, mm.
+inline Point3 point_of_pixel(const Rig& rig, std::size_t pixel, double z) {
+  const auto columns = static_cast<std::size_t>(rig.camera.columns);
+  const double scale = z * rig.camera.pixel_pitch_mm / rig.camera.focal_length_mm;
+  const std::size_t row = pixel / columns;
+  return {(static_cast<double>(row) - 0.5 * (rig.camera.rows - 1)) * scale,
+          (static_cast<double>(pixel % columns) - 0.5 * (rig.camera.columns - 1)) * scale, z};
+}
+
+// The planes of light of the projector's lines (4.8). The rig must outlive them.
+class LinePlanes {
+ public:
+  explicit LinePlanes(const Rig& rig) : rig_(&rig), projector_(Pinhole::of_projector(rig.projector)) {}
+
+  // The depth, mm, at which the pixel's ray meets the plane of a line (from 0, with a fraction).
+  [[nodiscard]] double z(std::size_t pixel, double line) const {
+    const double middle = 0.5 * (rig_->projector.columns - 1);
+    const Point3 up = projector_.ray({line, middle});
+    const Point3 c = projector_.centre();
+    const Point3 ray = point_of_pixel(*rig_, pixel, 1);
+    // The plane of the line contains the projector's centre, the direction `up` and y. Its normal is (up.z, 0, -up.x).
+    return (up.z * c.x - up.x * c.z) / (up.z * ray.x - up.x);
+  }
+
+  // The projector's point (line, column) that lights what a pixel sees at depth z.
+  [[nodiscard]] PixelPoint light(std::size_t pixel, double z) const {
+    return projector_.project(point_of_pixel(*rig_, pixel, z));
+  }
+
+ private:
+  const Rig* rig_;
+  Pinhole projector_;
+};
+
+// How often the neighbourhood search (4.19, 4.20) is wrong, measured against the truth.
+
+// The matches of a scene's true codes, over all pixels that the projector lights and whose true place is in the window.
+struct MatchShares {
+  std::size_t pixels = 0;
+  double wrong = 0;      // share whose match is off by more than half the cell and one line
+  double none = 0;       // share without a match
+  std::size_t far = 0;   // pixels 2^m cells or more from a step of the reference, in the camera's image
+  double far_wrong = 0;  // share of those with a wrong match
+};
+
+// `true_z` and `reference_z` are the depths of the scene and of its reference, mm, NaN outside the projector's light.
+// Shares are 0..1, NaN if there are no pixels.
+MatchShares match_shares(const Rig& rig, const SelfReference& reference, const MatchSettings& settings,
+                         const FloatImage& true_z, const FloatImage& reference_z);
+
+// The faces of B4's cuboids, and how a depth image of each compares with the truth.
+enum class Face : std::uint8_t { plane, low, letter, high, block_3, block_6, block_9, none };
+
+// Without `none`, in the order of the enumeration.
+inline constexpr std::array<const char*, 7> kFaceNames{"plane",   "low cuboid", "letter", "high cuboid",
+                                                       "block 3", "block 6",    "block 9"};
+
+// The face of `cuboids-marked` that each pixel sees, from the true z (mm, NaN: none). It is `none` within less than 3
+// pixels of another face or of a pixel without one.
+std::vector<Face> face_interiors(const Rig& rig, const FloatImage& truth);
+
+// A method's findings on one face, over the pixels with a depth and a difference; mm, NaN if there are none.
+struct FaceFigures {
+  std::size_t pixels = 0;
+  std::size_t valid = 0;
+  double height = 0;      // mean over the plane
+  double difference = 0;  // mean difference from the reference
+  double rms = 0;         // RMS error of z
+  double most = 0;        // largest error of z; 0 if there are no pixels
+  ErrorSpread errors;     // of z
+  double width = 0;       // mean width of a code in z, over the pixels at which it is known
+};
+
+// The figures of each face but `none`.
+class CuboidFigures {
+ public:
+  [[nodiscard]] const FaceFigures& operator[](Face face) const { return faces_.at(static_cast<std::size_t>(face)); }
+  [[nodiscard]] FaceFigures& operator[](Face face) { return faces_.at(static_cast<std::size_t>(face)); }
+  [[nodiscard]] auto begin() const { return faces_.begin(); }
+  [[nodiscard]] auto end() const { return faces_.end(); }
+
+ private:
+  std::array<FaceFigures, kFaceNames.size()> faces_;
+};
+
+// `depth` and `truth` are z in mm; `difference` is from the reference. `code_width` is called for every pixel with a
+// depth. It returns the width of the pixel's code in z, mm, or NaN if that is unknown.
+CuboidFigures cuboid_figures(const Rig& rig, const std::vector<Face>& faces, const FloatImage& depth,
+                             const FloatImage& difference, const FloatImage& truth,
+                             const std::function<double(std::size_t pixel)>& code_width);
+
+// Experiment B4 in simulation: cuboids of different heights under self-projected structured light, compared with the
+// conventional method.
 struct CuboidsOptions {
   Rig rig;
   RenderOptions render;

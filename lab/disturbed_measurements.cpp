@@ -25,8 +25,7 @@
 #include "host/structured_light/self_reference.h"
 #include "host/structured_light/self_scanner.h"
 #include "host/structured_light/triangulation.h"
-#include "lab/cuboid_faces.h"
-#include "lab/pattern_scan.h"
+#include "lab/cuboids.h"
 #include "lab/structured_light.h"
 #include "model/column_moments.h"
 #include "model/column_runs.h"
@@ -35,8 +34,8 @@
 #include "sim/scene/parallel.h"
 #include "sim/scene/pattern_renderer.h"
 #include "sim/scene/renderer.h"
-#include "sim/scene/scene_list.h"
-#include "sim/scene/virtual_scan.h"
+#include "sim/scene/scenes.h"
+#include "sim/scene/virtual_capture.h"
 
 namespace selfproj {
 namespace {
@@ -82,7 +81,7 @@ class ColumnsOfFrame {
     payload_.resize(moments_payload_bytes(Mode::grey, rig.camera.columns));
     profile_.resize(rig.camera.columns);
   }
-  void take(const Renderer& renderer, int frame) { renderer.render(frame, std::span(pixels_)); }
+  void take(const LineRenderer& renderer, int frame) { renderer.render(frame, std::span(pixels_)); }
 
   // Valid until the next call.
   const Profile& measured(const Measure& measure, const DifferentialProfiler& profiler) {
@@ -112,7 +111,7 @@ std::vector<std::vector<double>> centroids_of_reference(const Rig& rig, const Sc
                                                         const std::vector<Measure>& settings, int count) {
   Rig scanned = rig;
   scanned.imaging.seed += 1000;
-  const Renderer renderer(scanned, good, pattern, options);
+  const LineRenderer renderer(scanned, good, pattern, options);
   const DifferentialProfiler profiler(rig, known);
   const auto columns = static_cast<std::size_t>(rig.camera.columns);
   std::vector<ColumnsOfFrame> frames(static_cast<std::size_t>(count), ColumnsOfFrame(rig));
@@ -212,7 +211,7 @@ DisturbedStairs::DisturbedStairs(const Rig& rig, int every, int reference_frames
     }
   }
   truth_ = FloatImage(static_cast<int>(frames_.size()), rig.camera.columns);
-  const Renderer ideal(rig, *part_, pattern_);
+  const LineRenderer ideal(rig, *part_, pattern_);
   parallel_for(truth_.rows, 0, [&](int i) {
     const std::span<float> row{truth_.row(i), static_cast<std::size_t>(truth_.columns)};
     const int frame = frames_[static_cast<std::size_t>(i)];
@@ -241,7 +240,7 @@ std::vector<WayOfMeasuring> DisturbedStairs::measure(const World& world, std::in
     profilers.emplace_back(rig, without_residual(rig, known, centroids[w]));
     ways.push_back({name_of(settings[w]), {}});
   }
-  const Renderer renderer(rig, *part_, pattern_, options);
+  const LineRenderer renderer(rig, *part_, pattern_, options);
   std::vector<std::vector<ErrorSpread>> by_frame(frames_.size(), std::vector<ErrorSpread>(ways.size()));
   parallel_for(static_cast<int>(frames_.size()), 0, [&](int i) {
     ColumnsOfFrame columns(rig);
@@ -269,7 +268,7 @@ int DisturbedStairs::half_of_the_line(const World& world) const {
   RenderOptions options;
   options.world = world;
   std::vector<std::uint8_t> pixels(rig_.camera.pixels());
-  Renderer(rig_, *good_, pattern_, options).render(good_->frames() / 2, std::span(pixels));
+  LineRenderer(rig_, *good_, pattern_, options).render(good_->frames() / 2, std::span(pixels));
   const auto columns = static_cast<std::size_t>(rig_.camera.columns);
   std::vector<std::uint8_t> brightest(columns, 0);
   for (std::size_t i = 0; i < pixels.size(); ++i) {

@@ -9,7 +9,7 @@
 
 #include "host/images/float_image.h"
 #include "host/rig/rig.h"
-#include "lab/error_spread.h"
+#include "lab/evaluation.h"
 #include "sim/scene/scene.h"
 #include "sim/scene/world.h"
 

@@ -155,7 +155,7 @@ std::vector<std::string> run_light_section(const ExperimentOptions& options, std
   SectionOptions experiment;
   experiment.rig = load_rig(options.rig.empty() ? "light-section" : options.rig);
   experiment.route = options.null_test ? Route::null_test : Route::learned;
-  experiment.real_rig_seed = options.real_rig_seed;
+  experiment.perturbed_rig_seed = options.perturbed_rig_seed;
   experiment.residual = options.residual;
   experiment.every = options.every.value_or(1);
   experiment.sources = options.sources;
@@ -192,13 +192,21 @@ void conclude(const std::string& name, const std::vector<std::string>& not_reach
   fmt::print("{}: all figures reached\n", name);
 }
 
-std::vector<std::string> run_worlds(const ExperimentOptions& options, std::optional<OutputFolder>& folder) {
-  if (options.world.any() || !options.off.empty() || !options.rig.empty()) {
-    throw UserError(options.world.any()    ? "--disturb"
-                    : !options.off.empty() ? "--off"
-                                           : "--rig",
-                    "does not go with robustness, which sets it itself");
+// Prints the tables of a page, keeps figures and further JSON as results/NAME.json, and writes the page.
+void keep_study(const std::string& name, const std::string& title, nlohmann::ordered_json figures,
+                const std::string& data, const ReportPage& page, std::optional<OutputFolder>& folder) {
+  for (const ReportTable& table : page.tables) {
+    print(table);
   }
+  figures.update(nlohmann::ordered_json::parse(data));
+  write_results(name, title, figures);
+  if (folder) {
+    folder->append("report.html", page_html(page));
+    folder->commit();
+  }
+}
+
+std::vector<std::string> run_worlds(const ExperimentOptions& options, std::optional<OutputFolder>& folder) {
   RobustnessOptions experiment;
   experiment.world = options.parameters;
   experiment.every = options.every.value_or(experiment.every);
@@ -210,23 +218,13 @@ std::vector<std::string> run_worlds(const ExperimentOptions& options, std::optio
     ShownProgress progress("world");
     result = run_robustness(experiment, std::ref(progress));
   }
-  for (const ReportTable& table : result.page.tables) {
-    print(table);
-  }
-  nlohmann::ordered_json figures = {{"tables", json_of(result.tables)}, {"not_reached", result.not_reached}};
-  figures.update(nlohmann::ordered_json::parse(result.data));
-  write_results("robustness", "A2 and B4 under each disturbance of the world", figures);
-  if (folder) {
-    folder->append("report.html", page_html(result.page));
-    folder->commit();
-  }
+  keep_study("robustness", "A2 and B4 under each disturbance of the world",
+             {{"tables", json_of(result.tables)}, {"not_reached", result.not_reached}}, result.data, result.page,
+             folder);
   return result.not_reached;
 }
 
 std::vector<std::string> run_remedies(const ExperimentOptions& options, std::optional<OutputFolder>& folder) {
-  if (options.world.any() || !options.rig.empty()) {
-    throw UserError(options.world.any() ? "--disturb" : "--rig", "does not go with remedies, which sets it itself");
-  }
   const DisturbedCuboids cuboids(coarser_rig(load_rig("scanner"), options.coarser));
   std::vector<TriedRemedy> tried;
   {
@@ -237,43 +235,27 @@ std::vector<std::string> run_remedies(const ExperimentOptions& options, std::opt
   page.title = "Experiment remedies";
   page.subtitle = "What helps B4 in a world that is not ideal";
   page.tables = {remedies_table(tried, options.seeds)};
-  print(page.tables[0]);
-  nlohmann::ordered_json figures = {{"tables", json_of(page.tables)}};
-  figures.update(nlohmann::ordered_json::parse(remedies_data(tried)));
-  write_results("remedies", "What helps B4 against the disturbances that break it", figures);
-  if (folder) {
-    folder->append("report.html", page_html(page));
-    folder->commit();
-  }
+  keep_study("remedies", "What helps B4 against the disturbances that break it", {{"tables", json_of(page.tables)}},
+             remedies_data(tried), page, folder);
   return {};
 }
 
 std::vector<std::string> run_parts(const ExperimentOptions& options, std::optional<OutputFolder>& folder) {
-  if (!options.rig.empty()) {
-    throw UserError("--rig", "does not go with parts, which sets it itself");
-  }
   PartDetectionOptions experiment;
   experiment.render = options.render();
   experiment.parts = options.parts;
   experiment.good_parts = options.good_parts;
   experiment.seed = options.parts_seed;
-  experiment.real_rig_seed = options.real_rig_seed;
+  experiment.perturbed_rig_seed = options.perturbed_rig_seed;
   experiment.null_test = options.null_test;
   PartDetectionResult result;
   {
     ShownProgress progress("image or part");
     result = run_part_detection(experiment, std::ref(progress));
   }
-  for (const ReportTable& table : result.tables) {
-    print(table);
-  }
-  nlohmann::ordered_json figures = {{"tables", json_of(result.tables)}, {"not_reached", result.not_reached}};
-  figures.update(nlohmann::ordered_json::parse(result.data));
-  write_results("parts_detection", "Planted defects on a running line: found, missed, and false alarms", figures);
-  if (folder) {
-    folder->append("report.html", page_html(result.page));
-    folder->commit();
-  }
+  keep_study("parts_detection", "Planted defects on a running line: found, missed, and false alarms",
+             {{"tables", json_of(result.tables)}, {"not_reached", result.not_reached}}, result.data, result.page,
+             folder);
   return result.not_reached;
 }
 
@@ -281,9 +263,6 @@ std::vector<std::string> run_parts(const ExperimentOptions& options, std::option
 
 void run_experiment(const ExperimentOptions& options) {
   const bool structured_light = options.name.starts_with('B');
-  if ((!structured_light || is_gray_motion(options)) && (options.scan == ScanMethod::gray_codes || options.e)) {
-    throw UserError(options.scan == ScanMethod::gray_codes ? "--gray-scan" : "--e", "goes only with B4, B7 and B8");
-  }
   std::optional<OutputFolder> folder;
   if (!options.out.empty()) {
     folder.emplace(options.out);

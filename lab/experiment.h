@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "sim/scene/renderer.h"
-#include "sim/scene/virtual_scan.h"
+#include "sim/scene/virtual_capture.h"
 #include "sim/scene/world.h"
 
 namespace selfproj {
@@ -18,7 +18,7 @@ struct ExperimentOptions {
   std::string name;                   // A1, A2, B1 to B4, B7, B8, robustness, remedies, parts
   std::string rig = {};               // built-in or a file; empty: that of the experiment
   std::string out = {};               // folder for the report and the files behind it; empty: none
-  std::vector<std::string> off = {};  // names of kDisturbances
+  std::vector<std::string> off = {};  // names of kErrorSources
   World world = {};                   // disturbances of the images
 
   [[nodiscard]] RenderOptions render() const {
@@ -36,11 +36,11 @@ struct ExperimentOptions {
   int seeds = 2;  // for remedies: on which each is measured
 
   // For A1, A2 and, but for the last three, parts:
-  bool null_test = false;           // Route::null_test
-  std::uint64_t real_rig_seed = 1;  // SectionOptions::real_rig_seed
-  bool residual = true;             // measure the reference's own residual and remove it
-  bool sources = false;             // also make the table of error sources
-  std::optional<int> every = {};    // take only every n-th frame; nothing: every one, and every 70th for robustness
+  bool null_test = false;                // Route::null_test
+  std::uint64_t perturbed_rig_seed = 1;  // SectionOptions::perturbed_rig_seed
+  bool residual = true;                  // measure the reference's own residual and remove it
+  bool sources = false;                  // also make the table of error sources
+  std::optional<int> every = {};  // take only every n-th frame; nothing: every one, and every 70th for robustness
 
   // For parts:
   std::uint64_t parts = 2000;  // PartDetectionOptions

@@ -1,14 +1,20 @@
-// Experiments B1 (a fist), B2 (waves) and B3 (fingers on keys): motion in depth images by Gray codes of 8 bits, with
-// the median, after every pair of images.
+// Experiment B2: how fast waves run on water.
 #ifndef SELFPROJ_LAB_GRAY_MOTION_H
 #define SELFPROJ_LAB_GRAY_MOTION_H
 
 #include <string>
 
-#include "lab/gray_observation.h"
 #include "lab/structured_light.h"
+#include "sim/scene/scenes.h"
 
 namespace selfproj {
+
+// Returns the tables of B2, and which pools do not reach the goal: the speed of long waves must be within 5 % of
+// sqrt(g depth).
+StructuredLightResult run_waves(const GrayMotionOptions& options, const ProgressOfImages& progress);
+
+// Experiments B1 (a fist), B2 (waves) and B3 (fingers on keys): motion in depth images by Gray codes of 8 bits, with
+// the median, after every pair of images.
 
 // `name` is "B1", "B2" or "B3".
 // B1: every filter of a grid is measured on the path of the thesis, and the best of them on the drawn paths.
@@ -18,6 +24,12 @@ namespace selfproj {
 // Throws std::invalid_argument if `frames` is less than one cycle of the patterns.
 StructuredLightResult run_gray_motion(const std::string& name, const GrayMotionOptions& options,
                                       const ProgressOfImages& progress);
+
+// A path drawn by a seed, on which camera and projector see the fist all the way.
+FistPath drawn_path(std::uint64_t seed);
+
+// A drop drawn by a seed: water 15 to 45 mm deep, another place, another crater.
+PoolDrop drawn_drop(std::uint64_t seed);
 
 }  // namespace selfproj
 

@@ -21,12 +21,10 @@
 #include "host/light_section/reference.h"
 #include "host/light_section/scan.h"
 #include "host/structured_light/gray_sequence.h"
-#include "sim/scene/chessboard.h"
 #include "sim/scene/pattern_renderer.h"
-#include "sim/scene/scene_list.h"
+#include "sim/scene/scenes.h"
 #include "sim/scene/targets.h"
 #include "sim/scene/virtual_capture.h"
-#include "sim/scene/virtual_scan.h"
 
 namespace selfproj {
 namespace {
@@ -38,13 +36,13 @@ constexpr double kBend = 0.01;        // how far the chessboard bends out of its
 // The camera that takes all images, each with noise of its own.
 class TargetCamera {
  public:
-  TargetCamera(const RealRig& real, const RenderOptions& options, std::function<void()> done)
-      : real_(real), options_(options), done_(std::move(done)) {}
+  TargetCamera(const PerturbedRig& actual, const RenderOptions& options, std::function<void()> done)
+      : actual_(actual), options_(options), done_(std::move(done)) {}
 
   // Takes an image of a scene that stands still under each pattern, and calls take(i, image).
   void take(const Scene& scene, int count, const std::function<Image(int i)>& pattern,
             const std::function<void(int i, const ImageView& image)>& take) {
-    const PatternRenderer renderer(real_, scene, options_);
+    const PatternRenderer renderer(actual_, scene, options_);
     take_images(renderer, {count, next_, pattern}, [&](int i, const ImageView& image) {
       take(i, image);
       done_();
@@ -55,24 +53,24 @@ class TargetCamera {
   // The same under the lines of a sweep: calls take_line(line, image).
   void sweep(const Scene& scene, int every_line,
              const std::function<void(double line, const ImageView& image)>& take_line) {
-    const std::vector<int> lines = sweep_lines(real_.rig, every_line);
+    const std::vector<int> lines = sweep_lines(actual_.rig, every_line);
     const auto line = [&](int i) { return static_cast<double>(lines[static_cast<std::size_t>(i)]); };
     take(
         scene, static_cast<int>(lines.size()),
-        [&](int i) { return pattern_image(draw_straight_line(real_.rig, line(i))); },
+        [&](int i) { return pattern_image(draw_straight_line(actual_.rig, line(i))); },
         [&](int i, const ImageView& image) { take_line(line(i), image); });
   }
 
  private:
-  const RealRig& real_;
+  const PerturbedRig& actual_;
   RenderOptions options_;
   std::function<void()> done_;
   int next_ = 1'000'000;  // frame number, which seeds the noise; a scene's own frames have smaller ones
 };
 
 // Returns the rig with its lenses, poses and belt calibrated by a chessboard on plates.
-Rig calibrated(const RealRig& real, TargetCamera& camera, const LearningSettings& settings) {
-  const Rig& drawn = real.rig;
+Rig calibrated(const PerturbedRig& actual, TargetCamera& camera, const LearningSettings& settings) {
+  const Rig& drawn = actual.rig;
   const GraySequence sequence(drawn.projector.columns, drawn.projector.lines);
   CalibrateSettings calibration;
   calibration.chessboard = {kBoard.across, kBoard.down, kBoard.square_mm};
@@ -83,7 +81,7 @@ Rig calibrated(const RealRig& real, TargetCamera& camera, const LearningSettings
       plates_over(drawn, calibration.chessboard, settings.board_heights_mm, settings.belt_mm, tolerance, {});
   const ChessboardFlaws flaws = drawn_flaws(kPrintScale, kBend, settings.seed);
   const std::vector<ChessboardPlace> places =
-      places_on_plates(real, kBoard, {settings.board_heights_mm, settings.belt_mm},
+      places_on_plates(actual, kBoard, {settings.board_heights_mm, settings.belt_mm},
                        {tolerance.height_mm, tolerance.parallel_mm, tolerance.fence_mm}, settings.seed);
   std::vector<PoseReport> poses;
   for (const ChessboardPlace& place : places) {
@@ -129,10 +127,10 @@ int learning_images(const Rig& drawn, const LearningSettings& settings) {
          static_cast<int>(plates * sweep_lines(drawn, settings.every_line).size());
 }
 
-LearnedRig learn_rig(const RealRig& real, const RenderOptions& options, const LearningSettings& settings,
+LearnedRig learn_rig(const PerturbedRig& actual, const RenderOptions& options, const LearningSettings& settings,
                      const std::function<void()>& done) {
-  TargetCamera camera(real, options.ideal_world(), done);
-  const Rig believed = calibrated(real, camera, settings);
+  TargetCamera camera(actual, options.ideal_world(), done);
+  const Rig believed = calibrated(actual, camera, settings);
   std::vector<HeightPosition> positions;
   for (const double height : settings.plate_heights_mm) {
     positions.push_back(seen_on_plate(believed, camera, height, settings));
@@ -148,7 +146,7 @@ LearnedRig learn_rig(const RealRig& real, const RenderOptions& options, const Le
 
 int scanning_images(const Rig& rig, int every_line) { return static_cast<int>(sweep_lines(rig, every_line).size()); }
 
-LightSection scanned_projection(const Rig& learned, const RealRig& real, const MakeScene& reference,
+LightSection scanned_projection(const Rig& learned, const PerturbedRig& actual, const MakeScene& reference,
                                 const ScanSettings& settings, const std::function<void()>& done) {
   std::vector<LineScan> scans;
   for (const Mode mode : kAllModes) {
@@ -156,7 +154,7 @@ LightSection scanned_projection(const Rig& learned, const RealRig& real, const M
     measured.measure.mode = mode;
     scans.emplace_back(measured, settings.every_line);
   }
-  RealRig stopped = real;
+  PerturbedRig stopped = actual;
   stopped.rig.conveyor.speed_mm_per_s = 0;
   TargetCamera camera(stopped, settings.render, done);
   camera.sweep(*reference(stopped.rig), settings.every_line, [&](double line, const ImageView& image) {
@@ -164,7 +162,7 @@ LightSection scanned_projection(const Rig& learned, const RealRig& real, const M
       scan.add(line, image);
     }
   });
-  LightSection result{learned, real, {}, {}};
+  LightSection result{learned, actual, {}, {}};
   std::transform(scans.begin(), scans.end(), result.references.begin(),
                  [](const LineScan& scan) { return scan.reference(); });
   result.pattern = draw_pattern(learned, pattern_of_curve(learned, curve_of_reference(learned, result.references[0])));
@@ -172,17 +170,17 @@ LightSection scanned_projection(const Rig& learned, const RealRig& real, const M
     return result;
   }
   const auto centroids =
-      scan_centroids(learned, real, *reference(real.rig), result.pattern, settings.render, kAllModes);
+      scan_centroids(learned, actual, *reference(actual.rig), result.pattern, settings.render, kAllModes);
   for (std::size_t m = 0; m < kAllModes.size(); ++m) {
     result.references[m] = without_residual(learned, result.references[m], centroids[m]);
   }
   return result;
 }
 
-LightSection scanned_projection(const Rig& learned, const RealRig& real, const std::string& reference,
+LightSection scanned_projection(const Rig& learned, const PerturbedRig& actual, const std::string& reference,
                                 const ScanSettings& settings, const std::function<void()>& done) {
   return scanned_projection(
-      learned, real, [&](const Rig& rig) { return make_scene(reference, rig); }, settings, done);
+      learned, actual, [&](const Rig& rig) { return make_scene(reference, rig); }, settings, done);
 }
 
 }  // namespace selfproj

@@ -12,7 +12,7 @@
 #include "host/images/image_files.h"
 #include "host/rig/rig.h"
 #include "sim/cosim/light_section.h"
-#include "sim/scene/real_rig.h"
+#include "sim/scene/perturbed_rig.h"
 #include "sim/scene/renderer.h"
 #include "sim/scene/scene.h"
 
@@ -37,11 +37,11 @@ inline constexpr double kCheckedPlate = 15;  // mm
 // The number of images that learn_rig takes of a rig with such a projector.
 int learning_images(const Rig& drawn, const LearningSettings& settings);
 
-// Learns the rig `real` from its images, starting from its drawings `real.rig`: lenses, poses and belt by
+// Learns the rig `actual` from its images, starting from its drawings `actual.rig`: lenses, poses and belt by
 // `selfproj calibrate --plates --moves`, heights by `selfproj calibrate heights`. `options` describe the camera;
 // targets are matt and evenly white. `done` is called after each image. Throws CheckFailed if the images do not
 // determine the rig, and UserError if camera or projector do not see a target.
-LearnedRig learn_rig(const RealRig& real, const RenderOptions& options, const LearningSettings& settings,
+LearnedRig learn_rig(const PerturbedRig& actual, const RenderOptions& options, const LearningSettings& settings,
                      const std::function<void()>& done);
 
 struct ScanSettings {
@@ -57,11 +57,11 @@ int scanning_images(const Rig& rig, int every_line);
 // way, gives the pattern and the reference of each mode (LineScan). `reference` makes the part's scene on a rig's belt.
 // `done` is called after each image of the sweep.
 using MakeScene = std::function<std::unique_ptr<Scene>(const Rig&)>;
-LightSection scanned_projection(const Rig& learned, const RealRig& real, const MakeScene& reference,
+LightSection scanned_projection(const Rig& learned, const PerturbedRig& actual, const MakeScene& reference,
                                 const ScanSettings& settings, const std::function<void()>& done);
 
 // The same for a built-in scene by its name.
-LightSection scanned_projection(const Rig& learned, const RealRig& real, const std::string& reference,
+LightSection scanned_projection(const Rig& learned, const PerturbedRig& actual, const std::string& reference,
                                 const ScanSettings& settings, const std::function<void()>& done);
 
 }  // namespace selfproj

@@ -27,7 +27,7 @@
 #include "lab/learned_rig.h"
 #include "lab/planted_parts.h"
 #include "sim/cosim/light_section.h"
-#include "sim/scene/real_rig.h"
+#include "sim/scene/perturbed_rig.h"
 
 namespace selfproj {
 namespace {
@@ -248,11 +248,11 @@ class Detection {
       setup_.emplace(self_projection(drawn_, drawn_, *good(drawn_), options_.render, true));
       return;
     }
-    const RealRig real = hidden_rig(drawn_, options_.real_rig_seed);
-    learning_.seed = options_.real_rig_seed;
-    Rig learned = learn_rig(real, options_.render, learning_, one_more).rig;
+    const PerturbedRig actual = hidden_rig(drawn_, options_.perturbed_rig_seed);
+    learning_.seed = options_.perturbed_rig_seed;
+    Rig learned = learn_rig(actual, options_.render, learning_, one_more).rig;
     learned.parts = drawn_.parts;
-    setup_.emplace(scanned_projection(learned, real, good, {options_.render, learning_.every_line, true}, one_more));
+    setup_.emplace(scanned_projection(learned, actual, good, {options_.render, learning_.every_line, true}, one_more));
   }
 
   // Passes parts by the camera, and hands on what the cutter makes of them. Throws CheckFailed if that is not as many.

@@ -15,13 +15,13 @@ namespace selfproj {
 
 struct PartDetectionOptions {
   RenderOptions render;
-  std::uint64_t parts = 2000;       // with planted defects
-  std::uint64_t good_parts = 1000;  // without, for the false alarms
-  std::uint64_t learn_parts = 30;   // from which the tolerance is learned; other parts, of another seed
-  std::uint64_t seed = 2;           // of the parts that are judged; the learned ones have seed - 1
-  std::uint64_t real_rig_seed = 1;  // of the rig that takes the images
-  bool null_test = false;           // the rig is known perfectly, and the good part's shape
-  int threads = 0;                  // 0: one for each core
+  std::uint64_t parts = 2000;            // with planted defects
+  std::uint64_t good_parts = 1000;       // without, for the false alarms
+  std::uint64_t learn_parts = 30;        // from which the tolerance is learned; other parts, of another seed
+  std::uint64_t seed = 2;                // of the parts that are judged; the learned ones have seed - 1
+  std::uint64_t perturbed_rig_seed = 1;  // of the rig that takes the images
+  bool null_test = false;                // the rig is known perfectly, and the good part's shape
+  int threads = 0;                       // 0: one for each core
 };
 
 // How many defects were planted and found.

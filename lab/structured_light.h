@@ -3,12 +3,26 @@
 #define SELFPROJ_LAB_STRUCTURED_LIGHT_H
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "host/images/float_image.h"
+#include "host/images/image_files.h"
 #include "host/report/report.h"
+#include "host/rig/rig.h"
+#include "host/structured_light/match_table.h"
+#include "host/structured_light/scanner.h"
+#include "host/structured_light/self_reference.h"
+#include "host/structured_light/self_scanner.h"
+#include "host/structured_light/triangulation.h"
+#include "model/column_moments.h"
+#include "sim/scene/pattern_renderer.h"
+#include "sim/scene/renderer.h"
+#include "sim/scene/scene.h"
+#include "sim/scene/virtual_capture.h"
 
 namespace selfproj {
 
@@ -31,6 +45,147 @@ std::string figure_text(double value, int digits = 2);
 
 // a - b, pixel by pixel; NaN if either is NaN. The images have one size.
 FloatImage minus(const FloatImage& a, const FloatImage& b);
+
+// Images of a scene under the patterns of a cycle, one after another into a scanner.
+
+// Gives a scanner the images of a scene under the 2 bits patterns of a cycle, frames `first` and on. `see` gets each
+// image before the scanner.
+template <class AnyScanner>
+void scan_cycle(const PatternRenderer& renderer, int first, int bits, const std::function<FloatImage(int)>& pattern,
+                const std::function<void(int, const ImageView&)>& see, AnyScanner& scanner) {
+  std::vector<std::uint8_t> positive;  // the scanner reads it again when the negative comes
+  take_images(renderer,
+              {.count = 2 * bits, .first = first, .pattern = [&](int i) { return pattern_image(pattern(i)); }},
+              [&](int i, const ImageView& image) {
+                see(i, image);
+                if (i % 2 == 0) {
+                  positive.assign(image.pixels, image.pixels + renderer.rig().camera.pixels());
+                  scanner.take({positive.data(), image.rows, image.columns, image.columns}, i);
+                } else {
+                  scanner.take(image, i);
+                }
+              });
+}
+
+// Streams of depth images of a moving scene, by the self-projected and by the conventional method.
+
+// One of the two methods. Its arguments must outlive it.
+class DepthStream {
+ public:
+  virtual ~DepthStream() = default;
+  DepthStream() = default;
+  DepthStream(const DepthStream&) = delete;
+  DepthStream& operator=(const DepthStream&) = delete;
+
+  // Takes a frame under a pattern; returns true if there is a new depth image.
+  [[nodiscard]] virtual bool take(const ImageView& image, int pattern) = 0;
+
+  // The newest z in mm, and how much nearer it is than the reference; NaN if there is none.
+  [[nodiscard]] virtual const FloatImage& depth() const = 0;
+  [[nodiscard]] virtual FloatImage difference() const = 0;
+
+  // m, and the 2 m patterns with light 0..1.
+  [[nodiscard]] virtual int bits() const = 0;
+  [[nodiscard]] virtual FloatImage pattern(int index) const = 0;
+};
+
+class SelfProjectedStream final : public DepthStream {
+ public:
+  SelfProjectedStream(const Rig& rig, const SelfReference& reference, const MatchTable& table);
+  bool take(const ImageView& image, int pattern) override { return scanner_.take(image, pattern); }
+  [[nodiscard]] const FloatImage& depth() const override { return scanner_.depth(); }
+  [[nodiscard]] FloatImage difference() const override { return scanner_.difference(); }
+  [[nodiscard]] int bits() const override { return reference_.stripes.bits; }
+  [[nodiscard]] FloatImage pattern(int index) const override { return self_projected_pattern(reference_, index); }
+
+ private:
+  const SelfReference& reference_;
+  SelfScanner scanner_;
+};
+
+// Gray codes of `bits` bits over so many central lines, with the median.
+class GrayStream : public DepthStream {
+ public:
+  GrayStream(const Rig& rig, std::unique_ptr<Triangulation> triangulation, int bits, int lines);
+  bool take(const ImageView& image, int pattern) override { return scanner_.take(image, pattern); }
+  [[nodiscard]] const FloatImage& depth() const override { return scanner_.depth(); }
+  [[nodiscard]] FloatImage difference() const override;
+  [[nodiscard]] int bits() const override { return bits_; }
+  [[nodiscard]] FloatImage pattern(int index) const override;
+
+  [[nodiscard]] const Triangulation& triangulation() const { return *triangulation_; }
+  // The code words of the newest depth image.
+  [[nodiscard]] const std::vector<std::uint16_t>& codes() const { return scanner_.codes(); }
+
+  // Sets the depth from which `difference` is computed; must be called before that.
+  void set_reference(const FloatImage& depth) { reference_ = depth; }
+
+ private:
+  const Rig& rig_;
+  std::unique_ptr<Triangulation> triangulation_;
+  int bits_, lines_;
+  Scanner scanner_;
+  FloatImage reference_;
+};
+
+// Over kCodedLines lines, or all of a coarse rig.
+class ConventionalStream final : public GrayStream {
+ public:
+  ConventionalStream(const Rig& rig, int bits);
+};
+
+// Plays frames first .. first + count - 1 (`count` even) under the stream's patterns, the first one under pattern 0.
+// Calls `see` with the frame after each depth image, and `done` after each frame.
+void play(const PatternRenderer& renderer, DepthStream& stream, int first, int count,
+          const std::function<void(int frame)>& see, const std::function<void()>& done);
+
+// Observes a moving scene with Gray codes of 8 bits, for B1 to B3. After every pair of images there is a depth image,
+// together with the true depths.
+
+inline constexpr int kGrayBits = 8;
+inline constexpr int kGrayCycle = 2 * kGrayBits;  // frames
+
+struct GrayMotionOptions {
+  Rig rig;
+  RenderOptions render;
+  int paths = 10;               // B1: drawn paths of the fist, in addition to the one on which the filter is tuned
+  int pools = 6;                // B2: pools in addition to that of the thesis: first 20 and 40 mm deep, then drawn ones
+  std::uint64_t pool_seed = 0;  // B2: if more than 0, all of these pools are drawn, by this seed and the next ones
+  // Frames of each path, pool or set of taps, an even number. 0 means one turn of the fist, until 0.55 s after the
+  // impact, or five taps.
+  int frames = 0;
+};
+
+// A depth image, and the true depths in the middle of its cycle.
+struct Seen {
+  double t;  // s
+  const Triangulation& triangulation;
+  const FloatImage& depth;
+  const FloatImage& background;
+  const FloatImage& truth;
+  const FloatImage& true_background;  // NaN where the background has no depth
+  // Depths at the borders between codes (CodeBorders). Those of the scene exist only after the last pair of a cycle,
+  // and are null otherwise.
+  const FloatImage* borders;
+  const FloatImage& background_borders;
+};
+
+// What is observed: a scene over its background.
+struct GrayShot {
+  const Scene& scene;
+  const Scene& background;
+  int first = 0;   // frame
+  int frames = 0;  // even
+  std::int64_t noise_seed = 1;
+  bool truth = true;  // if false, the true depths of the scene are not computed, and are NaN
+};
+
+// Calls `see` with each depth image of the scene, and `done` after each frame of the scene and of its background.
+void observe(const GrayMotionOptions& options, const GrayShot& shot, const std::function<void()>& done,
+             const std::function<void(const Seen&)>& see);
+
+// Returns how many frames so many shots have, of which each has `frames` frames and one cycle of the background.
+inline std::size_t images_of(int shots, int frames) { return static_cast<std::size_t>(shots * (kGrayCycle + frames)); }
 
 }  // namespace selfproj
 

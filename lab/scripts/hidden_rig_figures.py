@@ -48,7 +48,7 @@ def mark_centroid(inside):
 
 
 def in_triangle(right, down):
-    """Whether a point is in the strokes of the mark, as sim/scene/marks.h has it."""
+    """Whether a point is in the strokes of the mark, as sim/scene/scenes.h has it."""
     reach = 9.5
 
     def segment(r0, d0, r1, d1):

@@ -4,7 +4,7 @@
     hidden_rigs.py [--seeds N-M] [--kind light-section|scanner|both] [--quick|--small] [--given NAME] [--out DIR]
                    [--add]
 
-Each seed draws a rig that deviates from its drawings (`selfproj-sim ... --real-rig-seed`) and takes the images that a
+Each seed draws a rig that deviates from its drawings (`selfproj-sim ... --perturbed-rig-seed`) and takes the images that a
 user would take. The program `selfproj` sees these images and the drawings, nothing else. Light section: it calibrates
 with a chessboard on plates, ties the heights to plates, scans the good part, makes its pattern, takes out the residual,
 and measures experiment A2. Scanner: it calibrates and measures a plane. The figures are compared with the truth of the
@@ -102,7 +102,7 @@ class Chain:
     def take(self, *arguments):
         """Images by the hidden rig."""
         self.noise += 1
-        self.run("selfproj-sim", *arguments, "--real-rig-seed", self.seed, "--seed", self.noise)
+        self.run("selfproj-sim", *arguments, "--perturbed-rig-seed", self.seed, "--seed", self.noise)
 
     def calibrate(self, rig, capture, calibrate=()):
         """Board and calibration; the folder `calibration`."""

@@ -11,11 +11,19 @@
 
 #include "host/rig/rig.h"
 #include "lab/planted_parts.h"
-#include "sim/scene/even_numbers.h"
-#include "sim/scene/planted_part.h"
+#include "sim/scene/perturbed_rig.h"
+#include "sim/scene/random.h"
+#include "tests/sim/traced.h"
 
 namespace selfproj {
 namespace {
+
+TEST(PlantedPart, BlocksAreThoseOfTracedRays) {
+  const Rig rig = load_rig("light-section");
+  test::expect_images_of_traced_rays(rig,
+                                     PlantedPart(rig, {0.1, 0.3, 0.7}, {{1, 8, 10, 4, -0.5}, {0, 8, -10, 2, 0.3}}));
+  test::expect_shadows_of_points(hidden_rig(rig, 1), PlantedPart(rig, {0.1, 0.3, 0.7}, {{1, 8, 10, 4, -0.5}}), {0, 21});
+}
 
 TEST(PlantedPart, RangesHoldAndConverge) {
   const Rig rig = rig_of_planted_parts(load_rig("light-section"));

@@ -10,10 +10,9 @@
 #include "host/files/user_error.h"
 #include "host/rig/rig.h"
 #include "lab/learned_rig.h"
-#include "lab/section_figures.h"
-#include "sim/cosim/light_section.h"
-#include "sim/scene/real_rig.h"
-#include "sim/scene/scene_list.h"
+#include "lab/section_measurement.h"
+#include "sim/scene/perturbed_rig.h"
+#include "sim/scene/scenes.h"
 
 namespace selfproj {
 namespace {
@@ -86,8 +85,8 @@ TEST(Experiment, ByScanAndLearnedRig) {
 // What the rig learned matters: with the drawings alone heights are far off.
 TEST(Experiment, DrawingsAloneAreFarOff) {
   const Rig drawn = load_rig("light-section");
-  const RealRig real = hidden_rig(drawn, 1);
-  const LightSection setup = scanned_projection(drawn, real, "stairs", {{}, 10, true}, [] {});
+  const PerturbedRig actual = hidden_rig(drawn, 1);
+  const LightSection setup = scanned_projection(drawn, actual, "stairs", {{}, 10, true}, [] {});
   const auto scene = make_scene("stairs-marked", drawn);
   const Measurement measurement = measure(setup, *scene, {}, 200, 0, [](std::size_t) {});
   const MethodFigures figures = section_figures(measurement, setup, *scene, 3, {});

@@ -31,7 +31,6 @@
 #include "sim/app/board_source.h"
 #include "sim/board/etherbone_board.h"
 #include "sim/board/packet_recording.h"
-#include "sim/board/played_registers.h"
 #include "sim/board/udp_sender.h"
 
 namespace selfproj {

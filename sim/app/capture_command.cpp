@@ -19,14 +19,12 @@
 #include "host/images/frame_options.h"
 #include "host/images/image_files.h"
 #include "host/rig/rig.h"
-#include "sim/cosim/world_options.h"
-#include "sim/scene/chessboard.h"
-#include "sim/scene/pattern_set.h"
+#include "sim/cosim/render_options.h"
+#include "sim/scene/perturbed_rig.h"
 #include "sim/scene/projected_light.h"
-#include "sim/scene/real_rig.h"
 #include "sim/scene/renderer.h"
 #include "sim/scene/scene.h"
-#include "sim/scene/scene_list.h"
+#include "sim/scene/scenes.h"
 #include "sim/scene/targets.h"
 #include "sim/scene/virtual_capture.h"
 
@@ -53,7 +51,7 @@ struct CaptureOptions {
   double bend_mm = 0.2;
   TargetTolerance tolerance{0.005, 0.01};
   std::optional<std::int64_t> seed;
-  std::optional<std::uint64_t> real_rig_seed;
+  std::optional<std::uint64_t> perturbed_rig_seed;
   bool without_noise = false;
   WorldOptions world;
   int threads = 0;
@@ -69,24 +67,18 @@ void check(const CaptureOptions& options) {
   if (!options.chessboard.empty() && !(options.square_mm > 0)) {
     throw UserError("--square", "is required with --chessboard");
   }
-  if (options.chessboard.empty() && !options.visits.heights_mm.empty()) {
-    throw UserError("--heights", "is for --chessboard");
-  }
-  if (!options.scene.empty() && options.target_seed) {
-    throw UserError("--target-seed", "is for targets, and a scene has no flaws");
-  }
 }
 
 // Where the chessboard is, pose by pose.
-std::vector<ChessboardPlace> places_of(const CaptureOptions& options, const RealRig& real,
+std::vector<ChessboardPlace> places_of(const CaptureOptions& options, const PerturbedRig& actual,
                                        const ChessboardShape& shape) {
   if (options.visits.heights_mm.empty()) {
-    return chessboard_places(real, shape, options.poses, options.tilt_deg);
+    return chessboard_places(actual, shape, options.poses, options.tilt_deg);
   }
   const TargetTolerance& tolerance = options.tolerance;
   const PlateFlaws flaws =
       options.target_seed ? PlateFlaws{tolerance.height_mm, tolerance.flatness_mm, options.fence_mm} : PlateFlaws{};
-  return places_on_plates(real, shape, options.visits, flaws, options.target_seed.value_or(0));
+  return places_on_plates(actual, shape, options.visits, flaws, options.target_seed.value_or(0));
 }
 
 // What stands still under the patterns, unless it is a chessboard.
@@ -122,7 +114,6 @@ std::string what_of(const CaptureOptions& options) {
 
 void run_capture(const CaptureOptions& options) {
   constexpr int kMostCorners = 200;
-  check(options);
   OutputFolder out(options.out);
   if (!options.chessboard.empty() && std::filesystem::exists(options.out)) {
     throw UserError(options.out, "exists already; poses need a new folder");
@@ -132,7 +123,7 @@ void run_capture(const CaptureOptions& options) {
   if (options.stopped) {
     rig.conveyor.speed_mm_per_s = 0;
   }
-  const RealRig real = options.real_rig_seed ? hidden_rig(rig, *options.real_rig_seed) : RealRig(rig);
+  const PerturbedRig actual = rig_of_seed(rig, options.perturbed_rig_seed);
   const std::vector<std::string> files = files_of_folder(options.patterns);
   std::vector<ProjectedLight> patterns;
   patterns.reserve(files.size());
@@ -149,27 +140,48 @@ void run_capture(const CaptureOptions& options) {
   if (options.chessboard.empty()) {
     const std::unique_ptr<Scene> scene = scene_of(options, rig);
     progress.emplace("image", files.size());
-    capture_scene(real, *scene, patterns, settings, out);
+    capture_scene(actual, *scene, patterns, settings, out);
   } else {
     const FrameSize corners = size_of_text("--chessboard", options.chessboard, kMostCorners);
     const ChessboardShape shape{corners.columns, corners.rows, options.square_mm};
-    const std::vector<ChessboardPlace> places = places_of(options, real, shape);
+    const std::vector<ChessboardPlace> places = places_of(options, actual, shape);
     const ChessboardFlaws flaws = options.target_seed
                                       ? drawn_flaws(options.print_scale, options.bend_mm, *options.target_seed)
                                       : ChessboardFlaws{};
     progress.emplace("image", files.size() * places.size());
-    capture_chessboard(real, shape, flaws, places, patterns, settings, out);
+    capture_chessboard(actual, shape, flaws, places, patterns, settings, out);
   }
   progress.reset();
   out.commit();
   fmt::print("{} images of {}, {}, rig {}{}, seed {} → {}\n", done, size_text(rig.camera.rows, rig.camera.columns),
              what_of(options), rig.name,
-             options.real_rig_seed ? fmt::format(" (real rig {})", *options.real_rig_seed) : "", rig.imaging.seed,
-             out.name());
+             options.perturbed_rig_seed ? fmt::format(" (perturbed rig {})", *options.perturbed_rig_seed) : "",
+             rig.imaging.seed, out.name());
 }
 
-void add_target_options(CLI::App& command, CaptureOptions& options) {
-  begin_group(command, "Chessboard");
+// Which options go with what is captured.
+constexpr const char* kScene = "--scene";
+constexpr const char* kBoard = "--chessboard";
+constexpr const char* kPlate = "--plate";
+constexpr const char* kSteps = "--steps";
+
+std::string case_of(const CaptureOptions& options) {
+  return !options.scene.empty() ? kScene : !options.chessboard.empty() ? kBoard : options.plate_mm ? kPlate : kSteps;
+}
+
+void add_target_options(CLI::App& command, OptionFamilies& families, CaptureOptions& options) {
+  families.begin("Scene (--scene)", {kScene});
+  command.add_flag("--stopped", options.stopped, "Stop the belt, with the middle of the scene's part at x = 0.");
+  families.begin("Steps (--steps)", {kSteps});
+  command.add_option("--tread", options.tread_mm, "Width of a tread in mm, across the belt.")
+      ->transform(number_above_zero())
+      ->type_name("MM")
+      ->capture_default_str();
+  command.add_option("--shift", options.shift_mm, "Place of the block's middle across the belt in mm.")
+      ->transform(real_number(-1e4, 1e4))
+      ->type_name("MM")
+      ->capture_default_str();
+  families.begin("Chessboard (--chessboard)", {kBoard});
   command.add_option("--square", options.square_mm, "Side of a square in mm. Required with --chessboard.")
       ->transform(number_above_zero())
       ->type_name("MM");
@@ -196,37 +208,21 @@ void add_target_options(CLI::App& command, CaptureOptions& options) {
       ->transform(real_number(-1e4, 1e4))
       ->type_name("MM,...")
       ->default_str("0");
-  begin_group(command, "Steps");
-  command.add_option("--tread", options.tread_mm, "Width of a tread in mm, across the belt.")
-      ->transform(number_above_zero())
-      ->type_name("MM")
-      ->capture_default_str();
-  command.add_option("--shift", options.shift_mm, "Place of the block's middle across the belt in mm.")
-      ->transform(real_number(-1e4, 1e4))
-      ->type_name("MM")
-      ->capture_default_str();
-  begin_group(command, "Flaws of chessboard, plate and steps");
-  command
-      .add_option("--target-seed", options.target_seed,
-                  "Seed of the target's flaws, each drawn within the tolerances below.")
-      ->transform(whole_number(0))
-      ->type_name("N")
-      ->default_str("no flaws");
-  command
-      .add_option("--print-scale", options.print_scale, "Chessboard: relative error of its squares, to either side.")
+  command.add_option("--print-scale", options.print_scale, "Relative error of its squares, to either side.")
       ->transform(real_number(0, 0.1))
       ->type_name("SHARE")
       ->capture_default_str();
-  command.add_option("--bend", options.bend_mm, "Chessboard: how far it bends out of its plane, mm to either side.")
+  command.add_option("--bend", options.bend_mm, "How far it bends out of its plane, mm to either side.")
       ->transform(real_number(0, 100))
       ->type_name("MM")
       ->capture_default_str();
   command
-      .add_option("--height-tolerance", options.tolerance.height_mm,
-                  "Plate, steps, --heights: error of a height, mm to either side.")
+      .add_option("--fence", options.fence_mm,
+                  "With --heights: how far the plate misses its place on the belt, to either side, in mm.")
       ->transform(real_number(0, 10))
       ->type_name("MM")
       ->capture_default_str();
+  families.begin("Flaws of chessboard and plate", {kBoard, kPlate});
   command
       .add_option(
           "--flatness", options.tolerance.flatness_mm,
@@ -235,9 +231,16 @@ void add_target_options(CLI::App& command, CaptureOptions& options) {
       ->transform(real_number(0, 10))
       ->type_name("MM")
       ->capture_default_str();
+  families.begin("Flaws of chessboard, plate and steps", {kBoard, kPlate, kSteps});
   command
-      .add_option("--fence", options.fence_mm,
-                  "With --heights: how far the plate misses its place on the belt, to either side, in mm.")
+      .add_option("--target-seed", options.target_seed,
+                  "Seed of the target's flaws, each drawn within the tolerances that go with it.")
+      ->transform(whole_number(0))
+      ->type_name("N")
+      ->default_str("no flaws");
+  command
+      .add_option("--height-tolerance", options.tolerance.height_mm,
+                  "Plate, steps, --heights: error of a height, mm to either side.")
       ->transform(real_number(0, 10))
       ->type_name("MM")
       ->capture_default_str();
@@ -267,7 +270,7 @@ selfproj-sim capture --rig light-section --patterns gray --chessboard 21x3 --squ
 
 # A sweep of lines over a plate 10 mm above the belt, seen by a rig that nobody knows.
 selfproj pattern --sweep --every 32 --out lines
-selfproj-sim capture --rig light-section --real-rig-seed 7 --plate 10 --target-seed 1 \
+selfproj-sim capture --rig light-section --perturbed-rig-seed 7 --plate 10 --target-seed 1 \
   --patterns lines --out plate
 )"});
   const auto options = std::make_shared<CaptureOptions>();
@@ -292,19 +295,11 @@ selfproj-sim capture --rig light-section --real-rig-seed 7 --plate 10 --target-s
       ->allow_extra_args(false)
       ->transform(real_number(-1e4, 1e4))
       ->type_name("MM,...");
-  command->add_flag("--stopped", options->stopped, "Stop the belt, with the middle of the scene's part at x = 0.");
-  add_target_options(*command, *options);
+  OptionFamilies families(*command);
+  add_target_options(*command, families, *options);
   begin_group(*command, "Simulation");
-  command
-      ->add_option("--real-rig-seed", options->real_rig_seed,
-                   "Seed of a rig that takes the images instead: it deviates from --rig in lenses and mounting.")
-      ->transform(whole_number(0))
-      ->type_name("N")
-      ->default_str("--rig takes them");
-  command->add_option("--seed", options->seed, "Seed of the noise.")
-      ->transform(whole_number(0))
-      ->type_name("N")
-      ->default_str("the rig's");
+  add_perturbed_rig_option(*command, options->perturbed_rig_seed);
+  add_noise_seed_option(*command, options->seed);
   command->add_flag("--without-noise", options->without_noise, "Leave out shot noise and read noise.");
   add_world_options(*command, options->world);
   command->add_option("--threads", options->threads, "Threads to use.")
@@ -315,7 +310,11 @@ selfproj-sim capture --rig light-section --real-rig-seed 7 --plate 10 --target-s
   command->add_option("--out", options->out, "Folder for the images. With --chessboard it must be new.")
       ->type_name("DIR")
       ->required();
-  command->callback([options] { run_capture(*options); });
+  command->callback([options, families] {
+    check(*options);
+    families.check(case_of(*options), case_of(*options));
+    run_capture(*options);
+  });
 }
 
 }  // namespace selfproj

@@ -11,59 +11,67 @@
 #include "host/structured_light/self_reference.h"
 #include "model/gray_decoder.h"
 #include "sim/cosim/cosim.h"
-#include "sim/cosim/cosim_options.h"
-#include "sim/cosim/world_options.h"
-#include "sim/scene/renderer.h"
+#include "sim/cosim/render_options.h"
+#include "sim/scene/scenes.h"
 
 namespace selfproj {
 namespace {
 
 constexpr std::int64_t kLastFrame = std::int64_t{1} << 30U;
 
-void add_source_options(CLI::App& command, CosimOptions& options, WorldOptions& world) {
+// Which options go with what is measured.
+constexpr const char* kRecorded = "recorded images";
+constexpr const char* kSection = "light section";
+constexpr const char* kGrayCodes = "Gray codes";
+constexpr const char* kSelfProjected = "self-projected codes";
+
+std::string case_of(const CosimOptions& options) {
+  if (!options.frames.empty()) {
+    return kRecorded;
+  }
+  switch (find_scene(options.scene).method) {
+    case SceneMethod::gray_codes:
+      return kGrayCodes;
+    case SceneMethod::self_projected:
+      return kSelfProjected;
+    case SceneMethod::light_section:
+      break;
+  }
+  return kSection;
+}
+
+void add_source_options(CLI::App& command, OptionFamilies& families, CosimOptions& options, WorldOptions& world) {
   begin_group(command, "Source of the frames");
   CLI::Option* scene =
       command.add_option("--scene", options.scene, "Scene under the simulated camera, of `selfproj-sim scene list`.")
           ->type_name("NAME")
           ->capture_default_str();
-  CLI::Option* frames = add_files(command, "--frames", options.frames,
-                                  "Recorded images instead: files, or quoted patterns such as 'run/*.png'.")
-                            ->type_name("PATTERN")
-                            ->excludes(scene);
+  add_files(command, "--frames", options.frames,
+            "Recorded images instead: files, or quoted patterns such as 'run/*.png'.")
+      ->type_name("PATTERN")
+      ->excludes(scene);
+  command.add_option("--first", options.first, "First frame of them, from 1.")
+      ->transform(whole_number(1, kLastFrame))
+      ->type_name("N")
+      ->capture_default_str();
+  command.add_option("--count", options.count, "Number of frames.")
+      ->transform(whole_number(1, kLastFrame))
+      ->type_name("N")
+      ->default_str("all");
+  families.begin("Recorded images (--frames)", {kRecorded});
   add_files(
       command, "--background", options.preparation.background,
       "The same view without the line: one image for all frames, or one for each. It is subtracted before the board "
       "sees the frames.")
-      ->type_name("PATTERN")
-      ->needs(frames);
+      ->type_name("PATTERN");
   add_preparation_options(command, options.preparation);
-  command.add_option("--first", options.first, "First frame to take, from 1.")
-      ->transform(whole_number(1, kLastFrame))
-      ->type_name("N")
-      ->capture_default_str();
-  command.add_option("--count", options.count, "Number of frames to take.")
-      ->transform(whole_number(1, kLastFrame))
-      ->type_name("N")
-      ->default_str("all");
-  std::vector<std::string> names;
-  for (const auto& [name, flag] : kDisturbances) {
-    if (flag != &RenderOptions::quantization) {  // the board takes 8 bits
-      names.emplace_back(name);
-    }
-  }
-  command
-      .add_option("--without", options.without, "Disturbances to leave out of the images, with commas between them.")
-      ->delimiter(',')
-      ->check(one_of(names))
-      ->type_name("NAME,...");
+  families.begin("Scenes (--scene)", {kSection, kGrayCodes, kSelfProjected});
+  add_error_source_option(command, "--without", options.without,
+                          "Sources of error to leave out of the images, with commas between them.", true);
   add_world_options(command, world);
-  command.add_option("--seed", options.seed, "Seed of everything random.")
-      ->transform(whole_number(0))
-      ->type_name("N")
-      ->default_str("the rig's");
 }
 
-void add_measuring_options(CLI::App& command, CosimOptions& options) {
+void add_measuring_options(CLI::App& command, OptionFamilies& families, CosimOptions& options) {
   begin_group(command, "Measuring");
   command
       .add_option("--engine", options.engine,
@@ -92,7 +100,11 @@ void add_measuring_options(CLI::App& command, CosimOptions& options) {
       ->transform(whole_number(0, 95))
       ->type_name("PERCENT")
       ->capture_default_str();
-  begin_group(command, "Light section");
+  command.add_option("--seed", options.seed, "Seed of everything random.")
+      ->transform(whole_number(0))
+      ->type_name("N")
+      ->default_str("the rig's");
+  families.begin("Light section (scenes of rig light-section, and recorded images)", {kSection, kRecorded});
   command
       .add_option("--mode", options.mode,
                   "Weight of a lit pixel: 1 (binary), its grey value (grey), or its grey value less T (grey-over).")
@@ -100,42 +112,55 @@ void add_measuring_options(CLI::App& command, CosimOptions& options) {
       ->type_name("MODE")
       ->default_str("the rig's");
   add_select_options(command, options.select, "the rig's");
+  CLI::Option* trace =
+      command.add_option("--trace", options.trace, "File for the waveforms of the board (engine rtl).")
+          ->type_name("FILE.fst");
+  command.add_option("--trace-from", options.trace_from, "First frame of this run, from 1, in the waveforms.")
+      ->transform(whole_number(1, kLastFrame))
+      ->type_name("F")
+      ->needs(trace)
+      ->capture_default_str();
+  families.begin("Scenes of a light section", {kSection});
   command.add_flag("--residual", options.residual,
                    "Measure the good part once under its own pattern, and subtract each column's offset.");
-  command
-      .add_option("--real-rig", options.real_rig,
-                  "Rig that takes the images where it differs from --rig, as an error of calibration.")
-      ->type_name("RIG")
-      ->default_str("--rig");
+  accept_old_name(command, "--real-rig",
+                  command
+                      .add_option("--perturbed-rig", options.perturbed_rig,
+                                  "Rig that takes the images where it differs from --rig, as an error of calibration.")
+                      ->type_name("RIG")
+                      ->default_str("--rig"));
 }
 
-void add_scanner_options(CLI::App& command, CosimOptions& options) {
-  begin_group(command, "Scenes of a scanner");
+void add_scanner_options(CLI::App& command, OptionFamilies& families, CosimOptions& options) {
+  families.begin("Scenes of a scanner", {kGrayCodes, kSelfProjected});
   command.add_option("--bits", options.bits, "Bits of the Gray code.")
       ->transform(whole_number(1, GrayDecoder::kMaxBits))
       ->type_name("M")
       ->default_str("8; 4 where self-projected");
-  command.add_flag("--no-median", options.no_median, "Take the codes without the 3 x 3 median.");
+  families.begin("Scenes of a scanner under Gray codes: codes, and what is foreground", {kGrayCodes});
+  command.add_flag("--no-median", options.no_median, "Decode without the 3 x 3 median.");
   command
       .add_option("--min-difference", options.min_difference,
-                  "A pixel has moved only if it differs from the background by more than this many mm.")
+                  "A pixel is foreground only if it differs from the background by more than this many mm.")
       ->transform(real_number(0, 1000))
       ->type_name("MM")
       ->default_str("10");
   command
       .add_option("--max-change", options.max_change,
-                  "A pixel has moved only if its depth changed by at most this many mm since the last depth image.")
+                  "A pixel is foreground only if its depth changed by at most this many mm since the last depth image.")
       ->transform(real_number(0, 1000))
       ->type_name("MM")
       ->default_str("10");
   command
-      .add_option("--min-neighbours", options.min_neighbours,
-                  "A pixel has moved only if at least this many of the 8 pixels around it have moved too and are as "
-                  "close in z.")
+      .add_option(
+          "--min-neighbours", options.min_neighbours,
+          "A pixel is foreground only if at least this many of the 8 pixels around it are, too, and are as close in "
+          "z.")
       ->transform(whole_number(0, 8))
       ->type_name("N")
       ->default_str("6");
-  command.add_option("--e", options.e, "Self-projected structured light: codes that are searched below the reference.")
+  families.begin("Scenes of a scanner under self-projected codes", {kSelfProjected});
+  command.add_option("--e", options.e, "Codes that are searched below the reference.")
       ->transform(whole_number(0, (1 << Stripes::kMaxBits) - 1))
       ->type_name("E")
       ->default_str("8 for the cuboids, else 0");
@@ -156,14 +181,6 @@ void add_output_options(CLI::App& command, CosimOptions& options) {
       ->default_str("the middle one; of recorded images the first ten; with a scanner four");
   command.add_option("--packets", options.packets, "File for the stream of packets, as a device delivers it.")
       ->type_name("FILE");
-  CLI::Option* trace =
-      command.add_option("--trace", options.trace, "File for the waveforms of the board (engine rtl).")
-          ->type_name("FILE.fst");
-  command.add_option("--trace-from", options.trace_from, "First frame of this run, from 1, in the waveforms.")
-      ->transform(whole_number(1, kLastFrame))
-      ->type_name("F")
-      ->needs(trace)
-      ->capture_default_str();
 }
 
 }  // namespace
@@ -201,11 +218,13 @@ selfproj-sim cosim --scene fist --count 588 --out fist
 )"});
   const auto options = std::make_shared<CosimOptions>();
   const auto world = std::make_shared<WorldOptions>();
-  add_source_options(*command, *options, *world);
-  add_measuring_options(*command, *options);
-  add_scanner_options(*command, *options);
+  OptionFamilies families(*command);
+  add_source_options(*command, families, *options, *world);
+  add_measuring_options(*command, families, *options);
+  add_scanner_options(*command, families, *options);
   add_output_options(*command, *options);
-  command->callback([options, world] {
+  command->callback([options, world, families] {
+    families.check(case_of(*options), options->what());
     options->world = world->world();
     run_cosim(*options);
   });

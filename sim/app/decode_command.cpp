@@ -21,7 +21,7 @@
 #include "host/images/frame_options.h"
 #include "host/images/image_files.h"
 #include "model/gray_decoder.h"
-#include "sim/board/gray_engine.h"
+#include "sim/board/engines.h"
 
 namespace selfproj {
 namespace {

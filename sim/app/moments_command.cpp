@@ -20,7 +20,7 @@
 #include "host/report/tables.h"
 #include "model/column_runs.h"
 #include "model/spec/generated/selfproj_spec.h"
-#include "sim/board/moments_engine.h"
+#include "sim/board/engines.h"
 
 namespace selfproj {
 namespace {

@@ -30,16 +30,14 @@
 #include "host/images/image_files.h"
 #include "host/light_section/pattern.h"
 #include "host/rig/rig.h"
-#include "sim/cosim/world_options.h"
-#include "sim/scene/height_map.h"
+#include "sim/cosim/render_options.h"
+#include "sim/scene/optics.h"
 #include "sim/scene/parallel.h"
 #include "sim/scene/pattern_renderer.h"
-#include "sim/scene/pinhole.h"
-#include "sim/scene/real_rig.h"
+#include "sim/scene/perturbed_rig.h"
 #include "sim/scene/renderer.h"
 #include "sim/scene/scene.h"
-#include "sim/scene/scene_info.h"
-#include "sim/scene/scene_list.h"
+#include "sim/scene/scenes.h"
 
 namespace selfproj {
 namespace {
@@ -64,7 +62,7 @@ struct SceneOptions {
   int first = 1;
   int count = 0;  // 0: to the scene's end
   std::optional<std::int64_t> seed;
-  std::optional<std::uint64_t> real_rig_seed;
+  std::optional<std::uint64_t> perturbed_rig_seed;
   std::vector<std::string> without;
   bool falloff = false;
   WorldOptions world;
@@ -153,9 +151,9 @@ struct FrameMaker {
   FloatImage pattern;  // where there is one alone
 };
 
-FrameMaker light_section(const SceneOptions& options, const RealRig& real, const Scene& scene,
+FrameMaker light_section(const SceneOptions& options, const PerturbedRig& actual, const Scene& scene,
                          const RenderOptions& render_with) {
-  const Rig& rig = real.rig;
+  const Rig& rig = actual.rig;
   if (options.bits > 0) {
     throw UserError("--bits", "goes only with rigs of kind scanner; " + rig.name + " is not one");
   }
@@ -164,15 +162,15 @@ FrameMaker light_section(const SceneOptions& options, const RealRig& real, const
   }
   FrameMaker maker;
   maker.pattern = pattern_of(options, rig);
-  const auto renderer = std::make_shared<Renderer>(real, scene, maker.pattern, render_with);
+  const auto renderer = std::make_shared<LineRenderer>(actual, scene, maker.pattern, render_with);
   maker.render = [renderer](int frame, std::span<float> pixels) { renderer->render(frame, pixels); };
   maker.truth = [renderer](int frame, std::span<float> heights) { renderer->truth(frame, heights); };
   return maker;
 }
 
-FrameMaker whole_patterns(const SceneOptions& options, const RealRig& real, const Scene& scene,
+FrameMaker whole_patterns(const SceneOptions& options, const PerturbedRig& actual, const Scene& scene,
                           const RenderOptions& render_with) {
-  const Rig& rig = real.rig;
+  const Rig& rig = actual.rig;
   if (scene.speed() != 0) {
     throw UserError("--rig " + rig.name, "its conveyor moves; a scanner needs a surface that stands still");
   }
@@ -188,7 +186,7 @@ FrameMaker whole_patterns(const SceneOptions& options, const RealRig& real, cons
       light->push_back(project_image(rig, image, render_with));
     }
   }
-  const auto renderer = std::make_shared<PatternRenderer>(real, scene, render_with, options.threads);
+  const auto renderer = std::make_shared<PatternRenderer>(actual, scene, render_with, options.threads);
   FrameMaker maker;
   // The first frame that is rendered shows the first pattern, so that a window of a scene is a whole sequence.
   const int first = options.first - 1;
@@ -219,11 +217,11 @@ void render(const SceneOptions& options) {
   }
   const int count = options.count > 0 ? options.count : scene->frames() + 1 - options.first;
   const RenderOptions render_with = render_options(options);
-  const RealRig real = options.real_rig_seed ? hidden_rig(rig, *options.real_rig_seed) : RealRig(rig);
+  const PerturbedRig actual = rig_of_seed(rig, options.perturbed_rig_seed);
   const bool quantized = render_with.quantization;
   check_for_other_frames(options.out, options.first, count, quantized);
-  const FrameMaker maker = rig.kind == RigKind::scanner ? whole_patterns(options, real, *scene, render_with)
-                                                        : light_section(options, real, *scene, render_with);
+  const FrameMaker maker = rig.kind == RigKind::scanner ? whole_patterns(options, actual, *scene, render_with)
+                                                        : light_section(options, actual, *scene, render_with);
   if (!options.truth.empty() && maker.truth_rows > 1 && count > kMostDepths) {
     throw UserError("--truth " + options.truth,
                     fmt::format("takes at most {} frames of depth, not {}", kMostDepths, count));
@@ -318,28 +316,13 @@ void add_light_options(CLI::App& command, SceneOptions& options) {
       ->transform(whole_number(1, kMostBits))
       ->type_name("M")
       ->default_str(std::to_string(kDefaultBits));
-  std::vector<std::string> switches;
-  std::transform(kDisturbances.begin(), kDisturbances.end(), std::back_inserter(switches),
-                 [](const Disturbance& entry) { return entry.name; });
-  command
-      .add_option(
-          "--without", options.without,
-          "Disturbances to leave out, with commas between them. Without quantization the frames are 32-bit TIFF.")
-      ->delimiter(',')
-      ->check(one_of(switches))
-      ->type_name("NAME,...");
+  add_error_source_option(
+      command, "--without", options.without,
+      "Sources of error to leave out, with commas between them. Without quantization the frames are 32-bit TIFF.");
   command.add_flag("--falloff", options.falloff, "Light falls with the squared distance from the projector.");
   add_world_options(command, options.world);
-  command
-      .add_option("--real-rig-seed", options.real_rig_seed,
-                  "Seed of a rig that takes the images instead: it deviates from --rig in lenses and mounting.")
-      ->transform(whole_number(0))
-      ->type_name("N")
-      ->default_str("--rig takes them");
-  command.add_option("--seed", options.seed, "Seed of the noise.")
-      ->transform(whole_number(0))
-      ->type_name("N")
-      ->default_str("the rig's");
+  add_perturbed_rig_option(command, options.perturbed_rig_seed);
+  add_noise_seed_option(command, options.seed);
   command.add_option("--threads", options.threads, "Threads to use.")
       ->transform(whole_number(1, 1024))
       ->type_name("N")

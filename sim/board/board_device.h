@@ -34,8 +34,7 @@
 #include "model/pixel_clock.h"
 #include "model/register_file.h"
 #include "sim/board/clocks.h"
-#include "sim/board/coverage.h"
-#include "sim/board/mutant.h"
+#include "sim/board/verilated_model.h"
 
 namespace selfproj {
 

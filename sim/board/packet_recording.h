@@ -2,6 +2,7 @@
 #ifndef SELFPROJ_SIM_BOARD_PACKET_RECORDING_H
 #define SELFPROJ_SIM_BOARD_PACKET_RECORDING_H
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -9,10 +10,12 @@
 #include <string>
 #include <vector>
 
+#include "host/driver/clock.h"
 #include "host/driver/counters.h"
 #include "model/board.h"
 #include "model/column_moments.h"
 #include "model/packet.h"
+#include "model/register_file.h"
 
 namespace selfproj {
 
@@ -76,6 +79,29 @@ PacketRecording moving_line(int rows, int columns, int frames, Mode mode, int th
 // say their size and what is sent besides the moments. `image` is asked in order.
 PacketRecording recording_of_images(const BoardSettings& settings, std::size_t images, int patterns,
                                     const std::function<ImageView(std::size_t)>& image);
+
+// The registers of a board that plays recorded packets: settings are taken or refused as a board does, but change no
+// packet; frames and time go on. One thread counts, another one accesses.
+class PlayedRegisters {
+ public:
+  explicit PlayedRegisters(double pixel_clock_hz) : clocks_per_ns_(pixel_clock_hz / 1e9), start_ns_(now_ns()) {}
+
+  void set_frames(std::uint64_t frames) { frames_ = static_cast<std::uint32_t>(frames); }
+
+  RegisterAnswer access(bool write, std::uint32_t address, std::uint32_t data) {
+    if (write) {
+      return registers_.write(address, data);
+    }
+    const double clocks = static_cast<double>(now_ns() - start_ns_) * clocks_per_ns_;
+    return registers_.read(address, {.frames = frames_, .time = static_cast<std::uint64_t>(clocks)});
+  }
+
+ private:
+  double clocks_per_ns_;
+  std::int64_t start_ns_;
+  std::atomic<std::uint32_t> frames_ = 0;
+  RegisterFile registers_;
+};
 
 }  // namespace selfproj
 

@@ -28,30 +28,54 @@
 #include "host/report/facts.h"
 #include "host/report/report.h"
 #include "model/packet.h"
-#include "sim/board/packet_judge.h"
-#include "sim/cosim/cosim_light_section.h"
+#include "sim/board/packet_scoreboard.h"
 #include "sim/cosim/cosim_measurement.h"
-#include "sim/cosim/cosim_options.h"
-#include "sim/cosim/cosim_result.h"
-#include "sim/cosim/cosim_scanner.h"
-#include "sim/cosim/cosim_self_projected.h"
-#include "sim/cosim/frame_source.h"
 #include "sim/platform/platform.h"
-#include "sim/scene/scene_info.h"
-#include "sim/scene/scene_list.h"
+#include "sim/scene/scenes.h"
 
 namespace selfproj {
+
+std::size_t frames_of_run(const CosimOptions& options, std::size_t total, const std::string& what,
+                          std::size_t still_frames) {
+  const bool still = total == 1 && still_frames > 1;
+  if (still && (options.first == 1 || options.count)) {
+    return options.count.value_or(still_frames);
+  }
+  if (options.first > total) {
+    throw UserError(fmt::format("--first {}", options.first), fmt::format("{} has {} frames", what, total));
+  }
+  const std::size_t left = total - options.first + 1;
+  if (options.count && *options.count > left) {
+    throw UserError(fmt::format("--count {}", *options.count),
+                    fmt::format("{} has {} frames from frame {} on", what, left, options.first));
+  }
+  return options.count.value_or(left);
+}
+
+PlatformEngine engine_of(const CosimOptions& options) {
+  if (options.engine == "model") {
+    return PlatformEngine::model;
+  }
+#ifdef SELFPROJ_HAS_RTL_PLATFORM
+  if (options.engine == "rtl") {
+    return PlatformEngine::rtl;
+  }
+  if (options.engine == "hls") {
+    return PlatformEngine::hls;
+  }
+#endif
+  throw UserError("--engine " + options.engine, "this engine is not part of this build");
+}
+
 namespace {
 
 namespace fs = std::filesystem;
 
 std::unique_ptr<CosimMeasurement> make_measurement(const CosimOptions& options) {
   if (!options.frames.empty()) {
-    check_options(options, SceneMethod::light_section);
     return make_recorded_cosim(options);
   }
   const SceneInfo& scene = find_scene(options.scene);
-  check_options(options, scene.method);
   switch (scene.method) {
     case SceneMethod::gray_codes:
       return make_scanner_cosim(options, scene);
@@ -124,7 +148,7 @@ std::uint64_t counted_as_lost(const BoardCounters& board) {
 }
 
 // Adds a mismatch for each counter that does not have the value that this run must give.
-void judge_counters(CosimResult& result, std::uint64_t misframed) {
+void compare_counters(CosimResult& result, std::uint64_t misframed) {
   const auto must_be = [&](std::uint64_t got, std::uint64_t want, const char* what) {
     if (got != want) {
       result.mismatch(fmt::format("{}: {}, expected {}", what, got, want));
@@ -166,21 +190,21 @@ class Run {
           return image->view();
         },
         [&](std::span<const std::uint8_t> bytes, std::uint64_t /*time_ps*/) { receive(bytes); },
-        [&](BoardPacket&& packet) { judge_.expect(std::move(packet)); });
+        [&](BoardPacket&& packet) { scoreboard_.expect(std::move(packet)); });
     platform.run();
     device_.finish();
     next_packets();
-    judge_.finish();
+    scoreboard_.finish();
 
-    result_.columns = judge_.matched_columns();
-    result_.codes = judge_.matched_codes();
-    result_.mismatches = judge_.mismatches();
-    result_.first_mismatch = judge_.first_mismatch();
-    result_.lost = judge_.lost();
+    result_.columns = scoreboard_.matched_columns();
+    result_.codes = scoreboard_.matched_codes();
+    result_.mismatches = scoreboard_.mismatches();
+    result_.first_mismatch = scoreboard_.first_mismatch();
+    result_.lost = scoreboard_.lost();
     result_.platform = platform.report();
     result_.driver = device_.counters();
-    judge_counters(result_, device_.misframed());
-    measurement_.judge(result_);
+    compare_counters(result_, device_.misframed());
+    measurement_.compare(result_);
     return result_;
   }
 
@@ -199,7 +223,7 @@ class Run {
     PacketView packet;
     while (device_.next(packet, std::chrono::nanoseconds(0)) == Next::packet) {
       const std::span<const std::uint8_t> bytes = packet.bytes();
-      if (judge_.judge(bytes) && packet.header.kind == spec::kKindMoments) {
+      if (scoreboard_.compare(bytes) && packet.header.kind == spec::kKindMoments) {
         ++result_.frames;
       }
       if (stream_ != nullptr) {
@@ -213,7 +237,7 @@ class Run {
   CosimMeasurement& measurement_;
   std::string* stream_;
   OutputFolder* folder_;
-  PacketJudge judge_;
+  PacketScoreboard scoreboard_;
   SimDevice device_;
   CosimResult result_;
 };

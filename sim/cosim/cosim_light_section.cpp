@@ -1,5 +1,3 @@
-#include "sim/cosim/cosim_light_section.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -27,17 +25,13 @@
 #include "host/report/report.h"
 #include "host/rig/rig.h"
 #include "model/packet.h"
+#include "sim/cosim/cosim.h"
 #include "sim/cosim/cosim_measurement.h"
-#include "sim/cosim/cosim_options.h"
-#include "sim/cosim/cosim_result.h"
-#include "sim/cosim/frame_source.h"
 #include "sim/cosim/light_section.h"
-#include "sim/platform/camera_timing.h"
 #include "sim/platform/platform.h"
 #include "sim/scene/renderer.h"
 #include "sim/scene/scene.h"
-#include "sim/scene/scene_info.h"
-#include "sim/scene/scene_list.h"
+#include "sim/scene/scenes.h"
 
 namespace selfproj {
 namespace {
@@ -46,7 +40,7 @@ namespace {
 struct Setup {
   Rig rig;
   std::unique_ptr<Scene> scene;
-  std::unique_ptr<Renderer> renderer;
+  std::unique_ptr<LineRenderer> renderer;
   std::unique_ptr<FrameSource> source;
   int image_columns = 0;                           // of the frames without padding; 0: there is none
   std::unique_ptr<DifferentialProfiler> profiler;  // null without a geometry
@@ -82,18 +76,19 @@ Rig rig_of(const CosimOptions& options) {
 }
 
 // The rig that takes the images.
-Rig real_rig_of(const CosimOptions& options, const Rig& rig) {
-  if (options.real_rig.empty()) {
+Rig perturbed_rig_of(const CosimOptions& options, const Rig& rig) {
+  if (options.perturbed_rig.empty()) {
     return rig;
   }
-  Rig real = light_section_rig(options.real_rig);
-  if (real.camera.rows != rig.camera.rows || real.camera.columns != rig.camera.columns) {
-    throw UserError("--real-rig " + options.real_rig, fmt::format("has images of {}, but --rig has images of {}",
-                                                                  size_text(real.camera.rows, real.camera.columns),
-                                                                  size_text(rig.camera.rows, rig.camera.columns)));
+  Rig actual = light_section_rig(options.perturbed_rig);
+  if (actual.camera.rows != rig.camera.rows || actual.camera.columns != rig.camera.columns) {
+    throw UserError("--perturbed-rig " + options.perturbed_rig,
+                    fmt::format("has images of {}, but --rig has images of {}",
+                                size_text(actual.camera.rows, actual.camera.columns),
+                                size_text(rig.camera.rows, rig.camera.columns)));
   }
-  real.imaging.seed = rig.imaging.seed;
-  return real;
+  actual.imaging.seed = rig.imaging.seed;
+  return actual;
 }
 
 std::vector<Fact> scene_facts(const CosimOptions& options, const SceneInfo& scene, const Rig& rig,
@@ -104,8 +99,8 @@ std::vector<Fact> scene_facts(const CosimOptions& options, const SceneInfo& scen
       {"residual", "residual of the reference", std::string(options.residual ? "measured and removed" : "left")},
       {"reference_columns", "columns with a reference", std::int64_t{reference.valid_columns()}},
       {"seed", "seed of the noise", rig.imaging.seed}};
-  if (!options.real_rig.empty()) {
-    facts.push_back({"real_rig", "rig that took the images", options.real_rig});
+  if (!options.perturbed_rig.empty()) {
+    facts.push_back({"perturbed_rig", "rig that took the images", options.perturbed_rig});
   }
   if (!options.without.empty()) {
     facts.push_back({"without", "simulated without", fmt::format("{}", fmt::join(options.without, ", "))});
@@ -117,18 +112,18 @@ Setup scene_setup(const CosimOptions& options, const SceneInfo& info) {
   Setup setup;
   setup.rig = rig_of(options);
   const Rig& rig = setup.rig;
-  const Rig real = real_rig_of(options, rig);
-  setup.scene = make_scene(info.name, real);
+  const Rig actual = perturbed_rig_of(options, rig);
+  setup.scene = make_scene(info.name, actual);
   const RenderOptions render = options.render();
   const LightSection light =
-      self_projection(rig, real, *make_scene(info.reference_name(), real), render, options.residual);
+      self_projection(rig, actual, *make_scene(info.reference_name(), actual), render, options.residual);
   const auto mode =
       static_cast<std::size_t>(std::find(kAllModes.begin(), kAllModes.end(), rig.measure.mode) - kAllModes.begin());
   const ReferenceProfile& reference = light.references.at(mode);
   if (reference.valid_columns() == 0) {
     throw UserError("--scene " + options.scene, "the rig's camera sees the projected line in no column");
   }
-  setup.renderer = std::make_unique<Renderer>(real, *setup.scene, light.pattern, render);
+  setup.renderer = std::make_unique<LineRenderer>(actual, *setup.scene, light.pattern, render);
   const std::size_t count =
       frames_of_run(options, static_cast<std::size_t>(setup.scene->frames()), "scene " + options.scene);
   setup.source = std::make_unique<SceneFrames>(
@@ -179,15 +174,6 @@ std::unique_ptr<RecordedFrames> recorded_frames(const CosimOptions& options) {
 }
 
 Setup recorded_setup(const CosimOptions& options) {
-  if (!options.without.empty()) {
-    throw UserError("--without", "goes only with scenes, not with recorded images");
-  }
-  if (options.world.any()) {
-    throw UserError("--disturb", "goes only with scenes, not with recorded images");
-  }
-  if (options.residual || !options.real_rig.empty()) {
-    throw UserError(options.residual ? "--residual" : "--real-rig", "goes only with scenes, not with recorded images");
-  }
   Setup setup;
   std::unique_ptr<RecordedFrames> frames = recorded_frames(options);
   setup.image_columns = frames->image_columns();

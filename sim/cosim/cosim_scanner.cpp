@@ -1,5 +1,3 @@
-#include "sim/cosim/cosim_scanner.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -25,18 +23,13 @@
 #include "host/structured_light/foreground.h"
 #include "host/structured_light/scanner.h"
 #include "host/structured_light/triangulation.h"
+#include "sim/cosim/cosim.h"
 #include "sim/cosim/cosim_measurement.h"
-#include "sim/cosim/cosim_options.h"
-#include "sim/cosim/cosim_result.h"
 #include "sim/cosim/depth_cosim.h"
-#include "sim/cosim/depth_findings.h"
 #include "sim/cosim/motion_analysis.h"
-#include "sim/cosim/pool_wave.h"
 #include "sim/scene/pattern_renderer.h"
-#include "sim/scene/scanner_scenes.h"
 #include "sim/scene/scene.h"
-#include "sim/scene/scene_info.h"
-#include "sim/scene/scene_list.h"
+#include "sim/scene/scenes.h"
 
 namespace selfproj {
 namespace {

@@ -1,5 +1,3 @@
-#include "sim/cosim/cosim_self_projected.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -24,17 +22,14 @@
 #include "host/structured_light/self_reference.h"
 #include "host/structured_light/self_scanner.h"
 #include "model/gray_match.h"
-#include "sim/board/match_engine.h"
+#include "sim/board/engines.h"
+#include "sim/cosim/cosim.h"
 #include "sim/cosim/cosim_measurement.h"
-#include "sim/cosim/cosim_options.h"
-#include "sim/cosim/cosim_result.h"
 #include "sim/cosim/depth_cosim.h"
 #include "sim/scene/pattern_renderer.h"
 #include "sim/scene/scene.h"
-#include "sim/scene/scene_info.h"
-#include "sim/scene/scene_list.h"
+#include "sim/scene/scenes.h"
 #include "sim/scene/virtual_capture.h"
-#include "sim/scene/virtual_scan.h"
 
 namespace selfproj {
 namespace {
@@ -158,8 +153,8 @@ class SelfProjectedCosim final : public DepthCosim {
     page().pictures.push_back({"Finest self-projected pattern", encode_png(drawn[drawn.size() - 2]), ""});
   }
 
-  void judge(CosimResult& result) const override {
-    DepthCosim::judge(result);
+  void compare(CosimResult& result) const override {
+    DepthCosim::compare(result);
     if (matching_.mismatches() != 0) {
       result.mismatch(matching_.first_mismatch());
       result.mismatches += matching_.mismatches() - 1;

@@ -1,10 +1,11 @@
-// The common part of co-simulations of structured light: the rig, the frames of the patterns, the pictures of depth
-// images, and the page.
+// Compares depth images of a scene with the true depths.
 #ifndef SELFPROJ_SIM_COSIM_DEPTH_COSIM_H
 #define SELFPROJ_SIM_COSIM_DEPTH_COSIM_H
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <memory>
 #include <string>
@@ -16,17 +17,73 @@
 #include "host/images/image_files.h"
 #include "host/report/report.h"
 #include "host/rig/rig.h"
+#include "host/structured_light/foreground.h"
 #include "host/structured_light/triangulation.h"
+#include "sim/cosim/cosim.h"
 #include "sim/cosim/cosim_measurement.h"
-#include "sim/cosim/cosim_options.h"
-#include "sim/cosim/depth_errors.h"
-#include "sim/cosim/frame_source.h"
 #include "sim/scene/pattern_renderer.h"
 #include "sim/scene/renderer.h"
 #include "sim/scene/scene.h"
-#include "sim/scene/scene_info.h"
+#include "sim/scene/scenes.h"
 
 namespace selfproj {
+
+// Over the pixels of all images with both a measured and a true depth; NaN if there were none.
+class DepthErrors {
+ public:
+  // Adds images of one size, mm.
+  void add(const FloatImage& depth, const FloatImage& truth) {
+    constexpr double kFar = 15;  // mm: a larger error comes from a wrong code or match, not from quantization
+    for (std::size_t i = 0; i < truth.values.size(); ++i) {
+      const auto error = static_cast<double>(depth.values[i] - truth.values[i]);
+      if (std::isnan(error)) {
+        continue;
+      }
+      ++seen_;
+      if (std::abs(error) > kFar) {
+        ++far_off_;
+      } else {
+        ++near_;
+        squares_ += error * error;
+      }
+    }
+  }
+
+  [[nodiscard]] double seen() const { return seen_; }
+  // RMS error in mm of the pixels that are no more than 15 mm off.
+  [[nodiscard]] double rms() const { return near_ > 0 ? std::sqrt(squares_ / near_) : kNone; }
+  // Share of the other pixels, 0..1.
+  [[nodiscard]] double far_off() const { return seen_ > 0 ? far_off_ / seen_ : kNone; }
+
+ private:
+  static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+
+  double seen_ = 0, near_ = 0, far_off_ = 0, squares_ = 0;
+};
+
+// The motion in the depth images of a scene as facts, plots and a table, compared with the truth.
+
+// A measurement from one depth image, and the same from the true depths; lengths in mm, NaN if there is none.
+struct DepthSample {
+  std::size_t frame = 0;  // frame of this run, from 1, that completed the code image
+  double t = 0;           // time in s of the frame in the middle of the code's cycle
+  Moved moved, true_moved;
+  double front = std::numeric_limits<double>::quiet_NaN();  // SceneAnalysis::wave_front
+  double true_front = std::numeric_limits<double>::quiet_NaN();
+  std::vector<double> z, true_z;  // SceneAnalysis::key_taps: z at the pixels of the keys, of what moved
+};
+
+struct DepthFindings {
+  std::vector<Fact> facts;
+  std::vector<ReportPlot> plots;
+  std::string table_name;
+  std::string table;  // CSV
+};
+
+DepthFindings findings_of(SceneAnalysis analysis, const std::vector<DepthSample>& samples);
+
+// The common part of co-simulations of structured light: the rig, the frames of the patterns, the pictures of depth
+// images, and the page.
 
 // Values that are known before the patterns: the scanner with the options' seed and threshold, its scene, and the
 // length of the run.
@@ -50,7 +107,7 @@ class DepthCosim : public CosimMeasurement {
   void choose_pictures() override;
   void frame(std::size_t frame, const Image& image) override;
   void packet(const PacketView& packet, OutputFolder* folder) override;
-  void judge(CosimResult& result) const override;
+  void compare(CosimResult& result) const override;
   void write(OutputFolder& folder, const CosimFacts& facts) override;
 
  protected:

@@ -1,95 +1,18 @@
 #include "sim/cosim/light_section.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <cstdint>
-#include <functional>
-#include <optional>
-#include <span>
-#include <vector>
 
 #include "host/files/user_error.h"
 #include "host/light_section/differential_profile.h"
 #include "host/light_section/inspection.h"
-#include "host/light_section/pattern.h"
-#include "host/light_section/profile.h"
 #include "host/light_section/reference.h"
+#include "host/light_section/pattern.h"
 #include "host/rig/geometry.h"
-#include "host/rig/optics.h"
-#include "host/rig/rig.h"
-#include "model/column_moments.h"
-#include "model/packet.h"
-#include "sim/scene/parallel.h"
-#include "sim/scene/renderer.h"
-#include "sim/scene/scene.h"
-#include "sim/scene/virtual_scan.h"
+#include "sim/scene/virtual_capture.h"
 
 namespace selfproj {
-namespace {
-
-ImageView view_of(const Rig& rig, const std::vector<std::uint8_t>& pixels) {
-  return {pixels.data(), rig.camera.rows, rig.camera.columns, rig.camera.columns};
-}
-
-// For moments of grey values that are not integers, which no board has. They are counted in units of 1 / kFine, with
-// which M1 of 255 white rows is still below 2^31. The unit does not affect the centroid.
-constexpr int kFine = 256;
-
-void fine_moments(const Rig& rig, const std::vector<float>& values, Mode mode, Moments& moments) {
-  std::fill(moments.m0.begin(), moments.m0.end(), 0U);
-  std::fill(moments.m1.begin(), moments.m1.end(), 0U);
-  std::fill(moments.n.begin(), moments.n.end(), 0U);
-  const auto columns = static_cast<std::size_t>(rig.camera.columns);
-  const auto threshold = static_cast<float>(rig.measure.threshold);
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    const float value = std::min(values[i], 255.0F);
-    if (value <= threshold) {
-      continue;
-    }
-    const float weight = mode == Mode::binary ? 1.0F : mode == Mode::grey ? value : value - threshold;
-    const auto units = static_cast<std::uint32_t>(std::lround(weight * kFine));
-    moments.m0[i % columns] += units;
-    moments.m1[i % columns] += units * static_cast<std::uint32_t>(i / columns + 1);
-    ++moments.n[i % columns];
-  }
-}
-
-// The result of one frame, before it is added in order.
-struct FrameResult {
-  std::vector<std::uint8_t> pixels;
-  std::vector<float> values;  // used instead if nothing is quantized
-  std::array<Moments, kAllModes.size()> moments;
-  std::array<Profile, kAllModes.size()> profiles;
-};
-
-double line_peak(const Image& image) {
-  std::vector<std::uint8_t> peaks(static_cast<std::size_t>(image.columns), 0);
-  for (std::size_t i = 0; i < image.pixels.size(); ++i) {
-    auto& peak = peaks[i % peaks.size()];
-    peak = std::max(peak, image.pixels[i]);
-  }
-  std::nth_element(peaks.begin(), peaks.begin() + image.columns / 2, peaks.end());
-  return peaks[static_cast<std::size_t>(image.columns / 2)];
-}
-
-// The projector line that lights what the middle of the camera's image sees at depth z.
-double line_in_middle(const Rig& rig, double z) {
-  if (rig.is_pinholes()) {
-    return line_on_middle(rig.projector, z);
-  }
-  const RigOptics optics(rig);
-  const auto ray = optics.ray({0.5 * (rig.camera.rows - 1), 0.5 * (rig.camera.columns - 1)});
-  const auto light = ray ? optics.lit_by({(*ray)[0] * z, (*ray)[1] * z, z}) : std::nullopt;
-  if (!light) {
-    throw UserError(rig.name, fmt::format("its projector does not light the middle of the image at z = {} mm", z));
-  }
-  return light->line;
-}
-
-}  // namespace
 
 ReferenceCurve curve_of_scene(const Rig& rig, const Scene& scene) {
   constexpr double kStep = 0.02;
@@ -107,114 +30,16 @@ ReferenceCurve curve_of_scene(const Rig& rig, const Scene& scene) {
   return curve;
 }
 
-LightSection self_projection(const Rig& rig, const RealRig& real, const Scene& reference, const RenderOptions& options,
-                             bool residual) {
+LightSection self_projection(const Rig& rig, const PerturbedRig& actual, const Scene& reference,
+                             const RenderOptions& options, bool residual) {
   const ReferenceCurve curve = curve_of_scene(rig, reference);
-  LightSection result{rig, real, draw_pattern(rig, pattern_of_curve(rig, curve)), {}};
+  LightSection result{rig, actual, draw_pattern(rig, pattern_of_curve(rig, curve)), {}};
   result.references.fill(reference_of_curve(rig, curve));
   if (residual) {
-    const auto centroids = scan_centroids(rig, real, reference, result.pattern, options, kAllModes);
+    const auto centroids = scan_centroids(rig, actual, reference, result.pattern, options, kAllModes);
     for (std::size_t m = 0; m < kAllModes.size(); ++m) {
       result.references[m] = without_residual(rig, result.references[m], centroids[m]);
     }
-  }
-  return result;
-}
-
-LightSection straight_line(const Rig& rig, const RealRig& real, const Scene& reference, const RenderOptions& options,
-                           double middle_height) {
-  const double line = line_in_middle(rig, rig.plane_z_mm - middle_height);
-  LightSection result{rig, real, draw_straight_line(rig, line), {}};
-  const auto centroids = scan_centroids(rig, real, reference, result.pattern, options, kAllModes);
-  for (std::size_t m = 0; m < kAllModes.size(); ++m) {
-    result.references[m] = reference_of_straight_line(rig, line, centroids[m]);
-  }
-  return result;
-}
-
-// Fills row `row` of the true maps by frame `number`.
-void add_truth(const Renderer& ideal, int number, int row, Measurement& result) {
-  std::vector<Point3> points(static_cast<std::size_t>(result.truth.columns), {kUnknown, kUnknown, kUnknown});
-  ideal.truth(number, {result.truth.row(row), points.size()}, points);
-  for (std::size_t c = 0; c < points.size(); ++c) {
-    result.true_x.row(row)[c] = static_cast<float>(points[c].x);
-    result.true_y.row(row)[c] = static_cast<float>(points[c].y);
-  }
-}
-
-Measurement measure(const LightSection& setup, const Scene& scene, const RenderOptions& options, int every, int threads,
-                    const std::function<void(std::size_t)>& progress) {
-  const Rig& rig = setup.rig;
-  Measurement result;
-  for (int frame = 0; frame < scene.frames(); frame += every) {
-    result.frames.push_back(frame);
-  }
-  const int count = static_cast<int>(result.frames.size());
-  InspectionOptions inspection;
-  inspection.expected_frames = inspection.max_frames = result.frames.size();
-  std::vector<DifferentialProfiler> profilers;
-  for (const ReferenceProfile& reference : setup.references) {
-    profilers.emplace_back(rig, reference);
-    result.by_mode.emplace_back(rig, rig.camera.columns, inspection);
-  }
-  const Renderer renderer(setup.real, scene, setup.pattern, options);
-  const Renderer ideal(setup.real, scene, setup.pattern, options.ideal_world());
-  result.truth = result.true_x = result.true_y = FloatImage(count, rig.camera.columns);
-
-  constexpr int kBatch = 64;
-  std::vector<FrameResult> batch(kBatch);
-  for (FrameResult& frame : batch) {
-    frame.pixels.resize(rig.camera.pixels());
-    for (std::size_t m = 0; m < kAllModes.size(); ++m) {
-      frame.moments[m].resize(rig.camera.columns);
-      frame.profiles[m].resize(rig.camera.columns);
-    }
-  }
-  for (int begin = 0; begin < count; begin += kBatch) {
-    const int size = std::min(kBatch, count - begin);
-    parallel_for(size, threads, [&](int i) {
-      FrameResult& frame = batch[static_cast<std::size_t>(i)];
-      const int number = result.frames[static_cast<std::size_t>(begin + i)];
-      renderer.render(number, std::span(frame.pixels));
-      if (!options.quantization) {
-        frame.values.resize(frame.pixels.size());
-        renderer.render(number, std::span(frame.values));
-      }
-      add_truth(ideal, number, begin + i, result);
-      for (std::size_t m = 0; m < kAllModes.size(); ++m) {
-        if (options.quantization) {
-          column_moments(view_of(rig, frame.pixels), kAllModes[m], rig.measure.threshold, frame.moments[m].view());
-        } else {
-          fine_moments(rig, frame.values, kAllModes[m], frame.moments[m]);
-        }
-        profilers[m].profile(frame.moments[m].view(), frame.profiles[m].view());
-      }
-    });
-    for (int i = 0; i < size; ++i) {
-      FrameResult& frame = batch[static_cast<std::size_t>(i)];
-      const int number = result.frames[static_cast<std::size_t>(begin + i)];
-      const double time = number / rig.camera.frame_rate_hz;
-      PacketHeader header;
-      header.kind = spec::kKindMoments;
-      header.sequence = static_cast<std::uint64_t>(number);
-      header.time_stamp = static_cast<std::uint64_t>(std::llround(time * rig.pixel_clock_hz()));
-      header.encoder = static_cast<std::uint32_t>(
-          std::llround(time * rig.conveyor.speed_mm_per_s / rig.conveyor.encoder_mm_per_count));
-      header.columns = static_cast<std::uint16_t>(rig.camera.columns);
-      header.rows = static_cast<std::uint16_t>(rig.camera.rows);
-      header.threshold = static_cast<std::uint8_t>(rig.measure.threshold);
-      for (std::size_t m = 0; m < kAllModes.size(); ++m) {
-        header.mode = static_cast<std::uint8_t>(kAllModes[m]);
-        result.by_mode[m].add(header, frame.moments[m].view(), frame.profiles[m].view());
-      }
-      if (begin + i == count / 2) {
-        result.camera.image = {rig.camera.rows, rig.camera.columns, frame.pixels};
-        result.camera.moments = frame.moments[0];
-        result.camera.frame = static_cast<std::size_t>(begin + i + 1);
-        result.line_peak = line_peak(result.camera.image);
-      }
-    }
-    progress(static_cast<std::size_t>(begin + size));
   }
   return result;
 }

@@ -8,6 +8,8 @@
 #include "host/images/float_image.h"
 #include "host/structured_light/foreground.h"
 #include "host/structured_light/triangulation.h"
+#include "sim/cosim/wave_dispersion.h"
+#include "sim/scene/scenes.h"
 
 namespace selfproj {
 
@@ -66,6 +68,41 @@ class RingMeans {
 // The radius of the foremost crest: from outside, the first local maximum that is at least `least` and at least four
 // fifths of the greatest. A parabola through it and its neighbours gives its place. NaN if there is none.
 double foremost_crest(const RingMeans& rings, const std::vector<double>& means, double least);
+
+// The places and times at which the ring wave of B2 is measured.
+
+// Limits of the water's rise, mm: any wave is at most kMostWave high, and a crest counts if it is at least kLeastWave
+// high.
+inline constexpr double kMostWave = 10;
+inline constexpr double kLeastWave = 0.5;
+
+// Times after the impact, s: at kWaveFrom the ring has left the splash, and until kWaveTo it does not reach a wall.
+inline constexpr double kWaveFrom = 0.08;
+inline constexpr double kWaveTo = 0.17;
+inline bool is_open_wave(double after_impact) { return after_impact >= kWaveFrom && after_impact <= kWaveTo; }
+
+// Returns the speed of the foremost crest in mm/s, from its distances (mm) at the times t (s). From time to time the
+// foremost crest jumps back, because a crest fades while the next one grows.
+inline double crest_speed(const std::vector<double>& t, const std::vector<double>& distance) {
+  constexpr double kShort = 0.004;
+  constexpr double kLong = 0.01;
+  return slope_between_jumps(t, distance, kShort, kLong);
+}
+
+// The walls of the pool.
+inline constexpr Basin pool_basin() {
+  return {PoolWave::kCentreX - PoolWave::kWidth / 2, PoolWave::kCentreX + PoolWave::kWidth / 2, -PoolWave::kLength / 2,
+          PoolWave::kLength / 2};
+}
+
+// Rings around the place of the impact (x, y), limited to the pool.
+inline RingMeans pool_rings(const Triangulation& triangulation, double x = PoolWave::kImpactX,
+                            double y = PoolWave::kImpactY) {
+  constexpr double kStep = 3;  // mm
+  constexpr std::size_t kRings = 40;
+  constexpr Basin kPool = pool_basin();
+  return {triangulation, {x, y, kPool.x0, kPool.x1, kPool.y0, kPool.y1}, kStep, kRings};
+}
 
 }  // namespace selfproj
 

@@ -6,7 +6,7 @@
 
 #include "Vboard.h"
 #include "host/files/user_error.h"
-#include "sim/board/match_engine.h"
+#include "sim/board/engines.h"
 #include "sim/platform/board_core.h"
 #include "sim/platform/rtl_core.h"
 

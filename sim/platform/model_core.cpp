@@ -14,7 +14,6 @@
 #include "model/packet.h"
 #include "model/pixel_clock.h"
 #include "sim/platform/board_core.h"
-#include "sim/platform/model_feed.h"
 
 namespace selfproj {
 namespace {

@@ -1,5 +1,6 @@
 #include "sim/platform/platform.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <exception>
 #include <memory>
@@ -10,12 +11,30 @@
 
 #include "host/files/user_error.h"
 #include "model/pixel_clock.h"
+#include "model/spec/generated/selfproj_spec.h"
 #include "sim/platform/modules.h"
 
 // SystemC's library has a main function that calls this one. The programs have their own main.
 int sc_main(int /*argc*/, char** /*argv*/) { return 0; }
 
 namespace selfproj {
+
+CameraTiming camera_timing(int rows, int columns, double frame_rate_hz, double pixel_clock_hz, std::uint64_t blank) {
+  if (rows < 1 || rows > spec::kMaxRows || columns < spec::kPixelsPerBeat || columns > spec::kMaxColumns ||
+      columns % spec::kPixelsPerBeat != 0) {
+    throw std::invalid_argument("camera_timing: the board takes no images of this size");
+  }
+  if (!(frame_rate_hz > 0 && frame_rate_hz <= pixel_clock_hz)) {
+    throw std::invalid_argument("camera_timing: impossible frame rate");
+  }
+  CameraTiming timing{.columns = columns, .rows = rows};
+  const auto lines = static_cast<std::uint64_t>(rows);
+  const std::uint64_t shortest_line = timing.beats_a_line() + blank;
+  timing.frame_clocks = std::max(static_cast<std::uint64_t>(pixel_clock_hz / frame_rate_hz), lines * shortest_line);
+  timing.line_clocks = timing.frame_clocks / lines;
+  return timing;
+}
+
 namespace {
 
 // SystemC elaborates a kernel only once, so every platform replaces the default kernel with a new one.

@@ -1,5 +1,3 @@
-#include "sim/scene/height_map.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -13,7 +11,9 @@
 #include "host/files/user_error.h"
 #include "host/images/float_image.h"
 #include "host/rig/rig.h"
+#include "sim/scene/projected_light.h"
 #include "sim/scene/scene.h"
+#include "sim/scene/scenes.h"
 
 namespace selfproj {
 namespace {
@@ -23,6 +23,31 @@ FloatImage without_nan(FloatImage image) {
       image.values.begin(), image.values.end(), [](float value) { return std::isnan(value); }, 0.0F);
   return image;
 }
+
+class HeightMap : public ConveyedScene {
+ public:
+  // The map must have pixels, and the scale must be positive. Throws UserError if heights are infinite or not below the
+  // camera and the projector.
+  HeightMap(const FloatImage& height_mm, double mm_per_pixel, const Rig& rig, const std::string& source);
+
+  [[nodiscard]] double part_height(double x, double y) const override;
+  [[nodiscard]] HeightRange part_range(const Box& box) const override;
+  [[nodiscard]] bool has_exact_levels() const override { return false; }  // they are interpolated
+
+ private:
+  // A place in the map in pixels; 0 is the centre of the first pixel.
+  [[nodiscard]] double row_of(double x) const { return (half_length_ - x) / scale_ - 0.5; }
+  [[nodiscard]] double column_of(double y) const { return (half_width_ + y) / scale_ - 0.5; }
+
+  // Linear between the centres of pixels, constant beyond the outermost ones.
+  [[nodiscard]] double at(double row, double column) const;
+
+  double scale_;
+  double half_length_;
+  double half_width_;
+  FloatImage heights_;  // without NaN
+  MinMaxPyramid ranges_;
+};
 
 }  // namespace
 

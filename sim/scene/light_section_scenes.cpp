@@ -1,5 +1,3 @@
-#include "sim/scene/light_section_scenes.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,9 +8,8 @@
 #include <vector>
 
 #include "host/rig/rig.h"
-#include "sim/scene/marks.h"
 #include "sim/scene/scene.h"
-#include "sim/scene/scene_info.h"
+#include "sim/scene/scenes.h"
 
 namespace selfproj {
 namespace {

@@ -3,10 +3,161 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <numbers>
+#include <span>
+#include <vector>
 
-#include "sim/scene/ray.h"
+#include "sim/scene/random.h"
+#include "sim/scene/scene.h"
 
 namespace selfproj {
+namespace {
+
+struct Segment {
+  double low, high;  // heights
+};
+
+// Segments still to be examined. They are halves of halves; 64 halvings suffice for any size and tolerance.
+class Segments {
+ public:
+  void push(Segment segment) { segments_[count_++] = segment; }
+  bool pop(Segment& segment) {
+    if (count_ == 0) {
+      return false;
+    }
+    segment = segments_[--count_];
+    return true;
+  }
+
+ private:
+  std::array<Segment, 64> segments_;
+  std::size_t count_ = 0;
+};
+
+HeightRange bounds(const Scene& scene, const HeightRay& ray, double t, Segment s) {
+  const double xa = ray.x + ray.dx * s.low;
+  const double xb = ray.x + ray.dx * s.high;
+  const double ya = ray.y + ray.dy * s.low;
+  const double yb = ray.y + ray.dy * s.high;
+  return scene.range({std::min(xa, xb), std::max(xa, xb), std::min(ya, yb), std::max(ya, yb)}, t, t);
+}
+
+double height_under(const Scene& scene, const HeightRay& ray, double t, double h) {
+  return scene.height(ray.x + ray.dx * h, ray.y + ray.dy * h, t);
+}
+
+// Whether the bounds shrank the segment too little for another try without halving it.
+bool shrinks_slowly(Segment before, Segment after) { return after.high - after.low > 0.5 * (before.high - before.low); }
+
+}  // namespace
+
+double first_hit(const Scene& scene, const HeightRay& ray, double t, double low, double high) {
+  Segments rest;
+  Segment s{low, high};
+  for (;;) {
+    const HeightRange range = bounds(scene, ray, t, s);
+    if (range.low >= s.high) {
+      return s.high;  // already below the surface where the segment begins
+    }
+    const Segment shrunk{std::max(s.low, range.low), std::min(s.high, range.high)};
+    const bool surely = range.low >= s.low;
+    bool nothing = shrunk.high < shrunk.low;
+    if (!nothing && shrunk.high - shrunk.low <= kHeightTolerance) {
+      const double middle = (shrunk.low + shrunk.high) / 2;
+      if (surely || height_under(scene, ray, t, shrunk.high) >= shrunk.low) {
+        return middle;
+      }
+      nothing = true;
+    }
+    if (nothing) {
+      if (!rest.pop(s)) {
+        return low;
+      }
+    } else if (shrinks_slowly(s, shrunk)) {
+      const double middle = (shrunk.low + shrunk.high) / 2;
+      rest.push({shrunk.low, middle});
+      s = {middle, shrunk.high};
+    } else {
+      s = shrunk;
+    }
+  }
+}
+
+bool is_blocked(const Scene& scene, const HeightRay& ray, double t, double low, double high) {
+  Segments rest;
+  Segment s{low, high};
+  do {
+    for (;;) {
+      const HeightRange range = bounds(scene, ray, t, s);
+      if (range.high <= s.low) {
+        break;
+      }
+      const Segment shrunk{s.low, std::min(s.high, range.high)};
+      if (range.low >= shrunk.high) {
+        return true;
+      }
+      if (shrunk.high - shrunk.low <= kHeightTolerance) {
+        if (height_under(scene, ray, t, shrunk.low) > shrunk.high) {
+          return true;
+        }
+        break;
+      }
+      if (shrinks_slowly(s, shrunk)) {
+        const double middle = (shrunk.low + shrunk.high) / 2;
+        rest.push({middle, shrunk.high});
+        s = {shrunk.low, middle};
+      } else {
+        s = shrunk;
+      }
+    }
+  } while (rest.pop(s));
+  return false;
+}
+
+double facets(double cosine, double roughness) {
+  const double cos_2 = cosine * cosine;
+  const double m_2 = roughness * roughness;
+  return cosine > 0 ? std::exp((cos_2 - 1) / (cos_2 * m_2)) / (std::numbers::pi * m_2 * cos_2 * cos_2) : 0;
+}
+
+double relative_radiance(const Gloss& gloss, double albedo, Point3 normal, Point3 to_light, Point3 to_camera) {
+  const double light = dot(normal, to_light);
+  const double view = dot(normal, to_camera);
+  if (!(light > 0 && view > 0)) {
+    return 0;
+  }
+  const Point3 sum = to_light + to_camera;
+  const Point3 half = 1 / std::sqrt(dot(sum, sum)) * sum;
+  const double facet = dot(normal, half);
+  const double incidence = dot(to_camera, half);
+  const double fresnel = gloss.reflectance + (1 - gloss.reflectance) * std::pow(1 - incidence, 5);
+  const double open = std::min({1.0, 2 * facet * view / incidence, 2 * facet * light / incidence});
+  return albedo * gloss.diffuse +
+         std::numbers::pi * facets(facet, gloss.roughness) * fresnel * open / (4 * light * view);
+}
+
+TextureField::TextureField(const Texture& texture, std::uint64_t seed)
+    : amplitude_(texture.contrast * std::sqrt(2.0 / kWaves)) {
+  EvenNumbers random(seed);
+  const double k = 2 * std::numbers::pi / texture.scale_mm;
+  const double first = random.next();
+  for (std::size_t i = 0; i < waves_.size(); ++i) {
+    const double direction = std::numbers::pi * (static_cast<double>(i) + first) / kWaves;
+    waves_.at(i) = {k * std::cos(direction), k * std::sin(direction), 2 * std::numbers::pi * random.next()};
+  }
+}
+
+double TextureField::at(double x, double y) const {
+  constexpr double kLeast = 0.05;
+  double sum = 0;
+  for (const Wave& wave : waves_) {
+    sum += std::cos(wave.along_x * x + wave.along_y * y + wave.phase);
+  }
+  return std::max(kLeast, 1 + amplitude_ * sum);
+}
+
 namespace {
 
 constexpr double kSlopeStep = 5e-3;  // mm to either side, for the slope of the surface
@@ -22,13 +173,13 @@ Box tangents_of(std::span<const Point3> sights) {
   return box;
 }
 
-LitSurface::LitSurface(const RealRig& real, const Scene& scene, bool falloff, const World& world)
+LitSurface::LitSurface(const PerturbedRig& actual, const Scene& scene, bool falloff, const World& world)
     : scene_(scene),
-      plane_z_(real.rig.plane_z_mm),
+      plane_z_(actual.rig.plane_z_mm),
       falloff_(falloff),
-      camera_(real.camera),
-      sights_(SightTable::of(real.camera, real.rig.camera)),
-      projector_(real.projector.centre()),
+      camera_(actual.camera),
+      sights_(SightTable::of(actual.camera, actual.rig.camera)),
+      projector_(actual.projector.centre()),
       steepest_(scene.smoothness({-kEverywhere, kEverywhere, -kEverywhere, kEverywhere}).slope),
       gloss_(world.gloss) {
   if (world.texture) {
@@ -207,6 +358,116 @@ double LitSurface::lit_share(const Hit& hit, double t, double highest) const {
   const Point3 up = normal(hit, t);
   const double share = incidence(hit.point, up);
   return share > 0 && !in_shadow(hit.point, up, t, highest) ? share : 0;
+}
+
+namespace {
+
+constexpr int kPatches = 64;  // along each side of the projector's image
+
+}  // namespace
+
+BounceLight::BounceLight(const PerturbedRig& actual, const Scene& scene, const LitSurface& surface,
+                         const Bounce& bounce)
+    : actual_(actual),
+      scene_(scene),
+      surface_(surface),
+      strength_(bounce.strength),
+      down_((actual.rig.camera.rows + kStep - 1) / kStep + 1),
+      across_((actual.rig.camera.columns + kStep - 1) / kStep + 1) {
+  if (scene.speed() == 0) {
+    receivers_ = receivers(0);
+  }
+}
+
+// Patches of the projector's image in which there is light, each at the middle of its light. The irradiance does not
+// depend on the distance, so a pixel's flux is its light times s² cos / (scales): its area at right angles to the
+// light.
+std::vector<BounceLight::Source> BounceLight::sources(const ProjectedLight& pattern, double t) const {
+  const RigProjector& size = actual_.rig.projector;
+  const Pinhole& projector = actual_.projector;
+  const Point3 centre = projector.centre();
+  const HeightRange all = surface_.all_heights(t, t);
+  const double per_pixel = 1 / std::abs(projector.intrinsics().row_scale * projector.intrinsics().column_scale);
+  std::vector<Source> result;
+  for (int i = 0; i < kPatches; ++i) {
+    for (int j = 0; j < kPatches; ++j) {
+      const auto light = pattern.in(i * size.lines / kPatches, (i + 1) * size.lines / kPatches - 1,
+                                    j * size.columns / kPatches, (j + 1) * size.columns / kPatches - 1);
+      if (!(light.sum > 0)) {
+        continue;
+      }
+      const Point3 along = projector.ray(light.middle);
+      if (!(along.z > 0)) {
+        continue;
+      }
+      const double zero = (actual_.rig.plane_z_mm - centre.z) / along.z;  // depth along the axis at height 0
+      const HeightRay ray{centre.x + along.x * zero, -along.x / along.z, centre.y + along.y * zero, -along.y / along.z};
+      const double h = first_hit(scene_, ray, t, all.low, std::min(all.high, actual_.rig.plane_z_mm - centre.z));
+      const double depth = zero - h / along.z;
+      const LitSurface::Hit hit{centre + depth * along, h, all.high - all.low <= kHeightTolerance};
+      const Point3 normal = surface_.normal(hit, t);
+      const double cosine = surface_.incidence(hit.point, normal);
+      if (!(cosine > 0)) {
+        continue;
+      }
+      const double across = depth * depth * per_pixel / std::sqrt(dot(along, along));  // of a pixel, across the light
+      const double albedo = surface_.albedo(hit.point, t);
+      result.push_back({hit.point, normal, albedo * light.sum * across, light.pixels * across / cosine});
+    }
+  }
+  return result;
+}
+
+std::vector<BounceLight::Receiver> BounceLight::receivers(double t) const {
+  const HeightRange all = surface_.all_heights(t, t);
+  const RigImaging& imaging = actual_.rig.imaging;
+  std::vector<Receiver> result;
+  for (int i = 0; i < down_; ++i) {
+    for (int j = 0; j < across_; ++j) {
+      const LitSurface::Hit hit = surface_.hit({i * kStep + 0.0, j * kStep + 0.0}, t, all);
+      result.push_back({hit.point, surface_.normal(hit, t),
+                        strength_ * (imaging.white - imaging.ambient) * surface_.albedo(hit.point, t)});
+    }
+  }
+  return result;
+}
+
+double BounceLight::received(const std::vector<Source>& sources, Point3 point, Point3 normal) {
+  double sum = 0;
+  for (const Source& source : sources) {
+    const Point3 way = source.point - point;
+    const double in = dot(way, normal);
+    const double out = -dot(way, source.normal);
+    if (in > 0 && out > 0) {
+      const double distance_2 = dot(way, way);
+      sum += source.flux * in * out / (distance_2 * (std::numbers::pi * distance_2 + source.area));
+    }
+  }
+  return sum;
+}
+
+double BounceLight::irradiance(const ProjectedLight& pattern, double t, Point3 point, Point3 normal) const {
+  return strength_ * received(sources(pattern, t), point, normal);
+}
+
+void BounceLight::add(const ProjectedLight& pattern, double t, std::span<float> pixels) const {
+  const std::vector<Source> lights = sources(pattern, t);
+  const std::vector<Receiver> moved = receivers_.empty() ? receivers(t) : std::vector<Receiver>();
+  const std::vector<Receiver>& seen = receivers_.empty() ? moved : receivers_;
+  std::vector<double> grey(seen.size());
+  std::transform(seen.begin(), seen.end(), grey.begin(),
+                 [&](const Receiver& to) { return to.grey * received(lights, to.point, to.normal); });
+  const int columns = actual_.rig.camera.columns;
+  for (int r = 0; r < actual_.rig.camera.rows; ++r) {
+    for (int c = 0; c < columns; ++c) {
+      const double* from = grey.data() + static_cast<std::ptrdiff_t>(r / kStep) * across_ + c / kStep;
+      const double down = static_cast<double>(r % kStep) / kStep;
+      const double across = static_cast<double>(c % kStep) / kStep;
+      pixels[static_cast<std::size_t>(r * columns + c)] +=
+          static_cast<float>((1 - down) * ((1 - across) * from[0] + across * from[1]) +
+                             down * ((1 - across) * from[across_] + across * from[across_ + 1]));
+    }
+  }
 }
 
 }  // namespace selfproj

@@ -1,5 +1,5 @@
-// The surface of a scene between camera and projector: what a pixel's ray meets, and how much of the projector's light
-// falls there.
+// The surface of a scene between camera and projector: what a ray meets, how much of the projector's light falls there,
+// and how much of it goes on to the camera and to other faces.
 #ifndef SELFPROJ_SIM_SCENE_LIT_SURFACE_H
 #define SELFPROJ_SIM_SCENE_LIT_SURFACE_H
 
@@ -8,14 +8,61 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <vector>
 
-#include "sim/scene/pinhole.h"
-#include "sim/scene/real_rig.h"
+#include "sim/scene/optics.h"
+#include "sim/scene/perturbed_rig.h"
+#include "sim/scene/projected_light.h"
 #include "sim/scene/scene.h"
-#include "sim/scene/sight_table.h"
 #include "sim/scene/world.h"
 
 namespace selfproj {
+
+// Where rays meet the surface of a scene is found from the bounds alone that it gives of its heights: exact for smooth
+// slopes and vertical faces, without stepping along the ray.
+
+// A straight line, given by its place at each height h above the plane: (x + dx h, y + dy h).
+struct HeightRay {
+  double x, dx;
+  double y, dy;
+};
+
+// The tolerance of heights, mm.
+constexpr double kHeightTolerance = 1e-4;
+
+// The greatest height in low..high, mm, at which the ray, coming from above, is at or below the surface at the time t;
+// `low` if there is none. Never below the surface's least height along the ray, if that is at least `low`.
+double first_hit(const Scene& scene, const HeightRay& ray, double t, double low, double high);
+
+// Whether the surface rises above the ray anywhere between the heights low and high.
+bool is_blocked(const Scene& scene, const HeightRay& ray, double t, double low, double high);
+
+// The share of the facets' area whose normal has this cosine to the surface's, per steradian (Beckmann):
+// D = exp(-tan² / m²) / (π m² cos⁴). The integral of D cos over the half space is 1.
+double facets(double cosine, double roughness);
+
+// The light towards the camera, relative to that of a white surface that scatters evenly, under the same irradiance:
+// albedo · diffuse + π D F G / (4 (n·l) (n·v)), with Schlick's F and the G of Cook and Torrance (1982). All directions
+// have length 1. 0 unless light and camera are above the surface.
+double relative_radiance(const Gloss& gloss, double albedo, Point3 normal, Point3 to_light, Point3 to_camera);
+
+// A sum of waves of one period in even directions: of mean 1, variance contrast², and with the autocorrelation
+// J0(2π r / scale) of an isotropic sum, but for the finite number of waves.
+class TextureField {
+ public:
+  TextureField(const Texture& texture, std::uint64_t seed);
+
+  // The factor of the albedo at a place of the surface, mm; at least 0.05.
+  [[nodiscard]] double at(double x, double y) const;
+
+ private:
+  struct Wave {
+    double along_x, along_y, phase;
+  };
+  static constexpr int kWaves = 12;
+  double amplitude_;
+  std::array<Wave, kWaves> waves_{};
+};
 
 // Bounds of x and y of these sights and of all sights between them. The sights of the corners of a rectangle of the
 // image (Pinhole::corner_sights) give the bounds of the rectangle.
@@ -31,7 +78,7 @@ class LitSurface {
 
   // The scene must live as long as this object. With `falloff` the light decreases with the square of the distance from
   // the projector, and is as stated on the plane at x = y = 0. Of the world only gloss and texture matter.
-  LitSurface(const RealRig& real, const Scene& scene, bool falloff, const World& world = {});
+  LitSurface(const PerturbedRig& actual, const Scene& scene, bool falloff, const World& world = {});
 
   // Bounds of all heights from t0 to t1.
   [[nodiscard]] HeightRange all_heights(double t0, double t1) const;
@@ -124,6 +171,51 @@ class LitSurface {
 
 // mm above a surface at which the test for its shadow begins.
 inline constexpr double kShadowLift = 1e-3;
+
+// One bounce of light: lit faces throw light onto others.
+
+// The light is taken patch by patch of the projector, and received every 4 pixels of the camera, linear in between. A
+// patch of area A and albedo ρ under irradiance E lights a point at the distance d with ρ E cos cos' A / (π d² + A).
+// Faces in the way do not block it, and bodies take no part.
+class BounceLight {
+ public:
+  // The scene must live as long as this; `surface` is what camera and projector see of it.
+  BounceLight(const PerturbedRig& actual, const Scene& scene, const LitSurface& surface, const Bounce& bounce);
+
+  // Adds the grey values of this light at the time t under a pattern.
+  void add(const ProjectedLight& pattern, double t, std::span<float> pixels) const;
+
+  // The irradiance that a point with this normal receives from other faces at the time t, in units of the projector's
+  // full light at normal incidence.
+  [[nodiscard]] double irradiance(const ProjectedLight& pattern, double t, Point3 point, Point3 normal) const;
+
+  // Pixels from one receiver to the next.
+  static constexpr int kStep = 4;
+
+ private:
+  struct Source {
+    Point3 point;
+    Point3 normal;
+    double flux;  // albedo times irradiance times area, mm²
+    double area;  // mm²
+  };
+  struct Receiver {
+    Point3 point;
+    Point3 normal;
+    double grey;  // grey values for an irradiance of 1
+  };
+
+  [[nodiscard]] std::vector<Source> sources(const ProjectedLight& pattern, double t) const;
+  [[nodiscard]] std::vector<Receiver> receivers(double t) const;
+  static double received(const std::vector<Source>& sources, Point3 point, Point3 normal);
+
+  PerturbedRig actual_;
+  const Scene& scene_;
+  const LitSurface& surface_;
+  double strength_;
+  int down_, across_;                // receivers
+  std::vector<Receiver> receivers_;  // of a scene that stands still
+};
 
 }  // namespace selfproj
 

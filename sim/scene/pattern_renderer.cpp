@@ -11,12 +11,11 @@
 #include <stdexcept>
 #include <vector>
 
-#include "sim/scene/block_fold.h"
-#include "sim/scene/block_grid.h"
-#include "sim/scene/body.h"
-#include "sim/scene/light_spot.h"
+#include "sim/scene/blocks.h"
 #include "sim/scene/lit_surface.h"
-#include "sim/scene/pinhole.h"
+#include "sim/scene/optics.h"
+#include "sim/scene/scene.h"
+#include "sim/scene/still_surface.h"
 
 namespace selfproj {
 namespace {
@@ -156,41 +155,31 @@ void swept_values(const Nodes& begin, const Nodes& end, int passes, const Projec
 
 }  // namespace
 
-PatternRenderer::PatternRenderer(const RealRig& real, const Scene& scene, RenderOptions options, int threads)
-    : rig_(real.rig),
-      scene_(scene),
-      options_(options),
-      still_(real, checked(scene), options, threads),
-      disturbed_(DisturbedCamera::of(real, scene, still_.surface(), options.world)),
-      fold_(rig_.camera, still_.grid(), lens_kernel(options.camera_blur ? rig_.imaging.camera_blur_px : 0)),
-      dark_(rig_.camera.pixels()) {
-  const BlockGrid& grid = still_.grid();
+PatternRenderer::PatternRenderer(const PerturbedRig& actual, const Scene& scene, const RenderOptions& options,
+                                 int threads)
+    : Renderer(actual, checked(scene), options),
+      still_(actual, scene, options, threads),
+      dark_(actual.rig.camera.pixels()) {
+  disturb(actual, scene, still_.surface());
   const ProjectedLight none(FloatImage(1, 1), 0);
-  const std::vector<IndexSpan> all(static_cast<std::size_t>(grid.down()), {0, grid.across() - 1});
-  fold_.fold(
-      fold_.pixels_of(all),
+  const std::vector<IndexSpan> all(static_cast<std::size_t>(grid().down()), {0, grid().across() - 1});
+  fold().fold(
+      fold().pixels_of(all),
       [&](int down, int across, BlockValues& values) {
-        still_.values(grid.block(down, across), none, Shade::dark, values);
+        still_.values(grid().block(down, across), none, Shade::dark, values);
       },
       dark_);
 }
 
-double PatternRenderer::time_of_shot(int frame) const {
-  const std::optional<Jitter>& jitter = options_.world.jitter;
-  return frame / rig_.camera.frame_rate_hz +
-         (jitter ? lateness(*jitter, static_cast<std::uint64_t>(rig_.imaging.seed), frame, 0) : 0);
-}
-
 BodyMotion PatternRenderer::motion_of(int frame) const {
-  return body_motion(rig_, scene_, still_, time_of_shot(frame), options_.motion_blur ? rig_.camera.exposure_s : 0);
+  return body_motion(rig(), scene(), still_, time_of_shot(frame), exposure());
 }
 
 // Grey values of a block in which bodies may be. Its nine nodes at three times show whether one smooth thing fills it,
-// all lit or all dark. Otherwise every sub-pixel is traced at its instants, which are dealt out as in Renderer.
+// all lit or all dark. Otherwise every sub-pixel is traced at its instants, which are dealt out as in LineRenderer.
 void PatternRenderer::moving_values(const BodyMotion& motion, int down, int across, const ProjectedLight& pattern,
                                     BlockValues& values) const {
-  const BlockGrid& grid = still_.grid();
-  const std::size_t index = grid.block(down, across);
+  const std::size_t index = grid().block(down, across);
   const StillSurface::Block& block = still_.block(index);
   const std::uint32_t seen = motion.seen[index];
   const std::uint32_t shaded = motion.shaded[index];
@@ -202,7 +191,7 @@ void PatternRenderer::moving_values(const BodyMotion& motion, int down, int acro
       const int d = 2 * down + n / 3;
       const int a = 2 * across + n % 3;
       Look& now = looks[end][static_cast<std::size_t>(n)];
-      now = look(still_, grid.node_pixel(d, a), still_.node(grid.node(d, a)), motion.ends[end], seen, shaded);
+      now = look(still_, grid().node_pixel(d, a), still_.node(grid().node(d, a)), motion.ends[end], seen, shaded);
       one = now.body == looks[0][0].body && now.dark == looks[0][0].dark;
     }
   }
@@ -216,7 +205,7 @@ void PatternRenderer::moving_values(const BodyMotion& motion, int down, int acro
   }
   for (int i = 0; i < kBlockSide; ++i) {
     for (int j = 0; j < kBlockSide; ++j) {
-      const PixelPoint pixel = grid.sample_pixel(down, across, i, j);
+      const PixelPoint pixel = grid().sample_pixel(down, across, i, j);
       const LightSpot still = still_.sample(block, i, j);
       float sum = 0;
       for (int pass = 0; pass < motion.passes; ++pass) {
@@ -231,21 +220,20 @@ void PatternRenderer::moving_values(const BodyMotion& motion, int down, int acro
 // The image without noise. Where no light falls on any block that contributes to a pixel, it is that of a dark pattern.
 void PatternRenderer::expose(int frame, const ProjectedLight& pattern, std::span<float> pixels) const {
   const BodyMotion motion = motion_of(frame);
-  const BlockGrid& grid = still_.grid();
-  std::vector<IndexSpan> lit(static_cast<std::size_t>(grid.down()));
-  for (int down = 0; down < grid.down(); ++down) {
-    for (int across = 0; across < grid.across(); ++across) {
-      const std::size_t index = grid.block(down, across);
+  std::vector<IndexSpan> lit(static_cast<std::size_t>(grid().down()));
+  for (int down = 0; down < grid().down(); ++down) {
+    for (int across = 0; across < grid().across(); ++across) {
+      const std::size_t index = grid().block(down, across);
       if (motion.touches(index) || !still_.is_dark(index, pattern)) {
         lit[static_cast<std::size_t>(down)].join({across, across});
       }
     }
   }
   std::copy(dark_.begin(), dark_.end(), pixels.begin());
-  fold_.fold(
-      fold_.pixels_of(lit),
+  fold().fold(
+      fold().pixels_of(lit),
       [&](int down, int across, BlockValues& values) {
-        const std::size_t index = grid.block(down, across);
+        const std::size_t index = grid().block(down, across);
         if (motion.touches(index)) {
           moving_values(motion, down, across, pattern, values);
         } else {
@@ -255,34 +243,12 @@ void PatternRenderer::expose(int frame, const ProjectedLight& pattern, std::span
       pixels);
 }
 
-void PatternRenderer::render(int frame, const ProjectedLight& pattern, std::span<float> pixels) const {
-  expose(frame, pattern, pixels);
-  if (disturbed_) {
-    disturbed_->add_light(
-        {frame, time_of_shot(frame), rig_.camera.exposure_s, pattern, [&](std::span<float> z) { depth(frame, z); }},
-        pixels);
-  }
-  add_noise(rig_.imaging, options_, frame, pixels);
-  if (disturbed_) {
-    disturbed_->add_faults(frame, pixels);
-  }
-  if (options_.quantization) {
-    quantize(pixels);
-  }
-}
-
-void PatternRenderer::render(int frame, const ProjectedLight& pattern, std::span<std::uint8_t> pixels) const {
-  std::vector<float> values(pixels.size());
-  render(frame, pattern, values);
-  quantize(values, pixels);
-}
-
 void PatternRenderer::lit_depth(int frame, std::span<float> z, float least_light) const {
   const BodyMotion motion = motion_of(frame);
-  for (int row = 0; row < rig_.camera.rows; ++row) {
-    for (int column = 0; column < rig_.camera.columns; ++column) {
-      const auto i = static_cast<std::size_t>(row * rig_.camera.columns + column);
-      const std::size_t block = still_.grid().block_of_pixel(row, column);
+  for (int row = 0; row < rig().camera.rows; ++row) {
+    for (int column = 0; column < rig().camera.columns; ++column) {
+      const auto i = static_cast<std::size_t>(row * rig().camera.columns + column);
+      const std::size_t block = grid().block_of_pixel(row, column);
       LightSpot spot = still_.centre(i);
       if (motion.touches(block)) {
         spot = look(still_, {row + 0.0, column + 0.0}, spot, motion.ends[1], motion.seen[block], motion.shaded[block])

@@ -3,12 +3,17 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <optional>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "host/images/float_image.h"
-#include "sim/scene/gaussian_kernel.h"
+#include "sim/scene/optics.h"
 
 namespace selfproj {
 namespace {
@@ -205,6 +210,92 @@ double ProjectedLight::line_centre(double column) const {
   const std::size_t c1 = std::min(c0 + 1, centres_.size() - 1);
   const double f = column - static_cast<double>(c0);
   return f == 0 ? centres_[c0] : (1 - f) * centres_[c0] + f * centres_[c1];
+}
+
+float light_through(const ProjectorGamma& gamma, float wanted) {
+  constexpr double kFull = 255;
+  const double level = std::round(kFull * std::pow(static_cast<double>(wanted), 1 / gamma.compensated)) / kFull;
+  return static_cast<float>(std::pow(level, gamma.gamma));
+}
+
+FloatImage light_through(const ProjectorGamma& gamma, const FloatImage& wanted) {
+  FloatImage light = wanted;
+  std::transform(light.values.begin(), light.values.end(), light.values.begin(),
+                 [&](float value) { return light_through(gamma, value); });
+  return light;
+}
+
+ProjectedLight throw_light(const Rig& rig, const FloatImage& pattern, const RenderOptions& options) {
+  std::optional<ProjectorFocus> focus;
+  if (options.world.projector_defocus) {
+    const Defocus& defocus = *options.world.projector_defocus;
+    const RigProjector& size = rig.projector;
+    const Pinhole projector = Pinhole::of_projector(size);
+    const double sharp = projector.depth({0, 0, rig.plane_z_mm - defocus.focus_above_plane_mm});
+    constexpr double kReach = 150;  // mm above the plane: as high as parts are
+    const double pitch = std::sqrt(std::abs(size.line_pitch_mm * size.column_pitch_mm));
+    focus.emplace(ProjectorFocus{
+        {size.focal_length_mm, defocus.f_number, pitch, sharp}, projector, rig.plane_z_mm - kReach, rig.plane_z_mm});
+  }
+  const double blur = options.projector_blur ? rig.imaging.projector_blur_px : 0;
+  return options.world.gamma ? ProjectedLight(light_through(*options.world.gamma, pattern), blur, focus)
+                             : ProjectedLight(pattern, blur, focus);
+}
+
+void check_pattern(const FloatImage& pattern, const RigProjector& projector, const std::string& source) {
+  if (pattern.rows != projector.lines || pattern.columns != projector.columns) {
+    throw UserError(source, fmt::format("has {} lines of {} columns; the rig's projector has {} of {}", pattern.rows,
+                                        pattern.columns, projector.lines, projector.columns));
+  }
+  const auto wrong = std::find_if_not(pattern.values.begin(), pattern.values.end(),
+                                      [](float value) { return value >= 0 && value <= 1; });
+  if (wrong != pattern.values.end()) {
+    throw UserError(source, fmt::format("has a value of {}; light is 0 to 1", *wrong));
+  }
+}
+
+ProjectedLight project_image(const Rig& rig, const Image& image, const RenderOptions& options,
+                             const std::string& source) {
+  constexpr float kFull = 255;
+  FloatImage light(image.rows, image.columns);
+  std::transform(image.pixels.begin(), image.pixels.end(), light.values.begin(),
+                 [](std::uint8_t value) { return static_cast<float>(value) / kFull; });
+  check_pattern(light, rig.projector, source);
+  return throw_light(rig, light, options);
+}
+
+PatternSet::PatternSet(const Rig& rig, std::span<const Image> images, const RenderOptions& options) {
+  if (images.empty()) {
+    throw std::invalid_argument("a set of no patterns");
+  }
+  light_.reserve(images.size());
+  for (const Image& image : images) {
+    light_.push_back(project_image(rig, image, options));
+  }
+}
+
+// g_2i = floor(2^i Y/H + 1/2) mod 2, in integers.
+std::vector<Image> gray_patterns(const RigProjector& projector, int bits) {
+  constexpr int kMostBits = 12;
+  if (bits < 1 || bits > kMostBits) {
+    throw std::invalid_argument("Gray patterns of other than 1..12 bits");
+  }
+  constexpr std::uint8_t kFull = 255;
+  const std::int64_t lines = projector.lines;
+  std::vector<Image> patterns;
+  for (int i = 0; i < bits; ++i) {
+    for (const bool positive : {true, false}) {
+      Image image{projector.lines, projector.columns, {}};
+      image.pixels.reserve(static_cast<std::size_t>(lines) * static_cast<std::size_t>(projector.columns));
+      for (std::int64_t line = 0; line < lines; ++line) {
+        const bool lit = ((2 * (line << i) + lines) / (2 * lines)) % 2 == 1;
+        image.pixels.insert(image.pixels.end(), static_cast<std::size_t>(projector.columns),
+                            lit == positive ? kFull : std::uint8_t{0});
+      }
+      patterns.push_back(std::move(image));
+    }
+  }
+  return patterns;
 }
 
 }  // namespace selfproj

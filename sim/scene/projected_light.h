@@ -2,16 +2,82 @@
 #ifndef SELFPROJ_SIM_SCENE_PROJECTED_LIGHT_H
 #define SELFPROJ_SIM_SCENE_PROJECTED_LIGHT_H
 
+#include <algorithm>
 #include <cstddef>
 #include <optional>
+#include <span>
+#include <string>
 #include <vector>
 
 #include "host/images/float_image.h"
-#include "sim/scene/defocus.h"
-#include "sim/scene/min_max_pyramid.h"
-#include "sim/scene/pinhole.h"
+#include "host/images/image_files.h"
+#include "host/rig/rig.h"
+#include "sim/scene/optics.h"
+#include "sim/scene/world.h"
 
 namespace selfproj {
+
+// Finds the least and the greatest value of any rectangle of an image quickly.
+class MinMaxPyramid {
+ public:
+  struct Range {
+    float low, high;
+  };
+
+  MinMaxPyramid() = default;
+
+  // The image must have pixels, and none may be NaN.
+  explicit MinMaxPyramid(const FloatImage& image) {
+    levels_.push_back({image, image});
+    while (levels_.back().low.rows > 1 || levels_.back().low.columns > 1) {
+      levels_.push_back(halved(levels_.back()));
+    }
+  }
+
+  // Bounds of rows r0..r1 and columns c0..c1, both included and inside the image. They are sharp if the rectangle has
+  // at most 4 pixels along each side. Otherwise they may include neighbours up to its own size away.
+  [[nodiscard]] Range range(int r0, int r1, int c0, int c1) const {
+    constexpr int kMost = 3;
+    unsigned level = 0;
+    while (std::max((r1 - r0) >> level, (c1 - c0) >> level) > kMost) {
+      ++level;
+    }
+    const Level& l = levels_[level];
+    Range result{l.low.row(r0 >> level)[c0 >> level], l.high.row(r0 >> level)[c0 >> level]};
+    for (int r = r0 >> level; r <= r1 >> level; ++r) {
+      const float* low = l.low.row(r);
+      const float* high = l.high.row(r);
+      for (int c = c0 >> level; c <= c1 >> level; ++c) {
+        result = {std::min(result.low, low[c]), std::max(result.high, high[c])};
+      }
+    }
+    return result;
+  }
+
+ private:
+  struct Level {
+    FloatImage low, high;
+  };
+
+  static Level halved(const Level& from) {
+    const int rows = (from.low.rows + 1) / 2;
+    const int columns = (from.low.columns + 1) / 2;
+    Level to{FloatImage(rows, columns), FloatImage(rows, columns)};
+    for (int r = 0; r < rows; ++r) {
+      const int below = std::min(2 * r + 1, from.low.rows - 1);
+      for (int c = 0; c < columns; ++c) {
+        const int right = std::min(2 * c + 1, from.low.columns - 1);
+        to.low.row(r)[c] = std::min({from.low.row(2 * r)[2 * c], from.low.row(2 * r)[right], from.low.row(below)[2 * c],
+                                     from.low.row(below)[right]});
+        to.high.row(r)[c] = std::max({from.high.row(2 * r)[2 * c], from.high.row(2 * r)[right],
+                                      from.high.row(below)[2 * c], from.high.row(below)[right]});
+      }
+    }
+    return to;
+  }
+
+  std::vector<Level> levels_;
+};
 
 // A projector's lens that is sharp at one distance. It maps z of the world to the blur at a place of the pattern.
 struct ProjectorFocus {
@@ -95,6 +161,45 @@ class ProjectedLight {
   double variance_step_ = 0;           // from one of the wider ones to the next
   std::vector<ProjectedLight> wider_;  // with more and more blur
 };
+
+// The light 0..1 that comes out where `wanted` 0..1 was meant: round(255 wanted^(1/compensated))/255 to the power of
+// gamma.
+float light_through(const ProjectorGamma& gamma, float wanted);
+
+// The same for a pattern.
+FloatImage light_through(const ProjectorGamma& gamma, const FloatImage& wanted);
+
+// Returns the light that the rig's projector makes of a pattern of light 0..1, with its gamma, blur and defocus.
+ProjectedLight throw_light(const Rig& rig, const FloatImage& pattern, const RenderOptions& options);
+
+// Throws UserError about `source` if the pattern does not have the projector's size, or has a value outside 0..1.
+void check_pattern(const FloatImage& pattern, const RigProjector& projector, const std::string& source = "pattern");
+
+// An image as the rig's projector throws it: its lines x columns, 8 bits, 255 for full light. Only the projector's
+// blur, gamma and focus matter among the options. Throws UserError about `source` if the image has another size.
+ProjectedLight project_image(const Rig& rig, const Image& image, const RenderOptions& options = {},
+                             const std::string& source = "pattern");
+
+// Patterns shown one after another, one for each frame, in a cycle.
+class PatternSet {
+ public:
+  // Needs at least one image, else throws std::invalid_argument; also throws as project_image does.
+  PatternSet(const Rig& rig, std::span<const Image> images, const RenderOptions& options = {});
+
+  [[nodiscard]] int size() const { return static_cast<int>(light_.size()); }
+  [[nodiscard]] const ProjectedLight& operator[](int pattern) const {
+    return light_[static_cast<std::size_t>(pattern)];
+  }
+  // Frame k shows pattern k mod size().
+  [[nodiscard]] const ProjectedLight& of_frame(int frame) const { return (*this)[frame % size()]; }
+
+ private:
+  std::vector<ProjectedLight> light_;
+};
+
+// The 2 bits patterns of (4.1) along the projector's lines, with values 0 and 255, lines x columns: positive and
+// negative of plane 0 (the most significant), then of plane 1, and so on. `bits` is 1..12.
+std::vector<Image> gray_patterns(const RigProjector& projector, int bits);
 
 }  // namespace selfproj
 

@@ -13,9 +13,14 @@
 #include <string>
 #include <vector>
 
+#include "host/images/image_files.h"
+#include "host/light_section/scan.h"
+#include "host/structured_light/gray_sequence.h"
+#include "host/structured_light/self_reference.h"
+#include "sim/scene/optics.h"
 #include "sim/scene/parallel.h"
-#include "sim/scene/pattern_set.h"
-#include "sim/scene/pinhole.h"
+#include "sim/scene/pattern_renderer.h"
+#include "sim/scene/projected_light.h"
 
 namespace selfproj {
 namespace {
@@ -27,7 +32,7 @@ Json json_of(Point3 p) { return {p.x, p.y, p.z}; }
 // The truth about the rig, from the renderer's matrices: pixels of the optical axes, scales from tangents to pixels,
 // the lenses' coefficients (x along columns, y along rows), places and axes in the world. Pixels are (row, column);
 // rows and lines are along x, so that the scale of a projector whose lines count against x is negative.
-Json truth_of(const RealRig& real) {
+Json truth_of(const PerturbedRig& actual) {
   const auto pinhole = [](const Pinhole& p) {
     const Pinhole::Intrinsics& k = p.intrinsics();
     const BrownLens::Coefficients& c = p.lens().coefficients();
@@ -42,14 +47,14 @@ Json truth_of(const RealRig& real) {
                 {"along_columns", json_of(p.axes()[1])},
                 {"axis", json_of(p.axis())}};
   };
-  return {{"camera", pinhole(real.camera)}, {"projector", pinhole(real.projector)}};
+  return {{"camera", pinhole(actual.camera)}, {"projector", pinhole(actual.projector)}};
 }
 
 // Renders frames first, first + 1, ... under the patterns into files whose names begin with `prefix`.
-void capture(const RealRig& real, const Scene& scene, const std::vector<ProjectedLight>& patterns, int first,
+void capture(const PerturbedRig& actual, const Scene& scene, const std::vector<ProjectedLight>& patterns, int first,
              const std::string& prefix, const CaptureSettings& settings, OutputFolder& out) {
-  const Rig& rig = real.rig;
-  const PatternRenderer renderer(real, scene, settings.render, settings.threads);
+  const Rig& rig = actual.rig;
+  const PatternRenderer renderer(actual, scene, settings.render, settings.threads);
   std::mutex mutex;
   const auto count = static_cast<int>(patterns.size());
   const int digits = count > 100 ? 3 : 2;
@@ -93,25 +98,73 @@ void take_images(const PatternRenderer& renderer, const PatternShots& shots,
   }
 }
 
-void capture_scene(const RealRig& real, const Scene& scene, const std::vector<ProjectedLight>& patterns,
+void capture_scene(const PerturbedRig& actual, const Scene& scene, const std::vector<ProjectedLight>& patterns,
                    const CaptureSettings& settings, OutputFolder& out) {
-  capture(real, scene, patterns, 0, "", settings, out);
+  capture(actual, scene, patterns, 0, "", settings, out);
 }
 
-void capture_chessboard(const RealRig& real, const ChessboardShape& shape, const ChessboardFlaws& flaws,
+void capture_chessboard(const PerturbedRig& actual, const ChessboardShape& shape, const ChessboardFlaws& flaws,
                         const std::vector<ChessboardPlace>& places, const std::vector<ProjectedLight>& patterns,
                         const CaptureSettings& settings, OutputFolder& out) {
-  Json truth = truth_of(real);
+  Json truth = truth_of(actual);
   truth["chessboard"] = {
       {"across_scale", flaws.across_scale}, {"down_scale", flaws.down_scale}, {"bend_mm", flaws.bend_mm}};
   for (std::size_t k = 0; k < places.size(); ++k) {
     const ChessboardPlace& place = places[k];
     truth["poses"].push_back(
         {{"middle_mm", json_of(place.middle)}, {"right", json_of(place.right)}, {"below", json_of(place.below)}});
-    capture(real, ChessboardScene(real.rig, shape, place, flaws), patterns, static_cast<int>(k * patterns.size()),
+    capture(actual, ChessboardScene(actual.rig, shape, place, flaws), patterns, static_cast<int>(k * patterns.size()),
             fmt::format("pose_{:02}/", k + 1), settings, out);
   }
   out.append("truth.json", truth.dump(2) + "\n");
+}
+
+int scan_images(const Rig& rig, ScanMethod method) {
+  return method == ScanMethod::gray_codes ? GrayPointScan(rig).count() : LinePointScan(rig).count();
+}
+
+ProjectorPoints scan_points(const Rig& rig, const Scene& scene, const RenderOptions& options, ScanMethod method,
+                            const std::function<void()>& done) {
+  Rig scanned = rig;
+  scanned.imaging.seed += 1;
+  const PatternRenderer renderer(scanned, scene, options);
+  const auto points_of = [&](auto& scan, const std::function<Image(int)>& pattern) {
+    take_images(renderer, {.count = scan.count(), .pattern = pattern}, [&](int /*i*/, const ImageView& image) {
+      scan.add(image);
+      done();
+    });
+    return scan.points();
+  };
+  if (method == ScanMethod::gray_codes) {
+    GrayPointScan scan(rig);
+    const GraySequence sequence(rig.projector.columns, rig.projector.lines);
+    return points_of(scan, [&](int i) { return Image{sequence.rows(), sequence.columns(), sequence.image(i)}; });
+  }
+  LinePointScan scan(rig);
+  return points_of(scan, [&](int i) { return pattern_image(scan_pattern(rig, i)); });
+}
+
+std::vector<std::vector<double>> scan_centroids(const Rig& rig, const PerturbedRig& actual, const Scene& scene,
+                                                const FloatImage& pattern, const RenderOptions& options,
+                                                std::span<const Mode> modes) {
+  constexpr int kFrames = 16;
+  PerturbedRig scanned = actual;
+  scanned.rig.imaging.seed += 1;
+  const LineRenderer renderer(scanned, scene, pattern, options);
+  const int first = std::max(0, scene.frames() / 2 - kFrames / 2);
+  std::vector<std::vector<std::uint8_t>> images(kFrames, std::vector<std::uint8_t>(rig.camera.pixels()));
+  parallel_for(kFrames, 0, [&](int i) { renderer.render(first + i, std::span(images[static_cast<std::size_t>(i)])); });
+  std::vector<std::vector<double>> result;
+  for (const Mode mode : modes) {
+    Rig measured = rig;
+    measured.measure.mode = mode;
+    CentroidMean mean(measured);
+    for (const auto& image : images) {
+      mean.add({image.data(), rig.camera.rows, rig.camera.columns, rig.camera.columns});
+    }
+    result.push_back(mean.centroids());
+  }
+  return result;
 }
 
 }  // namespace selfproj

@@ -1,21 +1,24 @@
-// Images that the simulated camera takes of a scene that stands still, under whole patterns of the projector. They are
-// passed on one after another, or written into a folder as a real camera would leave them.
+// Images that the simulated camera takes of a scene that stands still, under whole patterns of the projector: passed on
+// one after another, written into a folder as a real camera would leave them, or decoded as a scan of a reference.
 #ifndef SELFPROJ_SIM_SCENE_VIRTUAL_CAPTURE_H
 #define SELFPROJ_SIM_SCENE_VIRTUAL_CAPTURE_H
 
 #include <functional>
+#include <span>
 #include <vector>
 
 #include "host/files/output_folder.h"
 #include "host/images/float_image.h"
 #include "host/images/image_files.h"
 #include "host/rig/rig.h"
-#include "sim/scene/chessboard.h"
+#include "host/structured_light/point_scan.h"
+#include "model/column_moments.h"
 #include "sim/scene/pattern_renderer.h"
+#include "sim/scene/perturbed_rig.h"
 #include "sim/scene/projected_light.h"
-#include "sim/scene/real_rig.h"
 #include "sim/scene/renderer.h"
 #include "sim/scene/scene.h"
+#include "sim/scene/targets.h"
 
 namespace selfproj {
 
@@ -42,14 +45,35 @@ struct CaptureSettings {
 
 // The images of a scene under each pattern, frames 0, 1, ..., in files image_00.png and so on, with three digits for
 // more than 100 patterns. Throws as PatternRenderer does.
-void capture_scene(const RealRig& real, const Scene& scene, const std::vector<ProjectedLight>& patterns,
+void capture_scene(const PerturbedRig& actual, const Scene& scene, const std::vector<ProjectedLight>& patterns,
                    const CaptureSettings& settings, OutputFolder& out);
 
 // The same for a chessboard at each of the places: pose_01/image_00.png and so on, and truth.json with the renderer's
 // pinholes of camera and projector (pixels and mm) and the places.
-void capture_chessboard(const RealRig& real, const ChessboardShape& shape, const ChessboardFlaws& flaws,
+void capture_chessboard(const PerturbedRig& actual, const ChessboardShape& shape, const ChessboardFlaws& flaws,
                         const std::vector<ChessboardPlace>& places, const std::vector<ProjectedLight>& patterns,
                         const CaptureSettings& settings, OutputFolder& out);
+
+// How a reference is scanned for structured light before the measurement. The noise of scans has seed + 1, so that it
+// differs from the measurement's.
+enum class ScanMethod {
+  lines,       // a bright line at each of the projector's lines, then at each of its columns
+  gray_codes,  // Gray codes along both axes, those of `selfproj pattern gray`
+};
+
+// The number of images in such a scan.
+int scan_images(const Rig& rig, ScanMethod method);
+
+// The projector point that each camera pixel sees on the scene. `done` is called after each image.
+ProjectorPoints scan_points(const Rig& rig, const Scene& scene, const RenderOptions& options, ScanMethod method,
+                            const std::function<void()>& done);
+
+// Centroids C of the light section in each of the modes, rows from 1, one for each column: means over 16 frames in the
+// middle of the scene's way, NaN if a column is not lit as the rig asks. `actual` is the rig that takes the images, and
+// `rig` the one believed to take them; their images have one size.
+std::vector<std::vector<double>> scan_centroids(const Rig& rig, const PerturbedRig& actual, const Scene& scene,
+                                                const FloatImage& pattern, const RenderOptions& options,
+                                                std::span<const Mode> modes);
 
 }  // namespace selfproj
 

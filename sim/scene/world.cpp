@@ -21,8 +21,8 @@ namespace selfproj {
 namespace {
 
 constexpr ValueRange kShare{.low = 0, .high = 1};
-constexpr double kMostGrey = 255;
-constexpr std::size_t kMostBytes = 1 << 20;
+constexpr double kMaxGrey = 255;
+constexpr std::size_t kMaxBytes = 1 << 20;
 
 Gloss read_gloss(FieldReader& from, const char* section) {
   Gloss gloss;
@@ -67,20 +67,20 @@ void read_camera(FieldReader& from, World& world) {
   from.begin("defect_pixels");
   from.number("hot", world.defect_pixels.emplace().hot, 1, {.low = 0, .high = 0.5});
   from.number("dead", world.defect_pixels->dead, 1, {.low = 0, .high = 0.5});
-  from.number("least_hot_grey", world.defect_pixels->least_hot_grey, 1, {.low = 0, .high = kMostGrey});
+  from.number("min_hot_grey", world.defect_pixels->min_hot_grey, 1, {.low = 0, .high = kMaxGrey});
   from.end();
   from.begin("row_noise");
-  from.number("grey", world.row_noise.emplace().grey, 1, {.low = 0, .high = kMostGrey});
+  from.number("grey", world.row_noise.emplace().grey, 1, {.low = 0, .high = kMaxGrey});
   from.end();
   from.begin("saturation");
   from.number("exposure", world.saturation.emplace().exposure, 1, {.low = 0, .high = 1e3});
-  from.number("well_grey", world.saturation->well_grey, 1, {.low = 1, .high = kMostGrey});
+  from.number("well_grey", world.saturation->well_grey, 1, {.low = 1, .high = kMaxGrey});
   from.end();
 }
 
 void read_line(FieldReader& from, World& world) {
   from.begin("flicker");
-  from.number("grey", world.flicker.emplace().grey, 1, {.low = 0, .high = kMostGrey});
+  from.number("grey", world.flicker.emplace().grey, 1, {.low = 0, .high = kMaxGrey});
   from.number("modulation", world.flicker->modulation, 1, kShare);
   from.number("hz", world.flicker->hz, 1, kPositive);
   from.end();
@@ -97,8 +97,8 @@ void read_line(FieldReader& from, World& world) {
   SecondLine& line = world.second_line.emplace();
   from.begin("second_line");
   from.number("share", line.share, 1, kShare);
-  from.number("least_rows", line.least_rows, 1, {.low = 0, .high = 1e4});
-  from.number("most_rows", line.most_rows, 1, {.low = line.least_rows, .high = 1e4});
+  from.number("min_rows", line.min_rows, 1, {.low = 0, .high = 1e4});
+  from.number("max_rows", line.max_rows, 1, {.low = line.min_rows, .high = 1e4});
   from.number("period_mm", line.period_mm, 1, kPositive);
   from.end();
 }
@@ -129,10 +129,18 @@ bool World::disturbs_camera() const {
          vibration || second_line;
 }
 
+RenderOptions options_without(const std::vector<std::string>& names) {
+  RenderOptions options;
+  for (const auto& [name, flag] : kErrorSources) {
+    options.*flag = std::find(names.begin(), names.end(), name) == names.end();
+  }
+  return options;
+}
+
 WorldFile load_world(const std::string& name_or_file) {
   const bool built_in = name_or_file == kBuiltInWorld;
   const std::string source = built_in ? "world.yaml" : name_or_file;
-  FieldReader from(source, parse_yaml(built_in ? kWorldText : read_input(name_or_file, kMostBytes), source));
+  FieldReader from(source, parse_yaml(built_in ? kWorldText : read_input(name_or_file, kMaxBytes), source));
   WorldFile file;
   std::int64_t seed = 0;
   from.integer64("seed", seed);
@@ -167,12 +175,12 @@ const std::vector<WorldSwitch>& world_switches() {
       {"defect-pixels", "share of hot pixels", 0, 0.5,
        [](World& to, const World& from) { to.defect_pixels = from.defect_pixels; },
        [](World& of) -> double& { return of.defect_pixels->hot; }},
-      {"row-noise", "grey values", 0, kMostGrey, [](World& to, const World& from) { to.row_noise = from.row_noise; },
+      {"row-noise", "grey values", 0, kMaxGrey, [](World& to, const World& from) { to.row_noise = from.row_noise; },
        [](World& of) -> double& { return of.row_noise->grey; }},
       {"saturation", "factor of the exposure", 0, 1e3,
        [](World& to, const World& from) { to.saturation = from.saturation; },
        [](World& of) -> double& { return of.saturation->exposure; }},
-      {"flicker", "grey values", 0, kMostGrey, [](World& to, const World& from) { to.flicker = from.flicker; },
+      {"flicker", "grey values", 0, kMaxGrey, [](World& to, const World& from) { to.flicker = from.flicker; },
        [](World& of) -> double& { return of.flicker->grey; }},
       {"vibration", "mm of the belt", 0, 100, [](World& to, const World& from) { to.vibration = from.vibration; },
        [](World& of) -> double& { return of.vibration->belt_mm; }},
@@ -213,9 +221,9 @@ World world_of(const WorldFile& file, const std::vector<std::string>& disturbanc
     entry.on(world, file.world);
     if (strength) {
       const std::optional<double> value = number_of_text<double>(*strength);
-      if (!value || *value < entry.least || *value > entry.most) {
+      if (!value || *value < entry.min || *value > entry.max) {
         throw UserError("--disturb " + text,
-                        fmt::format("needs {}, a number from {} to {}", entry.strength, entry.least, entry.most));
+                        fmt::format("needs {}, a number from {} to {}", entry.strength, entry.min, entry.max));
       }
       entry.parameter(world) = *value;
     }

@@ -23,7 +23,7 @@
 #include "model/pixel_clock.h"
 #include "sim/board/board_device.h"
 #include "sim/board/clocks.h"
-#include "sim/board/packet_judge.h"
+#include "sim/board/packet_scoreboard.h"
 #include "sim/platform/platform.h"
 #include "tests/bench/collector.h"
 
@@ -106,20 +106,20 @@ std::uint64_t run_platform(PlatformEngine engine, const std::vector<std::uint8_t
   options.encoder_steps_per_s = kBeltStepsPerS;
   int left = kFrames;
   const ImageView view{.pixels = pixels.data(), .rows = kRows, .columns = kColumns, .stride = kColumns};
-  selfproj::PacketJudge judge;
+  selfproj::PacketScoreboard scoreboard;
   Platform platform(
       options, [&]() -> std::optional<ImageView> { return left-- > 0 ? std::optional(view) : std::nullopt; },
       [&](std::span<const std::uint8_t> bytes, std::uint64_t) {
         packet(bytes);
         if (compare) {
-          judge.judge(bytes);
+          scoreboard.compare(bytes);
         }
       },
-      compare ? selfproj::BoardModel::Sink([&](selfproj::BoardPacket&& made) { judge.expect(std::move(made)); })
+      compare ? selfproj::BoardModel::Sink([&](selfproj::BoardPacket&& made) { scoreboard.expect(std::move(made)); })
               : selfproj::BoardModel::Sink());
   platform.run();
-  if (judge.mismatches() != 0) {
-    throw std::runtime_error(judge.first_mismatch());
+  if (scoreboard.mismatches() != 0) {
+    throw std::runtime_error(scoreboard.first_mismatch());
   }
   return platform.report().clocks;
 }

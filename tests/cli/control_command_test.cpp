@@ -8,7 +8,7 @@
 
 #include "model/register_file.h"
 #include "sim/board/etherbone_board.h"
-#include "sim/board/played_registers.h"
+#include "sim/board/packet_recording.h"
 #include "tests/cli/program.h"
 #include "tests/support/board_registers.h"
 

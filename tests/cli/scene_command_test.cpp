@@ -23,7 +23,7 @@
 #include "sim/scene/pattern_renderer.h"
 #include "sim/scene/renderer.h"
 #include "sim/scene/scene.h"
-#include "sim/scene/scene_list.h"
+#include "sim/scene/scenes.h"
 #include "tests/cli/program.h"
 
 namespace selfproj::test {
@@ -93,7 +93,7 @@ TEST_F(SceneCommand, FramesAndTruthAreTheRenderers) {
   const Rig rig = load_rig("light-section");
   const FloatImage pattern = read_float_tiff((folder_ / "out" / "pattern.tiff").string());
   const std::unique_ptr<Scene> scene = make_scene("stairs-marked", rig);
-  const Renderer renderer(rig, *scene, pattern);
+  const LineRenderer renderer(rig, *scene, pattern);
   const FloatImage truth = read_float_tiff((folder_ / "truth.tiff").string());
   ASSERT_EQ(truth.rows, 3);
   std::vector<std::uint8_t> expected(96 * 512);

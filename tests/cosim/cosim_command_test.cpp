@@ -18,7 +18,7 @@
 #include "model/packet.h"
 #include "sim/scene/renderer.h"
 #include "sim/scene/scene.h"
-#include "sim/scene/scene_list.h"
+#include "sim/scene/scenes.h"
 #include "tests/cli/program.h"
 #include "tests/support/random_cases.h"
 
@@ -159,23 +159,34 @@ TEST_F(Cosim, PacketsAreTheStreamOfTheBoard) {
   EXPECT_TRUE(left.empty());
 }
 
-// The real rig differs from the assumed one: its projector is turned by 0.02 degrees. Measuring the reference part once
-// with its own pattern removes the error.
+// The perturbed rig differs from the assumed one: its projector is turned by 0.02 degrees. Measuring the reference part
+// once with its own pattern removes the error.
 TEST_F(Cosim, ResidualTakesOutAWrongRig) {
   std::string yaml = to_yaml(load_rig("light-section"));
   const std::size_t at = yaml.find("tilt_deg: 20");
   ASSERT_NE(at, std::string::npos);
   yaml.insert(at + std::string("tilt_deg: 20").size(), ".02");
-  write_text(folder_ / "real.yaml", yaml);
+  write_text(folder_ / "perturbed.yaml", yaml);
   std::vector<double> rms;
   for (const bool residual : {false, true}) {
-    std::vector<std::string> arguments{"--engine", "model", "--scene", "mountain", "--first",    "650",
-                                       "--count",  "8",     "--out",   "out",      "--real-rig", "real.yaml"};
+    std::vector<std::string> arguments{"--engine",
+                                       "model",
+                                       "--scene",
+                                       "mountain",
+                                       "--first",
+                                       "650",
+                                       "--count",
+                                       "8",
+                                       "--out",
+                                       "out",
+                                       residual ? "--real-rig" : "--perturbed-rig",
+                                       "perturbed.yaml"};
     if (residual) {
       arguments.emplace_back("--residual");
     }
     const Outcome outcome = run(arguments);
     ASSERT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_EQ(outcome.err.find("note: --real-rig is now --perturbed-rig") != std::string::npos, residual);
     double square = 0;
     std::size_t count = 0;
     for (const float value : read_float_tiff(folder_ / "out/difference.tiff").values) {
@@ -189,7 +200,7 @@ TEST_F(Cosim, ResidualTakesOutAWrongRig) {
   }
   EXPECT_GT(rms[0], 0.3);  // one row, 0.39 mm
   EXPECT_LT(rms[1], 0.01);
-  expect_refused({"--frames", "real.yaml", "--threshold", "9", "--residual"}, "--residual");
+  expect_refused({"--frames", "perturbed.yaml", "--threshold", "9", "--residual"}, "--residual");
 }
 
 // A pattern that the shell did not resolve, without a rig: moments, centroids and pictures.
@@ -254,7 +265,7 @@ TEST_F(Cosim, RecordedImagesWithARig) {
   const Rig rig = load_rig("light-section");
   const double far = rig.plane_z_mm;
   const auto plane = make_scene("plane", rig);
-  const Renderer renderer(rig, *plane, draw_pattern(rig, pattern_of_curve(rig, {{-far, far}, {far, far}})));
+  const LineRenderer renderer(rig, *plane, draw_pattern(rig, pattern_of_curve(rig, {{-far, far}, {far, far}})));
   cv::Mat image(rig.camera.rows, rig.camera.columns, CV_8UC1);
   renderer.render(0, {image.data, image.total()});
   ASSERT_TRUE(cv::imwrite(folder_ / "plane.png", image));
@@ -288,6 +299,8 @@ TEST_F(Cosim, WhatIsWrongIsSaidInOneLine) {
   expect_refused({"--frames", "a.png", "--channel", "red", "--threshold", "9"}, "a.png");
   expect_refused({"--frames", "a.png", "--rig", "light-section"}, "a.png");
   expect_refused({"--frames", "a.png", "--threshold", "9", "--without", "shot-noise"}, "--without");
+  expect_refused({"--scene", "plane", "--transpose"}, "--transpose: does not go with scene plane");
+  expect_refused({"--scene", "plane", "--bits", "4"}, "--bits: does not go with scene plane");
   expect_refused({"--rig", "scanner"}, "scanner");
   expect_refused({"--rig", "nothing.yaml"}, "nothing.yaml");
   expect_refused({"--count", "1401"}, "--count");

@@ -208,9 +208,9 @@ TEST_F(CosimScanner, WhatIsWrongOfSelfProjectedScenesIsSaidInOneLine) {
   refused({"--scene", "cuboids-marked", "--e", "16"}, "--e 16: is out of range; 4 bits allow 0 to 15");
   refused({"--scene", "cuboids-marked", "--engine", "model", "--bits", "9"},
           "--bits 9: self-projected codes have at most 8");
-  refused({"--scene", "cuboids-marked", "--no-median"}, "do not go with scenes of self-projected structured light");
+  refused({"--scene", "cuboids-marked", "--no-median"}, "--no-median: does not go with scene cuboids-marked");
   refused({"--scene", "cuboids-marked", "--count", "6"}, "--count 6: is too few; codes of 4 bits take 8 frames");
-  refused({"--scene", "fist", "--e", "3"}, "--e: goes only with scenes of self-projected structured light");
+  refused({"--scene", "fist", "--e", "3"}, "--e: does not go with scene fist");
 #ifdef SELFPROJ_HAS_RTL_PLATFORM
   refused({"--scene", "cuboids-marked", "--bits", "5"}, "--bits 5: the simulated matching block is built for 4 bits");
 #endif

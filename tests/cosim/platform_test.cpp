@@ -12,7 +12,7 @@
 
 #include "host/files/user_error.h"
 #include "model/packet.h"
-#include "sim/board/packet_judge.h"
+#include "sim/board/packet_scoreboard.h"
 #include "tests/rtl/board/frames.h"
 #include "tests/support/random_cases.h"
 
@@ -37,7 +37,7 @@ struct Arrival {
 // A run of the platform over frames in memory.
 struct Played {
   std::vector<Arrival> arrivals;
-  PacketJudge judge;
+  PacketScoreboard scoreboard;
   PlatformReport report;
   CameraTiming timing;
 
@@ -60,25 +60,25 @@ Played run(const PlatformOptions& options, const std::vector<TestImage>& frames)
       },
       [&](std::span<const std::uint8_t> bytes, std::uint64_t time_ps) {
         played.arrivals.push_back({{bytes.begin(), bytes.end()}, time_ps});
-        played.judge.judge(bytes);
+        played.scoreboard.compare(bytes);
       },
-      [&](BoardPacket&& packet) { played.judge.expect(std::move(packet)); });
+      [&](BoardPacket&& packet) { played.scoreboard.expect(std::move(packet)); });
   platform.run();
-  played.judge.finish();
+  played.scoreboard.finish();
   played.report = platform.report();
   played.timing = platform.timing();
   return played;
 }
 
 void expect_all_right(const Played& run) {
-  EXPECT_EQ(run.judge.mismatches(), 0U) << run.judge.first_mismatch();
-  EXPECT_EQ(run.judge.matched(), run.arrivals.size());
+  EXPECT_EQ(run.scoreboard.mismatches(), 0U) << run.scoreboard.first_mismatch();
+  EXPECT_EQ(run.scoreboard.matched(), run.arrivals.size());
   EXPECT_EQ(run.report.packets, run.arrivals.size());
   EXPECT_EQ(run.report.board.frames, run.report.frames);
   EXPECT_EQ(run.report.board.broken, 0U);
   EXPECT_EQ(run.report.board.stray, 0U);
-  EXPECT_EQ(run.report.board.lost_moments, run.judge.of(spec::kKindMoments).lost);
-  EXPECT_EQ(run.report.board.lost_image, run.judge.of(spec::kKindImage).lost);
+  EXPECT_EQ(run.report.board.lost_moments, run.scoreboard.of(spec::kKindMoments).lost);
+  EXPECT_EQ(run.report.board.lost_image, run.scoreboard.of(spec::kKindImage).lost);
 }
 
 std::vector<TestImage> random_images(Random& random, int count, int rows, int columns) {

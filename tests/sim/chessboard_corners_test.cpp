@@ -16,10 +16,10 @@
 #include "host/images/float_image.h"
 #include "host/images/image_files.h"
 #include "host/rig/rig.h"
-#include "sim/scene/chessboard.h"
 #include "sim/scene/pattern_renderer.h"
+#include "sim/scene/perturbed_rig.h"
 #include "sim/scene/projected_light.h"
-#include "sim/scene/real_rig.h"
+#include "sim/scene/targets.h"
 #include "tests/host/structured_light/pinhole.h"
 #include "tests/sim/on_board.h"
 

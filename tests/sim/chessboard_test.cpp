@@ -1,6 +1,4 @@
 // Tests the virtual chessboard: its plane, its squares and corners, and its places.
-#include "sim/scene/chessboard.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -13,9 +11,10 @@
 
 #include "host/files/user_error.h"
 #include "host/rig/rig.h"
-#include "sim/scene/pinhole.h"
-#include "sim/scene/real_rig.h"
+#include "sim/scene/optics.h"
+#include "sim/scene/perturbed_rig.h"
 #include "sim/scene/scene.h"
+#include "sim/scene/targets.h"
 #include "tests/host/structured_light/pinhole.h"
 #include "tests/sim/on_board.h"
 
@@ -123,17 +122,17 @@ TEST(BoardPlaces, CameraAndProjectorSeeAllOfItFromManySides) {
 
 // Height by height, moved by the belt alone, and beside its place by no more than its flaws.
 TEST(BoardPlaces, PlatesLieAtTheirHeights) {
-  const RealRig real(load_rig("light-section"));
+  const PerturbedRig actual(load_rig("light-section"));
   const ChessboardShape shape{21, 3, 2.2};
   const PlateVisits visits{{0, 20, 60}, {0, 6}};
   const PlateFlaws flaws{0.005, 0.01, 0.05};
-  const std::vector<ChessboardPlace> places = places_on_plates(real, shape, visits, flaws, 3);
+  const std::vector<ChessboardPlace> places = places_on_plates(actual, shape, visits, flaws, 3);
   ASSERT_EQ(places.size(), 6U);
   const double side = shape.square_mm * (shape.across - 1);
   double greatest = 0;
   for (std::size_t k = 0; k < places.size(); ++k) {
     const ChessboardPlace& place = places[k];
-    const double height = real.rig.plane_z_mm - place.middle.z;
+    const double height = actual.rig.plane_z_mm - place.middle.z;
     EXPECT_NEAR(height, visits.heights_mm[k / 2], flaws.height_mm);
     EXPECT_NEAR(place.middle.x, k % 2 == 0 ? -3 : 3, flaws.fence_mm + 0.01);
     EXPECT_NEAR(place.middle.y, 0, flaws.fence_mm + 0.01);
@@ -151,8 +150,8 @@ TEST(BoardPlaces, PlatesLieAtTheirHeights) {
     greatest = std::max(greatest, std::abs(height - visits.heights_mm[k / 2]));
   }
   EXPECT_GT(greatest, 1e-4);
-  EXPECT_THROW(places_on_plates(real, {61, 3, 2.2}, visits, flaws, 3), UserError);
-  EXPECT_THROW(places_on_plates(real, shape, {{0}, {0, 20}}, flaws, 3), UserError);
+  EXPECT_THROW(places_on_plates(actual, {61, 3, 2.2}, visits, flaws, 3), UserError);
+  EXPECT_THROW(places_on_plates(actual, shape, {{0}, {0, 20}}, flaws, 3), UserError);
 }
 
 TEST(BoardPlaces, NoRoomIsRefused) {

@@ -58,7 +58,7 @@ struct Frame {
   int rows, columns;
   std::vector<float> pixels;
 
-  Frame(const Rig& rig, const Renderer& renderer, int frame)
+  Frame(const Rig& rig, const LineRenderer& renderer, int frame)
       : rows(rig.camera.rows),
         columns(rig.camera.columns),
         pixels(static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns)) {

@@ -3,14 +3,22 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <limits>
 #include <numbers>
+#include <random>
+#include <stdexcept>
 #include <vector>
 
 #include "host/images/float_image.h"
 #include "host/rig/rig.h"
 #include "host/structured_light/triangulation.h"
+#include "sim/cosim/wave_dispersion.h"
+#include "tests/host/light_section/seen_surface.h"
 
 namespace selfproj {
 namespace {
@@ -75,6 +83,168 @@ TEST(RingMeans, ForemostCrestIsWhereItWasPut) {
     EXPECT_NEAR(foremost_crest(rings, means, 0.4), radius, 0.5);
     EXPECT_TRUE(std::isnan(foremost_crest(rings, means, 3)));
   }
+}
+
+// Measures depth and speeds of waves that this test computes by formulas of its own.
+
+constexpr Basin kBasin{-130, 120, -150, 160};
+constexpr double kLevel = 520;  // z of the water at rest, mm
+
+struct Turning {
+  int m, n;
+  double omega;  // rad/s
+  double mm, phase;
+};
+
+double wavenumber(int m, int n) {
+  return std::numbers::pi * std::hypot(m / (kBasin.x1 - kBasin.x0), n / (kBasin.y1 - kBasin.y0));
+}
+
+// Standing waves of random amplitudes and phases, with lengths from `shortest` to `longest` and frequencies by `omega`.
+std::vector<Turning> random_waves(double longest, double shortest, const std::function<double(double k)>& omega,
+                                  std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> share(0, 1);
+  std::vector<Turning> waves;
+  for (int m = 0; m < 12; ++m) {
+    for (int n = 0; n < 12; ++n) {
+      const double k = wavenumber(m, n);
+      const double length = 2 * std::numbers::pi / k;
+      if (m + n > 0 && length >= shortest && length <= longest) {
+        waves.push_back({m, n, omega(k), 0.05 + 0.2 * share(random), 2 * std::numbers::pi * share(random)});
+      }
+    }
+  }
+  return waves;
+}
+
+// The waves in 20 depth images of a coarse scanner within 0.3 s. `noise_mm` is the standard deviation of a depth.
+BasinWaves seen(const std::vector<Turning>& waves, double noise_mm, std::uint64_t seed) {
+  const Rig rig = test::coarse_scanner(4);
+  const PlaneTriangulation triangulation(rig, 8);
+  const FloatImage background(rig.camera.rows, rig.camera.columns, static_cast<float>(kLevel));
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> noise(0, noise_mm);
+  BasinWaves measured(kBasin, 60, 1);
+  std::vector<std::vector<double>> shapes(waves.size());
+  for (std::size_t pixel = 0; pixel < background.values.size(); ++pixel) {
+    const Point3f p = triangulation.point(pixel, static_cast<float>(kLevel));
+    const double x = std::numbers::pi * (static_cast<double>(p.x) - kBasin.x0) / (kBasin.x1 - kBasin.x0);
+    const double y = std::numbers::pi * (static_cast<double>(p.y) - kBasin.y0) / (kBasin.y1 - kBasin.y0);
+    for (std::size_t w = 0; w < waves.size(); ++w) {
+      shapes[w].push_back(waves[w].mm * std::cos(waves[w].m * x) * std::cos(waves[w].n * y));
+    }
+  }
+  for (int i = 0; i < 20; ++i) {
+    const double t = 1.44 + 0.016 * i;
+    FloatImage depth = background;
+    std::vector<double> turns;
+    for (const Turning& wave : waves) {
+      turns.push_back(std::cos(wave.omega * t + wave.phase));
+    }
+    for (std::size_t pixel = 0; pixel < depth.values.size(); ++pixel) {
+      double rise = noise(random);
+      for (std::size_t w = 0; w < waves.size(); ++w) {
+        rise += shapes[w][pixel] * turns[w];
+      }
+      depth.values[pixel] = pixel % 101 == 0  ? std::numeric_limits<float>::quiet_NaN()
+                            : pixel % 97 == 0 ? static_cast<float>(kLevel) - 90  // a wrong code
+                                              : static_cast<float>(kLevel - rise);
+    }
+    measured.add(t, triangulation, depth, background, 10);
+  }
+  return measured;
+}
+
+double airy(double k, double depth) { return std::sqrt((9806.65 * k + 7.293e4 * k * k * k) * std::tanh(k * depth)); }
+
+TEST(WaveDispersion, DepthComesOut) {
+  for (const auto& [depth, seed] : {std::pair(12.0, 5U), {20.0, 6U}, {31.0, 7U}, {45.0, 8U}}) {
+    const double wanted = std::sqrt(9806.65 * depth);
+    const auto waves = random_waves(
+        700, 62, [depth = depth](double k) { return airy(k, depth); }, seed);
+    const LongWaves found = WaveDispersion(seen(waves, 0.5, seed + 100)).long_waves();
+    EXPECT_GT(found.waves, waves.size() / 2);
+    EXPECT_NEAR(found.speed, wanted, 0.02 * wanted) << depth;
+    EXPECT_LT(std::abs(found.speed - wanted), 4 * found.deviation + 0.002 * wanted) << depth;
+    EXPECT_NEAR(found.depth, depth, 0.04 * depth);
+    EXPECT_LT(found.misfit, 1.5) << depth;
+  }
+}
+
+// Weaker gravity, or a clock that runs too fast, slows down all waves alike. If the waves hardly depend on the depth,
+// this would look like another depth.
+TEST(WaveDispersion, GravityNeedNotBeTheStandard) {
+  for (const double factor : {0.995, 1.005}) {
+    const auto waves = random_waves(
+        140, 62, [factor](double k) { return std::sqrt(factor) * airy(k, 36); }, 14);
+    const LongWaves found = WaveDispersion(seen(waves, 0.1, 15)).long_waves();
+    EXPECT_NEAR(found.speed, std::sqrt(9806.65 * 36), 0.02 * found.speed) << factor;
+    EXPECT_LT(found.misfit, 1.5) << factor;
+  }
+}
+
+TEST(WaveDispersion, EachLengthHasItsSpeed) {
+  const auto waves = random_waves(
+      700, 62, [](double k) { return airy(k, 30); }, 11);
+  const WaveDispersion measured(seen(waves, 0.3, 12));
+  for (const auto& [longest, shortest] : {std::pair(240.0, 160.0), {160.0, 120.0}, {120.0, 95.0}, {75.0, 60.0}}) {
+    const WaveSpeed found = measured.speed(longest, shortest);
+    const double k = 2 * std::numbers::pi / found.length;
+    EXPECT_GE(found.waves, 3U);
+    EXPECT_GT(found.length, shortest);
+    EXPECT_LT(found.length, longest);
+    EXPECT_NEAR(found.speed, airy(k, 30) / k, 12) << longest;
+    EXPECT_LT(found.deviation, 20);
+  }
+  EXPECT_EQ(measured.speed(3000, 2000).waves, 0U);
+  EXPECT_TRUE(std::isnan(measured.speed(3000, 2000).speed));
+}
+
+// Waves of all these lengths do not run at one speed on water, and the misfit shows this.
+TEST(WaveDispersion, OtherWavesDoNotFit) {
+  const auto waves = random_waves(
+      700, 62, [](double k) { return 400 * k; }, 21);
+  const WaveDispersion measured(seen(waves, 0.3, 22));
+  for (const auto& [longest, shortest] : {std::pair(240.0, 160.0), {75.0, 60.0}}) {
+    const WaveSpeed found = measured.speed(longest, shortest);
+    EXPECT_NEAR(found.speed, 400, 3 * found.deviation + 1);
+    EXPECT_LT(found.deviation, 10);
+  }
+  EXPECT_GT(measured.long_waves().misfit, 5);
+}
+
+// The speed of short waves hardly depends on the depth. So the depth stays unknown, and the deviation shows this.
+TEST(WaveDispersion, ShortWavesAloneDoNotTellTheDepth) {
+  const auto waves = random_waves(
+      75, 62, [](double k) { return airy(k, 90); }, 31);
+  const LongWaves found = WaveDispersion(seen(waves, 0.5, 32)).long_waves();
+  EXPECT_GE(found.waves, 10U);
+  EXPECT_FALSE(found.deviation < 0.05 * found.speed);
+}
+
+TEST(WaveDispersion, NoiseIsNoWave) {
+  const BasinWaves measured = seen({}, 0.5, 41);
+  EXPECT_GT(measured.waves().size(), 50U);
+  const LongWaves found = WaveDispersion(measured).long_waves();
+  EXPECT_LT(found.waves, 10U);
+  EXPECT_TRUE(std::isnan(found.speed));
+}
+
+TEST(WaveDispersion, AmplitudesAreInMillimetres) {
+  const BasinWaves measured = seen({{0, 3, 0, 1.5, 0}, {2, 1, 0, -0.75, 0}}, 0, 51);
+  for (const StandingWave& wave : measured.waves()) {
+    const double wanted = wave.m == 0 && wave.n == 3 ? 1.5 : wave.m == 2 && wave.n == 1 ? -0.75 : 0;
+    EXPECT_NEAR(wave.k, wavenumber(wave.m, wave.n), 1e-12);
+    ASSERT_EQ(wave.amplitude.size(), measured.times().size());
+    EXPECT_NEAR(wave.amplitude[7], wanted, 0.06) << wave.m << ", " << wave.n;
+  }
+}
+
+TEST(WaveDispersion, BadBasins) {
+  EXPECT_THROW(BasinWaves({0, 0, 0, 1}, 60, 1), std::invalid_argument);
+  EXPECT_THROW(BasinWaves(kBasin, 0, 1), std::invalid_argument);
+  EXPECT_THROW(BasinWaves(kBasin, 60, 0), std::invalid_argument);
 }
 
 }  // namespace

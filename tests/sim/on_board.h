@@ -2,8 +2,8 @@
 #ifndef SELFPROJ_TESTS_SIM_ON_BOARD_H
 #define SELFPROJ_TESTS_SIM_ON_BOARD_H
 
-#include "sim/scene/chessboard.h"
-#include "sim/scene/pinhole.h"
+#include "sim/scene/optics.h"
+#include "sim/scene/targets.h"
 
 namespace selfproj::test {
 

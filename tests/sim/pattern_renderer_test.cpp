@@ -1,5 +1,5 @@
-// Compares images under whole patterns with those of Renderer, which traces every sub-pixel of every frame, and with
-// closed forms written out here.
+// Compares images under whole patterns with those of LineRenderer, which traces every sub-pixel of every frame, and
+// with closed forms written out here.
 
 #include "sim/scene/pattern_renderer.h"
 
@@ -17,10 +17,9 @@
 
 #include "host/files/user_error.h"
 #include "host/rig/rig.h"
-#include "sim/scene/body.h"
-#include "sim/scene/height_map.h"
 #include "sim/scene/renderer.h"
 #include "sim/scene/scene.h"
+#include "sim/scene/scenes.h"
 
 namespace selfproj {
 namespace {
@@ -153,7 +152,7 @@ TEST(PatternRenderer, StillSurfaceLooksAsWithRenderer) {
     options.falloff = falloff;
     const PatternRenderer renderer(rig, *scene, options);
     for (const std::size_t pattern : {0U, 3U, 8U, 9U}) {
-      const Renderer traced(rig, *scene, light_of(patterns[pattern]), options);
+      const LineRenderer traced(rig, *scene, light_of(patterns[pattern]), options);
       std::vector<float> want = blank(rig);
       std::vector<float> got = blank(rig);
       traced.render(0, std::span<float>(want));
@@ -182,7 +181,7 @@ TEST(PatternRenderer, MovingBlockLooksAsWithRenderer) {
     const std::vector<Image> patterns = gray_patterns(rig.projector, 5);
     const PatternRenderer renderer(rig, bodies, without_noise());
     for (const std::size_t pattern : {1U, 8U}) {
-      const Renderer traced(rig, surface, light_of(patterns[pattern]), without_noise());
+      const LineRenderer traced(rig, surface, light_of(patterns[pattern]), without_noise());
       const ProjectedLight light = project_image(rig, patterns[pattern]);
       for (const int frame : {0, 2}) {
         std::vector<float> want = blank(rig);
@@ -235,7 +234,7 @@ TEST(PatternRenderer, MovingDomeLooksAsWithRenderer) {
     const std::vector<Image> patterns = gray_patterns(rig.projector, 5);
     const PatternRenderer renderer(rig, bodies, without_noise());
     for (const std::size_t pattern : {1U, 8U}) {
-      const Renderer traced(rig, surface, light_of(patterns[pattern]), without_noise());
+      const LineRenderer traced(rig, surface, light_of(patterns[pattern]), without_noise());
       std::vector<float> want = blank(rig);
       std::vector<float> got = blank(rig);
       traced.render(1, std::span<float>(want));

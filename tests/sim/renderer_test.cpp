@@ -1,5 +1,4 @@
 // Compares rendered images with optics.
-
 #include "sim/scene/renderer.h"
 
 #include <gtest/gtest.h>
@@ -7,15 +6,24 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <memory>
+#include <numeric>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "host/files/user_error.h"
+#include "host/images/image_files.h"
 #include "host/light_section/pattern.h"
 #include "host/rig/rig.h"
+#include "sim/scene/optics.h"
+#include "sim/scene/parallel.h"
+#include "sim/scene/pattern_renderer.h"
+#include "sim/scene/perturbed_rig.h"
+#include "sim/scene/projected_light.h"
 #include "sim/scene/scene.h"
-#include "sim/scene/scene_list.h"
+#include "sim/scene/scenes.h"
 #include "tests/sim/level_scene.h"
 
 namespace selfproj {
@@ -39,7 +47,7 @@ TEST(Renderer, StraightLineIsSeenWhere34Says) {
     const double z = rig.plane_z_mm - height;
     for (const double offset : {-6.0, -0.31, 0.0, 4.7}) {
       const double line = line_at(rig, offset, z);
-      const Renderer renderer(rig, scene, draw_straight_line(rig, line), ideal());
+      const LineRenderer renderer(rig, scene, draw_straight_line(rig, line), ideal());
       const Frame frame(rig, renderer, 0);
       const double t = tan_theta(rig, line);
       const double expected = row_of(rig, (rig.projector.x_mm + rig.projector.z_mm * t) / z - t);
@@ -82,7 +90,7 @@ TEST(Renderer, LineOf39FallsOnTheMiddleOfTheImage) {
   }
   RenderOptions options;
   options.shot_noise = options.read_noise = options.quantization = false;
-  const Renderer renderer(rig, *scene, pattern, options);
+  const LineRenderer renderer(rig, *scene, pattern, options);
   const Frame frame(rig, renderer, middle);
   std::vector<float> truth(512);
   renderer.truth(middle, truth);
@@ -99,7 +107,7 @@ TEST(Renderer, TriangulatedHeightsAreTheTrueOnes) {
   const Rig rig = load_rig("light-section");
   const auto scene = make_scene("mountain", rig);
   const double line = line_at(rig, 0, rig.plane_z_mm - 12);
-  const Renderer renderer(rig, *scene, draw_straight_line(rig, line), ideal());
+  const LineRenderer renderer(rig, *scene, draw_straight_line(rig, line), ideal());
   const int number = 700;
   const Frame frame(rig, renderer, number);
   std::vector<float> truth(512);
@@ -122,7 +130,7 @@ TEST(Renderer, GreyValuesAreThoseOfTheRig) {
   const Rig rig = load_rig("light-section");
   LevelScene scene;
   const FloatImage white(512, 512, 1);
-  Renderer renderer(rig, scene, white, ideal());
+  LineRenderer renderer(rig, scene, white, ideal());
   // seen at the middle: (0, 0, plane), light from (352, 0, 579)
   const double cosine = 588 / std::hypot(352, 588);
   const Frame lit(rig, renderer, 0);
@@ -140,8 +148,8 @@ TEST(Renderer, GreyValuesAreThoseOfTheRig) {
   lower.floor = -100;
   RenderOptions falling = ideal();
   falling.falloff = true;
-  const double with = Frame(raised, Renderer(raised, lower, white, falling), 0).at(47, 255);
-  const double without = Frame(raised, Renderer(raised, lower, white, ideal()), 0).at(47, 255);
+  const double with = Frame(raised, LineRenderer(raised, lower, white, falling), 0).at(47, 255);
+  const double without = Frame(raised, LineRenderer(raised, lower, white, ideal()), 0).at(47, 255);
   EXPECT_NEAR(with / without, (352.0 * 352 + 588.0 * 588) / (352.0 * 352 + 688.0 * 688), 1e-3);
 }
 
@@ -149,7 +157,7 @@ TEST(Renderer, BlurKeepsTheLightOfALineAndItsPlace) {
   const Rig rig = load_rig("light-section");
   const LevelScene scene;
   const FloatImage line = draw_straight_line(rig, line_at(rig, 0.1, rig.plane_z_mm));
-  const Frame sharp(rig, Renderer(rig, scene, line, ideal()), 0);
+  const Frame sharp(rig, LineRenderer(rig, scene, line, ideal()), 0);
   const auto variance = [&](const Frame& frame) {
     const double middle = frame.centroid(200, 8);
     double sum = 0;
@@ -163,7 +171,7 @@ TEST(Renderer, BlurKeepsTheLightOfALineAndItsPlace) {
       RenderOptions options = ideal();
       options.camera_blur = camera;
       options.projector_blur = projector;
-      const Frame frame(rig, Renderer(rig, scene, line, options), 0);
+      const Frame frame(rig, LineRenderer(rig, scene, line, options), 0);
       for (const int column : {1, 200, 510}) {
         EXPECT_NEAR(frame.sum(column, 8) / sharp.sum(column, 8), 1, 2e-4);
         EXPECT_NEAR(frame.centroid(column, 8), sharp.centroid(column, 8), 2e-3);
@@ -192,16 +200,16 @@ TEST(Renderer, MotionBlurAveragesOverTheExposure) {
   for (const double place : {-3.0, 0.5, 2.0}) {
     const FloatImage line = draw_straight_line(rig, line_at(rig, place, rig.plane_z_mm - height));
     RenderOptions options = ideal();
-    const double lit = Frame(rig, Renderer(rig, scene, line, options), 1).sum(256, 8);
+    const double lit = Frame(rig, LineRenderer(rig, scene, line, options), 1).sum(256, 8);
     options.motion_blur = true;
-    const Frame frame(rig, Renderer(rig, scene, line, options), 0);
+    const Frame frame(rig, LineRenderer(rig, scene, line, options), 0);
     const auto row = static_cast<int>(std::lround(row_of(rig, place / (rig.plane_z_mm - height))));
-    const Frame still(rig, Renderer(rig, scene, line, ideal()), 1);
+    const Frame still(rig, LineRenderer(rig, scene, line, ideal()), 1);
     const double share = 0.5 - place / way;
     EXPECT_NEAR((frame.at(row, 256) - 8) / (still.at(row, 256) - 8), share, 0.03) << place;
     EXPECT_GT(lit, 0);
     // Without motion blur the line is where the middle of the exposure puts it.
-    const Frame middle(rig, Renderer(rig, scene, line, ideal()), 0);
+    const Frame middle(rig, LineRenderer(rig, scene, line, ideal()), 0);
     EXPECT_NEAR((middle.at(row, 256) - 8) / (still.at(row, 256) - 8), place < 0 ? 1 : 0, 1e-6) << place;
   }
 }
@@ -216,7 +224,7 @@ TEST(Renderer, WallThrowsItsShadow) {
   scene.top = 5;
   scene.x0 = 2;
   scene.x1 = 6;
-  const Renderer renderer(rig, scene, FloatImage(512, 512, 1), ideal());
+  const LineRenderer renderer(rig, scene, FloatImage(512, 512, 1), ideal());
   const Frame frame(rig, renderer, 0);
   const double end = 2 - 350.0 / (588 - 5) * 5;
   const double first = row_of(rig, end / 1167);
@@ -246,7 +254,7 @@ TEST(Renderer, TowerHidesWhatIsBehind) {
   scene.x0 = -3;
   scene.x1 = 6;
   scene.reflectance = [](double x) { return x <= 6.01 ? 1 : 0.0; };
-  const Renderer renderer(rig, scene, FloatImage(512, 512), ideal());
+  const LineRenderer renderer(rig, scene, FloatImage(512, 512), ideal());
   const Frame frame(rig, renderer, 0);
   EXPECT_NEAR(frame.sum(256, 2) - 6 * row_of(rig, 6.0 / 1067), 6 * 0.5, 6 * 0.51);
   EXPECT_NEAR(frame.at(75, 256), 8, 1e-4);
@@ -259,7 +267,7 @@ TEST(Renderer, TruthIsTheHeightOnTheLightSheet) {
   const Rig rig = load_rig("light-section");
   const auto stairs = make_scene("stairs", rig);
   const double line = line_at(rig, 0.2, rig.plane_z_mm - 30);
-  const Renderer renderer(rig, *stairs, draw_straight_line(rig, line));
+  const LineRenderer renderer(rig, *stairs, draw_straight_line(rig, line));
   std::vector<float> heights(512);
   renderer.truth(700, heights);
   EXPECT_NEAR(heights[100], 30, 1e-3);
@@ -285,7 +293,7 @@ TEST(Renderer, TruthOnASlopeLiesOnTheSurface) {
   const Rig rig = load_rig("light-section");
   const auto mountain = make_scene("mountain", rig);
   const double line = line_at(rig, 0, rig.plane_z_mm - 12);
-  const Renderer renderer(rig, *mountain, draw_straight_line(rig, line));
+  const LineRenderer renderer(rig, *mountain, draw_straight_line(rig, line));
   std::vector<float> heights(512);
   renderer.truth(500, heights);
   for (int column = 0; column < 512; ++column) {
@@ -306,7 +314,7 @@ TEST(Renderer, NoTruthInTheShadow) {
   std::vector<float> heights(512);
   for (const double top : {0.0, 40.0}) {
     scene.top = top;
-    const Renderer renderer(rig, scene, draw_straight_line(rig, line_at(rig, 0, rig.plane_z_mm)));
+    const LineRenderer renderer(rig, scene, draw_straight_line(rig, line_at(rig, 0, rig.plane_z_mm)));
     renderer.truth(0, heights);
     EXPECT_EQ(std::isnan(heights[256]), top > 0) << heights[256];
   }
@@ -319,7 +327,7 @@ TEST(Renderer, PatternMustFitTheProjector) {
   const LevelScene scene;
   const auto error_of = [&](const FloatImage& pattern) -> std::string {
     try {
-      const Renderer renderer(rig, scene, pattern);
+      const LineRenderer renderer(rig, scene, pattern);
     } catch (const UserError& error) {
       return error.what();
     }
@@ -330,6 +338,196 @@ TEST(Renderer, PatternMustFitTheProjector) {
   EXPECT_EQ(error_of(FloatImage(512, 512, 1.5)), "pattern: has a value of 1.5; light is 0 to 1");
   EXPECT_EQ(error_of(FloatImage(512, 512, NAN)), "pattern: has a value of nan; light is 0 to 1");
   EXPECT_EQ(error_of(FloatImage(512, 512, 0.5)), "none");
+}
+
+// Compares noise, rounding and repeatability of rendered images with statistics.
+struct Statistics {
+  double mean;
+  double variance;
+};
+
+// Statistics of the difference between noisy frames and the ideal one.
+Statistics noise_of(const Rig& rig, const Scene& scene, const FloatImage& pattern, const RenderOptions& options) {
+  const Frame ideal_frame(rig, LineRenderer(rig, scene, pattern, ideal()), 0);
+  const LineRenderer renderer(rig, scene, pattern, options);
+  double sum = 0;
+  double squares = 0;
+  double count = 0;
+  for (int i = 0; i < 2; ++i) {
+    const Frame frame(rig, renderer, i);
+    for (std::size_t k = 0; k < frame.pixels.size(); ++k) {
+      const double difference = static_cast<double>(frame.pixels[k]) - static_cast<double>(ideal_frame.pixels[k]);
+      sum += difference;
+      squares += difference * difference;
+      count += 1;
+    }
+  }
+  return {sum / count, squares / count - sum / count * sum / count};
+}
+
+TEST(RendererNoise, NoiseHasTheRigsMeanAndVariance) {
+  Rig rig = load_rig("light-section");
+  rig.imaging.ambient = 60;
+  rig.imaging.read_noise = 1.5;
+  const LevelScene scene;
+  const FloatImage none(512, 512);
+  const double shot = (60 - 2) / rig.imaging.electrons_per_grey;
+  struct Case {
+    bool shot, read, quantization;
+    double variance;
+  };
+  for (const Case& c : {Case{true, false, false, shot}, Case{false, true, false, 2.25},
+                        Case{true, true, false, shot + 2.25}, Case{true, true, true, shot + 2.25 + 1.0 / 12}}) {
+    RenderOptions options = ideal();
+    options.shot_noise = c.shot;
+    options.read_noise = c.read;
+    options.quantization = c.quantization;
+    const Statistics found = noise_of(rig, scene, none, options);
+    // of 98,304 pixels: five standard deviations
+    EXPECT_NEAR(found.mean, 0, 5 * std::sqrt(c.variance / 98304));
+    EXPECT_NEAR(found.variance / c.variance, 1, 5 * std::sqrt(2.0 / 98304));
+  }
+  // more light, more shot noise
+  RenderOptions options = ideal();
+  options.shot_noise = true;
+  const Statistics lit = noise_of(rig, scene, FloatImage(512, 512, 1), options);
+  const Frame frame(rig, LineRenderer(rig, scene, FloatImage(512, 512, 1), ideal()), 0);
+  const double mean =
+      std::accumulate(frame.pixels.begin(), frame.pixels.end(), 0.0) / static_cast<double>(frame.pixels.size());
+  EXPECT_NEAR(lit.variance / ((mean - 2) / rig.imaging.electrons_per_grey), 1, 0.03);
+}
+
+TEST(RendererNoise, EightBitsAreRoundedAndBounded) {
+  Rig rig = load_rig("light-section");
+  rig.imaging.white = 255;
+  rig.imaging.ambient = 250;
+  rig.imaging.read_noise = 20;
+  const LevelScene scene;
+  const LineRenderer renderer(rig, scene, FloatImage(512, 512, 1), {});
+  std::vector<std::uint8_t> bytes(96 * 512);
+  renderer.render(3, bytes);
+  const Frame frame(rig, renderer, 3);
+  for (std::size_t i = 0; i < bytes.size(); ++i) {
+    ASSERT_EQ(static_cast<float>(bytes[i]), frame.pixels[i]);
+  }
+  EXPECT_EQ(*std::max_element(bytes.begin(), bytes.end()), 255);
+  RenderOptions free;
+  free.quantization = false;
+  const Frame unbounded(rig, LineRenderer(rig, scene, FloatImage(512, 512, 1), free), 3);
+  EXPECT_GT(*std::max_element(unbounded.pixels.begin(), unbounded.pixels.end()), 260.0F);
+  EXPECT_NE(unbounded.pixels[0], std::nearbyint(unbounded.pixels[0]));
+}
+
+TEST(RendererNoise, ImagesDependOnSeedAndFrameAloneNotOnOrderOrThreads) {
+  Rig rig = load_rig("light-section");
+  const auto scene = make_scene("stairs-marked", rig);
+  const FloatImage line = draw_straight_line(rig, line_at(rig, 0, rig.plane_z_mm - 39));
+  const LineRenderer renderer(rig, *scene, line);
+  constexpr int kCount = 6;
+  constexpr int kFirst = 640;
+  std::vector<std::vector<std::uint8_t>> alone(kCount, std::vector<std::uint8_t>(96 * 512));
+  std::vector<std::vector<std::uint8_t>> together = alone;
+  for (int i = kCount - 1; i >= 0; --i) {
+    renderer.render(kFirst + i, alone[static_cast<std::size_t>(i)]);
+  }
+  parallel_for(kCount, 3, [&](int i) { renderer.render(kFirst + i, together[static_cast<std::size_t>(i)]); });
+  EXPECT_EQ(alone, together);
+  EXPECT_NE(alone[0], alone[1]);
+  rig.imaging.seed = 2;
+  std::vector<std::uint8_t> other(96 * 512);
+  LineRenderer(rig, *scene, line).render(kFirst, other);
+  EXPECT_NE(other, alone[0]);
+}
+
+// Without a disturbance of the world, images are those of before there was any, byte for byte. The sums were made of
+// the PNG files of the program of that time.
+
+// FNV-1a.
+std::uint64_t sum_of(const std::vector<std::uint8_t>& pixels) {
+  std::uint64_t sum = 0xcbf29ce484222325U;
+  for (const std::uint8_t pixel : pixels) {
+    sum = (sum ^ pixel) * 0x100000001b3U;
+  }
+  return sum;
+}
+
+FloatImage line_on_plane(const Rig& rig) {
+  return draw_straight_line(rig, Pinhole::of_projector(rig.projector).project({0, 0, rig.plane_z_mm}).row);
+}
+
+std::uint64_t of_line(const PerturbedRig& actual, const std::string& scene_name, int frame,
+                      const RenderOptions& options) {
+  const auto scene = make_scene(scene_name, actual.rig);
+  const Rig& rig = actual.rig;
+  std::vector<std::uint8_t> pixels(rig.camera.pixels());
+  LineRenderer(actual, *scene, line_on_plane(rig), options).render(frame - 1, std::span(pixels));
+  return sum_of(pixels);
+}
+
+std::uint64_t of_pattern(const std::string& scene_name, int frame, int pattern) {
+  const Rig rig = load_rig("scanner");
+  const auto scene = make_scene(scene_name, rig);
+  const std::vector<Image> patterns = gray_patterns(rig.projector, 8);
+  std::vector<std::uint8_t> pixels(rig.camera.pixels());
+  PatternRenderer(rig, *scene)
+      .render(frame - 1, project_image(rig, patterns[static_cast<std::size_t>(pattern)]), std::span(pixels));
+  return sum_of(pixels);
+}
+
+TEST(ImagesOfBefore, OfALine) {
+  const Rig rig = load_rig("light-section");
+  EXPECT_EQ(of_line(rig, "stairs-marked", 700, {}), 0xc91e686512317edcU);
+  EXPECT_EQ(of_line(rig, "stairs-marked", 701, {}), 0x71de9c1ca9382ed4U);
+  EXPECT_EQ(of_line(rig, "mountain", 300, {}), 0x66fa39af3e067559U);
+  RenderOptions falling;
+  falling.falloff = true;
+  EXPECT_EQ(of_line(hidden_rig(rig, 3), "mountain", 300, falling), 0x73faae068e6eef81U);
+}
+
+TEST(ImagesOfBefore, OfWholePatterns) {
+  EXPECT_EQ(of_pattern("desk", 1, 0), 0x816f27fe4bf7fff4U);
+  EXPECT_EQ(of_pattern("cuboids-marked", 2, 1), 0x2448fd90bbd0877eU);
+  EXPECT_EQ(of_pattern("fist", 101, 0), 0xa54b773e0604e7e2U);
+}
+
+// A world in which nothing is on is no world at all, and one with a name on changes the image.
+TEST(ImagesOfBefore, OnlyWithoutDisturbances) {
+  const Rig rig = load_rig("light-section");
+  const WorldFile file = load_world(kBuiltInWorld);
+  RenderOptions options;
+  options.world = world_of(file, {});
+  EXPECT_EQ(of_line(rig, "stairs-marked", 700, options), 0xc91e686512317edcU);
+  const auto scene = make_scene("stairs-marked", rig);
+  const auto image_of = [&](const std::vector<std::string>& names) {
+    RenderOptions exact = options;
+    exact.quantization = false;
+    exact.world = world_of(file, names);
+    std::vector<float> pixels(rig.camera.pixels());  // of the part's front edge, on which a straight line falls
+    LineRenderer(rig, *scene, line_on_plane(rig), exact).render(54, std::span(pixels));
+    return pixels;
+  };
+  const std::vector<float> before = image_of({});
+  for (const WorldSwitch& entry : world_switches()) {
+    EXPECT_NE(image_of({entry.name}), before) << entry.name;
+  }
+}
+
+// Tests work by several threads.
+
+TEST(ParallelFor, CallsEachOnceAndPassesOnWhatIsThrown) {
+  for (const int threads : {0, 1, 4}) {
+    std::vector<int> calls(1000);
+    parallel_for(1000, threads, [&](int i) { ++calls[static_cast<std::size_t>(i)]; });
+    EXPECT_EQ(calls, std::vector<int>(1000, 1));
+    EXPECT_THROW(parallel_for(100, threads,
+                              [](int i) {
+                                if (i == 7) {
+                                  throw UserError("a", "b");
+                                }
+                              }),
+                 UserError);
+  }
+  parallel_for(0, 2, [](int) { FAIL(); });
 }
 
 }  // namespace

@@ -1,25 +1,32 @@
 // Tests scenes and how rays meet them, pinholes, and projected light.
-
 #include "sim/scene/scene.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <memory>
+#include <numbers>
+#include <optional>
+#include <span>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "host/images/float_image.h"
 #include "host/light_section/pattern.h"
 #include "host/rig/rig.h"
-#include "sim/scene/height_map.h"
-#include "sim/scene/marks.h"
-#include "sim/scene/pinhole.h"
+#include "sim/scene/lit_surface.h"
+#include "sim/scene/optics.h"
+#include "sim/scene/pattern_renderer.h"
+#include "sim/scene/perturbed_rig.h"
 #include "sim/scene/projected_light.h"
-#include "sim/scene/ray.h"
-#include "sim/scene/scene_info.h"
-#include "sim/scene/scene_list.h"
+#include "sim/scene/ring_wave.h"
+#include "sim/scene/scenes.h"
+#include "sim/scene/targets.h"
 #include "tests/support/error_of.h"
 #include "tests/support/random_cases.h"
 
@@ -339,6 +346,321 @@ TEST(ProjectedLight, BlurKeepsSumAndMiddleAndWidens) {
     EXPECT_TRUE(light.is_dark(-100, -10, -100, 100));
     EXPECT_FALSE(light.is_dark(-100, 100, -100, 100));
   }
+}
+
+// What is rendered faster because a scene says that it is smooth and plain, or because sights are kept, is the same to
+// the last bit as without; and what the scenes say of themselves is true.
+
+// A scene that says nothing of its smoothness.
+class Silent final : public Scene {
+ public:
+  explicit Silent(const Scene& scene) : scene_(scene) {}
+  [[nodiscard]] int frames() const override { return scene_.frames(); }
+  [[nodiscard]] double height(double x, double y, double t) const override { return scene_.height(x, y, t); }
+  [[nodiscard]] HeightRange range(const Box& box, double t0, double t1) const override {
+    return scene_.range(box, t0, t1);
+  }
+  [[nodiscard]] double albedo(double x, double y, double t) const override { return scene_.albedo(x, y, t); }
+  [[nodiscard]] bool even_albedo() const override { return scene_.even_albedo(); }
+  [[nodiscard]] bool is_plain(const Box& /*box*/) const override { return false; }
+  [[nodiscard]] double speed() const override { return scene_.speed(); }
+
+ private:
+  const Scene& scene_;
+};
+
+PerturbedRig low_image(std::uint64_t seed) {
+  Rig rig = load_rig("light-section");
+  rig.camera.rows = 40;
+  return hidden_rig(rig, seed);
+}
+
+std::vector<float> image_of(const PerturbedRig& actual, const Scene& scene) {
+  RenderOptions exact;
+  exact.shot_noise = exact.read_noise = exact.quantization = false;
+  FloatImage pattern(actual.rig.projector.lines, actual.rig.projector.columns);
+  for (std::size_t i = 0; i < pattern.values.size(); ++i) {
+    pattern.values[i] = i / 1024 % 3 == 0 ? 1.0F : 0.25F;
+  }
+  std::vector<float> pixels(actual.rig.camera.pixels());
+  PatternRenderer(actual, scene, exact).render(0, throw_light(actual.rig, pattern, exact), std::span(pixels));
+  return pixels;
+}
+
+constexpr ChessboardShape kChessboardShape{37, 3, 2.2};
+
+ChessboardScene board(const PerturbedRig& actual, double bend_mm, double lean) {
+  ChessboardPlace place;
+  place.middle = middle_of_view(actual, actual.rig.plane_z_mm - 20);
+  place.below = {std::cos(lean), 0, std::sin(lean)};
+  return {actual.rig, kChessboardShape, place, drawn_flaws(1e-4, bend_mm, 7)};
+}
+
+TEST(SmoothScenes, ImagesAreTheSameToTheLastBit) {
+  for (const std::uint64_t seed : {1U, 2U}) {
+    const PerturbedRig actual = low_image(seed);
+    const FlatPlate plate(20, {0.005, 0.01}, seed);
+    EXPECT_EQ(image_of(actual, plate), image_of(actual, Silent(plate)));
+    const FlatPlate wavy(20, {0.005, 3}, seed);  // more than may be left out
+    EXPECT_EQ(image_of(actual, wavy), image_of(actual, Silent(wavy)));
+    for (const double bend : {0.0, 0.01, 0.5}) {
+      const ChessboardScene scene = board(actual, bend, bend);
+      EXPECT_EQ(image_of(actual, scene), image_of(actual, Silent(scene))) << bend;
+    }
+  }
+}
+
+// A plain rectangle has one albedo, and the surface bends no more over one than is said.
+TEST(SmoothScenes, ChessboardsTellTheTruth) {
+  const PerturbedRig actual = low_image(1);
+  const ChessboardScene scene = board(actual, 0.4, 0.3);
+  const Point3 middle = middle_of_view(actual, actual.rig.plane_z_mm - 20);
+  int plain = 0;
+  int smooth = 0;
+  constexpr double kSide = 0.6;  // mm
+  for (double x = middle.x - 8; x < middle.x + 8; x += 0.31) {
+    for (double y = middle.y - 48; y < middle.y + 48; y += 0.87) {
+      const Box box{x, x + kSide, y, y + kSide};
+      double low = 1;
+      double high = 0;
+      for (int i = 0; i <= 6; ++i) {
+        for (int j = 0; j <= 6; ++j) {
+          const double albedo = scene.albedo(x + kSide * i / 6, y + kSide * j / 6, 0);
+          low = std::min(low, albedo);
+          high = std::max(high, albedo);
+        }
+      }
+      const bool is_plain = scene.is_plain(box);
+      EXPECT_TRUE(!is_plain || high - low < 1e-12) << x << ", " << y;
+      plain += is_plain ? 1 : 0;
+      const Smoothness bounds = scene.smoothness(box);
+      const auto height = [&](double share) { return scene.height(x + kSide * share, y + kSide * share, 0); };
+      const double step = kSide * std::sqrt(2) / 2;
+      EXPECT_LE(std::abs(height(1) - height(0)), bounds.slope * 2 * step);
+      EXPECT_LE(std::abs(height(0) - 2 * height(0.5) + height(1)), bounds.curvature * step * step + 1e-12);
+      smooth += bounds.curvature < 1 ? 1 : 0;
+    }
+  }
+  EXPECT_GT(plain, 2000);
+  EXPECT_LT(plain, 5000);
+  EXPECT_GT(smooth, 3000);
+}
+
+TEST(SmoothScenes, PlatesTellTheTruth) {
+  const FlatPlate plate(20, {0.005, 0.5}, 3);
+  const Smoothness bounds = plate.smoothness({0, 1, 0, 1});
+  constexpr double kStep = 2;  // mm
+  for (double x = -60; x < 60; x += 1.7) {
+    for (double y = -60; y < 60; y += 1.7) {
+      const auto height = [&](int i) { return plate.height(x + kStep * i, y, 0); };
+      EXPECT_LE(std::abs(height(1) - height(0)), bounds.slope * kStep);
+      EXPECT_LE(std::abs(height(0) - 2 * height(1) + height(2)), bounds.curvature * kStep * kStep);
+      EXPECT_LE(std::abs(height(3) - 3 * height(2) + 3 * height(1) - height(0)), bounds.change * kStep * kStep * kStep);
+    }
+  }
+}
+
+TEST(SightTable, IsTheCamera) {
+  const PerturbedRig actual = low_image(4);
+  const auto table = SightTable::of(actual.camera, actual.rig.camera);
+  ASSERT_NE(table, nullptr);
+  EXPECT_EQ(SightTable::of(actual.camera, actual.rig.camera), table) << "shared";
+  EXPECT_NE(SightTable::of(low_image(5).camera, actual.rig.camera), table);
+  EXPECT_EQ(SightTable::of(Pinhole::of_camera(actual.rig.camera), actual.rig.camera), nullptr);
+  for (const double row : {-30.0, -8.375, -7.875, -0.125, 0.0, 3.125, 3.2, 39.5, 40.875, 47.375, 47.875, 90.0}) {
+    for (const double column : {-9.0, -7.875, 0.375, 17.0, 255.625, 511.875, 519.375, 519.5, 700.0}) {
+      const Point3 found = table->sight({row, column});
+      const Point3 wanted = actual.camera.sight({row, column});
+      EXPECT_EQ(found.x, wanted.x) << row << ", " << column;
+      EXPECT_EQ(found.y, wanted.y) << row << ", " << column;
+      EXPECT_EQ(found.z, wanted.z) << row << ", " << column;
+    }
+  }
+}
+
+// Tests the scenes of rig B: what moves, where, and how fast.
+
+constexpr double kCrater = 10;
+constexpr double kSize = 12;
+
+// Airy's theory with surface tension for water 30 mm deep, in mm and s.
+double omega_of(double k) { return std::sqrt(k * (9800 + 72.9e3 * k * k) * std::tanh(30 * k)); }
+
+// The integral of ring_wave.h by Simpson's rule, with steps far finer than the table's.
+double wave_by_simpson(double r, double t) {
+  constexpr int kSteps = 20000;
+  constexpr double kLast = 7 / kSize;
+  const auto f = [&](double k) {
+    return k * k * k * std::exp(-k * k * kSize * kSize / 2) * ::j0(k * r) * std::cos(omega_of(k) * t);
+  };
+  double sum = 0;
+  for (int i = 0; i <= kSteps; ++i) {
+    const double k = kLast * i / kSteps;
+    sum += f(k) * (i == 0 || i == kSteps ? 1 : i % 2 == 1 ? 4 : 2);
+  }
+  return -kCrater * std::pow(kSize, 4) / 2 * sum * kLast / kSteps / 3;
+}
+
+TEST(RingWave, IsTheIntegral) {
+  const RingWave wave(30, kCrater, kSize, 0.3);
+  EXPECT_NEAR(wave.speed(), 542.2, 0.05);  // sqrt(9.8 m/s² · 3 cm)
+  for (const double t : {0.0, 0.0203, 0.1, 0.299}) {
+    const RingWave::Profile profile = wave.profile(t);
+    for (double r = 0; r < 220; r += 7.3) {
+      EXPECT_NEAR(profile.at(r).rise, wave_by_simpson(r, t), 0.02) << "r " << r << ", t " << t;
+      const double slope = (wave_by_simpson(r + 0.1, t) - wave_by_simpson(r - 0.1, t)) / 0.2;
+      EXPECT_NEAR(r > 0 ? profile.at(r).slope : 0, r > 0 ? slope : 0, 0.02) << "r " << r << ", t " << t;
+    }
+  }
+}
+
+// What every book says of water waves: the slowest ripples of deep water are 17 mm long and run at 23 cm/s, waves much
+// longer than the depth run at sqrt(g depth), and deep gravity waves at sqrt(g / k).
+TEST(RingWave, WavelengthsRunAtTheirOwnSpeeds) {
+  double slowest = 1e9;
+  double length = 0;
+  for (double l = 5; l < 60; l += 0.01) {
+    const double k = 2 * std::numbers::pi / l;
+    const double speed = RingWave::omega(k, 1e4) / k;
+    length = speed < slowest ? l : length;
+    slowest = std::min(slowest, speed);
+  }
+  EXPECT_NEAR(slowest, 231, 1);
+  EXPECT_NEAR(length, 17.1, 0.2);
+  EXPECT_NEAR(RingWave::omega(1e-4, 30) / 1e-4, 542.2, 0.1);
+  EXPECT_NEAR(RingWave::omega(2e-3, 1e4) / 2e-3, std::sqrt(9800 / 2e-3), 0.1);
+}
+
+// At first there is the requested crater. Its crests are shorter than the water is deep, and run at about half of the
+// speed of long waves; nothing but long waves runs ahead of them.
+TEST(RingWave, BeginsAsACraterAndDisperses) {
+  const RingWave wave(30, kCrater, kSize, 0.4);
+  const RingWave::Profile first = wave.profile(0);
+  for (double r = 0; r < 80; r += 5) {
+    const double u = r * r / (2 * kSize * kSize);
+    EXPECT_NEAR(first.at(r).rise, -kCrater * (1 - u) * std::exp(-u), 0.02) << r;
+  }
+  EXPECT_EQ(wave.profile(-0.001).at(0).rise, 0);
+  EXPECT_EQ(wave.profile(-0.001).reach(), 0);
+  const auto crest = [&](double t) {
+    const RingWave::Profile profile = wave.profile(t);
+    double best = 0;
+    for (double r = 0; r < 400; r += 0.1) {
+      best = profile.at(r).rise > profile.at(best).rise ? r : best;
+    }
+    return best;
+  };
+  const double crests = (crest(0.35) - crest(0.15)) / 0.2;
+  EXPECT_GT(crests, 0.25 * wave.speed());
+  EXPECT_LT(crests, 0.75 * wave.speed());
+  EXPECT_GE(wave.most(), kCrater - 0.1);
+  EXPECT_THROW(RingWave(0, 1, 1, 1), std::invalid_argument);
+}
+
+// Where a pixel's ray meets the bodies of a scene.
+std::optional<Meeting> seen(const Scene& scene, const Rig& rig, double row, double column, double t) {
+  const Point3 along = Pinhole::of_camera(rig.camera).ray({row, column});
+  std::optional<Meeting> nearest;
+  for (const auto& body : scene.bodies(t)) {
+    Meeting meeting;
+    if (body->meets({{0, 0, 0}, along}, nearest ? nearest->s : 1e9, meeting)) {
+      nearest = meeting;
+    }
+  }
+  return nearest;
+}
+
+TEST(Waves, WaterIsLevelBeforeTheImpactAndKeepsToItsWallsAfter) {
+  const Rig rig = load_rig("scanner");
+  const auto scene = make_scene("waves", rig);
+  const double level = rig.plane_z_mm - PoolWave::kDepth;
+  // The body hangs above the place of the impact, and touches the water at 1.36 s.
+  const auto bottom = [&](double t) { return scene->bodies(t)[1]->bounds().high.z; };
+  EXPECT_NEAR(bottom(0), level - 100, 1e-9);
+  EXPECT_NEAR(bottom(PoolWave::kImpact), level, 1e-9);
+  EXPECT_GT(bottom(PoolWave::kImpact + 0.1), level + 11);
+  const Bodies before = scene->bodies(PoolWave::kImpact - 1e-3);
+  const Bodies after = scene->bodies(PoolWave::kImpact + 0.28);
+  double most = 0;
+  for (double x = PoolWave::kCentreX - 124.5; x < PoolWave::kCentreX + 125; x += 3.1) {
+    for (const double y : {-169.9, -120.0, -60.0, 20.0, 100.0, 169.9}) {
+      const Ray down{{x, y, 0}, {0, 0, 1}};
+      Meeting meeting;
+      ASSERT_TRUE(before[0]->meets(down, 1000, meeting));
+      EXPECT_NEAR(meeting.s, level, 1e-9);
+      EXPECT_NEAR(meeting.normal.z, -1, 1e-12);
+      ASSERT_TRUE(after[0]->meets(down, 1000, meeting));
+      most = std::max(most, std::abs(meeting.s - level));
+      // The water cannot pass through the walls, so it is level along their normals.
+      if (std::abs(y) > 169) {
+        EXPECT_NEAR(meeting.normal.y, 0, 0.003);
+      }
+    }
+  }
+  EXPECT_GT(most, 1);
+  EXPECT_LT(most, 8);
+  Meeting meeting;
+  EXPECT_FALSE(before[0]->meets({{PoolWave::kCentreX + 126, 0, 0}, {0, 0, 1}}, 1000, meeting));
+}
+
+TEST(Fist, GoesRoundASlantedCircle) {
+  const Rig rig = load_rig("scanner");
+  const auto scene = make_scene("fist", rig);
+  const auto centre = [&](double t) {
+    const Cuboid box = scene->bodies(t)[0]->bounds();
+    return 0.5 * (box.low + box.high);
+  };
+  const double turn = 1 / FistMotion::kFrequency;
+  const Point3 middle = 0.5 * (centre(0) + centre(turn / 2));
+  double low = 1e9;
+  double high = 0;
+  for (int i = 0; i < 50; ++i) {
+    const double t = turn * i / 50;
+    const Point3 d = centre(t) - middle;
+    EXPECT_NEAR(std::sqrt(dot(d, d)), FistMotion::kRadius, 1e-9);
+    const Point3 later = centre(t + turn) - centre(t);
+    EXPECT_NEAR(dot(later, later), 0, 1e-12);
+    const double height = rig.plane_z_mm - centre(t).z;
+    low = std::min(low, height);
+    high = std::max(high, height);
+    const Point3 way = centre(t + 1e-6) - centre(t);
+    EXPECT_LE(std::sqrt(dot(way, way)) / 1e-6, scene->body_speed() * 1.0001);
+  }
+  EXPECT_NEAR(low, 80, 0.5);  // its upper side, which the camera sees, is at 100 to 200 mm
+  EXPECT_NEAR(high, 180, 0.5);
+}
+
+TEST(Keys, TwoPixelsSeeFingersThatTapByTurns) {
+  const Rig rig = load_rig("scanner");
+  const auto scene = make_scene("keys", rig);
+  for (const KeyTaps::Pixel pixel : {KeyTaps::kFirst, KeyTaps::kSecond}) {
+    double low = 1e9;
+    double high = 0;
+    double when = 0;  // furthest from the camera: down
+    for (int i = 0; i < 200; ++i) {
+      const auto meeting = seen(*scene, rig, pixel.row, pixel.column, i * 1e-3);
+      ASSERT_TRUE(meeting);
+      low = std::min(low, meeting->s);
+      if (meeting->s > high) {
+        high = meeting->s;
+        when = i * 1e-3;
+      }
+      EXPECT_NEAR(seen(*scene, rig, pixel.row, pixel.column, i * 1e-3 + 0.2)->s, meeting->s, 1e-6);
+    }
+    EXPECT_NEAR(high - low, KeyTaps::kStroke, 0.5);
+    EXPECT_NEAR(std::fmod(when + 0.05, 0.2), pixel.row == KeyTaps::kFirst.row ? 0.05 : 0.15, 0.003);
+  }
+  // The keys go down under them by 3.5 mm.
+  for (const std::size_t key : {0U, 1U}) {
+    const auto top = [&](double t) { return rig.plane_z_mm - scene->bodies(t)[key]->bounds().low.z; };
+    EXPECT_NEAR(top(key == 0 ? 0.0 : 0.1), 26.5, 1e-9);
+    EXPECT_NEAR(top(key == 0 ? 0.1 : 0.0), 30, 1e-9);
+  }
+  // 18 mm apart along both axes
+  const Bodies bodies = scene->bodies(0);
+  const Point3 apart = bodies[0]->bounds().low - bodies[1]->bounds().low;
+  EXPECT_NEAR(std::abs(apart.x), 18, 1e-9);
+  EXPECT_NEAR(std::abs(apart.y), 18, 1e-9);
 }
 
 }  // namespace

@@ -21,10 +21,10 @@
 #include "host/images/image_files.h"
 #include "host/rig/rig.h"
 #include "host/structured_light/gray_sequence.h"
-#include "sim/scene/chessboard.h"
-#include "sim/scene/real_rig.h"
+#include "sim/scene/perturbed_rig.h"
 #include "sim/scene/scene.h"
-#include "sim/scene/scene_list.h"
+#include "sim/scene/scenes.h"
+#include "sim/scene/targets.h"
 #include "tests/cli/program.h"
 #include "tests/host/camera/gige_camera.h"
 #include "tests/host/capture/live_world.h"
@@ -107,9 +107,9 @@ class LiveCalibration : public LiveTest {
  protected:
   LiveCalibration() : LiveTest(small_scanner(4, 4)) {}
   void prepare() override {
-    const RealRig real(rig_);
+    const PerturbedRig actual(rig_);
     const ChessboardShape shape{6, 5, 30};
-    for (const ChessboardPlace& place : chessboard_places(real, shape, 6, 25)) {
+    for (const ChessboardPlace& place : chessboard_places(actual, shape, 6, 25)) {
       poses_.push_back(std::make_unique<ChessboardScene>(rig_, shape, place));
     }
     plane_ = make_scene("plane", rig_);

@@ -26,8 +26,8 @@
 #include "host/images/float_image.h"
 #include "host/images/image_files.h"
 #include "sim/scene/pattern_renderer.h"
+#include "sim/scene/perturbed_rig.h"
 #include "sim/scene/projected_light.h"
-#include "sim/scene/real_rig.h"
 #include "sim/scene/scene.h"
 #include "tests/cli/program.h"
 #include "tests/host/camera/gige_camera.h"
@@ -60,8 +60,8 @@ class LiveWorld {
 
   LiveWorld(const Rig& rig, const Scene& scene, const VirtualScreen& screen, const WorldFaults& faults)
       : rig_(rig),
-        real_(rig),
-        renderer_(std::make_shared<PatternRenderer>(real_, scene, RenderOptions{}, 1)),
+        actual_(rig),
+        renderer_(std::make_shared<PatternRenderer>(actual_, scene, RenderOptions{}, 1)),
         screen_(screen),
         faults_(faults),
         random_(faults.seed),
@@ -76,7 +76,7 @@ class LiveWorld {
 
   // Puts another scene before the camera.
   void look_at(const Scene& scene) {
-    auto renderer = std::make_shared<PatternRenderer>(real_, scene, RenderOptions{}, 1);
+    auto renderer = std::make_shared<PatternRenderer>(actual_, scene, RenderOptions{}, 1);
     const std::lock_guard lock(mutex_);
     renderer_ = std::move(renderer);
   }
@@ -192,7 +192,7 @@ class LiveWorld {
   }
 
   Rig rig_;
-  RealRig real_;
+  PerturbedRig actual_;
   std::shared_ptr<const PatternRenderer> renderer_;
   const VirtualScreen& screen_;
   WorldFaults faults_;

@@ -13,10 +13,10 @@
 #include "host/capture/light_check.h"
 #include "host/structured_light/gray_sequence.h"
 #include "sim/scene/pattern_renderer.h"
-#include "sim/scene/pattern_set.h"
-#include "sim/scene/real_rig.h"
+#include "sim/scene/perturbed_rig.h"
+#include "sim/scene/projected_light.h"
 #include "sim/scene/scene.h"
-#include "sim/scene/scene_list.h"
+#include "sim/scene/scenes.h"
 #include "tests/host/capture/small_scanner.h"
 
 namespace selfproj::test {
@@ -48,9 +48,9 @@ class TornPictures : public testing::TestWithParam<World> {
 
   Rig rig_ = small_scanner(GetParam().fewer_pixels, GetParam().fewer_of_projector);
   GraySequence gray_{rig_.projector.columns, rig_.projector.lines};
-  RealRig real_{rig_};
+  PerturbedRig actual_{rig_};
   std::unique_ptr<Scene> scene_ = make_scene(GetParam().scene, rig_);
-  PatternRenderer renderer_{real_, *scene_, RenderOptions{}, 1};
+  PatternRenderer renderer_{actual_, *scene_, RenderOptions{}, 1};
   int frame_ = 0;
   std::vector<Picture8> pictures_;
   WhiteAndBlack levels_;

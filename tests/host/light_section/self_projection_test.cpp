@@ -20,7 +20,7 @@
 #include "host/rig/rig.h"
 #include "sim/scene/renderer.h"
 #include "sim/scene/scene.h"
-#include "sim/scene/scene_list.h"
+#include "sim/scene/scenes.h"
 
 namespace selfproj::test {
 namespace {
@@ -37,7 +37,7 @@ ReferenceCurve section_of(const Rig& rig, const Scene& scene) {
   return curve;
 }
 
-Image image_of(const Rig& rig, const Renderer& renderer, int frame) {
+Image image_of(const Rig& rig, const LineRenderer& renderer, int frame) {
   Image image{rig.camera.rows, rig.camera.columns, {}};
   image.pixels.resize(static_cast<std::size_t>(image.rows) * static_cast<std::size_t>(image.columns));
   renderer.render(frame, image.pixels);
@@ -47,7 +47,7 @@ Image image_of(const Rig& rig, const Renderer& renderer, int frame) {
 // The position of the line on a part: the mean of a few frames in its middle.
 std::vector<double> seen_on(const Rig& rig, const Scene& part, const FloatImage& pattern, int frames) {
   CentroidMean mean(rig);
-  const Renderer renderer(rig, part, pattern);
+  const LineRenderer renderer(rig, part, pattern);
   for (int i = 0; i < frames; ++i) {
     mean.add(image_of(rig, renderer, part.frames() / 2 - frames / 2 + i).view());
   }
@@ -69,7 +69,7 @@ struct Errors {
 };
 
 // Whether the surface jumps within 3 camera pixels.
-bool near_step(const Renderer& renderer, int frame, double x, double y, double pixel) {
+bool near_step(const LineRenderer& renderer, int frame, double x, double y, double pixel) {
   constexpr double kStep = 0.5;  // mm a pixel; the steepest slope of the mountain has 0.17
   for (int i = -3; i <= 3; ++i) {
     for (int j = -3; j <= 3; ++j) {
@@ -85,7 +85,7 @@ bool near_step(const Renderer& renderer, int frame, double x, double y, double p
 
 Errors measure(const Rig& rig, const Scene& part, const FloatImage& pattern, const ReferenceProfile& reference,
                const std::vector<int>& frames) {
-  const Renderer renderer(rig, part, pattern);
+  const LineRenderer renderer(rig, part, pattern);
   const DifferentialProfiler profiler(rig, reference);
   Moments moments;
   moments.resize(rig.camera.columns);
@@ -200,7 +200,7 @@ TEST(SelfProjection, MarksOfAMillimetreOnStairs) {
 TEST(SelfProjection, ScanOfTheMountain) {
   const Rig rig = load_rig("light-section");
   const std::unique_ptr<Scene> part = make_scene("mountain", rig);
-  Renderer renderer(rig, *part, FloatImage(rig.projector.lines, rig.projector.columns));
+  LineRenderer renderer(rig, *part, FloatImage(rig.projector.lines, rig.projector.columns));
   const ReferenceProfile reference = scan_reference(
       rig,
       [&](const FloatImage& pattern) {
@@ -226,15 +226,15 @@ TEST(SelfProjection, ScanOfTheMountain) {
 // The real projector is turned by 0.02 degrees against the rig. Once the residual is removed, the error is gone.
 TEST(SelfProjection, ResidualTakesOutAWrongRig) {
   const Rig rig = load_rig("light-section");
-  Rig real = rig;
-  real.projector.tilt_rad += 0.02 * 3.14159265358979323846 / 180;
+  Rig actual = rig;
+  actual.projector.tilt_rad += 0.02 * 3.14159265358979323846 / 180;
   const std::unique_ptr<Scene> part = make_scene("mountain", rig);
   const ReferenceCurve curve = section_of(rig, *part);
   const ReferenceProfile reference = reference_of_curve(rig, curve);
   const FloatImage pattern = draw_pattern(rig, pattern_of_curve(rig, curve));
-  const ReferenceProfile corrected = without_residual(rig, reference, seen_on(real, *part, pattern, 16));
+  const ReferenceProfile corrected = without_residual(rig, reference, seen_on(actual, *part, pattern, 16));
   const auto error_with = [&](const ReferenceProfile& used) {
-    const Renderer renderer(real, *part, pattern);
+    const LineRenderer renderer(actual, *part, pattern);
     Moments moments;
     moments.resize(512);
     Profile profile;

@@ -15,8 +15,7 @@
 #include <memory>
 #include <string>
 
-#include "sim/board/coverage.h"
-#include "sim/board/mutant.h"
+#include "sim/board/verilated_model.h"
 #include "tests/rtl/blocks/recorder.h"
 
 namespace selfproj::test {

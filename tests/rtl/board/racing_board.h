@@ -23,7 +23,7 @@
 
 #include "model/board.h"
 #include "sim/board/board_device.h"
-#include "sim/board/packet_judge.h"
+#include "sim/board/packet_scoreboard.h"
 #include "tests/rtl/board/frames.h"
 #include "tests/rtl/inner_register.h"
 #include "tests/support/random_cases.h"
@@ -133,11 +133,12 @@ class RacingBoard {
                  .video_period_ps = static_cast<std::uint64_t>(random_.between(5000, 9000)),
                  .bus_period_ps = static_cast<std::uint64_t>(random_.between(3000, 12000)),
                  .bus_phase_ps = static_cast<std::uint64_t>(random_.between(0, 5000))}),
-        model_([this](BoardPacket&& packet) { judge_.expect(std::move(packet)); }) {
+        model_([this](BoardPacket&& packet) { scoreboard_.expect(std::move(packet)); }) {
     Verilated::threadContextp(device_.model().contextp());
     request_.emplace("TOP.sp_board.u_bridge.request_o");
-    device_.on_packet(
-        [this](std::span<const std::uint8_t> bytes) { ASSERT_TRUE(judge_.judge(bytes)) << judge_.first_mismatch(); });
+    device_.on_packet([this](std::span<const std::uint8_t> bytes) {
+      ASSERT_TRUE(scoreboard_.compare(bytes)) << scoreboard_.first_mismatch();
+    });
     device_.on_clock([this](std::uint64_t clock) { before_clock(clock); });
     device_.on_beat([this](std::uint64_t clock, const VideoBeat& beat) { at_beat(clock, beat); });
     const std::uint32_t size = 4U << spec::kRegSizeColumnsLsb | 1U << spec::kRegSizeRowsLsb;
@@ -173,24 +174,24 @@ class RacingBoard {
     device_.set_bus_stall_percent(0);
     device_.run(1000);
     device_.drain();
-    judge_.finish();
+    scoreboard_.finish();
     const auto low = [](std::uint64_t count) { return static_cast<std::uint32_t>(count); };
     EXPECT_EQ(device_.read(spec::kRegFrames), low(model_.frames()));
     EXPECT_EQ(device_.read(spec::kRegBroken), low(model_.broken()));
     EXPECT_EQ(device_.read(spec::kRegStray), low(model_.stray()));
     EXPECT_EQ(device_.read(spec::kRegAbandoned), low(model_.abandoned()));
-    EXPECT_EQ(device_.read(spec::kRegLostMoments), judge_.lost_in_all(spec::kKindMoments));
-    EXPECT_EQ(device_.read(spec::kRegLostImage), judge_.lost_in_all(spec::kKindImage));
-    EXPECT_EQ(device_.read(spec::kRegLostCodes), judge_.lost_in_all(spec::kKindCodes));
-    const auto& moments = judge_.of(spec::kKindMoments);
+    EXPECT_EQ(device_.read(spec::kRegLostMoments), scoreboard_.lost_in_all(spec::kKindMoments));
+    EXPECT_EQ(device_.read(spec::kRegLostImage), scoreboard_.lost_in_all(spec::kKindImage));
+    EXPECT_EQ(device_.read(spec::kRegLostCodes), scoreboard_.lost_in_all(spec::kKindCodes));
+    const auto& moments = scoreboard_.of(spec::kKindMoments);
     EXPECT_EQ(moments.matched + moments.lost + (model_.frame_open() ? 1U : 0U), model_.frames());
     sum.frames += model_.frames();
     sum.racing += counts_.racing;
     sum.writes += counts_.writes;
     sum.refused += counts_.refused;
     sum.broken += model_.broken();
-    sum.delivered += judge_.matched();
-    sum.lost += judge_.lost();
+    sum.delivered += scoreboard_.matched();
+    sum.lost += scoreboard_.lost();
     for (std::size_t word = 0; word < sum.hits.size(); ++word) {
       for (std::size_t offset = 0; offset < RaceCounts::kOffsets; ++offset) {
         sum.hits.at(word).at(offset) += counts_.hits.at(word).at(offset);
@@ -364,7 +365,7 @@ class RacingBoard {
 
   Random random_;
   BoardDevice<Model> device_;
-  PacketJudge judge_;
+  PacketScoreboard scoreboard_;
   BoardModel model_;
   std::optional<InnerRegister> request_;
 

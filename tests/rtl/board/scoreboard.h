@@ -15,7 +15,7 @@
 #include "model/board.h"
 #include "model/packet.h"
 #include "sim/board/board_device.h"
-#include "sim/board/packet_judge.h"
+#include "sim/board/packet_scoreboard.h"
 
 namespace selfproj::test {
 
@@ -65,7 +65,7 @@ class Scoreboard {
   void counted_before(BoardCounts counts) {
     before_ = std::move(counts);
     for (const auto& [kind, count] : before_.lost) {
-      judge_.lost_before(kind, count);
+      scoreboard_.lost_before(kind, count);
     }
   }
   [[nodiscard]] const BoardCounts& counted_before() const { return before_; }
@@ -75,7 +75,7 @@ class Scoreboard {
     before_ = {};
     device_.reset();
     model_ = BoardModel([this](BoardPacket&& packet) { expect(std::move(packet)); }, median_built_);
-    judge_ = {};
+    scoreboard_ = {};
     on_frame_ = false;
     pattern_ = 0;
     encoder_ = 0;
@@ -108,11 +108,11 @@ class Scoreboard {
   void finish() {
     turn_encoder(0);
     device_.drain();
-    judge_.finish();
-    EXPECT_EQ(device_.read(spec::kRegLostMoments), judge_.lost_in_all(spec::kKindMoments));
-    EXPECT_EQ(device_.read(spec::kRegLostImage), judge_.lost_in_all(spec::kKindImage));
+    scoreboard_.finish();
+    EXPECT_EQ(device_.read(spec::kRegLostMoments), scoreboard_.lost_in_all(spec::kKindMoments));
+    EXPECT_EQ(device_.read(spec::kRegLostImage), scoreboard_.lost_in_all(spec::kKindImage));
     if ((device_.read(spec::kRegCapability) >> spec::kRegCapabilityCodesLsb & 1U) != 0) {
-      EXPECT_EQ(device_.read(spec::kRegLostCodes), judge_.lost_in_all(spec::kKindCodes));
+      EXPECT_EQ(device_.read(spec::kRegLostCodes), scoreboard_.lost_in_all(spec::kKindCodes));
       EXPECT_EQ(device_.read(spec::kRegAbandoned), before_.abandoned + static_cast<std::uint32_t>(model_.abandoned()));
     }
     EXPECT_EQ(device_.read(spec::kRegFrames), static_cast<std::uint32_t>(before_.frames + model_.frames()));
@@ -122,19 +122,19 @@ class Scoreboard {
     EXPECT_EQ(device_.read(spec::kRegEncoderErrors), 0U);
   }
 
-  [[nodiscard]] std::uint64_t delivered(std::uint8_t kind) const { return judge_.of(kind).matched; }
-  [[nodiscard]] std::uint64_t lost(std::uint8_t kind) const { return judge_.of(kind).lost; }
-  [[nodiscard]] std::uint64_t bytes() const { return judge_.matched_bytes(); }
+  [[nodiscard]] std::uint64_t delivered(std::uint8_t kind) const { return scoreboard_.of(kind).matched; }
+  [[nodiscard]] std::uint64_t lost(std::uint8_t kind) const { return scoreboard_.of(kind).lost; }
+  [[nodiscard]] std::uint64_t bytes() const { return scoreboard_.matched_bytes(); }
   // Header and status of the last packet of the kind that came out.
-  [[nodiscard]] const PacketHeader& last_header(std::uint8_t kind) const { return judge_.of(kind).last_header; }
-  [[nodiscard]] std::uint32_t last_status(std::uint8_t kind) const { return judge_.of(kind).last_status; }
-  [[nodiscard]] const std::map<std::uint32_t, std::uint64_t>& by_status() const { return judge_.by_status(); }
+  [[nodiscard]] const PacketHeader& last_header(std::uint8_t kind) const { return scoreboard_.of(kind).last_header; }
+  [[nodiscard]] std::uint32_t last_status(std::uint8_t kind) const { return scoreboard_.of(kind).last_status; }
+  [[nodiscard]] const std::map<std::uint32_t, std::uint64_t>& by_status() const { return scoreboard_.by_status(); }
 
  private:
   void expect(BoardPacket&& packet) {
     packet.header.sequence += before_.frames;
     packet.header.time_stamp += before_.clocks;
-    judge_.expect(std::move(packet));
+    scoreboard_.expect(std::move(packet));
   }
 
   void before_clock(std::uint64_t clock) {
@@ -155,14 +155,15 @@ class Scoreboard {
   }
 
   void receive(std::span<const std::uint8_t> bytes) {
-    const std::uint64_t before = judge_.mismatches();
-    ASSERT_TRUE(judge_.judge(bytes)) << (before == 0 ? judge_.first_mismatch() : "the next mismatch after the first");
+    const std::uint64_t before = scoreboard_.mismatches();
+    ASSERT_TRUE(scoreboard_.compare(bytes))
+        << (before == 0 ? scoreboard_.first_mismatch() : "the next mismatch after the first");
   }
 
   BoardDevice<Model> device_;
   bool median_built_;
   BoardModel model_;
-  PacketJudge judge_;
+  PacketScoreboard scoreboard_;
 
   bool on_frame_ = false;
   std::uint16_t pattern_ = 0;
