@@ -29,7 +29,8 @@ def main():
         print(environment.missing())
         return pypi.UNREACHED
     done = subprocess.run([environment.bin / "mkdocs", "build", "--strict", "--quiet"], cwd=ROOT, check=False,
-                          env={**os.environ, "SELFPROJ_PROGRAMS": str(programs), "NO_MKDOCS_2_WARNING": "1"})
+                          env={**os.environ, "SELFPROJ_PROGRAMS": str(programs), "NO_MKDOCS_2_WARNING": "1",
+                               "PYTHONDONTWRITEBYTECODE": "1"})
     if done.returncode == 0:
         print(f"{ROOT / 'build/site/index.html'}")
     return 1 if done.returncode else 0

@@ -146,10 +146,13 @@ class Results:
         self.folders = {}
         for path in sorted(path for folder in FOLDERS for path in (root / folder).glob("*.json")):
             shown = path.relative_to(root).as_posix()
+            text = path.read_text(encoding="utf-8")
             try:
-                file = json.loads(path.read_text(encoding="utf-8"))
+                file = json.loads(text)
             except ValueError as error:
                 raise ResultsError(f"{shown}: {error}") from None
+            if text.count("\n") != text_of(file).count("\n") + 1:
+                raise ResultsError(f"{shown}: has not one record a line, as write() would give it")
             missing = [key for key in ENVELOPE if key not in file]
             if missing:
                 raise ResultsError(f"{shown}: without {', '.join(missing)}")

@@ -36,7 +36,7 @@ def documents():
     """Returns {name on the site: path in the tree} of documents and pictures outside docs/."""
     paths = [*ROOT.glob("**/README.md"), *ROOT.glob("lab/*.md"), *ROOT.glob("lab/images/*")]
     names = {path.relative_to(ROOT).as_posix(): path for path in paths}
-    names = {name: path for name, path in names.items() if not name.startswith(("build/", "docs/"))}
+    names = {name: path for name, path in names.items() if not name.startswith((".", "build", "docs/"))}
     return {"index.md" if name == "README.md" else name: path for name, path in sorted(names.items())}
 
 
