@@ -50,8 +50,8 @@ std::string error_map(const Rig& rig) {
     for (int i = 0; i < kPoints; ++i) {
       for (int k = 0; k < kPoints; ++k) {
         const CameraPoint point{0.5 * (rig.camera.rows - 1) + (i - 0.5 * (kPoints - 1)) * kStep,
-                              0.5 * (rig.camera.columns - 1) + (k - 0.5 * (kPoints - 1)) * kStep,
-                              rig.plane_z_mm - what.height};
+                                0.5 * (rig.camera.columns - 1) + (k - 0.5 * (kPoints - 1)) * kStep,
+                                rig.plane_z_mm - what.height};
         const ErrorTerms terms =
             error_terms(rig, point, 0.5 * rig.projector.line_pitch_mm, 0.5 * rig.camera.pixel_pitch_mm);
         text += fmt::format("{},{},{},{:.4f},{:.4f},{:.4f}\n", what.height, point.row, point.column,

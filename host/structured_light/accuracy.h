@@ -33,9 +33,9 @@ struct DepthRange {
   double high = 0;
 };
 
-// (4.21) to (4.23) at a point, for errors of `delta_xp_mm` and `delta_xc_mm` on the image planes of projector and camera.
-// NaN where camera or projector do not see the point. These errors and the ranges below follow from the whole geometry of
-// a rig with lenses; approximate_error and depth_of_line are those of its pinholes.
+// (4.21) to (4.23) at a point, for errors of `delta_xp_mm` and `delta_xc_mm` on the image planes of projector and
+// camera. NaN where camera or projector do not see the point. These errors and the ranges below follow from the whole
+// geometry of a rig with lenses; approximate_error and depth_of_line are those of its pinholes.
 ErrorTerms error_terms(const Rig& rig, const CameraPoint& point, double delta_xp_mm, double delta_xc_mm);
 
 // |Δz| of half a pixel of each, added by magnitude as in the published figures.

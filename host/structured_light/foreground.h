@@ -23,9 +23,9 @@ struct Foreground {
 // the triangulation. Sums use 32-bit floats over at most 16 pixels and 64 bits beyond. Allocates nothing.
 Foreground foreground_of(const Triangulation& triangulation, const float* z, const float* background, float min_mm);
 
-// Further conditions for what counts as foreground. A code is collected over 2m frames. If the edge of a thing or of its
-// shadow sweeps over a pixel meanwhile, some of its bits belong to one surface and some to the other, and its depth is
-// that of neither. Such a depth does not stay from one depth image to the next, and it differs from its neighbours'.
+// Further conditions for what counts as foreground. A code is collected over 2m frames. If the edge of a thing or of
+// its shadow sweeps over a pixel meanwhile, some of its bits belong to one surface and some to the other, and its depth
+// is that of neither. Such a depth does not stay from one depth image to the next, and it differs from its neighbours'.
 struct SteadySettings {
   float max_change_mm = std::numeric_limits<float>::infinity();  // since the previous depth image; infinite: any
   int min_neighbours = 0;  // 0..8 neighbouring pixels of the foreground within that distance in z

@@ -116,7 +116,7 @@ class ScannerCosim final : public DepthCosim {
     sample.t = middle_frame() / rig().camera.frame_rate_hz;
     sample.moved = scanner_.foreground();
     sample.true_moved = foreground_of(*triangulation_, truth().values.data(), true_background_.values.data(),
-                              static_cast<float>(min_difference_));
+                                      static_cast<float>(min_difference_));
     if (info().analysis == SceneAnalysis::wave_front) {
       sample.front = front(sample.t, depth(), background_);
       sample.true_front = front(sample.t, truth(), true_background_);

@@ -123,8 +123,8 @@ class MatchCommand : public ::testing::Test {
       header.lines = 0;
       append_packet(header, std::vector<std::uint8_t>(moments_payload_bytes(Mode::binary, image.cols)), 0, bytes);
       header.kind = codes ? spec::kKindCodes : spec::kKindImage;
-      const bool due =
-          decoder.add_frame({image.data, image.rows, image.cols, image.cols}, static_cast<int>(i % 8), true, words.data());
+      const bool due = decoder.add_frame({image.data, image.rows, image.cols, image.cols}, static_cast<int>(i % 8),
+                                         true, words.data());
       for (int row = 0; row < image.rows && (due || !codes); ++row) {
         header.first_line = static_cast<std::uint16_t>(row + 1);
         header.lines = 1;

@@ -1,3 +1,5 @@
+#include "host/report/tables.h"
+
 #include <gtest/gtest.h>
 
 #include <array>
@@ -8,7 +10,6 @@
 #include <string>
 #include <vector>
 
-#include "host/report/tables.h"
 #include "tests/support/random_cases.h"
 
 namespace selfproj {

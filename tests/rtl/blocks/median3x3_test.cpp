@@ -100,7 +100,7 @@ TEST(GrayCoreMedian, DecodesAndFilters) {
         std::vector<std::uint16_t> raw(size);
         const int pattern = frame % (2 * settings.bits);
         if (decoder.add_frame({pixels.data(), settings.rows, settings.columns, settings.columns}, pattern, true,
-                         raw.data())) {
+                              raw.data())) {
           if (since <= groups + 3) {  // the median is busy: the decoder waits for plane 0
             ++refused;
             waits = true;

@@ -10,8 +10,8 @@
 
 #include "Vsp_test_camera_ports.h"
 #include "Vsp_test_camera_tight_ports.h"
-#include "model/gray_decoder.h"
 #include "model/column_moments.h"
+#include "model/gray_decoder.h"
 #include "model/little_endian.h"
 #include "tests/rtl/blocks/camera_beats.h"
 #include "tests/rtl/blocks/clocked.h"
@@ -189,8 +189,8 @@ TEST(TestCamera, CodesAreKnown) {
     std::vector<std::uint16_t> codes(std::size_t{kColumns} * kRows);
     for (int index = 0; index < 2 * bits; ++index) {
       const std::vector<std::uint8_t> pixels = test_camera_pattern(kColumns, kRows, bits, index);
-      const bool done = decoder.add_frame({.pixels = pixels.data(), .rows = kRows, .columns = kColumns, .stride = kColumns},
-                                     index, true, codes.data());
+      const bool done = decoder.add_frame(
+          {.pixels = pixels.data(), .rows = kRows, .columns = kColumns, .stride = kColumns}, index, true, codes.data());
       EXPECT_EQ(done, index + 1 == 2 * bits);
     }
     for (unsigned y = 0; y < kRows; ++y) {
