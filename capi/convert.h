@@ -10,6 +10,7 @@
 #include <exception>
 #include <new>
 #include <stdexcept>
+#include <type_traits>
 
 #include "capi/selfproj.h"
 #include "host/files/user_error.h"
@@ -29,11 +30,16 @@ inline void require(bool good, const char* text) {
   }
 }
 
-// Calls `work`, which returns what the C function returns, and turns exceptions into results.
+// Calls `work`, which returns what the C function returns, or nothing for SELFPROJ_OK; turns exceptions into results.
 template <typename Work>
 std::int32_t guarded(const Work& work) noexcept {
   try {
-    return work();
+    if constexpr (std::is_void_v<decltype(work())>) {
+      work();
+      return SELFPROJ_OK;
+    } else {
+      return work();
+    }
   } catch (const std::bad_alloc&) {
     return failed(SELFPROJ_NO_MEMORY, "there is not enough memory");
   } catch (const std::invalid_argument& error) {

@@ -43,19 +43,18 @@ DeviceOptions options_of(const selfproj_device_options* options) {
 }  // namespace
 }  // namespace selfproj
 
+using namespace selfproj;
+
 std::int32_t selfproj_device_open(const char* uri, const selfproj_device_options* options, selfproj_device** out) {
-  using namespace selfproj;
   return guarded([&] {
     require(uri != nullptr && out != nullptr, "null pointer");
     *out = new selfproj_device{open_device(uri, options_of(options))};
-    return SELFPROJ_OK;
   });
 }
 
 void selfproj_device_close(selfproj_device* device) { delete device; }
 
 std::int32_t selfproj_device_next(selfproj_device* device, std::int64_t timeout_ns, selfproj_packet* packet) {
-  using namespace selfproj;
   return guarded([&] {
     require(device != nullptr, "null pointer");
     require(timeout_ns >= 0 && timeout_ns <= kMaxTimeout, "timeout_ns is not in 0..10^18");
@@ -75,16 +74,13 @@ std::int32_t selfproj_device_next(selfproj_device* device, std::int64_t timeout_
 }
 
 std::int32_t selfproj_device_release(selfproj_device* device) {
-  using namespace selfproj;
   return guarded([&] {
     require(device != nullptr, "null pointer");
     device->device->release();
-    return SELFPROJ_OK;
   });
 }
 
 std::int32_t selfproj_device_counters(const selfproj_device* device, selfproj_counters* counters) {
-  using namespace selfproj;
   return guarded([&] {
     require(device != nullptr, "null pointer");
     require(counters != nullptr && counters->size >= kOldestCounters, "counters: null pointer, or size is not set");
@@ -110,6 +106,5 @@ std::int32_t selfproj_device_counters(const selfproj_device* device, selfproj_co
     value.datagrams_reordered = from.datagrams_reordered;
     value.datagrams_refused = from.datagrams_refused;
     copy_to(value, counters);
-    return SELFPROJ_OK;
   });
 }

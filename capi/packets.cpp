@@ -31,8 +31,9 @@ void write_bytes(const std::vector<std::uint8_t>& packet, std::uint8_t* out, std
 }  // namespace
 }  // namespace selfproj
 
+using namespace selfproj;
+
 std::int32_t selfproj_payload_bytes(std::uint32_t kind, std::int32_t mode, std::int32_t columns, std::size_t* bytes) {
-  using namespace selfproj;
   return guarded([&] {
     require(bytes != nullptr, "null pointer");
     require(kind >= SELFPROJ_KIND_MOMENTS && kind <= SELFPROJ_KIND_IMAGE, "unknown kind");
@@ -40,7 +41,6 @@ std::int32_t selfproj_payload_bytes(std::uint32_t kind, std::int32_t mode, std::
     *bytes = kind == SELFPROJ_KIND_MOMENTS ? moments_payload_bytes(mode_of(mode), count)
              : kind == SELFPROJ_KIND_CODES ? codes_line_payload_bytes(count)
                                            : image_line_payload_bytes(count);
-    return SELFPROJ_OK;
   });
 }
 
@@ -48,7 +48,6 @@ std::int32_t selfproj_pack_moments(std::int32_t select, std::int32_t mode, std::
                                    const std::uint32_t* m0, const std::uint32_t* m1, const std::uint32_t* n,
                                    const std::uint8_t* runs, const std::uint8_t* second, std::uint8_t* payload,
                                    std::size_t payload_bytes) {
-  using namespace selfproj;
   return guarded([&] {
     require(payload != nullptr, "null pointer");
     const int count = checked_columns(columns);
@@ -59,54 +58,46 @@ std::int32_t selfproj_pack_moments(std::int32_t select, std::int32_t mode, std::
     const Select what = select_of(select);
     pack_columns(what, mode_of(mode), count,
                  runs_of(what, moments, const_cast<std::uint8_t*>(runs), const_cast<std::uint8_t*>(second)), payload);
-    return SELFPROJ_OK;
   });
 }
 
 std::int32_t selfproj_unpack_moments(std::int32_t select, std::int32_t mode, std::int32_t columns,
                                      const std::uint8_t* payload, std::size_t payload_bytes, std::uint32_t* m0,
                                      std::uint32_t* m1, std::uint32_t* n, std::uint8_t* runs, std::uint8_t* second) {
-  using namespace selfproj;
   return guarded([&] {
     require(payload != nullptr, "null pointer");
     const int count = checked_columns(columns);
     require(payload_bytes >= moments_payload_bytes(mode_of(mode), count), "payload_bytes are too few for the columns");
     const Select what = select_of(select);
     unpack_columns(what, mode_of(mode), count, payload, runs_of(what, {m0, m1, n}, runs, second));
-    return SELFPROJ_OK;
   });
 }
 
 std::int32_t selfproj_unpack_codes(std::int32_t columns, const std::uint8_t* payload, std::size_t payload_bytes,
                                    std::uint16_t* codes) {
-  using namespace selfproj;
   return guarded([&] {
     require(payload != nullptr && codes != nullptr, "null pointer");
     const int count = checked_columns(columns);
     require(payload_bytes >= codes_line_payload_bytes(count), "payload_bytes are too few for the columns");
     unpack_codes(count, payload, codes);
-    return SELFPROJ_OK;
   });
 }
 
 std::int32_t selfproj_build_packet(const selfproj_header* header, const std::uint8_t* payload,
                                    std::size_t payload_bytes, std::uint32_t status, std::uint8_t* out,
                                    std::size_t capacity, std::size_t* written) {
-  using namespace selfproj;
   return guarded([&] {
     require(written != nullptr && (payload != nullptr || payload_bytes == 0), "null pointer");
     require(payload_bytes <= kMaxPayloadBytes, "more than 16 MiB of payload");
     std::vector<std::uint8_t> packet;
     append_packet(header_of(header), {payload, payload_bytes}, status, packet);
     write_bytes(packet, out, capacity, written);
-    return SELFPROJ_OK;
   });
 }
 
 std::int32_t selfproj_moments_packet(const selfproj_image* image, const selfproj_measure* measure,
                                      const selfproj_header* header, std::uint8_t* out, std::size_t capacity,
                                      std::size_t* written) {
-  using namespace selfproj;
   return guarded([&] {
     require(written != nullptr, "null pointer");
     const Measure how = measure_of(measure);
@@ -116,12 +107,10 @@ std::int32_t selfproj_moments_packet(const selfproj_image* image, const selfproj
     std::vector<std::uint8_t> packet;
     append_moments_packet(view, how, header_of(header), packet);
     write_bytes(packet, out, capacity, written);
-    return SELFPROJ_OK;
   });
 }
 
 std::int32_t selfproj_parse_packet(const std::uint8_t* bytes, std::size_t count, selfproj_packet* packet) {
-  using namespace selfproj;
   return guarded([&] {
     check_packet(packet);
     require(bytes != nullptr || count == 0, "null pointer");

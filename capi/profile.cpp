@@ -58,8 +58,9 @@ void hand_out(const Profile& from, const selfproj_profile& to) {
 }  // namespace
 }  // namespace selfproj
 
+using namespace selfproj;
+
 std::int32_t selfproj_profiler_create(const char* rig, const char* reference, selfproj_profiler** out) {
-  using namespace selfproj;
   return guarded([&] {
     require(rig != nullptr && out != nullptr, "null pointer");
     const Rig loaded = load_any_rig(rig);
@@ -72,25 +73,21 @@ std::int32_t selfproj_profiler_create(const char* rig, const char* reference, se
         std::make_unique<selfproj_profiler>(selfproj_profiler{loaded, DifferentialProfiler(loaded, curve), Profile{}});
     made->profile.resize(loaded.camera.columns);
     *out = made.release();
-    return SELFPROJ_OK;
   });
 }
 
 void selfproj_profiler_destroy(selfproj_profiler* profiler) { delete profiler; }
 
 std::int32_t selfproj_profiler_size(const selfproj_profiler* profiler, std::int32_t* rows, std::int32_t* columns) {
-  using namespace selfproj;
   return guarded([&] {
     require(profiler != nullptr && rows != nullptr && columns != nullptr, "null pointer");
     *rows = profiler->rig.camera.rows;
     *columns = profiler->rig.camera.columns;
-    return SELFPROJ_OK;
   });
 }
 
 std::int32_t selfproj_profile_of_packet(selfproj_profiler* profiler, const selfproj_packet* packet,
                                         const selfproj_profile* out) {
-  using namespace selfproj;
   return guarded([&] {
     const selfproj_profile wanted = profile_of(profiler, out);
     check_packet(packet);
@@ -115,7 +112,6 @@ std::int32_t selfproj_profile_of_packet(selfproj_profiler* profiler, const selfp
 
 std::int32_t selfproj_profile_of_moments(selfproj_profiler* profiler, const std::uint32_t* m0, const std::uint32_t* m1,
                                          const std::uint32_t* n, const selfproj_profile* out) {
-  using namespace selfproj;
   return guarded([&] {
     const selfproj_profile wanted = profile_of(profiler, out);
     require(m0 != nullptr && m1 != nullptr && n != nullptr, "null pointer");
@@ -124,6 +120,5 @@ std::int32_t selfproj_profile_of_moments(selfproj_profiler* profiler, const std:
         MomentsView{const_cast<std::uint32_t*>(m0), const_cast<std::uint32_t*>(m1), const_cast<std::uint32_t*>(n)},
         profiler->profile.view());
     hand_out(profiler->profile, wanted);
-    return SELFPROJ_OK;
   });
 }

@@ -2,9 +2,12 @@
 #define SELFPROJ_HOST_FILES_OUTPUT_FILE_H
 
 #include <filesystem>
-#include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
+
+#include "host/files/file_descriptor.h"
+#include "host/files/temporary.h"
 
 namespace selfproj {
 
@@ -40,19 +43,18 @@ class OutputStream {
   explicit OutputStream(const OutputFile& file);
   OutputStream(const OutputStream&) = delete;
   OutputStream& operator=(const OutputStream&) = delete;
-  ~OutputStream();
+  ~OutputStream() = default;
 
   // Throw UserError.
   void append(std::string_view text);
   void commit();
 
  private:
-  class Part;
-  template <class Act>
-  auto guarded(Act act) const;
+  void must(bool done) const;
 
   const OutputFile& file_;
-  std::unique_ptr<Part> part_;
+  std::optional<Temporary> temporary_;  // takes the target's place at the end; empty: a device or pipe
+  FileDescriptor device_{-1};
 };
 
 }  // namespace selfproj

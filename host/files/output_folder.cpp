@@ -183,13 +183,9 @@ OutputFolder::OutputFolder(const std::string& name) : name_(name), target_(name)
 OutputFolder::~OutputFolder() = default;
 
 void OutputFolder::create_staging() {
-  try {
-    // On the file system of the target, so that moving is renaming.
-    staging_ = std::make_unique<Temporary>(exists_ && !beside_ ? target_ : writable_parent(name_, target_),
-                                           Temporary::Kind::folder);
-  } catch (const std::system_error& error) {
-    throw UserError(name_, error.code().message());
-  }
+  // On the file system of the target, so that moving is renaming.
+  staging_ = std::make_unique<Temporary>(name_, exists_ && !beside_ ? target_ : writable_parent(name_, target_),
+                                         Temporary::Kind::folder);
 }
 
 void OutputFolder::check(const std::string& file) const {

@@ -194,7 +194,7 @@ void RemovedAtEnd::remove_at_end(const fs::path& path) {
   place_ = claim_place(path);
 }
 
-Temporary::Temporary(const fs::path& in, Kind kind) {
+Temporary::Temporary(const std::string& name, const fs::path& in, Kind kind) {
   const FolderLock lock(in);
   if (lock.held()) {
     remove_abandoned(in);
@@ -203,7 +203,7 @@ Temporary::Temporary(const fs::path& in, Kind kind) {
   fs::path path;
   descriptor_.reset(make_first_free(in, kind, path));
   if (descriptor_.number() < 0) {
-    throw std::system_error(errno, std::generic_category());
+    throw UserError(name, error_text(errno));
   }
   static_cast<void>(flock(descriptor_.number(), LOCK_EX | LOCK_NB));
   std::error_code error;

@@ -61,8 +61,8 @@ class Temporary : public RemovedAtEnd {
  public:
   enum class Kind : std::uint8_t { file, folder };
 
-  // Throws std::system_error.
-  Temporary(const std::filesystem::path& in, Kind kind);
+  // Throws UserError about `name`, which the user gave.
+  Temporary(const std::string& name, const std::filesystem::path& in, Kind kind);
 
   // The descriptor of the file, for writing, or of the folder.
   [[nodiscard]] FileDescriptor& descriptor() { return descriptor_; }

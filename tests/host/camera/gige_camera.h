@@ -2,6 +2,8 @@
 #ifndef SELFPROJ_TESTS_HOST_CAMERA_GIGE_CAMERA_H
 #define SELFPROJ_TESTS_HOST_CAMERA_GIGE_CAMERA_H
 
+#include <gtest/gtest.h>
+
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -12,6 +14,16 @@ namespace selfproj::test {
 // neither others of its kind nor a real one. Call before the process has threads. Returns false if the system does not
 // allow it.
 bool enter_own_network();
+
+// A test on a network of its own.
+class OnOwnNetwork : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (!enter_own_network()) {
+      GTEST_SKIP() << "this system allows no network of one's own";
+    }
+  }
+};
 
 // A picture to draw: rows · columns bytes.
 struct Picture {

@@ -24,14 +24,7 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 
-class LiveCamera : public testing::Test {
- protected:
-  void SetUp() override {
-    if (!enter_own_network()) {
-      GTEST_SKIP() << "this system allows no network of one's own";
-    }
-  }
-};
+using LiveCamera = OnOwnNetwork;
 
 // A line of light at a row that the picture's number says.
 int row_of(std::uint64_t number) { return static_cast<int>(number * 7 % 90); }

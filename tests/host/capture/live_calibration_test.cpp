@@ -103,27 +103,17 @@ class Dialogue {
   Outcome outcome_;
 };
 
-class LiveCalibration : public testing::Test {
+class LiveCalibration : public LiveTest {
  protected:
-  void SetUp() override {
-    if (!VirtualScreen::installed()) {
-      GTEST_SKIP() << "Xvfb is not installed";
-    }
-    if (!enter_own_network()) {
-      GTEST_SKIP() << "this system allows no network of one's own";
-    }
-    screen_ = std::make_unique<VirtualScreen>(rig_.projector.columns, rig_.projector.lines, screen_folder_.path());
+  LiveCalibration() : LiveTest(small_scanner(4, 4)) {}
+  void prepare() override {
     const RealRig real(rig_);
     const ChessboardShape shape{6, 5, 30};
     for (const ChessboardPlace& place : chessboard_places(real, shape, 6, 25)) {
       poses_.push_back(std::make_unique<ChessboardScene>(rig_, shape, place));
     }
     plane_ = make_scene("plane", rig_);
-    world_ = std::make_unique<LiveWorld>(rig_, *plane_, *screen_, WorldFaults{.most_delay_ms = 20});
-  }
-
-  Outcome run(const std::vector<std::string>& arguments) {
-    return run_program(SELFPROJ_PROGRAM, arguments, folder_.path());
+    look(*plane_, {.max_delay_ms = 20});
   }
 
   // Runs a command that has no end, until Ctrl-C after two seconds.
@@ -162,27 +152,15 @@ class LiveCalibration : public testing::Test {
 
   // The median distance in mm of depths from the truth.
   double error_of(const std::string& folder) {
-    const FloatImage z = read_float_tiff((folder_ / folder / "depth.tiff").string());
     const std::vector<float> truth = world_->truth();
-    std::vector<double> off;
-    for (std::size_t i = 0; i < truth.size(); ++i) {
-      if (!std::isnan(z.values[i])) {
-        off.push_back(std::abs(static_cast<double>(z.values[i]) - static_cast<double>(truth[i])));
-      }
-    }
-    EXPECT_GT(off.size(), truth.size() / 2) << folder;
-    std::sort(off.begin(), off.end());
-    return off.empty() ? 1e9 : off[off.size() / 2];
+    const DepthErrors errors = depth_errors(folder_ / folder / "depth.tiff", truth);
+    EXPECT_GT(errors.pixels, truth.size() / 2) << folder;
+    return errors.median_mm;
   }
 
-  Rig rig_ = small_scanner(4, 4);
   GraySequence gray_{rig_.projector.columns, rig_.projector.lines};
   std::vector<std::unique_ptr<Scene>> poses_;
   std::unique_ptr<Scene> plane_;
-  ScratchFolder screen_folder_;
-  ScratchFolder folder_;
-  std::unique_ptr<VirtualScreen> screen_;
-  std::unique_ptr<LiveWorld> world_;
 };
 
 // The command lines of the blocks `sh` of a document, each in words, for this rig in place of the document's.

@@ -38,16 +38,10 @@ namespace {
 
 constexpr int kBits = 7;  // of 96 lines
 
-class LiveCapture : public testing::Test {
+class LiveCapture : public LiveTest {
  protected:
-  void SetUp() override {
-    if (!VirtualScreen::installed()) {
-      GTEST_SKIP() << "Xvfb is not installed";
-    }
-    if (!enter_own_network()) {
-      GTEST_SKIP() << "this system allows no network of one's own";
-    }
-    screen_ = std::make_unique<VirtualScreen>(rig_.projector.columns, rig_.projector.lines, screen_folder_.path());
+  LiveCapture() : LiveTest(small_scanner(8, 8)) {}
+  void prepare() override {
     scene_ = make_scene("desk", rig_);
     write_text(folder_ / "small.yaml", to_yaml(rig_));
     std::filesystem::create_directory(folder_ / "gray");
@@ -57,46 +51,19 @@ class LiveCapture : public testing::Test {
     }
   }
 
-  void look(const WorldFaults& faults) { world_ = std::make_unique<LiveWorld>(rig_, *scene_, *screen_, faults); }
-
-  Outcome run(const std::vector<std::string>& arguments) {
-    return run_program(SELFPROJ_PROGRAM, arguments, folder_.path());
-  }
+  void look(const WorldFaults& faults) { LiveTest::look(*scene_, faults); }
 
   Outcome capture(const std::string& settings = "") {
     return run(
         {"capture", "--camera", "camera:127.0.0.1?region=64x64" + settings, "--patterns", "gray", "--out", "seen"});
   }
 
-  Rig rig_ = small_scanner(8, 8);
   std::unique_ptr<Scene> scene_;
   std::vector<Image> patterns_;
-  ScratchFolder screen_folder_;
-  ScratchFolder folder_;
-  std::unique_ptr<VirtualScreen> screen_;
-  std::unique_ptr<LiveWorld> world_;
 };
-
-// How far depths are from the truth.
-struct Errors {
-  std::size_t pixels = 0;
-  double median_mm = 0;
-};
-
-Errors errors_of(const std::filesystem::path& file, const std::vector<float>& truth) {
-  const FloatImage z = read_float_tiff(file.string());
-  std::vector<double> off;
-  for (std::size_t i = 0; i < truth.size(); ++i) {
-    if (!std::isnan(z.values[i]) && !std::isnan(truth[i])) {
-      off.push_back(std::abs(static_cast<double>(z.values[i]) - static_cast<double>(truth[i])));
-    }
-  }
-  std::sort(off.begin(), off.end());
-  return {off.size(), off.empty() ? 0 : off[off.size() / 2]};
-}
 
 TEST_F(LiveCapture, DepthThroughRandomDelaysAndLostPackets) {
-  look({.least_delay_ms = 0, .most_delay_ms = 60, .lost = 0.005});
+  look({.min_delay_ms = 0, .max_delay_ms = 60, .lost = 0.005});
   const Outcome captured = capture();
   ASSERT_EQ(captured.status, 0) << captured.err;
   const auto record = nlohmann::json::parse(read_text(folder_ / "seen" / "capture.json"));
@@ -123,8 +90,8 @@ TEST_F(LiveCapture, DepthThroughRandomDelaysAndLostPackets) {
   const std::string bits = std::to_string(kBits);
   ASSERT_EQ(run({"depth", "--rig", "small.yaml", "--bits", bits, "--out", "live", "seen"}).status, 0);
   ASSERT_EQ(run({"depth", "--rig", "small.yaml", "--bits", bits, "--out", "known", "recorded"}).status, 0);
-  const Errors live = errors_of(folder_ / "live" / "depth.tiff", world_->truth());
-  const Errors known = errors_of(folder_ / "known" / "depth.tiff", world_->truth());
+  const DepthErrors live = depth_errors(folder_ / "live" / "depth.tiff", world_->truth());
+  const DepthErrors known = depth_errors(folder_ / "known" / "depth.tiff", world_->truth());
   EXPECT_GT(known.pixels, 2000U);
   EXPECT_NEAR(static_cast<double>(live.pixels), static_cast<double>(known.pixels), 40);
   EXPECT_NEAR(live.median_mm, known.median_mm, 0.02 * known.median_mm);
@@ -150,8 +117,8 @@ TEST_F(LiveCapture, ScanByGrayCodes) {
   for (int scan = 1; scan <= scans; ++scan) {
     SCOPED_TRACE(fmt::format("scan {}", scan));
     world_.reset();
-    look({.least_delay_ms = 0,
-          .most_delay_ms = 120,
+    look({.min_delay_ms = 0,
+          .max_delay_ms = 120,
           .lost = 0.005,
           .torn_percent = 1,
           .torn_ms = 300,
@@ -183,8 +150,8 @@ TEST_F(LiveCapture, ScanByGrayCodes) {
     write_text(folder_ / known.back(), encode_png(recorded[i]));
   }
   ASSERT_EQ(run(known).status, 0);
-  const Errors live = errors_of(folder_ / "scan" / "depth.tiff", world_->truth());
-  const Errors files = errors_of(folder_ / "known" / "depth.tiff", world_->truth());
+  const DepthErrors live = depth_errors(folder_ / "scan" / "depth.tiff", world_->truth());
+  const DepthErrors files = depth_errors(folder_ / "known" / "depth.tiff", world_->truth());
   EXPECT_GT(files.pixels, 2000U);
   EXPECT_NEAR(static_cast<double>(live.pixels), static_cast<double>(files.pixels), 40);
   EXPECT_NEAR(live.median_mm, files.median_mm, 0.02 * files.median_mm);
@@ -208,7 +175,7 @@ TEST_F(LiveCapture, ScanByGrayCodes) {
 // A quarter of the pictures appear in parts, for longer than the settle time that is given. Every image is the one of
 // its pattern all the same, and what was taken again is counted.
 TEST_F(LiveCapture, TornPicturesAreTakenAgain) {
-  look({.most_delay_ms = 10, .torn_percent = 25, .torn_ms = 150, .same_noise = true});
+  look({.max_delay_ms = 10, .torn_percent = 25, .torn_ms = 150, .same_noise = true});
   const Outcome captured = run({"capture", "--camera", "camera:127.0.0.1?region=64x64", "--patterns", "gray",
                                 "--settle-ms", "30", "--out", "seen"});
   ASSERT_EQ(captured.status, 0) << captured.err;
@@ -243,7 +210,7 @@ TEST_F(LiveCapture, ABentCurveOfTheCameraIsNoTearing) {
 
 // The reference is scanned by the same display and camera, then measured itself: no difference.
 TEST_F(LiveCapture, ScanWithTheReferencesOwnPatterns) {
-  look({.least_delay_ms = 20, .most_delay_ms = 20, .tick_ms = 40});
+  look({.min_delay_ms = 20, .max_delay_ms = 20, .tick_ms = 40});
   const std::vector<std::string> camera = {"--camera", "camera:127.0.0.1?region=64x64"};
   ASSERT_EQ(run({"pattern", "gray", "--rig", "small.yaml", "--out", "codes"}).status, 0);
   ASSERT_EQ(run({"capture", camera[0], camera[1], "--patterns", "codes", "--out", "reference_seen"}).status, 0);
@@ -346,7 +313,7 @@ TEST_F(LiveCapture, DepthOfACameraThatTheProjectorTriggers) {
 // The camera runs free: the fake one takes a triggered image up to 40 ms after the trigger, so that there the truth is
 // not known.
 TEST_F(LiveCapture, SettleTimeIsFoundWithinTenMilliseconds) {
-  look({.least_delay_ms = 70, .most_delay_ms = 70, .gain = 2});
+  look({.min_delay_ms = 70, .max_delay_ms = 70, .gain = 2});
   const Outcome captured = capture("&trigger=free&rate=100&exposure-us=1000");
   ASSERT_EQ(captured.status, 0) << captured.err;
   const auto record = nlohmann::json::parse(read_text(folder_ / "seen" / "capture.json"));

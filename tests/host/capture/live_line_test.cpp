@@ -26,22 +26,10 @@
 namespace selfproj::test {
 namespace {
 
-class LiveLine : public testing::Test {
+class LiveLine : public LiveTest {
  protected:
-  void SetUp() override {
-    if (!VirtualScreen::installed()) {
-      GTEST_SKIP() << "Xvfb is not installed";
-    }
-    if (!enter_own_network()) {
-      GTEST_SKIP() << "this system allows no network of one's own";
-    }
-    screen_ = std::make_unique<VirtualScreen>(rig_.projector.columns, rig_.projector.lines, screen_folder_.path());
-    world_ = std::make_unique<LiveWorld>(rig_, good_, *screen_, WorldFaults{});
-  }
-
-  Outcome run(const std::vector<std::string>& arguments) {
-    return run_program(SELFPROJ_PROGRAM, arguments, folder_.path());
-  }
+  LiveLine() : LiveTest(load_rig("light-section")) {}
+  void prepare() override { look(good_, {}); }
 
   // The median difference from the reference in mm of what is before the camera now, under the reference's pattern.
   double difference(const std::string& out) {
@@ -64,13 +52,8 @@ class LiveLine : public testing::Test {
     return std::count(shown.begin(), shown.end(), 0) == static_cast<std::ptrdiff_t>(shown.size());
   }
 
-  Rig rig_ = load_rig("light-section");
   FlatPlate good_{0, {}, 0};
   FlatPlate high_{2, {}, 0};
-  ScratchFolder screen_folder_;
-  ScratchFolder folder_;
-  std::unique_ptr<VirtualScreen> screen_;
-  std::unique_ptr<LiveWorld> world_;
 };
 
 // Scan a good part by lines, make its pattern, and watch under this pattern: the good part, and one that is 2 mm

@@ -3,6 +3,8 @@
 #ifndef SELFPROJ_TESTS_HOST_CAPTURE_LIVE_WORLD_H
 #define SELFPROJ_TESTS_HOST_CAPTURE_LIVE_WORLD_H
 
+#include <gtest/gtest.h>
+
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -10,10 +12,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <mutex>
 #include <span>
+#include <string>
 #include <string_view>
 #include <thread>
 #include <utility>
@@ -25,6 +29,7 @@
 #include "sim/scene/projected_light.h"
 #include "sim/scene/real_rig.h"
 #include "sim/scene/scene.h"
+#include "tests/cli/program.h"
 #include "tests/host/camera/gige_camera.h"
 #include "tests/host/capture/small_scanner.h"
 #include "tests/support/random_cases.h"
@@ -34,8 +39,8 @@ namespace selfproj::test {
 
 // How the projector and the network behave.
 struct WorldFaults {
-  int least_delay_ms = 0;  // from the frame buffer to the light, at random for each picture
-  int most_delay_ms = 0;
+  int min_delay_ms = 0;  // from the frame buffer to the light, at random for each picture
+  int max_delay_ms = 0;
   double lost = 0;   // share of network packets
   int tick_ms = 10;  // of the camera: it takes a triggered image at the next tick
   double gain = 1;   // of the camera
@@ -132,7 +137,7 @@ class LiveWorld {
       look_ms_ = std::max(look_ms_.load(), since.count());
       std::vector<std::uint8_t> now = screen_.picture();
       if (now != last && now == screen_.picture()) {  // no picture that is just being drawn
-        const std::chrono::milliseconds delay(random_.between(faults_.least_delay_ms, faults_.most_delay_ms));
+        const std::chrono::milliseconds delay(random_.between(faults_.min_delay_ms, faults_.max_delay_ms));
         newest = std::max(newest, Clock::now() + delay);
         const bool torn = !last.empty() && random_.between(1, 100) <= faults_.torn_percent;
         const std::lock_guard lock(mutex_);
@@ -205,6 +210,58 @@ class LiveWorld {
   std::thread look_;
   GigeCamera camera_;
 };
+
+// A test with a display and a network of its own. What a world shows must outlive it.
+class LiveTest : public OnOwnNetwork {
+ protected:
+  explicit LiveTest(Rig rig) : rig_(std::move(rig)) {}
+
+  void SetUp() override {
+    if (!VirtualScreen::installed()) {
+      GTEST_SKIP() << "Xvfb is not installed";
+    }
+    OnOwnNetwork::SetUp();
+    if (!IsSkipped()) {
+      screen_ = std::make_unique<VirtualScreen>(rig_.projector.columns, rig_.projector.lines, screen_folder_.path());
+      prepare();
+    }
+  }
+  void TearDown() override { world_.reset(); }
+
+  virtual void prepare() = 0;
+
+  void look(const Scene& scene, const WorldFaults& faults) {
+    world_ = std::make_unique<LiveWorld>(rig_, scene, *screen_, faults);
+  }
+
+  [[nodiscard]] Outcome run(const std::vector<std::string>& arguments) const {
+    return run_program(SELFPROJ_PROGRAM, arguments, folder_.path());
+  }
+
+  Rig rig_;
+  ScratchFolder screen_folder_;
+  ScratchFolder folder_;
+  std::unique_ptr<VirtualScreen> screen_;
+  std::unique_ptr<LiveWorld> world_;
+};
+
+// How far depths are from the truth.
+struct DepthErrors {
+  std::size_t pixels = 0;
+  double median_mm = 0;
+};
+
+inline DepthErrors depth_errors(const std::filesystem::path& file, const std::vector<float>& truth) {
+  const FloatImage z = read_float_tiff(file.string());
+  std::vector<double> off;
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    if (!std::isnan(z.values[i]) && !std::isnan(truth[i])) {
+      off.push_back(std::abs(static_cast<double>(z.values[i]) - static_cast<double>(truth[i])));
+    }
+  }
+  std::sort(off.begin(), off.end());
+  return {off.size(), off.empty() ? 1e9 : off[off.size() / 2]};
+}
 
 }  // namespace selfproj::test
 

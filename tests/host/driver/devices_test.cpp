@@ -145,7 +145,6 @@ TEST(FileDevice, Errors) {
   EXPECT_EQ(zeros->next(packet, milliseconds(20)), Next::timeout);
 }
 
-using std::chrono::nanoseconds;
 constexpr std::size_t kBeat = spec::kPacketBeatBytes;
 
 // Pushes the packet beat by beat; returns the number of beats that were taken.
@@ -204,5 +203,4 @@ TEST(SimDevice, EndOfPacketAtTheWrongBeat) {
 TEST(SimDevice, NotByUri) { EXPECT_THROW(open_device("sim:"), UserError); }
 
 }  // namespace
-
 }  // namespace selfproj::test

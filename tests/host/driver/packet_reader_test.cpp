@@ -438,5 +438,4 @@ TEST(Counters, EachHasOneNameOfItsOwn) {
 }
 
 }  // namespace
-
 }  // namespace selfproj::test

@@ -308,10 +308,6 @@ TEST_F(Ring, NoRoomForIt) {
   EXPECT_EQ(info().name, "") << "nothing half made is left";
 }
 
-using std::chrono::milliseconds;
-using std::chrono::nanoseconds;
-using std::chrono::seconds;
-
 class RingDamage : public Ring {
  protected:
   [[nodiscard]] std::string shared() const { return ring::shared_name(name_); }
@@ -397,7 +393,7 @@ TEST_F(RingDamage, LossesAreCountedOnce) {
   EXPECT_EQ(lost, 942U);
 }
 
-// What a reader did not tell of, because it was killed, the next one does.
+// What a reader did not report, because it was killed, the next one does.
 TEST_F(RingDamage, LossesOfAKilledReaderAreNotForgotten) {
   RingWriter writer(name_, kSlots);
   write(writer, 0, kSlots + 7);
@@ -559,5 +555,4 @@ TEST_F(RingDamage, AReaderNeedsTheRightToWrite) {
 }
 
 }  // namespace
-
 }  // namespace selfproj::test

@@ -28,14 +28,7 @@ void draw(const Picture& picture) {
   std::copy_n(pixels.begin(), std::min(bytes, pixels.size()), picture.pixels);
 }
 
-class GenTLCamera : public testing::Test {
- protected:
-  void SetUp() override {
-    if (!enter_own_network()) {
-      GTEST_SKIP() << "this system allows no network of one's own";
-    }
-  }
-};
+using GenTLCamera = OnOwnNetwork;
 
 bool is_picture(std::uint64_t picture, const float* range, const std::uint16_t* lit, Expected& expected) {
   const Profile& profile = expected.of(picture % kPictures);
