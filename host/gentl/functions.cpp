@@ -2,8 +2,6 @@
 #include <algorithm>
 #include <cstring>
 #include <memory>
-#include <span>
-#include <string>
 #include <vector>
 
 #include "host/gentl/answer.h"
