@@ -2,7 +2,6 @@
 #include "host/driver/device.h"
 
 #include <chrono>
-#include <cstddef>
 #include <cstdint>
 #include <memory>
 

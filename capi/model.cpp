@@ -1,7 +1,6 @@
 // The model: moments, decoder, median, matching.
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 
 #include "capi/convert.h"
 #include "model/column_runs.h"

@@ -3,9 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <stdexcept>
-#include <vector>
 
 #include "host/light_section/fast_moments.h"
 #include "model/packet_payload.h"
@@ -71,7 +69,7 @@ SoftwareBoard::SoftwareBoard(const BoardSettings& settings)
   bytes_.reserve(bytes);
 }
 
-void SoftwareBoard::take(const ImageView& image, bool complete, std::uint64_t sequence, const BoardInputs& inputs) {
+void SoftwareBoard::process(const ImageView& image, bool complete, std::uint64_t sequence, const BoardInputs& inputs) {
   if (complete && (image.rows != settings_.rows || image.columns != settings_.columns || image.pixels == nullptr)) {
     throw std::invalid_argument("software board: the image has another size");
   }

@@ -23,13 +23,13 @@ class SoftwareBoard {
   // not have them.
   explicit SoftwareBoard(const BoardSettings& settings);
 
-  // Takes the frame with this number, and makes its packets; those of the frame before are gone. `complete` false: its
+  // Processes the frame with this number: makes its packets; those of the frame before are gone. `complete` false: its
   // image did not come whole. As on the board the moments are then an empty packet with the status `incomplete`, and
   // the decoder waits for plane 0. Throws std::invalid_argument if the image has not the size of the settings.
-  void take(const ImageView& image, bool complete, std::uint64_t sequence, const BoardInputs& inputs);
+  void process(const ImageView& image, bool complete, std::uint64_t sequence, const BoardInputs& inputs);
 
   // Gives the frame's packets one after another: the moments, then the lines of the image, then those of the codes.
-  // Returns false if there are no more. A packet is valid until the next call of take().
+  // Returns false if there are no more. A packet is valid until the next call of process().
   bool next(PacketView& packet);
 
   [[nodiscard]] const BoardSettings& settings() const { return settings_; }

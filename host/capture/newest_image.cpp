@@ -10,7 +10,6 @@
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <string>
-#include <utility>
 
 namespace selfproj {
 namespace {

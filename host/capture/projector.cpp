@@ -14,8 +14,6 @@
 #include <memory>
 #include <numeric>
 #include <string>
-#include <type_traits>
-#include <utility>
 #include <vector>
 
 #include "host/files/user_error.h"
@@ -23,87 +21,47 @@
 namespace selfproj {
 namespace {
 
-// The functions of SDL2 that projectors use. The library is loaded when the first projector opens: it needs fifty
-// others, for which the loader would take as long as for the rest of the program.
-struct Sdl {
-  decltype(&SDL_Init) init;
-  decltype(&SDL_QuitSubSystem) quit;
-  decltype(&SDL_SetHint) set_hint;
-  decltype(&SDL_GetError) error;
-  decltype(&SDL_GetNumVideoDisplays) displays;
-  decltype(&SDL_GetDisplayName) display_name;
-  decltype(&SDL_GetDisplayBounds) display_bounds;
-  decltype(&SDL_GetCurrentDisplayMode) display_mode;
-  decltype(&SDL_CreateWindow) create_window;
-  decltype(&SDL_DestroyWindow) destroy_window;
-  decltype(&SDL_GetWindowSurface) window_surface;
-  decltype(&SDL_UpdateWindowSurface) update_surface;
-  decltype(&SDL_LockSurface) lock_surface;
-  decltype(&SDL_UnlockSurface) unlock_surface;
-  decltype(&SDL_MapRGB) map_rgb;
-  decltype(&SDL_ShowCursor) show_cursor;
-  decltype(&SDL_PollEvent) poll_event;
-};
-
-constexpr const char* kLibrary = "libSDL2-2.0.so.0";
-
-Sdl load() {
-  void* const library = dlopen(kLibrary, RTLD_LAZY | RTLD_LOCAL);
-  if (library == nullptr) {
+// SDL2, which is loaded when the first projector opens: it needs fifty other libraries, for which the loader would take
+// as long as for the rest of the program. Throws UserError if it cannot be loaded.
+void* sdl_library() {
+  constexpr const char* kLibrary = "libSDL2-2.0.so.0";
+  static void* const loaded = dlopen(kLibrary, RTLD_LAZY | RTLD_LOCAL);
+  if (loaded == nullptr) {
     const char* const reason = dlerror();
     throw UserError("SDL2, which opens displays", reason != nullptr ? reason : kLibrary);
   }
-  const auto find = [&](auto& function, const char* name) {
-    void* const found = dlsym(library, name);
-    if (found == nullptr) {
-      throw UserError("SDL2, which opens displays", std::string("has no function ") + name);
-    }
-    function = reinterpret_cast<std::remove_reference_t<decltype(function)>>(found);
-  };
-  Sdl loaded{};
-  find(loaded.init, "SDL_Init");
-  find(loaded.quit, "SDL_QuitSubSystem");
-  find(loaded.set_hint, "SDL_SetHint");
-  find(loaded.error, "SDL_GetError");
-  find(loaded.displays, "SDL_GetNumVideoDisplays");
-  find(loaded.display_name, "SDL_GetDisplayName");
-  find(loaded.display_bounds, "SDL_GetDisplayBounds");
-  find(loaded.display_mode, "SDL_GetCurrentDisplayMode");
-  find(loaded.create_window, "SDL_CreateWindow");
-  find(loaded.destroy_window, "SDL_DestroyWindow");
-  find(loaded.window_surface, "SDL_GetWindowSurface");
-  find(loaded.update_surface, "SDL_UpdateWindowSurface");
-  find(loaded.lock_surface, "SDL_LockSurface");
-  find(loaded.unlock_surface, "SDL_UnlockSurface");
-  find(loaded.map_rgb, "SDL_MapRGB");
-  find(loaded.show_cursor, "SDL_ShowCursor");
-  find(loaded.poll_event, "SDL_PollEvent");
   return loaded;
 }
 
-// Throws UserError if the library cannot be loaded.
-const Sdl& sdl() {
-  static const Sdl loaded = load();
-  return loaded;
+template <class Function>
+Function sdl_function(const char* name) {
+  void* const found = dlsym(sdl_library(), name);
+  if (found == nullptr) {
+    throw UserError("SDL2, which opens displays", std::string("has no function ") + name);
+  }
+  return reinterpret_cast<Function>(found);
 }
+
+// A function of SDL2, which its headers declare: SDL2(SDL_Init)(SDL_INIT_VIDEO).
+#define SDL2(name) sdl_function<decltype(&name)>(#name)
 
 // Opens SDL's video for its own lifetime. SDL handles no signals, and no graphics processor scales or draws the images.
 class Video {
  public:
   Video() {
     for (const char* hint : {"SDL_NO_SIGNAL_HANDLERS", "SDL_VIDEO_X11_NET_WM_BYPASS_COMPOSITOR"}) {
-      sdl().set_hint(hint, "1");
+      SDL2(SDL_SetHint)(hint, "1");
     }
-    sdl().set_hint(SDL_HINT_FRAMEBUFFER_ACCELERATION, "0");
+    SDL2(SDL_SetHint)(SDL_HINT_FRAMEBUFFER_ACCELERATION, "0");
     // Only drivers of real screens. Where there is no Wayland, its library would complain on standard error.
-    sdl().set_hint(SDL_HINT_VIDEODRIVER, std::getenv("WAYLAND_DISPLAY") != nullptr ? "x11,wayland" : "x11,KMSDRM");
-    open_ = sdl().init(SDL_INIT_VIDEO) == 0;
+    SDL2(SDL_SetHint)(SDL_HINT_VIDEODRIVER, std::getenv("WAYLAND_DISPLAY") != nullptr ? "x11,wayland" : "x11,KMSDRM");
+    open_ = SDL2(SDL_Init)(SDL_INIT_VIDEO) == 0;
   }
   Video(const Video&) = delete;
   Video& operator=(const Video&) = delete;
   ~Video() {
     if (open_) {
-      sdl().quit(SDL_INIT_VIDEO);
+      SDL2(SDL_QuitSubSystem)(SDL_INIT_VIDEO);
     }
   }
 
@@ -116,9 +74,9 @@ class Video {
 DisplayEntry entry_of(int number) {
   SDL_Rect bounds{};
   SDL_DisplayMode mode{};
-  const char* const name = sdl().display_name(number);
-  static_cast<void>(sdl().display_bounds(number, &bounds));
-  static_cast<void>(sdl().display_mode(number, &mode));
+  const char* const name = SDL2(SDL_GetDisplayName)(number);
+  static_cast<void>(SDL2(SDL_GetDisplayBounds)(number, &bounds));
+  static_cast<void>(SDL2(SDL_GetCurrentDisplayMode)(number, &mode));
   return {.number = number,
           .name = name != nullptr ? name : "",
           .columns = bounds.w,
@@ -127,7 +85,7 @@ DisplayEntry entry_of(int number) {
 }
 
 struct WindowCloser {
-  void operator()(SDL_Window* window) const { sdl().destroy_window(window); }
+  void operator()(SDL_Window* window) const { SDL2(SDL_DestroyWindow)(window); }
 };
 
 }  // namespace
@@ -135,7 +93,7 @@ struct WindowCloser {
 std::vector<DisplayEntry> list_displays() {
   const Video video;
   std::vector<DisplayEntry> displays;
-  const int count = video.open() ? sdl().displays() : 0;
+  const int count = video.open() ? SDL2(SDL_GetNumVideoDisplays)() : 0;
   for (int i = 0; i < count; ++i) {
     displays.push_back(entry_of(i));
   }
@@ -160,9 +118,10 @@ struct Projector::Parts {
 
   // The window's pixels. SDL makes another surface after each change of the window's size.
   [[nodiscard]] SDL_Surface* surface() const {
-    SDL_Surface* const pixels = sdl().window_surface(window.get());
+    SDL_Surface* const pixels = SDL2(SDL_GetWindowSurface)(window.get());
     if (pixels == nullptr || pixels->format->BytesPerPixel != 4) {
-      fail(fmt::format("cannot be drawn on: {}", pixels == nullptr ? sdl().error() : "it does not have 24-bit colour"));
+      fail(fmt::format("cannot be drawn on: {}",
+                       pixels == nullptr ? SDL2(SDL_GetError)() : "it does not have 24-bit colour"));
     }
     return pixels;
   }
@@ -176,10 +135,10 @@ struct Projector::Parts {
     std::array<std::uint32_t, 256> colours;
     for (std::size_t grey = 0; grey < colours.size(); ++grey) {
       const std::uint8_t level = greys[grey];
-      colours[grey] = sdl().map_rgb(pixels->format, level, level, level);
+      colours[grey] = SDL2(SDL_MapRGB)(pixels->format, level, level, level);
     }
-    if (SDL_MUSTLOCK(pixels) && sdl().lock_surface(pixels) != 0) {
-      fail(fmt::format("cannot be drawn on: {}", sdl().error()));
+    if (SDL_MUSTLOCK(pixels) && SDL2(SDL_LockSurface)(pixels) != 0) {
+      fail(fmt::format("cannot be drawn on: {}", SDL2(SDL_GetError)()));
     }
     std::vector<std::uint32_t> line(static_cast<std::size_t>(shown.columns));
     for (int row = 0; row < shown.rows; ++row) {
@@ -189,17 +148,17 @@ struct Projector::Parts {
                   line.data(), line.size() * sizeof line[0]);
     }
     if (SDL_MUSTLOCK(pixels)) {
-      sdl().unlock_surface(pixels);
+      SDL2(SDL_UnlockSurface)(pixels);
     }
-    if (sdl().update_surface(window.get()) != 0) {
-      fail(fmt::format("cannot be drawn on: {}", sdl().error()));
+    if (SDL2(SDL_UpdateWindowSurface)(window.get()) != 0) {
+      fail(fmt::format("cannot be drawn on: {}", SDL2(SDL_GetError)()));
     }
   }
 
   void handle_events() {
     SDL_Event event;
     bool uncovered = false;
-    while (sdl().poll_event(&event) != 0) {
+    while (SDL2(SDL_PollEvent)(&event) != 0) {
       const bool escape = event.type == SDL_KEYDOWN && event.key.keysym.sym == SDLK_ESCAPE;
       stopped = stopped || escape || event.type == SDL_QUIT;
       uncovered = uncovered || (event.type == SDL_WINDOWEVENT && event.window.event == SDL_WINDOWEVENT_EXPOSED);
@@ -214,21 +173,21 @@ Projector::Projector(int display, const GreyTable& greys) : parts_(std::make_uni
   parts_->what = fmt::format("--display {}", display);
   parts_->greys = greys;
   if (!parts_->video.open()) {
-    parts_->fail(fmt::format("no screen can be reached: {}", sdl().error()));
+    parts_->fail(fmt::format("no screen can be reached: {}", SDL2(SDL_GetError)()));
   }
-  const int count = sdl().displays();
+  const int count = SDL2(SDL_GetNumVideoDisplays)();
   if (display < 0 || display >= count) {
     parts_->fail(count == 1 ? "there is no such display, only display 0"
                             : fmt::format("there is no such display, only 0 to {}", count - 1));
   }
   SDL_Rect bounds{};
-  static_cast<void>(sdl().display_bounds(display, &bounds));
-  parts_->window.reset(sdl().create_window("selfproj", bounds.x, bounds.y, bounds.w, bounds.h,
-                                           SDL_WINDOW_FULLSCREEN_DESKTOP | SDL_WINDOW_BORDERLESS));
+  static_cast<void>(SDL2(SDL_GetDisplayBounds)(display, &bounds));
+  parts_->window.reset(SDL2(SDL_CreateWindow)("selfproj", bounds.x, bounds.y, bounds.w, bounds.h,
+                                              SDL_WINDOW_FULLSCREEN_DESKTOP | SDL_WINDOW_BORDERLESS));
   if (!parts_->window) {
-    parts_->fail(fmt::format("cannot be opened: {}", sdl().error()));
+    parts_->fail(fmt::format("cannot be opened: {}", SDL2(SDL_GetError)()));
   }
-  static_cast<void>(sdl().show_cursor(SDL_DISABLE));
+  static_cast<void>(SDL2(SDL_ShowCursor)(SDL_DISABLE));
   parts_->shown = {bounds.h, bounds.w, {}};
   show(std::uint8_t{0});
 }

@@ -10,7 +10,6 @@
 #include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
-#include <vector>
 
 #include "host/camera/camera.h"
 #include "host/camera/open_camera.h"

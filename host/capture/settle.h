@@ -2,7 +2,6 @@
 #ifndef SELFPROJ_HOST_CAPTURE_SETTLE_H
 #define SELFPROJ_HOST_CAPTURE_SETTLE_H
 
-#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>

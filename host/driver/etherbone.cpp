@@ -63,14 +63,6 @@ std::vector<std::uint32_t> read_words(std::span<const std::uint8_t>& rest, std::
 
 constexpr std::size_t kMaxReads = 8;  // reads of one request
 
-// What the mailbox says of the last write that it has performed.
-struct LastWrite {
-  std::uint32_t ticket = 0;
-  std::uint32_t address = 0;
-  std::uint32_t value = 0;
-  bool refused = false;
-};
-
 class EtherbonePort final : public RegisterPort {
  public:
   EtherbonePort(const std::string& place, const EtherboneOptions& options)

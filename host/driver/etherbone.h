@@ -12,7 +12,6 @@
 #define SELFPROJ_HOST_DRIVER_ETHERBONE_H
 
 #include <chrono>
-#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>

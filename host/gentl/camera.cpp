@@ -1,7 +1,6 @@
 #include "host/gentl/camera.h"
 
 #include <cctype>
-#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -100,8 +99,90 @@ std::int64_t count_at(const SourceCounts& counts, std::size_t index) {
 
 }  // namespace
 
+Camera::Camera(const DeviceEntry& entry, bool writable)
+    : Module("Device", entry.id), entry_(entry), writable_(writable), source_(entry) {
+  open_board(entry);
+}
+
+// A control that was named must answer. Without one that belongs to the device the settings can only be read.
+void Camera::open_board(const DeviceEntry& entry) {
+  if (!entry.control.empty()) {
+    control_ = open_control(entry.control);
+    return;
+  }
+  if (is_camera_uri(entry.id)) {
+    control_problem_ = "none: " + entry.id + " is a camera without a board; its settings stand behind '?'";
+    return;
+  }
+  const std::string control = control_uri(entry.id);
+  if (control.empty()) {
+    control_problem_ = "none: " + entry.id + " has no control of a board beside it";
+    return;
+  }
+  try {
+    control_ = open_control(control);
+  } catch (const UserError& error) {
+    control_problem_ = std::string("none: ") + error.what();
+  }
+}
+
+FrameLayout Camera::layout() const {
+  return {.columns = source_.rig().camera.columns,
+          .height = height_,
+          .range = range_,
+          .intensity = intensity_,
+          .abc = abc_,
+          .chunks = chunks_};
+}
+
+void Camera::set_running(bool running) {
+  {
+    const std::lock_guard lock(gate_.mutex);
+    gate_.running = running;
+  }
+  gate_.changed.notify_all();
+}
+
+void Camera::enable(bool on) {
+  const bool other = component_ == kRangeId ? intensity_ : range_;
+  require(on || other, GC_ERR_INVALID_VALUE, "ComponentEnable: at least one component must be enabled");
+  enabled() = on;
+}
+
+std::int64_t Camera::format() const {
+  return static_cast<std::int64_t>(component_ == kIntensityId ? kMono16 : abc_ ? kCoord3dAbc32f : kCoord3dC32f);
+}
+
+void Camera::set_format(std::int64_t format) {
+  if (component_ == kRangeId) {
+    abc_ = format == static_cast<std::int64_t>(kCoord3dAbc32f);
+  }
+}
+
+void Camera::add_setting(FeatureSet& features, Feature feature, const std::string& part,
+                         std::function<std::int64_t(const Measure&)> reported) {
+  feature.category = "Measurement";
+  feature.standard = false;
+  feature.locked_by = "BoardControlMissing";
+  feature.get = [this, part, reported = std::move(reported)] {
+    return control_ != nullptr ? std::int64_t{control_->read(part)} : reported(source_.newest());
+  };
+  feature.set = [this, part](std::int64_t value) { control_->write(part, static_cast<std::uint32_t>(value)); };
+  features.add(std::move(feature));
+}
+
 // The features. Names and meanings are those of the GenICam Standard Features Naming Convention 2.7, except for those
 // that are marked as not standard.
+
+void Camera::describe(FeatureSet& features) {
+  describe_device(features);
+  describe_image(features);
+  describe_acquisition(features);
+  describe_scan3d(features);
+  describe_measurement(features);
+  describe_counters(features);
+  describe_chunks(features);
+}
 
 void Camera::describe_device(FeatureSet& features) {
   const char* const category = "DeviceControl";
@@ -283,88 +364,6 @@ void Camera::describe_chunks(FeatureSet& features) {
     chunk("ChunkCount" + names[i].name, "At the end of the buffer: " + names[i].tip + ".", kCountersChunk, 8 * i,
           false);
   }
-}
-
-Camera::Camera(const DeviceEntry& entry, bool writable)
-    : Module("Device", entry.id), entry_(entry), writable_(writable), source_(entry) {
-  open_board(entry);
-}
-
-// A control that was named must answer. Without one that belongs to the device the settings can only be read.
-void Camera::open_board(const DeviceEntry& entry) {
-  if (!entry.control.empty()) {
-    control_ = open_control(entry.control);
-    return;
-  }
-  if (is_camera_uri(entry.id)) {
-    control_problem_ = "none: " + entry.id + " is a camera without a board; its settings stand behind '?'";
-    return;
-  }
-  const std::string control = control_uri(entry.id);
-  if (control.empty()) {
-    control_problem_ = "none: " + entry.id + " has no control of a board beside it";
-    return;
-  }
-  try {
-    control_ = open_control(control);
-  } catch (const UserError& error) {
-    control_problem_ = std::string("none: ") + error.what();
-  }
-}
-
-FrameLayout Camera::layout() const {
-  return {.columns = source_.rig().camera.columns,
-          .height = height_,
-          .range = range_,
-          .intensity = intensity_,
-          .abc = abc_,
-          .chunks = chunks_};
-}
-
-void Camera::set_running(bool running) {
-  {
-    const std::lock_guard lock(gate_.mutex);
-    gate_.running = running;
-  }
-  gate_.changed.notify_all();
-}
-
-void Camera::enable(bool on) {
-  const bool other = component_ == kRangeId ? intensity_ : range_;
-  require(on || other, GC_ERR_INVALID_VALUE, "ComponentEnable: at least one component must be enabled");
-  enabled() = on;
-}
-
-std::int64_t Camera::format() const {
-  return static_cast<std::int64_t>(component_ == kIntensityId ? kMono16 : abc_ ? kCoord3dAbc32f : kCoord3dC32f);
-}
-
-void Camera::set_format(std::int64_t format) {
-  if (component_ == kRangeId) {
-    abc_ = format == static_cast<std::int64_t>(kCoord3dAbc32f);
-  }
-}
-
-void Camera::add_setting(FeatureSet& features, Feature feature, const std::string& part,
-                         std::function<std::int64_t(const Measure&)> reported) {
-  feature.category = "Measurement";
-  feature.standard = false;
-  feature.locked_by = "BoardControlMissing";
-  feature.get = [this, part, reported = std::move(reported)] {
-    return control_ != nullptr ? std::int64_t{control_->read(part)} : reported(source_.newest());
-  };
-  feature.set = [this, part](std::int64_t value) { control_->write(part, static_cast<std::uint32_t>(value)); };
-  features.add(std::move(feature));
-}
-
-void Camera::describe(FeatureSet& features) {
-  describe_device(features);
-  describe_image(features);
-  describe_acquisition(features);
-  describe_scan3d(features);
-  describe_measurement(features);
-  describe_counters(features);
-  describe_chunks(features);
 }
 
 }  // namespace selfproj::gentl

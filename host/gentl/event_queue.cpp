@@ -1,6 +1,7 @@
 #include "host/gentl/event_queue.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cstdio>
 #include <cstring>
 #include <utility>

@@ -2,7 +2,6 @@
 #ifndef SELFPROJ_HOST_GENTL_EVENT_QUEUE_H
 #define SELFPROJ_HOST_GENTL_EVENT_QUEUE_H
 
-#include <chrono>
 #include <condition_variable>
 #include <cstddef>
 #include <cstdint>

@@ -2,8 +2,6 @@
 #include <algorithm>
 #include <cstring>
 #include <memory>
-#include <span>
-#include <string>
 #include <vector>
 
 #include "host/gentl/answer.h"
@@ -16,13 +14,18 @@
 namespace selfproj::gentl {
 namespace {
 
+// Does the work of a function on the module of a handle.
+template <typename Kind, typename Work>
+GC_ERROR on(void* handle, const Work& work) {
+  return call([&] { work(*find<Kind>(handle)); });
+}
+
 // Answers a question about a module by one value.
 template <typename Kind, typename Value, typename Get>
 GC_ERROR one_value(void* handle, Value* to, const Get& get) {
-  return call([&] {
-    const auto module = find<Kind>(handle);
+  return on<Kind>(handle, [&](Kind& module) {
     require_pointer(to);
-    *to = get(*module);
+    *to = get(module);
   });
 }
 
@@ -183,15 +186,11 @@ GC_API TLOpen(TL_HANDLE* phSystem) {
 }
 
 GC_API TLClose(TL_HANDLE hSystem) {
-  return call([&] {
-    find<System>(hSystem);
-    close_module(library().system);
-  });
+  return on<System>(hSystem, [&](const System& /*module*/) { close_module(library().system); });
 }
 
 GC_API TLGetInfo(TL_HANDLE hSystem, TL_INFO_CMD iInfoCmd, INFO_DATATYPE* piType, void* pBuffer, std::size_t* piSize) {
-  return call([&] {
-    find<System>(hSystem);
+  return on<System>(hSystem, [&](const System& /*module*/) {
     give_producer_info(iInfoCmd, {piType, pBuffer, piSize});
   });
 }
@@ -201,8 +200,7 @@ GC_API TLGetNumInterfaces(TL_HANDLE hSystem, std::uint32_t* piNumIfaces) {
 }
 
 GC_API TLGetInterfaceID(TL_HANDLE hSystem, std::uint32_t iIndex, char* sID, std::size_t* piSize) {
-  return call([&] {
-    find<System>(hSystem);
+  return on<System>(hSystem, [&](const System& /*module*/) {
     require(iIndex == 0, GC_ERR_INVALID_INDEX, "there is one interface");
     give(kInterfaceId, {nullptr, sID, piSize});
   });
@@ -210,8 +208,7 @@ GC_API TLGetInterfaceID(TL_HANDLE hSystem, std::uint32_t iIndex, char* sID, std:
 
 GC_API TLGetInterfaceInfo(TL_HANDLE hSystem, const char* sIfaceID, INTERFACE_INFO_CMD iInfoCmd, INFO_DATATYPE* piType,
                           void* pBuffer, std::size_t* piSize) {
-  return call([&] {
-    find<System>(hSystem);
+  return on<System>(hSystem, [&](const System& /*module*/) {
     require_pointer(sIfaceID);
     require(std::strcmp(sIfaceID, kInterfaceId) == 0, GC_ERR_INVALID_ID, "there is no such interface");
     give_interface_info(iInfoCmd, {piType, pBuffer, piSize});
@@ -223,8 +220,7 @@ GC_API TLOpenInterface(TL_HANDLE hSystem, const char* sIfaceID, IF_HANDLE* phIfa
 }
 
 GC_API TLUpdateInterfaceList(TL_HANDLE hSystem, bool8_t* pbChanged, std::uint64_t /*iTimeout*/) {
-  return call([&] {
-    find<System>(hSystem);
+  return on<System>(hSystem, [&](const System& /*module*/) {
     if (pbChanged != nullptr) {
       *pbChanged = 0;
     }
@@ -232,16 +228,12 @@ GC_API TLUpdateInterfaceList(TL_HANDLE hSystem, bool8_t* pbChanged, std::uint64_
 }
 
 GC_API IFClose(IF_HANDLE hIface) {
-  return call([&] {
-    find<Interface>(hIface);
-    library().system->close_interface();
-  });
+  return on<Interface>(hIface, [&](const Interface& /*module*/) { library().system->close_interface(); });
 }
 
 GC_API IFGetInfo(IF_HANDLE hIface, INTERFACE_INFO_CMD iInfoCmd, INFO_DATATYPE* piType, void* pBuffer,
                  std::size_t* piSize) {
-  return call([&] {
-    find<Interface>(hIface);
+  return on<Interface>(hIface, [&](const Interface& /*module*/) {
     give_interface_info(iInfoCmd, {piType, pBuffer, piSize});
   });
 }
@@ -266,19 +258,17 @@ GC_API IFGetNumDevices(IF_HANDLE hIface, std::uint32_t* piNumDevices) {
 }
 
 GC_API IFGetDeviceID(IF_HANDLE hIface, std::uint32_t iIndex, char* sIDeviceID, std::size_t* piSize) {
-  return call([&] {
-    const auto interface = find<Interface>(hIface);
-    require(iIndex < interface->devices().size(), GC_ERR_INVALID_INDEX, "there are fewer devices");
-    give(interface->devices()[iIndex].id, {nullptr, sIDeviceID, piSize});
+  return on<Interface>(hIface, [&](Interface& interface) {
+    require(iIndex < interface.devices().size(), GC_ERR_INVALID_INDEX, "there are fewer devices");
+    give(interface.devices()[iIndex].id, {nullptr, sIDeviceID, piSize});
   });
 }
 
 GC_API IFGetDeviceInfo(IF_HANDLE hIface, const char* sDeviceID, DEVICE_INFO_CMD iInfoCmd, INFO_DATATYPE* piType,
                        void* pBuffer, std::size_t* piSize) {
-  return call([&] {
-    const auto interface = find<Interface>(hIface);
-    const DeviceEntry& entry = interface->entry(sDeviceID);
-    give_device_info(entry, interface->opened(entry.id).get(), iInfoCmd, {piType, pBuffer, piSize});
+  return on<Interface>(hIface, [&](Interface& interface) {
+    const DeviceEntry& entry = interface.entry(sDeviceID);
+    give_device_info(entry, interface.opened(entry.id).get(), iInfoCmd, {piType, pBuffer, piSize});
   });
 }
 
@@ -298,32 +288,30 @@ GC_API DevGetNumDataStreams(DEV_HANDLE hDevice, std::uint32_t* piNumDataStreams)
 }
 
 GC_API DevGetDataStreamID(DEV_HANDLE hDevice, std::uint32_t iIndex, char* sDataStreamID, std::size_t* piSize) {
-  return call([&] {
-    find<LocalDevice>(hDevice);
+  return on<LocalDevice>(hDevice, [&](const LocalDevice& /*module*/) {
     require(iIndex == 0, GC_ERR_INVALID_INDEX, "the device has one data stream");
     give(kStreamId, {nullptr, sDataStreamID, piSize});
   });
 }
 
 GC_API DevOpenDataStream(DEV_HANDLE hDevice, const char* sDataStreamID, DS_HANDLE* phDataStream) {
-  return call([&] {
-    const auto device = find<LocalDevice>(hDevice);
+  return on<LocalDevice>(hDevice, [&](LocalDevice& device) {
     require_pointer(sDataStreamID);
     require_pointer(phDataStream);
-    *phDataStream = device->open_stream(sDataStreamID)->handle;
+    *phDataStream = device.open_stream(sDataStreamID)->handle;
   });
 }
 
 GC_API DevGetInfo(DEV_HANDLE hDevice, DEVICE_INFO_CMD iInfoCmd, INFO_DATATYPE* piType, void* pBuffer,
                   std::size_t* piSize) {
-  return call([&] {
-    const auto device = find<LocalDevice>(hDevice);
-    give_device_info(device->entry(), device.get(), iInfoCmd, {piType, pBuffer, piSize});
+  return on<LocalDevice>(hDevice, [&](LocalDevice& device) {
+    give_device_info(device.entry(), &device, iInfoCmd, {piType, pBuffer, piSize});
   });
 }
 
 GC_API DevClose(DEV_HANDLE hDevice) {
-  return call([&] { library().system->interface()->close_device(find<LocalDevice>(hDevice)->id()); });
+  return on<LocalDevice>(hDevice,
+                         [](const LocalDevice& device) { library().system->interface()->close_device(device.id()); });
 }
 
 GC_API DevGetParentIF(DEV_HANDLE hDevice, IF_HANDLE* phIface) {
@@ -336,11 +324,10 @@ GC_API DSGetParentDev(DS_HANDLE hDataStream, DEV_HANDLE* phDevice) {
 
 GC_API DSAnnounceBuffer(DS_HANDLE hDataStream, void* pBuffer, std::size_t iSize, void* pPrivate,
                         BUFFER_HANDLE* phBuffer) {
-  return call([&] {
-    const auto stream = find<Stream>(hDataStream);
+  return on<Stream>(hDataStream, [&](Stream& stream) {
     require_pointer(pBuffer);
     require_pointer(phBuffer);
-    *phBuffer = stream->announce(pBuffer, iSize, pPrivate)->handle;
+    *phBuffer = stream.announce(pBuffer, iSize, pPrivate)->handle;
   });
 }
 
@@ -354,20 +341,18 @@ GC_API DSFlushQueue(DS_HANDLE hDataStream, ACQ_QUEUE_TYPE iOperation) {
 }
 
 GC_API DSStartAcquisition(DS_HANDLE hDataStream, ACQ_START_FLAGS iStartFlags, std::uint64_t iNumToAcquire) {
-  return call([&] {
-    const auto stream = find<Stream>(hDataStream);
+  return on<Stream>(hDataStream, [&](Stream& stream) {
     require(iStartFlags == ACQ_START_FLAGS_DEFAULT, GC_ERR_INVALID_PARAMETER, "unknown flags of the start");
-    stream->start(iNumToAcquire);
+    stream.start(iNumToAcquire);
   });
 }
 
 GC_API DSStopAcquisition(DS_HANDLE hDataStream, ACQ_STOP_FLAGS iStopFlags) {
-  return call([&] {
-    const auto stream = find<Stream>(hDataStream);
+  return on<Stream>(hDataStream, [&](Stream& stream) {
     require(iStopFlags == ACQ_STOP_FLAGS_DEFAULT || iStopFlags == ACQ_STOP_FLAGS_KILL, GC_ERR_INVALID_PARAMETER,
             "unknown flags of the stop");
-    require(stream->is_acquiring(), GC_ERR_RESOURCE_IN_USE, "the stream is not acquiring");
-    stream->stop(iStopFlags);
+    require(stream.is_acquiring(), GC_ERR_RESOURCE_IN_USE, "the stream is not acquiring");
+    stream.stop(iStopFlags);
   });
 }
 
@@ -385,10 +370,9 @@ GC_API DSClose(DS_HANDLE hDataStream) {
 }
 
 GC_API DSRevokeBuffer(DS_HANDLE hDataStream, BUFFER_HANDLE hBuffer, void** pBuffer, void** pPrivate) {
-  return call([&] {
-    const auto stream = find<Stream>(hDataStream);
+  return on<Stream>(hDataStream, [&](Stream& stream) {
     const auto buffer = find<Buffer>(hBuffer);
-    stream->revoke(buffer);
+    stream.revoke(buffer);
     if (pBuffer != nullptr) {
       *pBuffer = buffer->is_own() ? nullptr : buffer->memory();
     }
@@ -399,10 +383,7 @@ GC_API DSRevokeBuffer(DS_HANDLE hDataStream, BUFFER_HANDLE hBuffer, void** pBuff
 }
 
 GC_API DSQueueBuffer(DS_HANDLE hDataStream, BUFFER_HANDLE hBuffer) {
-  return call([&] {
-    const auto stream = find<Stream>(hDataStream);
-    stream->queue(find<Buffer>(hBuffer));
-  });
+  return on<Stream>(hDataStream, [&](Stream& stream) { stream.queue(find<Buffer>(hBuffer)); });
 }
 
 GC_API DSGetBufferInfo(DS_HANDLE hDataStream, BUFFER_HANDLE hBuffer, BUFFER_INFO_CMD iInfoCmd, INFO_DATATYPE* piType,

@@ -3,8 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstddef>
-#include <string>
+#include <optional>
 
 #include "host/camera/camera_device.h"
 #include "host/camera/camera_uri.h"

@@ -2,7 +2,6 @@
 #ifndef SELFPROJ_HOST_GENTL_STREAM_H
 #define SELFPROJ_HOST_GENTL_STREAM_H
 
-#include <atomic>
 #include <cstdint>
 #include <deque>
 #include <memory>

@@ -12,7 +12,6 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "host/files/output_file.h"

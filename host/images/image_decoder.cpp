@@ -3,7 +3,6 @@
 #include <cctype>
 #include <cstddef>
 #include <cstdint>
-#include <exception>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <optional>
@@ -136,7 +135,7 @@ ImageHeader pnm_header(std::string_view file) {
 
 // Messages that the libraries print only on standard error. libjpeg fills in missing parts of a damaged file and
 // reports only the first fault, so no message may be missed.
-bool tells_of_damage(ImageFormat format, const std::string& messages) {
+bool reports_damage(ImageFormat format, const std::string& messages) {
   return (format == ImageFormat::jpeg && !messages.empty()) || messages.find("Premature") != std::string::npos ||
          messages.find("Corrupt") != std::string::npos;
 }
@@ -222,7 +221,7 @@ cv::Mat decode_image(const std::string& file) {
   } catch (const cv::Exception&) {
     image.release();
   }
-  if (image.empty() || tells_of_damage(header->format, capture.text())) {
+  if (image.empty() || reports_damage(header->format, capture.text())) {
     throw UserError(file, kNotAnImage);
   }
   return image;

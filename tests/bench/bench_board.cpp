@@ -97,7 +97,7 @@ bool packets_are_right(const std::vector<std::uint8_t>& pixels, const Case& one)
     BoardInputs at_start = inputs;
     ++at_start.clock;
     model_frame(model, frame_of(pixels, frame), inputs);
-    board.take(frame_of(pixels, frame), true, static_cast<std::uint64_t>(frame), at_start);
+    board.process(frame_of(pixels, frame), true, static_cast<std::uint64_t>(frame), at_start);
     PacketView packet;
     while (board.next(packet)) {
       got.insert(got.end(), packet.bytes().begin(), packet.bytes().end());
@@ -116,7 +116,7 @@ void make_packets(benchmark::State& state, const std::vector<std::uint8_t>& pixe
   std::uint64_t sequence = 0;
   for (auto _ : state) {
     for (int frame = 0; frame < kFrames; ++frame) {
-      board.take(frame_of(pixels, frame), true, sequence, {.clock = 15120 * sequence});
+      board.process(frame_of(pixels, frame), true, sequence, {.clock = 15120 * sequence});
       ++sequence;
       PacketView packet;
       while (board.next(packet)) {

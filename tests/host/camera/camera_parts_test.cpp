@@ -1,7 +1,6 @@
 // Tests the parts of cameras: numbers that wrap, pixel formats, URIs.
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>

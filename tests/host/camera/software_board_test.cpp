@@ -88,7 +88,7 @@ TEST(SoftwareBoard, GivesThePacketsOfTheModel) {
       const Bytes pixels =
           random.bytes(static_cast<std::size_t>(settings.columns) * static_cast<std::size_t>(settings.rows));
       feed(model, pixels, settings, inputs, whole);
-      board.take({pixels.data(), settings.rows, settings.columns, settings.columns}, whole, frame, inputs);
+      board.process({pixels.data(), settings.rows, settings.columns, settings.columns}, whole, frame, inputs);
       PacketView packet;
       while (board.next(packet)) {
         PacketView parsed;
@@ -118,7 +118,7 @@ TEST(SoftwareBoard, RefusesWhatNoBoardHas) {
   EXPECT_THROW(SoftwareBoard({.codes = true, .code_bits = 13}), std::invalid_argument);
   SoftwareBoard board({.columns = 8, .rows = 2});
   const Bytes pixels(16);
-  EXPECT_THROW(board.take({pixels.data(), 2, 4, 4}, true, 0, {}), std::invalid_argument);
+  EXPECT_THROW(board.process({pixels.data(), 2, 4, 4}, true, 0, {}), std::invalid_argument);
 }
 
 // A camera whose images are given beforehand.
