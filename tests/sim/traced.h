@@ -21,19 +21,10 @@
 namespace selfproj::test {
 
 // The same surface as another scene, but not known to have exact levels.
-class Traced final : public Scene {
+class Traced final : public WrappedScene {
  public:
-  explicit Traced(const Scene& scene) : scene_(scene) {}
-  [[nodiscard]] int frames() const override { return scene_.frames(); }
-  [[nodiscard]] double height(double x, double y, double t) const override { return scene_.height(x, y, t); }
-  [[nodiscard]] HeightRange range(const Box& box, double t0, double t1) const override {
-    return scene_.range(box, t0, t1);
-  }
+  using WrappedScene::WrappedScene;
   [[nodiscard]] bool has_exact_levels() const override { return false; }
-  [[nodiscard]] double speed() const override { return scene_.speed(); }
-
- private:
-  const Scene& scene_;
 };
 
 // A renderer that has rendered other frames, one that has not, and one that traces all rays of blocks that are not
