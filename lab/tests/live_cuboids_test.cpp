@@ -52,7 +52,7 @@ class LiveCuboids : public testing::Test {
     }
     screen_ = std::make_unique<VirtualScreen>(rig_.projector.columns, rig_.projector.lines, screen_folder_.path());
     write_text(folder_ / "rig.yaml", to_yaml(rig_));
-    world_ = std::make_unique<LiveWorld>(rig_, *bare_, *screen_, WorldFaults{.max_delay_ms = 20, .same_noise = true});
+    world_ = std::make_unique<LiveWorld>(rig_, *bare_, *screen_, WorldFaults{.most_delay_ms = 20, .same_noise = true});
   }
 
   void run(const std::vector<std::string>& arguments) {

@@ -150,7 +150,7 @@ TEST(BlockViews, WhatMayNotBeLitIsDark) {
 
 TEST(BlockViews, ShadowOfABlockIsThatOfItsPoints) {
   const Rig rig = load_rig("light-section");
-  test::expect_shadows_of_points(hidden_rig(rig, 1), *make_scene("stairs", rig), {0, 39});
+  test::expect_shadows_of_points(hidden_rig(rig, 1), *make_scene("stairs", rig), {0, 39}, 80000);
 }
 
 // What is kept of level blocks, and what is known about level pixels, equals what tracing each ray gives.
