@@ -37,7 +37,7 @@ constexpr double kNoCrest = std::numeric_limits<double>::quiet_NaN();
 constexpr double kShortestWave = 60;  // mm; the speed of shorter waves hardly depends on the depth
 constexpr double kAfter = 0.56;       // s from the impact to the last frame of the scene
 constexpr int kWaveFrames = 486;      // from kWaveFrom until 0.55 s after the impact
-constexpr double kMostOff = 0.05;     // greatest relative error of the speed of long waves
+constexpr double kMaxOff = 0.05;      // greatest relative error of the speed of long waves
 
 // What is measured in one pool, either in the host's depth images or in the true ones.
 struct WaveSeen {
@@ -45,9 +45,9 @@ struct WaveSeen {
   std::vector<double> crest;
 
   void take(const Seen& seen, const FloatImage& depth, const FloatImage& background, const RingMeans& rings) {
-    waves.add(seen.t, seen.triangulation, depth, background, kMostWave);
+    waves.add(seen.t, seen.triangulation, depth, background, kMaxWave);
     crest.push_back(is_open_wave(seen.t - PoolWave::kImpact)
-                        ? foremost_crest(rings, rings.means(depth, background, kMostWave), kLeastWave)
+                        ? foremost_crest(rings, rings.means(depth, background, kMaxWave), kMinWave)
                         : kNoCrest);
   }
 };
@@ -135,11 +135,11 @@ PoolSeen observe_pool(const GrayMotionOptions& options, PoolDrop drop, const Poo
           rounded_at_rest = whole.of(seen.triangulation, seen.true_background);
         }
         if (seen.borders != nullptr) {
-          found.borders.add(seen.t, seen.triangulation, *seen.borders, at_rest, kMostWave);
+          found.borders.add(seen.t, seen.triangulation, *seen.borders, at_rest, kMaxWave);
         }
         if (how.truth) {
           found.rounded.add(seen.t, seen.triangulation, whole.of(seen.triangulation, seen.truth), rounded_at_rest,
-                            kMostWave);
+                            kMaxWave);
           found.truth.take(seen, seen.truth, seen.true_background, rings);
         }
       });
@@ -201,9 +201,9 @@ StructuredLightResult run_waves(const GrayMotionOptions& options, const Progress
       "for each wave."};
   const auto judge = [&](const std::string& name, double true_speed, const LongWaves& waves) {
     const double off = waves.speed / true_speed - 1;
-    if (!(std::abs(off) <= kMostOff)) {
+    if (!(std::abs(off) <= kMaxOff)) {
       result.not_reached.push_back(fmt::format("{}: long waves are measured at {} cm/s, within {:g} % of {} wanted",
-                                               name, cm_text(waves.speed), 100 * kMostOff, cm_text(true_speed)));
+                                               name, cm_text(waves.speed), 100 * kMaxOff, cm_text(true_speed)));
     }
     return figure_text(100 * off, 1);
   };

@@ -126,8 +126,8 @@ void ThingSummary::add(const ThingFigures& f) {
   square_ += f.square;
   worst_ = std::max(worst_, f.rms());
   height_ += f.height - f.true_height;
-  height_most_ = std::max(height_most_, std::abs(f.height - f.true_height));
-  size_most_ = std::max({size_most_, std::abs(f.rows - f.true_rows), std::abs(f.columns - f.true_columns)});
+  max_height_ = std::max(max_height_, std::abs(f.height - f.true_height));
+  max_size_ = std::max({max_size_, std::abs(f.rows - f.true_rows), std::abs(f.columns - f.true_columns)});
   rows_ += f.rows - f.true_rows;
   columns_ += f.columns - f.true_columns;
 }
@@ -138,28 +138,29 @@ std::vector<std::string> ThingSummary::cells() const {
           figure_text(rms()),
           figure_text(worst_),
           figure_text(height_ / images_),
-          figure_text(height_most_),
+          figure_text(max_height_),
           figure_text(rows_ / images_, 1),
           figure_text(columns_ / images_, 1),
-          figure_text(size_most_, 0)};
+          figure_text(max_size_, 0)};
 }
 
 namespace {
 
 // A scene that stands still as it was at one time.
-class Frozen final : public Scene {
+class Frozen final : public WrappedScene {
  public:
-  Frozen(const Scene& scene, double time) : scene_(scene), time_(time) {}
-  [[nodiscard]] int frames() const override { return scene_.frames(); }
-  [[nodiscard]] double height(double x, double y, double /*t*/) const override { return scene_.height(x, y, time_); }
+  Frozen(const Scene& scene, double time) : WrappedScene(scene), time_(time) {}
+  [[nodiscard]] double height(double x, double y, double /*t*/) const override {
+    return WrappedScene::height(x, y, time_);
+  }
   [[nodiscard]] HeightRange range(const Box& box, double /*t0*/, double /*t1*/) const override {
-    return scene_.range(box, time_, time_);
+    return WrappedScene::range(box, time_, time_);
   }
   [[nodiscard]] double speed() const override { return 0; }
-  [[nodiscard]] Bodies bodies(double /*t*/) const override { return scene_.bodies(time_); }
+  [[nodiscard]] Bodies bodies(double /*t*/) const override { return WrappedScene::bodies(time_); }
+  [[nodiscard]] double body_speed() const override { return 0; }
 
  private:
-  const Scene& scene_;
   double time_;
 };
 
@@ -168,7 +169,7 @@ struct MovingExperiment {
   const char* name;
   const char* scene;
   const char* subtitle;
-  double most_difference;  // range of the pictures' colours, mm
+  double max_difference;  // range of the pictures' colours, mm
   std::vector<Thing> (*things)(int columns);
 };
 
@@ -252,7 +253,7 @@ Instant look(const Setting& setting, const DepthStream& stream, const PatternRen
 ReportPicture still_of(const Setting& setting, const Observation& seen) {
   const RigCamera& camera = setting.options.rig.camera;
   const double pixel = setting.options.rig.plane_z_mm * camera.pixel_pitch_mm / camera.focal_length_mm;
-  const double most = setting.experiment.most_difference;
+  const double most = setting.experiment.max_difference;
   return {fmt::format("{}, t = {:.3f} s", seen.method, seen.moving.back().frame / camera.frame_rate_hz),
           labelled_map_png(seen.difference, {ColourMap::diverging, -most, most}, {pixel, pixel},
                            "difference from the reference, mm"),

@@ -55,7 +55,7 @@ class ThingSummary {
  private:
   int images_ = 0;
   double pixels_ = 0, valid_ = 0, square_ = 0, worst_ = 0;
-  double height_ = 0, height_most_ = 0, rows_ = 0, columns_ = 0, size_most_ = 0;
+  double height_ = 0, max_height_ = 0, rows_ = 0, columns_ = 0, max_size_ = 0;
 };
 
 // Experiments B7 (mouse on a slider) and B8 (two hands): self-projected structured light of moving things, 500 depth

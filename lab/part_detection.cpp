@@ -312,10 +312,10 @@ ReportTable Detection::detection_table() const {
                     {},
                     "Defects that lie wholly on the surface that is judged."};
   for (std::size_t depth = 0; depth < kDepths.size(); ++depth) {
-    table.header.push_back(bin_text(kDepths, depth, kLeastDepth));
+    table.header.push_back(bin_text(kDepths, depth, kMinDepth));
   }
   for (std::size_t size = 0; size < kSizes.size(); ++size) {
-    table.rows.push_back({bin_text(kSizes, size, kLeastSize)});
+    table.rows.push_back({bin_text(kSizes, size, kMinSize)});
     for (std::size_t depth = 0; depth < kDepths.size(); ++depth) {
       table.rows.back().push_back(percent(tally_->cell(size, depth)));
     }
@@ -362,10 +362,10 @@ ReportTable Detection::summary_table(const PartDetectionResult& result) const {
 std::vector<ReportPlot> Detection::plots() const {
   ReportPlot plot{"Defects found", "size, mm", "found, %", {}, 1};
   for (std::size_t depth = 0; depth < kDepths.size(); ++depth) {
-    ReportTrace trace{{}, {}, depth % 2 == 0 ? "a" : "b", bin_text(kDepths, depth, kLeastDepth) + " mm deep"};
+    ReportTrace trace{{}, {}, depth % 2 == 0 ? "a" : "b", bin_text(kDepths, depth, kMinDepth) + " mm deep"};
     for (std::size_t size = 0; size < kSizes.size(); ++size) {
       const DetectionCount& cell = tally_->cell(size, depth);
-      trace.x.push_back(std::sqrt((size == 0 ? kLeastSize : kSizes.at(size - 1)) * kSizes.at(size)));
+      trace.x.push_back(std::sqrt((size == 0 ? kMinSize : kSizes.at(size - 1)) * kSizes.at(size)));
       trace.y.push_back(cell.planted > 0 ? 100 * cell.share() : std::nan(""));
     }
     plot.traces.push_back(std::move(trace));
@@ -400,8 +400,8 @@ Json Detection::data(const PartDetectionResult& result) const {
   for (std::size_t size = 0; size < kSizes.size(); ++size) {
     for (std::size_t depth = 0; depth < kDepths.size(); ++depth) {
       Json cell = count_json(tally_->cell(size, depth));
-      cell["size_mm"] = {size == 0 ? kLeastSize : kSizes.at(size - 1), kSizes.at(size)};
-      cell["depth_mm"] = {depth == 0 ? kLeastDepth : kDepths.at(depth - 1), kDepths.at(depth)};
+      cell["size_mm"] = {size == 0 ? kMinSize : kSizes.at(size - 1), kSizes.at(size)};
+      cell["depth_mm"] = {depth == 0 ? kMinDepth : kDepths.at(depth - 1), kDepths.at(depth)};
       json["curves"].push_back(std::move(cell));
     }
   }
@@ -418,13 +418,13 @@ PartDetectionResult Detection::result() const {
   result.tables = {summary_table(result), detection_table(), alarm_table()};
   result.data = data(result).dump();
   const double share = static_cast<double>(result.false_parts) / static_cast<double>(result.parts);
-  if (!(result.goal.share() >= kLeastFound)) {
+  if (!(result.goal.share() >= kMinFound)) {
     result.not_reached.push_back(fmt::format("{:g} mm wide, {:g} mm deep: {} found, at least {:g} % wanted", kGoalSize,
-                                             kGoalDepth, percent(result.goal), 100 * kLeastFound));
+                                             kGoalDepth, percent(result.goal), 100 * kMinFound));
   }
-  if (!(share <= kMostFalseParts)) {
+  if (!(share <= kMaxFalseParts)) {
     result.not_reached.push_back(fmt::format("{} of {} parts have a false defect, at most {:g} % wanted",
-                                             result.false_parts, result.parts, 100 * kMostFalseParts));
+                                             result.false_parts, result.parts, 100 * kMaxFalseParts));
   }
   result.page.title = "Experiment parts";
   result.page.subtitle = "Defects planted into parts on a running line";

@@ -52,8 +52,8 @@ struct PartDetectionResult {
 };
 
 // The goals.
-inline constexpr double kLeastFound = 0.995;
-inline constexpr double kMostFalseParts = 0.001;
+inline constexpr double kMinFound = 0.995;
+inline constexpr double kMaxFalseParts = 0.001;
 
 // `progress` gets the number of images and parts done and of all.
 PartDetectionResult run_part_detection(const PartDetectionOptions& options,

@@ -19,11 +19,6 @@ namespace {
 
 constexpr double kHalfPart = PlantedPart::kLength / 2;
 
-void join(HeightRange& range, double height) {
-  range.low = std::min(range.low, height);
-  range.high = std::max(range.high, height);
-}
-
 double square(double x, double y) { return x * x + y * y; }
 
 // The squares of the least and the greatest distance of a rectangle's points from a point.
@@ -74,7 +69,7 @@ HeightRange PlantedPart::part_range(const Box& box) const {
   }
   const bool inside = own.x0 >= -kHalfPart && own.x1 <= kHalfPart && own.y0 >= -kTreadWidth && own.y1 <= kTreadWidth;
   HeightRange range{tread_height(own.y0), tread_height(own.y0)};
-  join(range, tread_height(own.y1));
+  range.join(tread_height(own.y1));
   for (const PlantedDefect& defect : defects_) {
     const auto [least, greatest] = square_distances(own, kHalfPart - defect.along, defect.across);
     const double rim = square(defect.size / 2, 0);
@@ -85,10 +80,10 @@ HeightRange PlantedPart::part_range(const Box& box) const {
     if (greatest <= rim) {
       return {bottom, bottom};
     }
-    join(range, bottom);
+    range.join(bottom);
   }
   if (!inside) {
-    join(range, 0);
+    range.join(0);
   }
   return range;
 }
@@ -116,16 +111,16 @@ int frames_of_part() { return static_cast<int>((PlantedPart::kLength + 2 * kLead
 }  // namespace
 
 DrawnPart draw_part(const Rig& rig, std::uint64_t seed, std::uint64_t number, bool is_planted) {
-  constexpr std::uint64_t kMostParts = 1'000'000;
+  constexpr std::uint64_t kMaxParts = 1'000'000;
   DrawnPart part;
-  part.noise = seed * kMostParts + number + static_cast<std::uint64_t>(rig.imaging.seed);
+  part.noise = seed * kMaxParts + number + static_cast<std::uint64_t>(rig.imaging.seed);
   EvenNumbers numbers(part.noise);
   part.pose = {kStep * numbers.next(), numbers.within(1), numbers.within(1)};
   if (is_planted) {
     const std::size_t of_goal = numbers.next() < 0.5 ? 0 : 1;
     part.defects.push_back(planted(numbers, of_goal, kGoalSize, kGoalDepth));
-    const double size = drawn(numbers, kLeastSize, kMostSize);
-    part.defects.push_back(planted(numbers, 1 - of_goal, size, drawn(numbers, kLeastDepth, kMostDepth)));
+    const double size = drawn(numbers, kMinSize, kMaxSize);
+    part.defects.push_back(planted(numbers, 1 - of_goal, size, drawn(numbers, kMinDepth, kMaxDepth)));
   }
   return part;
 }

@@ -59,8 +59,8 @@ inline constexpr double kGoalSize = 2;
 inline constexpr double kGoalDepth = 0.3;
 
 // Bounds of the others, which are drawn evenly on a logarithmic scale.
-inline constexpr double kLeastSize = 0.5, kMostSize = 10;
-inline constexpr double kLeastDepth = 0.05, kMostDepth = 1;
+inline constexpr double kMinSize = 0.5, kMaxSize = 10;
+inline constexpr double kMinDepth = 0.05, kMaxDepth = 1;
 
 struct DrawnPart {
   PartPose pose;  // shifted by up to 1 mm, turned by up to 1 degree

@@ -297,9 +297,9 @@ class Robustness {
         data_["false_points"][preset][way.name]["threshold"] =
             (way.name.ends_with("half of the line") ? above : stairs_.rig()).measure.threshold;
         const bool wanted = way.name.find("strongest run") != std::string::npos && preset != "brushed-steel";
-        if (wanted && e.beyond(kFalseMm) > kMostFalse) {
+        if (wanted && e.beyond(kFalseMm) > kMaxFalse) {
           result_.not_reached.push_back(fmt::format("{}, {}: {} of the points are false, at most {:g} wanted", preset,
-                                                    way.name, share_text(e.beyond(kFalseMm)), kMostFalse));
+                                                    way.name, share_text(e.beyond(kFalseMm)), kMaxFalse));
         }
         if (wanted && way.name != binary && !(e.missing() < 1)) {
           result_.not_reached.push_back(fmt::format("{}, {}: no column has a point", preset, way.name));

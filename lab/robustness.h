@@ -35,7 +35,7 @@ inline constexpr double kFalseMm = 0.3;
 inline constexpr double kFalseCodeMm = 10;
 
 // The greatest share of false points that the strongest run may leave on painted metal and on matt plastic.
-inline constexpr double kMostFalse = 1e-4;
+inline constexpr double kMaxFalse = 1e-4;
 
 // `progress` gets the number of worlds done and of all.
 RobustnessResult run_robustness(const RobustnessOptions& options,

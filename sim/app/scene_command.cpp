@@ -13,8 +13,6 @@
 #include <iterator>
 #include <memory>
 #include <mutex>
-#include <opencv2/core.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <optional>
 #include <span>
 #include <string>
@@ -112,14 +110,6 @@ FloatImage pattern_of(const SceneOptions& options, const Rig& rig) {
 
 std::string frame_file(int number, bool quantized) {
   return fmt::format("frame_{:05}.{}", number, quantized ? "png" : "tiff");
-}
-
-std::string encode_png(int rows, int columns, std::vector<std::uint8_t>& pixels) {
-  std::vector<std::uint8_t> bytes;
-  cv::imencode(".png", cv::Mat(rows, columns, CV_8UC1, pixels.data()), bytes);
-  std::string text(bytes.size(), '\0');
-  std::memcpy(text.data(), bytes.data(), bytes.size());
-  return text;
 }
 
 // The frames of an earlier run would be taken for this one's.
@@ -241,9 +231,9 @@ void render(const SceneOptions& options) {
       FloatImage values(rig.camera.rows, rig.camera.columns);
       maker.render(number - 1, values.values);
       if (quantized) {
-        std::vector<std::uint8_t> pixels(values.values.size());
-        quantize(values.values, pixels);
-        bytes = encode_png(values.rows, values.columns, pixels);
+        Image image{values.rows, values.columns, std::vector<std::uint8_t>(values.values.size())};
+        quantize(values.values, image.pixels);
+        bytes = encode_png(image);
       } else {
         bytes = encode_float_tiff(file, values);
       }

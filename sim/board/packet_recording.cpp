@@ -50,8 +50,8 @@ void PacketRecording::stamp(std::size_t packet, std::uint64_t frame, double cloc
 
 namespace {
 
-constexpr std::size_t kMostHeld = 4'000'000'000;
-constexpr std::uint64_t kMostSearched = std::uint64_t{1} << 28U;  // bytes: a file may have no end
+constexpr std::size_t kMaxHeld = 4'000'000'000;
+constexpr std::uint64_t kMaxSearched = std::uint64_t{1} << 28U;  // bytes: a file may have no end
 
 }  // namespace
 
@@ -63,10 +63,10 @@ PacketRecording read_recording(const std::string& file, Counters& counters) {
     if (next == Next::packet) {
       recording.add(packet.header, packet.bytes());
     }
-    if (recording.frames() == 0 && device->counters().bytes_discarded > kMostSearched) {
+    if (recording.frames() == 0 && device->counters().bytes_discarded > kMaxSearched) {
       throw UserError(file, "has no good packet at its beginning");
     }
-    if (recording.bytes() > kMostHeld) {
+    if (recording.bytes() > kMaxHeld) {
       throw UserError(file, "has more than 4 GB of packets; they are held in memory");
     }
   }

@@ -18,7 +18,7 @@
 #include "host/images/prepared_images.h"
 #include "host/report/report.h"
 #include "model/packet.h"
-#include "sim/cosim/cosim.h"
+#include "sim/cosim/cosim_options.h"
 #include "sim/platform/platform.h"
 #include "sim/scene/scenes.h"
 

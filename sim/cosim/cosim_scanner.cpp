@@ -23,8 +23,8 @@
 #include "host/structured_light/foreground.h"
 #include "host/structured_light/scanner.h"
 #include "host/structured_light/triangulation.h"
-#include "sim/cosim/cosim.h"
 #include "sim/cosim/cosim_measurement.h"
+#include "sim/cosim/cosim_options.h"
 #include "sim/cosim/depth_cosim.h"
 #include "sim/cosim/motion_analysis.h"
 #include "sim/scene/pattern_renderer.h"
@@ -187,7 +187,7 @@ class ScannerCosim final : public DepthCosim {
       return kNan;
     }
     const RingMeans rings = pool_rings(*triangulation_);
-    return foremost_crest(rings, rings.means(depth, background, kMostWave), kLeastWave);
+    return foremost_crest(rings, rings.means(depth, background, kMaxWave), kMinWave);
   }
 
   double min_difference_;  // mm

@@ -200,7 +200,7 @@ DepthFindings findings_of(SceneAnalysis analysis, const std::vector<DepthSample>
 
 namespace {
 
-constexpr std::size_t kMostPictures = 4;
+constexpr std::size_t kMaxPictures = 4;
 
 std::string scene_text(const CosimOptions& options) { return "scene " + options.scene; }
 
@@ -306,7 +306,7 @@ void DepthCosim::choose_pictures() {
     return;
   }
   const std::size_t images = (total - cycle) / 2 + 1;
-  const std::size_t shown = std::min(kMostPictures, images);
+  const std::size_t shown = std::min(kMaxPictures, images);
   for (std::size_t i = 0; i < shown; ++i) {
     pictures_.push_back(cycle + 2 * (images * (2 * i + 1) / (2 * shown)));
   }

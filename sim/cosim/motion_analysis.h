@@ -71,10 +71,10 @@ double foremost_crest(const RingMeans& rings, const std::vector<double>& means, 
 
 // The places and times at which the ring wave of B2 is measured.
 
-// Limits of the water's rise, mm: any wave is at most kMostWave high, and a crest counts if it is at least kLeastWave
+// Limits of the water's rise, mm: any wave is at most kMaxWave high, and a crest counts if it is at least kMinWave
 // high.
-inline constexpr double kMostWave = 10;
-inline constexpr double kLeastWave = 0.5;
+inline constexpr double kMaxWave = 10;
+inline constexpr double kMinWave = 0.5;
 
 // Times after the impact, s: at kWaveFrom the ring has left the splash, and until kWaveTo it does not reach a wall.
 inline constexpr double kWaveFrom = 0.08;

@@ -15,7 +15,7 @@
 namespace selfproj {
 namespace {
 
-constexpr double kNotHeard = std::numeric_limits<double>::quiet_NaN();
+constexpr double kUnobserved = std::numeric_limits<double>::quiet_NaN();
 constexpr double kCellsAWave = 10;  // in the length of the shortest wave
 
 // Returns the number of cells along a side. It is even, because cv::dct needs that.
@@ -63,7 +63,7 @@ class Grid {
   [[nodiscard]] double least_of(const std::vector<double>& curve) const {
     const auto best = static_cast<std::size_t>(std::min_element(curve.begin(), curve.end()) - curve.begin());
     if (best == 0 || best + 1 == count_) {
-      return kNotHeard;
+      return kUnobserved;
     }
     const double bend = curve[best - 1] - 2 * curve[best] + curve[best + 1];
     return at(static_cast<double>(best) + (bend > 0 ? 0.5 * (curve[best - 1] - curve[best + 1]) / bend : 0));
@@ -232,7 +232,7 @@ WaveDispersion::WaveDispersion(const BasinWaves& measured) : times_(measured.tim
     if (times < 2 * kUnknowns) {
       break;
     }
-    HeardWave h{wave, 0, 0, {}};
+    ObservedWave h{wave, 0, 0, {}};
     std::vector<double>& y = h.wave.amplitude;
     const double mean = std::accumulate(y.begin(), y.end(), 0.0) / times;
     double all = 0;
@@ -248,17 +248,18 @@ WaveDispersion::WaveDispersion(const BasinWaves& measured) : times_(measured.tim
     if (rest < (1 - kShare) * all) {
       h.noise = rest / (times - kUnknowns);
       h.energy = all - rest;
-      heard_.push_back(std::move(h));
+      observed_.push_back(std::move(h));
     }
   }
-  if (heard_.empty()) {
+  if (observed_.empty()) {
     return;
   }
   std::vector<double> noises;
-  std::transform(heard_.begin(), heard_.end(), std::back_inserter(noises), [](const HeardWave& h) { return h.noise; });
+  std::transform(observed_.begin(), observed_.end(), std::back_inserter(noises),
+                 [](const ObservedWave& h) { return h.noise; });
   const auto middle = noises.begin() + static_cast<std::ptrdiff_t>(noises.size() / 2);
   std::nth_element(noises.begin(), middle, noises.end());
-  for (HeardWave& h : heard_) {
+  for (ObservedWave& h : observed_) {
     h.noise = std::max(h.noise, *middle);
     h.energy /= h.noise;
     std::transform(h.rest.begin(), h.rest.end(), h.rest.begin(), [&](double value) { return value / h.noise; });
@@ -270,7 +271,7 @@ WaveSpeed WaveDispersion::speed(double longest, double shortest) const {
   double energy = 0;
   double ks = 0;
   std::vector<std::vector<double>> curves;
-  for (const HeardWave& h : heard_) {
+  for (const ObservedWave& h : observed_) {
     const double length = 2 * std::numbers::pi / h.wave.k;
     if (length >= shortest && length < longest) {
       energy += h.energy;
@@ -278,12 +279,12 @@ WaveSpeed WaveDispersion::speed(double longest, double shortest) const {
       curves.push_back(h.rest);
     }
   }
-  WaveSpeed result{curves.size(), kNotHeard, kNotHeard, kNotHeard};
+  WaveSpeed result{curves.size(), kUnobserved, kUnobserved, kUnobserved};
   if (!curves.empty()) {
     const Best best = best_of(speeds(), curves, curves.size());
     result.length = 2 * std::numbers::pi * energy / ks;
     result.speed = best.value;
-    result.deviation = curves.size() < kFewest ? kNotHeard : best.deviation;
+    result.deviation = curves.size() < kFewest ? kUnobserved : best.deviation;
   }
   return result;
 }
@@ -291,16 +292,16 @@ WaveSpeed WaveDispersion::speed(double longest, double shortest) const {
 LongWaves WaveDispersion::long_waves() const {
   constexpr std::size_t kGroups = 10;
   static const Grid depths(3, 300, 250);
-  LongWaves result{heard_.size(), kNotHeard, kNotHeard, kNotHeard, kNotHeard};
-  if (heard_.size() < kGroups) {
+  LongWaves result{observed_.size(), kUnobserved, kUnobserved, kUnobserved, kUnobserved};
+  if (observed_.size() < kGroups) {
     return result;
   }
   std::vector<std::vector<double>> curves;
   const std::vector<double> all_factors = factors();
-  const auto rest = [&](const HeardWave& h, double depth, double factor) {
+  const auto rest = [&](const ObservedWave& h, double depth, double factor) {
     return rest_at(times_, h.wave.amplitude, omega_of(h.wave.k, depth, factor)) / h.noise;
   };
-  for (const HeardWave& h : heard_) {
+  for (const ObservedWave& h : observed_) {
     curves.emplace_back();
     for (const double factor : all_factors) {
       for (std::size_t i = 0; i < depths.count(); ++i) {
@@ -314,12 +315,12 @@ LongWaves WaveDispersion::long_waves() const {
   result.deviation = result.speed * best.deviation / (2 * best.value);
   double left = std::numeric_limits<double>::infinity();
   for (const double factor : all_factors) {
-    const double sum = std::accumulate(heard_.begin(), heard_.end(), 0.0, [&](double before, const HeardWave& h) {
-      return before + rest(h, best.value, factor);
-    });
+    const double sum =
+        std::accumulate(observed_.begin(), observed_.end(), 0.0,
+                        [&](double before, const ObservedWave& h) { return before + rest(h, best.value, factor); });
     left = std::min(left, sum);
   }
-  result.misfit = left / ((static_cast<double>(times_.size()) - kUnknowns) * static_cast<double>(heard_.size()));
+  result.misfit = left / ((static_cast<double>(times_.size()) - kUnknowns) * static_cast<double>(observed_.size()));
   return result;
 }
 

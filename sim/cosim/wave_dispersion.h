@@ -62,7 +62,7 @@ inline constexpr double kWaterTension = 7.293e4;     // surface tension by densi
 
 // A standing wave that is stronger than the noise: an oscillation at one frequency explains more than three quarters of
 // its sum of squares.
-struct HeardWave {
+struct ObservedWave {
   StandingWave wave;
   double noise = 0;          // variance that its frequency does not explain, but at least the waves' median, mm²
   double energy = 0;         // sum of squares that this frequency explains, divided by the noise
@@ -89,8 +89,8 @@ struct LongWaves {
   double speed = 0;      // mm/s
   double deviation = 0;  // standard deviation of the speed, the greater of two: from leaving out a tenth of the waves
                          // at a time, and from the curve of the sum of squares
-  // The mean over the waves of the mean square that the theory leaves, divided by the wave's noise (HeardWave). It is
-  // about 1 if the theory holds, and can be a little less, because the noise is at least the waves' median.
+  // The mean over the waves of the mean square that the theory leaves, divided by the wave's noise (ObservedWave). It
+  // is about 1 if the theory holds, and can be a little less, because the noise is at least the waves' median.
   double misfit = 0;
 };
 
@@ -108,7 +108,7 @@ class WaveDispersion {
 
  private:
   std::vector<double> times_;
-  std::vector<HeardWave> heard_;
+  std::vector<ObservedWave> observed_;
 };
 
 }  // namespace selfproj

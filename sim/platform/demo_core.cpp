@@ -1,4 +1,4 @@
-// Replaces rtl_cores.cpp and match_rtl_engine.cpp in the demo's program. It has only the board that scripts/demo.sh
+// Replaces rtl_cores.cpp and rtl_engines.cpp in the demo's program. It has only the board that scripts/demo.sh
 // shows. With all boards the demo's build takes half as much time again.
 #include <cstdint>
 #include <memory>

@@ -24,7 +24,7 @@
 #include "model/board.h"
 #include "model/column_moments.h"
 #include "sim/platform/board_core.h"
-#include "sim/platform/platform.h"
+#include "sim/platform/camera_timing.h"
 
 namespace selfproj {
 

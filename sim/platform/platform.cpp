@@ -1,6 +1,5 @@
 #include "sim/platform/platform.h"
 
-#include <algorithm>
 #include <cstdint>
 #include <exception>
 #include <memory>
@@ -11,29 +10,12 @@
 
 #include "host/files/user_error.h"
 #include "model/pixel_clock.h"
-#include "model/spec/generated/selfproj_spec.h"
 #include "sim/platform/modules.h"
 
 // SystemC's library has a main function that calls this one. The programs have their own main.
 int sc_main(int /*argc*/, char** /*argv*/) { return 0; }
 
 namespace selfproj {
-
-CameraTiming camera_timing(int rows, int columns, double frame_rate_hz, double pixel_clock_hz, std::uint64_t blank) {
-  if (rows < 1 || rows > spec::kMaxRows || columns < spec::kPixelsPerBeat || columns > spec::kMaxColumns ||
-      columns % spec::kPixelsPerBeat != 0) {
-    throw std::invalid_argument("camera_timing: the board takes no images of this size");
-  }
-  if (!(frame_rate_hz > 0 && frame_rate_hz <= pixel_clock_hz)) {
-    throw std::invalid_argument("camera_timing: impossible frame rate");
-  }
-  CameraTiming timing{.columns = columns, .rows = rows};
-  const auto lines = static_cast<std::uint64_t>(rows);
-  const std::uint64_t shortest_line = timing.beats_a_line() + blank;
-  timing.frame_clocks = std::max(static_cast<std::uint64_t>(pixel_clock_hz / frame_rate_hz), lines * shortest_line);
-  timing.line_clocks = timing.frame_clocks / lines;
-  return timing;
-}
 
 namespace {
 
@@ -89,14 +71,14 @@ void check(const PlatformOptions& options) {
   if (!(options.pixel_clock_hz >= kMinPixelClockHz && options.pixel_clock_hz <= kMaxPixelClockHz)) {
     throw std::invalid_argument("no board has this pixel clock");
   }
-  constexpr int kMostStalls = 95;
+  constexpr int kMaxStalls = 95;
   const BusOptions& bus = options.bus;
-  if (bus.period_ps == 0 || bus.stall_percent < 0 || bus.stall_percent > kMostStalls || bus.hold_ups_a_second < 0 ||
+  if (bus.period_ps == 0 || bus.stall_percent < 0 || bus.stall_percent > kMaxStalls || bus.hold_ups_a_second < 0 ||
       bus.hold_up_s < 0) {
     throw std::invalid_argument("the options of the bus make no sense");
   }
-  constexpr int kMostPatterns = 256;
-  if (options.patterns < 1 || options.patterns > kMostPatterns) {
+  constexpr int kMaxPatterns = 256;
+  if (options.patterns < 1 || options.patterns > kMaxPatterns) {
     throw std::invalid_argument("patterns are 1..256");
   }
   if (options.settings.codes && !options.trace_file.empty()) {

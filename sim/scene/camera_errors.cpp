@@ -128,30 +128,24 @@ double flicker_grey(const Flicker& flicker, double t, double exposure_s) {
 
 namespace {
 
-class SwingingBelt final : public Scene {
+class SwingingBelt final : public WrappedScene {
  public:
   SwingingBelt(const Scene& scene, const Vibration& vibration)
-      : scene_(scene), amplitude_(vibration.belt_mm), pulsation_(2 * std::numbers::pi * vibration.belt_hz) {}
-  [[nodiscard]] int frames() const override { return scene_.frames(); }
-  [[nodiscard]] double height(double x, double y, double t) const override { return scene_.height(x, y, t) + swing(t); }
+      : WrappedScene(scene), amplitude_(vibration.belt_mm), pulsation_(2 * std::numbers::pi * vibration.belt_hz) {}
+  [[nodiscard]] double height(double x, double y, double t) const override {
+    return WrappedScene::height(x, y, t) + swing(t);
+  }
   // The swing's bounds over the time are those of a straight line through its middle of the greatest slope.
   [[nodiscard]] HeightRange range(const Box& box, double t0, double t1) const override {
-    const HeightRange range = scene_.range(box, t0, t1);
+    const HeightRange range = WrappedScene::range(box, t0, t1);
     const double middle = swing((t0 + t1) / 2);
     const double off = std::min(amplitude_ * pulsation_ * (t1 - t0) / 2, 2 * amplitude_);
     return {range.low + middle - off, range.high + middle + off};
   }
-  [[nodiscard]] double albedo(double x, double y, double t) const override { return scene_.albedo(x, y, t); }
-  [[nodiscard]] bool even_albedo() const override { return scene_.even_albedo(); }
-  [[nodiscard]] bool has_exact_levels() const override { return scene_.has_exact_levels(); }
-  [[nodiscard]] double speed() const override { return scene_.speed(); }
-  [[nodiscard]] Bodies bodies(double t) const override { return scene_.bodies(t); }
-  [[nodiscard]] double body_speed() const override { return scene_.body_speed(); }
 
  private:
   [[nodiscard]] double swing(double t) const { return amplitude_ * std::sin(pulsation_ * t); }
 
-  const Scene& scene_;
   double amplitude_;
   double pulsation_;
 };

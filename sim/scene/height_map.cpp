@@ -107,8 +107,7 @@ HeightRange HeightMap::part_range(const Box& box) const {
     result = {std::numeric_limits<double>::max(), std::numeric_limits<double>::lowest()};
     for (const double r : rows) {
       for (const double c : columns) {
-        const double h = at(r, c);
-        result = {std::min(result.low, h), std::max(result.high, h)};
+        result.join(at(r, c));
       }
     }
   } else {
@@ -117,7 +116,10 @@ HeightRange HeightMap::part_range(const Box& box) const {
     result = {static_cast<double>(range.low), static_cast<double>(range.high)};
   }
   const bool all_inside = inner.x0 == box.x0 && inner.x1 == box.x1 && inner.y0 == box.y0 && inner.y1 == box.y1;
-  return all_inside ? result : HeightRange{std::min(result.low, 0.0), std::max(result.high, 0.0)};
+  if (!all_inside) {
+    result.join(0);
+  }
+  return result;
 }
 
 std::unique_ptr<Scene> height_map_scene(const FloatImage& height_mm, double mm_per_pixel, const Rig& rig,

@@ -16,8 +16,6 @@ namespace {
 
 constexpr double kPartLength = 130;  // length of the parts of rig A: 1400 frames of 0.1 mm with the lead on both sides
 
-HeightRange join(HeightRange a, HeightRange b) { return {std::min(a.low, b.low), std::max(a.high, b.high)}; }
-
 class Plane : public ConveyedScene {
  public:
   explicit Plane(const Rig& rig) : ConveyedScene(rig, 0) {}
@@ -41,9 +39,12 @@ class Prism : public ConveyedScene {
     if (inner.x0 > inner.x1 || inner.y0 > inner.y1) {
       return {0, 0};
     }
-    const HeightRange on_top = top_range(inner);
+    HeightRange range = top_range(inner);
     const bool inside = inner.x0 == box.x0 && inner.x1 == box.x1 && inner.y0 == box.y0 && inner.y1 == box.y1;
-    return inside ? on_top : join(on_top, {0, 0});
+    if (!inside) {
+      range.join(0);
+    }
+    return range;
   }
 
  protected:
@@ -100,7 +101,7 @@ class Stairs : public Prism {
     HeightRange result{std::numeric_limits<double>::max(), 0};
     for (int i = first; i <= last; ++i) {
       const double height = tread_height(i);
-      result = join(result, {height, height});
+      result.join(height);
       if (!marked_ || !near_mark(i, box)) {
         continue;
       }

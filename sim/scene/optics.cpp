@@ -42,7 +42,7 @@ double fold(const BrownLens::Coefficients& c) {
 BrownLens::BrownLens(const Coefficients& c)
     : c_(c),
       distorts_(c.k1 != 0 || c.k2 != 0 || c.p1 != 0 || c.p2 != 0 || c.k3 != 0),
-      most_r2_(distorts_ ? fold(c) : kUnlimited) {}
+      max_r2_(distorts_ ? fold(c) : kUnlimited) {}
 
 Tangents BrownLens::distorted(Tangents ray) const {
   const double x = ray.across;
@@ -58,10 +58,10 @@ Tangents BrownLens::undistorted(Tangents image) const {
   if (!distorts_) {
     return image;
   }
-  constexpr int kMostSteps = 50;
+  constexpr int kMaxSteps = 50;
   constexpr double kLastDigits = 1e-30;  // of the square of the step
   Tangents ray = image;
-  for (int i = 0; i < kMostSteps; ++i) {
+  for (int i = 0; i < kMaxSteps; ++i) {
     const double x = ray.across;
     const double y = ray.down;
     const double r2 = x * x + y * y;

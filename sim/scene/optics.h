@@ -40,7 +40,7 @@ class BrownLens {
   [[nodiscard]] const Coefficients& coefficients() const { return c_; }
 
   // Whether the formula can be inverted at the ray: it folds the image over beyond some angle.
-  [[nodiscard]] bool sees(Tangents ray) const { return ray.across * ray.across + ray.down * ray.down < most_r2_; }
+  [[nodiscard]] bool sees(Tangents ray) const { return ray.across * ray.across + ray.down * ray.down < max_r2_; }
 
   [[nodiscard]] Tangents distorted(Tangents ray) const;
 
@@ -56,7 +56,7 @@ class BrownLens {
 
   Coefficients c_;
   bool distorts_ = false;
-  double most_r2_ = kUnlimited;
+  double max_r2_ = kUnlimited;
 };
 
 // Millimetres in the world frame of host/rig/rig.h.

@@ -24,7 +24,7 @@ const Scene& checked(const Scene& scene) {
   if (scene.speed() != 0) {
     throw std::invalid_argument("a surface that moves is not for patterns: its bodies may");
   }
-  if (scene.bodies(0).size() > Scene::kMostBodies) {
+  if (scene.bodies(0).size() > Scene::kMaxBodies) {
     throw std::invalid_argument("a scene of too many bodies");
   }
   return scene;
@@ -243,7 +243,7 @@ void PatternRenderer::expose(int frame, const ProjectedLight& pattern, std::span
       pixels);
 }
 
-void PatternRenderer::lit_depth(int frame, std::span<float> z, float least_light) const {
+void PatternRenderer::lit_depth(int frame, std::span<float> z, float min_light) const {
   const BodyMotion motion = motion_of(frame);
   for (int row = 0; row < rig().camera.rows; ++row) {
     for (int column = 0; column < rig().camera.columns; ++column) {
@@ -254,7 +254,7 @@ void PatternRenderer::lit_depth(int frame, std::span<float> z, float least_light
         spot = look(still_, {row + 0.0, column + 0.0}, spot, motion.ends[1], motion.seen[block], motion.shaded[block])
                    .spot;
       }
-      z[i] = spot.light <= least_light ? std::numeric_limits<float>::quiet_NaN() : spot.z;
+      z[i] = spot.light <= min_light ? std::numeric_limits<float>::quiet_NaN() : spot.z;
     }
   }
 }

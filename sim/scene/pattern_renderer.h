@@ -34,9 +34,9 @@ class PatternRenderer final : public Renderer {
   // bodies.
   void depth(int frame, std::span<float> z) const { lit_depth(frame, z, -1); }
 
-  // The same, but NaN if full light of the projector adds no more grey values than `least_light`: places without light,
+  // The same, but NaN if full light of the projector adds no more grey values than `min_light`: places without light,
   // or too dark for a scanner to measure.
-  void lit_depth(int frame, std::span<float> z, float least_light = 0) const;
+  void lit_depth(int frame, std::span<float> z, float min_light = 0) const;
 
  private:
   [[nodiscard]] BodyMotion motion_of(int frame) const;

@@ -81,18 +81,18 @@ Perturbation drawn_perturbation(EvenNumbers& random) {
   const auto within = [&](double bound) { return random.within(bound); };
   Perturbation d;
   for (double& angle : d.rotation_rad) {
-    angle = within(kMostRotationDeg * std::numbers::pi / 180);
+    angle = within(kMaxRotationDeg * std::numbers::pi / 180);
   }
-  d.shift_mm.x = within(kMostShiftMm);
-  d.shift_mm.y = within(kMostShiftMm);
-  d.shift_mm.z = within(kMostShiftMm);
-  d.focal_factor = 1 + within(kMostFocal);
-  d.row_centre_px = within(kMostCentrePx);
-  d.column_centre_px = within(kMostCentrePx);
-  d.lens.k1 = within(kMostDistortion.k1);
-  d.lens.k2 = within(kMostDistortion.k2);
-  d.lens.p1 = within(kMostDistortion.p1);
-  d.lens.p2 = within(kMostDistortion.p2);
+  d.shift_mm.x = within(kMaxShiftMm);
+  d.shift_mm.y = within(kMaxShiftMm);
+  d.shift_mm.z = within(kMaxShiftMm);
+  d.focal_factor = 1 + within(kMaxFocal);
+  d.row_centre_px = within(kMaxCentrePx);
+  d.column_centre_px = within(kMaxCentrePx);
+  d.lens.k1 = within(kMaxDistortion.k1);
+  d.lens.k2 = within(kMaxDistortion.k2);
+  d.lens.p1 = within(kMaxDistortion.p1);
+  d.lens.p2 = within(kMaxDistortion.p2);
   return d;
 }
 

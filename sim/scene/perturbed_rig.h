@@ -38,11 +38,11 @@ struct Perturbation {
 };
 
 // The bounds of what hidden_rig draws, each number evenly between -bound and bound.
-inline constexpr double kMostRotationDeg = 0.5;
-inline constexpr double kMostShiftMm = 5;
-inline constexpr double kMostFocal = 0.01;
-inline constexpr double kMostCentrePx = 10;
-inline constexpr BrownLens::Coefficients kMostDistortion{0.1, 0.01, 0.001, 0.001, 0};
+inline constexpr double kMaxRotationDeg = 0.5;
+inline constexpr double kMaxShiftMm = 5;
+inline constexpr double kMaxFocal = 0.01;
+inline constexpr double kMaxCentrePx = 10;
+inline constexpr BrownLens::Coefficients kMaxDistortion{0.1, 0.01, 0.001, 0.001, 0};
 
 // The rig with deviations of camera and projector. Starts from the pinholes of the rig, without its calibration.
 PerturbedRig perturbed_rig(const Rig& nominal, const Perturbation& camera, const Perturbation& projector);

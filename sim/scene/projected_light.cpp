@@ -276,8 +276,8 @@ PatternSet::PatternSet(const Rig& rig, std::span<const Image> images, const Rend
 
 // g_2i = floor(2^i Y/H + 1/2) mod 2, in integers.
 std::vector<Image> gray_patterns(const RigProjector& projector, int bits) {
-  constexpr int kMostBits = 12;
-  if (bits < 1 || bits > kMostBits) {
+  constexpr int kMaxBits = 12;
+  if (bits < 1 || bits > kMaxBits) {
     throw std::invalid_argument("Gray patterns of other than 1..12 bits");
   }
   constexpr std::uint8_t kFull = 255;

@@ -25,13 +25,6 @@ double distance_2(const Ray& line, Point3 p) {
   return dot(d, d) - along * along / dot(line.along, line.along);
 }
 
-double checked_albedo(double albedo) {
-  if (!(albedo >= 0 && albedo <= 1)) {
-    throw std::invalid_argument("a body's albedo is not 0..1");
-  }
-  return albedo;
-}
-
 // Computes where the straight line of a ray enters and leaves a ball around the origin. Returns false if it misses the
 // ball.
 bool through_ball(Point3 from, Point3 along, double radius_2, double& enters, double& leaves) {
@@ -50,11 +43,17 @@ bool through_ball(Point3 from, Point3 along, double radius_2, double& enters, do
 
 }  // namespace
 
+Body::Body(double albedo) : albedo_(albedo) {
+  if (!(albedo >= 0 && albedo <= 1)) {
+    throw std::invalid_argument("a body's albedo is not 0..1");
+  }
+}
+
 Ellipsoid::Ellipsoid(Point3 centre, const std::array<Point3, 3>& axes, Point3 half, double albedo)
-    : centre_(centre),
+    : Body(albedo),
+      centre_(centre),
       longest_(std::max({half.x, half.y, half.z})),
-      to_sphere_{1 / half.x * axes[0], 1 / half.y * axes[1], 1 / half.z * axes[2]},
-      albedo_(checked_albedo(albedo)) {
+      to_sphere_{1 / half.x * axes[0], 1 / half.y * axes[1], 1 / half.z * axes[2]} {
   if (!(half.x > 0 && half.y > 0 && half.z > 0)) {
     throw std::invalid_argument("an ellipsoid's half-axis is not > 0");
   }
@@ -100,8 +99,7 @@ bool Ellipsoid::is_near(const Ray& line, double slack) const {
 
 Cuboid Ellipsoid::bounds() const { return bounds_; }
 
-Capsule::Capsule(Point3 a, Point3 b, double radius, double albedo)
-    : a_(a), b_(b), radius_(radius), albedo_(checked_albedo(albedo)) {
+Capsule::Capsule(Point3 a, Point3 b, double radius, double albedo) : Body(albedo), a_(a), b_(b), radius_(radius) {
   if (!(radius > 0)) {
     throw std::invalid_argument("a capsule's radius is not > 0");
   }
@@ -138,11 +136,6 @@ bool Capsule::meets(const Ray& ray, double most, Meeting& meeting) const {
   return true;
 }
 
-bool Capsule::blocks(const Ray& ray, double most) const {
-  Meeting unused;
-  return meets(ray, most, unused);
-}
-
 // Compares radius + slack with the shortest distance between the straight line and the axis, which ends at a and b.
 bool Capsule::is_near(const Ray& line, double slack) const {
   const Point3 axis = b_ - a_;
@@ -162,7 +155,7 @@ Cuboid Capsule::bounds() const {
   return {lower(a_, b_) - r, upper(a_, b_) + r};
 }
 
-Block::Block(const Cuboid& box, double albedo) : box_(box), albedo_(checked_albedo(albedo)) {
+Block::Block(const Cuboid& box, double albedo) : Body(albedo), box_(box) {
   if (!(box.low.x < box.high.x && box.low.y < box.high.y && box.low.z < box.high.z)) {
     throw std::invalid_argument("a block's low corner is not below its high one");
   }
@@ -201,11 +194,6 @@ bool Block::meets(const Ray& ray, double most, Meeting& meeting) const {
   normal[face] = along[face] > 0 ? -1 : 1;
   meeting = {enters, {normal[0], normal[1], normal[2]}};
   return true;
-}
-
-bool Block::blocks(const Ray& ray, double most) const {
-  Meeting unused;
-  return meets(ray, most, unused);
 }
 
 bool Block::is_near(const Ray& line, double slack) const {

@@ -3,6 +3,7 @@
 #ifndef SELFPROJ_SIM_SCENE_SCENE_H
 #define SELFPROJ_SIM_SCENE_SCENE_H
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <limits>
@@ -35,7 +36,9 @@ struct Cuboid {
 // A convex body, or a surface that throws no shadow. Several threads may call it at once.
 class Body {
  public:
-  Body() = default;
+  // `albedo` is the share of light that it scatters, evenly in all directions. Throws std::invalid_argument outside
+  // 0..1.
+  explicit Body(double albedo = 1);
   Body(const Body&) = delete;
   Body& operator=(const Body&) = delete;
   virtual ~Body() = default;
@@ -44,7 +47,10 @@ class Body {
   [[nodiscard]] virtual bool meets(const Ray& ray, double most, Meeting& meeting) const = 0;
 
   // Whether the body blocks light along the ray between s = 0 and s = most.
-  [[nodiscard]] virtual bool blocks(const Ray& ray, double most) const = 0;
+  [[nodiscard]] virtual bool blocks(const Ray& ray, double most) const {
+    Meeting unused;
+    return meets(ray, most, unused);
+  }
 
   // False only if the straight line of the ray, extended to both sides, nowhere comes within `slack` mm of the body.
   [[nodiscard]] virtual bool is_near(const Ray& line, double slack) const = 0;
@@ -52,8 +58,10 @@ class Body {
   // A box that contains the body.
   [[nodiscard]] virtual Cuboid bounds() const = 0;
 
-  // The share of light that it scatters, evenly in all directions, 0..1.
-  [[nodiscard]] virtual double albedo() const { return 1; }
+  [[nodiscard]] double albedo() const { return albedo_; }
+
+ private:
+  double albedo_;
 };
 
 using Bodies = std::vector<std::unique_ptr<Body>>;
@@ -66,7 +74,6 @@ class Ellipsoid final : public Body {
   [[nodiscard]] bool blocks(const Ray& ray, double most) const override;
   [[nodiscard]] bool is_near(const Ray& line, double slack) const override;
   [[nodiscard]] Cuboid bounds() const override;
-  [[nodiscard]] double albedo() const override { return albedo_; }
 
  private:
   [[nodiscard]] bool enters(const Ray& ray, double& s, double& leaves) const;
@@ -75,7 +82,6 @@ class Ellipsoid final : public Body {
   double longest_;                   // longest half-axis
   std::array<Point3, 3> to_sphere_;  // rows of the map to the unit ball
   Cuboid bounds_;
-  double albedo_;
 };
 
 // All points within `radius` of the straight line from a to b: fingers, arms.
@@ -83,15 +89,12 @@ class Capsule final : public Body {
  public:
   Capsule(Point3 a, Point3 b, double radius, double albedo = 1);
   [[nodiscard]] bool meets(const Ray& ray, double most, Meeting& meeting) const override;
-  [[nodiscard]] bool blocks(const Ray& ray, double most) const override;
   [[nodiscard]] bool is_near(const Ray& line, double slack) const override;
   [[nodiscard]] Cuboid bounds() const override;
-  [[nodiscard]] double albedo() const override { return albedo_; }
 
  private:
   Point3 a_, b_;
   double radius_;
-  double albedo_;
 };
 
 // A box with sides along the axes.
@@ -99,14 +102,11 @@ class Block final : public Body {
  public:
   explicit Block(const Cuboid& box, double albedo = 1);
   [[nodiscard]] bool meets(const Ray& ray, double most, Meeting& meeting) const override;
-  [[nodiscard]] bool blocks(const Ray& ray, double most) const override;
   [[nodiscard]] bool is_near(const Ray& line, double slack) const override;
   [[nodiscard]] Cuboid bounds() const override { return box_; }
-  [[nodiscard]] double albedo() const override { return albedo_; }
 
  private:
   Cuboid box_;
-  double albedo_;
 };
 
 // A rectangle of the plane, bounds included, mm.
@@ -118,6 +118,9 @@ struct Box {
 // Bounds of the heights over a rectangle, mm.
 struct HeightRange {
   double low, high;
+
+  void join(double height) { *this = {std::min(low, height), std::max(high, height)}; }
+  void join(HeightRange other) { *this = {std::min(low, other.low), std::max(high, other.high)}; }
 };
 
 // Bounds of the first, second and third derivative of the height along any direction: 1, 1/mm, 1/mm².
@@ -165,12 +168,34 @@ class Scene {
   [[nodiscard]] virtual double speed() const = 0;
 
   // Bodies in front of the surface at the time t, which may hover and move: always the same number in the same order,
-  // at most kMostBodies. Only the renderer of whole patterns (pattern_renderer.h) shows them.
+  // at most kMaxBodies. Only the renderer of whole patterns (pattern_renderer.h) shows them.
   [[nodiscard]] virtual Bodies bodies(double /*t*/) const { return {}; }
-  static constexpr std::size_t kMostBodies = 32;
+  static constexpr std::size_t kMaxBodies = 32;
 
   // The greatest speed of any point of a body, mm/s.
   [[nodiscard]] virtual double body_speed() const { return 0; }
+};
+
+// Another scene, but for what a derived class changes. That scene must live as long.
+class WrappedScene : public Scene {
+ public:
+  explicit WrappedScene(const Scene& scene) : scene_(scene) {}
+  [[nodiscard]] int frames() const override { return scene_.frames(); }
+  [[nodiscard]] double height(double x, double y, double t) const override { return scene_.height(x, y, t); }
+  [[nodiscard]] HeightRange range(const Box& box, double t0, double t1) const override {
+    return scene_.range(box, t0, t1);
+  }
+  [[nodiscard]] bool has_exact_levels() const override { return scene_.has_exact_levels(); }
+  [[nodiscard]] double albedo(double x, double y, double t) const override { return scene_.albedo(x, y, t); }
+  [[nodiscard]] bool even_albedo() const override { return scene_.even_albedo(); }
+  [[nodiscard]] Smoothness smoothness(const Box& box) const override { return scene_.smoothness(box); }
+  [[nodiscard]] bool is_plain(const Box& box) const override { return scene_.is_plain(box); }
+  [[nodiscard]] double speed() const override { return scene_.speed(); }
+  [[nodiscard]] Bodies bodies(double t) const override { return scene_.bodies(t); }
+  [[nodiscard]] double body_speed() const override { return scene_.body_speed(); }
+
+ private:
+  const Scene& scene_;
 };
 
 // A part, given in its own coordinates, on a conveyor that moves along +x: x_part = x − x_start − v t. Its middle is at

@@ -61,19 +61,18 @@ class CuboidScene : public Scene {
     const Overlap low = overlap(box, Cuboids::kLowPart.box);
     const Overlap high = overlap(box, Cuboids::kHighPart.box);
     HeightRange range{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
-    const auto take = [&](double h) { range = {std::min(range.low, h), std::max(range.high, h)}; };
     if (low != Overlap::inside && high != Overlap::inside) {
-      take(0);
+      range.join(0);
     }
     if (low != Overlap::none) {
       const double radius = 0.5 * std::hypot(box.x1 - box.x0, box.y1 - box.y0);
       const double away =
           Cuboids::distance_from_letter(0.5 * (box.x0 + box.x1), 0.5 * (box.y0 + box.y1)) - Cuboids::kLetterStroke / 2;
       if (!marked_ || away > -radius) {
-        take(Cuboids::kLow);
+        range.join(Cuboids::kLow);
       }
       if (marked_ && away <= radius) {
-        take(Cuboids::kLow - Cuboids::kLetterDepth);
+        range.join(Cuboids::kLow - Cuboids::kLetterDepth);
       }
     }
     if (high != Overlap::none) {
@@ -82,11 +81,11 @@ class CuboidScene : public Scene {
         const Overlap block = overlap(box, Cuboids::kBlocks[i]);
         on_one = on_one || block == Overlap::inside;
         if (block != Overlap::none) {
-          take(Cuboids::kHigh + Cuboids::kBlockHeights[i]);
+          range.join(Cuboids::kHigh + Cuboids::kBlockHeights[i]);
         }
       }
       if (!on_one) {
-        take(Cuboids::kHigh);
+        range.join(Cuboids::kHigh);
       }
     }
     return range;

@@ -331,8 +331,8 @@ BodyMotion body_motion(const Rig& rig, const Scene& scene, const StillSurface& s
   const double way_px =
       scene.body_speed() * exposure * rig.camera.focal_length_mm / rig.camera.pixel_pitch_mm / std::max(nearest, 1.0);
   constexpr double kWayPx = 0.75;  // from one instant to the next
-  constexpr int kMostPasses = 64;
-  motion.passes = std::clamp(static_cast<int>(std::ceil(way_px / (kWayPx * kSubPixels))), 1, kMostPasses);
+  constexpr int kMaxPasses = 64;
+  motion.passes = std::clamp(static_cast<int>(std::ceil(way_px / (kWayPx * kSubPixels))), 1, kMaxPasses);
   const int instants = kSubPixels * motion.passes;
   for (int i = 0; i < instants; ++i) {
     motion.instants.push_back(scene.bodies(middle + exposure * ((i + 0.5) / instants - 0.5)));

@@ -158,7 +158,7 @@ class StillSurface {
 
 // The bodies of a scene during the exposure of a frame, and the blocks of the image in which they matter.
 
-// The exposure is sampled at kSubPixels (lens_kernel.h) * passes instants, each sub-pixel at `passes` of them. Without
+// The exposure is sampled at kSubPixels (optics.h) * passes instants, each sub-pixel at `passes` of them. Without
 // bodies, `instants` and the masks are empty.
 struct BodyMotion {
   int passes = 1;

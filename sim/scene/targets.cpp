@@ -95,8 +95,7 @@ HeightRange StepBlock::range(const Box& box, double /*t0*/, double /*t1*/) const
   const double last = std::clamp(std::floor((box.y1 - begin_) / tread_), -1.0, count);
   HeightRange result{1e300, -1e300};
   for (double tread = first; tread <= last; ++tread) {
-    const double height = tread >= 0 && tread < count ? heights_[static_cast<std::size_t>(tread)] : 0;
-    result = {std::min(result.low, height), std::max(result.high, height)};
+    result.join(tread >= 0 && tread < count ? heights_[static_cast<std::size_t>(tread)] : 0);
   }
   return result;
 }
@@ -345,7 +344,7 @@ std::vector<ChessboardPlace> places_on_plates(const PerturbedRig& actual, const 
 std::vector<ChessboardPlace> chessboard_places(const PerturbedRig& actual, const ChessboardShape& shape, int count,
                                                double tilt_deg) {
   constexpr double kTurn = 12;  // degrees about the normal, to either side
-  constexpr double kLeastShare = 0.1;
+  constexpr double kMinShare = 0.1;
   constexpr double kDepth = 0.06;  // share of the distance, nearer and further away
   const Rig& rig = actual.rig;
   const Visible visible(actual, shape, 2);
@@ -358,7 +357,7 @@ std::vector<ChessboardPlace> chessboard_places(const PerturbedRig& actual, const
     const double lean = 2 * std::numbers::pi * k / std::max(1, count - 1);
     if (k > 0) {
       // A long board in a narrow image cannot be turned or brought nearer as far.
-      for (double share = 1; share > kLeastShare; share /= 2) {
+      for (double share = 1; share > kMinShare; share /= 2) {
         const double z = rig.plane_z_mm * (1 + share * kDepth * (k % 3 - 1));
         place = leaning(middle_of_view(actual, z), share * kTurn * (k % 2 == 0 ? 1 : -1), lean, tilt_deg);
         if (visible(place)) {

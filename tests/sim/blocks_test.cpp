@@ -54,7 +54,7 @@ TEST(BlockFold, IsTheSumOfWeightedSubPixels) {
     return static_cast<double>(blocks[grid.block(r / kBlockSide, c / kBlockSide)]
                                      [static_cast<std::size_t>(r % kBlockSide * kBlockSide + c % kBlockSide)]);
   };
-  const BlockFold fold(camera, grid, kernel);
+  const BlockFold fold(camera, kBlur);
   std::vector<float> image(camera.pixels());
   const std::vector<IndexSpan> all(static_cast<std::size_t>(camera.rows), {0, camera.columns - 1});
   fold.fold(
@@ -81,7 +81,7 @@ TEST(BlockFold, PartsAreThoseOfTheWhole) {
   const RigCamera camera = small_camera();
   const BlockGrid grid(camera, lens_margin(kBlur));
   std::vector<BlockValues> blocks = random_blocks(grid);
-  const BlockFold fold(camera, grid, lens_kernel(kBlur));
+  const BlockFold fold(camera, kBlur);
   const auto values_of = [&](int down, int across, BlockValues& values) { values = blocks[grid.block(down, across)]; };
   const std::vector<IndexSpan> everywhere(static_cast<std::size_t>(grid.down()), {0, grid.across() - 1});
   std::vector<float> before(camera.pixels());
@@ -150,7 +150,7 @@ TEST(BlockViews, WhatMayNotBeLitIsDark) {
 
 TEST(BlockViews, ShadowOfABlockIsThatOfItsPoints) {
   const Rig rig = load_rig("light-section");
-  test::expect_shadows_of_points(hidden_rig(rig, 1), *make_scene("stairs", rig), {0, 39});
+  test::expect_shadows_of_points(hidden_rig(rig, 1), *make_scene("stairs", rig), {0, 39}, 80000);
 }
 
 // What is kept of level blocks, and what is known about level pixels, equals what tracing each ray gives.

@@ -296,18 +296,18 @@ TEST(PerturbedRig, SeedsDrawWithinTheBoundsAndDiffer) {
     EXPECT_EQ(actual.projector.centre().x, again.projector.centre().x);
     const Point3 shift =
         (actual.projector.centre() - nominal.projector.centre()) - (actual.camera.centre() - nominal.camera.centre());
-    EXPECT_LE(std::max({std::abs(shift.x), std::abs(shift.y), std::abs(shift.z)}), 2 * kMostShiftMm);
+    EXPECT_LE(std::max({std::abs(shift.x), std::abs(shift.y), std::abs(shift.z)}), 2 * kMaxShiftMm);
     furthest = std::max(furthest, std::abs(shift.x));
     const Point3 aim = middle_of_view(actual, rig.plane_z_mm);
     EXPECT_NEAR(aim.x, 0, 1e-9);
     EXPECT_NEAR(aim.y, 0, 1e-9);
-    EXPECT_NEAR(actual.camera.intrinsics().row_scale / nominal.camera.intrinsics().row_scale, 1, kMostFocal);
-    EXPECT_NEAR(actual.camera.intrinsics().row_0, nominal.camera.intrinsics().row_0, kMostCentrePx);
-    EXPECT_LE(std::abs(actual.camera.lens().coefficients().k1), kMostDistortion.k1);
+    EXPECT_NEAR(actual.camera.intrinsics().row_scale / nominal.camera.intrinsics().row_scale, 1, kMaxFocal);
+    EXPECT_NEAR(actual.camera.intrinsics().row_0, nominal.camera.intrinsics().row_0, kMaxCentrePx);
+    EXPECT_LE(std::abs(actual.camera.lens().coefficients().k1), kMaxDistortion.k1);
     const double angle = std::acos(std::min(1.0, dot(actual.camera.axis(), nominal.camera.axis())));
-    EXPECT_LE(angle, std::numbers::sqrt2 * kMostRotationDeg * std::numbers::pi / 180 + 1e-9);
+    EXPECT_LE(angle, std::numbers::sqrt2 * kMaxRotationDeg * std::numbers::pi / 180 + 1e-9);
   }
-  EXPECT_GT(furthest, 1.2 * kMostShiftMm);
+  EXPECT_GT(furthest, 1.2 * kMaxShiftMm);
 }
 
 // ------------------------------------------------------------------ images without deviations

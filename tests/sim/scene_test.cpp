@@ -352,21 +352,11 @@ TEST(ProjectedLight, BlurKeepsSumAndMiddleAndWidens) {
 // the last bit as without; and what the scenes say of themselves is true.
 
 // A scene that says nothing of its smoothness.
-class Silent final : public Scene {
+class Silent final : public WrappedScene {
  public:
-  explicit Silent(const Scene& scene) : scene_(scene) {}
-  [[nodiscard]] int frames() const override { return scene_.frames(); }
-  [[nodiscard]] double height(double x, double y, double t) const override { return scene_.height(x, y, t); }
-  [[nodiscard]] HeightRange range(const Box& box, double t0, double t1) const override {
-    return scene_.range(box, t0, t1);
-  }
-  [[nodiscard]] double albedo(double x, double y, double t) const override { return scene_.albedo(x, y, t); }
-  [[nodiscard]] bool even_albedo() const override { return scene_.even_albedo(); }
+  using WrappedScene::WrappedScene;
+  [[nodiscard]] Smoothness smoothness(const Box& /*box*/) const override { return {}; }
   [[nodiscard]] bool is_plain(const Box& /*box*/) const override { return false; }
-  [[nodiscard]] double speed() const override { return scene_.speed(); }
-
- private:
-  const Scene& scene_;
 };
 
 PerturbedRig low_image(std::uint64_t seed) {

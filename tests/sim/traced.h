@@ -21,19 +21,10 @@
 namespace selfproj::test {
 
 // The same surface as another scene, but not known to have exact levels.
-class Traced final : public Scene {
+class Traced final : public WrappedScene {
  public:
-  explicit Traced(const Scene& scene) : scene_(scene) {}
-  [[nodiscard]] int frames() const override { return scene_.frames(); }
-  [[nodiscard]] double height(double x, double y, double t) const override { return scene_.height(x, y, t); }
-  [[nodiscard]] HeightRange range(const Box& box, double t0, double t1) const override {
-    return scene_.range(box, t0, t1);
-  }
+  using WrappedScene::WrappedScene;
   [[nodiscard]] bool has_exact_levels() const override { return false; }
-  [[nodiscard]] double speed() const override { return scene_.speed(); }
-
- private:
-  const Scene& scene_;
 };
 
 // A renderer that has rendered other frames, one that has not, and one that traces all rays of blocks that are not
@@ -61,7 +52,8 @@ inline void expect_images_of_traced_rays(const Rig& rig, const Scene& scene) {
 }
 
 // The shadow on a level block is that on each of its points, found ray by ray.
-inline void expect_shadows_of_points(const PerturbedRig& actual, const Scene& scene, HeightRange heights_of_all) {
+inline void expect_shadows_of_points(const PerturbedRig& actual, const Scene& scene, HeightRange heights_of_all,
+                                     int blocks) {
   const Rig& rig = actual.rig;
   const LitSurface surface(actual, scene, false);
   const BlockGrid grid(rig.camera, 3);
@@ -69,7 +61,7 @@ inline void expect_shadows_of_points(const PerturbedRig& actual, const Scene& sc
   EvenNumbers numbers(2);
   int none = 0;
   int all = 0;
-  for (int i = 0; i < 20000; ++i) {
+  for (int i = 0; i < blocks; ++i) {
     const double t = 0.25 * scene.frames() / rig.camera.frame_rate_hz * (1 + 2 * numbers.next());
     const HeightRange highest = surface.all_heights(t, t);
     const int down = static_cast<int>(grid.down() * numbers.next());
