@@ -1,5 +1,3 @@
-#include "sim/app/scene_command.h"
-
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -30,6 +28,7 @@
 #include "host/images/image_files.h"
 #include "host/light_section/pattern.h"
 #include "host/rig/rig.h"
+#include "sim/app/commands.h"
 #include "sim/cosim/world_options.h"
 #include "sim/scene/height_map.h"
 #include "sim/scene/parallel.h"
