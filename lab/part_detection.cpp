@@ -18,10 +18,10 @@
 #include "host/files/stop_signal.h"
 #include "host/files/user_error.h"
 #include "host/light_section/differential_profile.h"
-#include "host/production/judge.h"
+#include "host/production/classifier.h"
+#include "host/production/cutter.h"
 #include "host/production/learn.h"
-#include "host/production/part_cutter.h"
-#include "host/production/section_reference.h"
+#include "host/production/part_reference.h"
 #include "host/production/tolerance.h"
 #include "host/rig/rig.h"
 #include "lab/learned_rig.h"
@@ -80,7 +80,7 @@ class Tally {
 
   void add(const DrawnPart& part, const PartResult& result) {
     ++of_.parts;
-    of_.cannot_tell += result.verdict == Verdict::cannot_tell ? 1 : 0;
+    of_.inconclusive += result.verdict == Verdict::inconclusive ? 1 : 0;
     for (std::size_t i = 0; i < part.defects.size(); ++i) {
       const PlantedDefect& planted = part.defects[i];
       const auto at = std::find_if(result.defects.begin(), result.defects.end(), [&](const Defect& found) {
@@ -143,19 +143,19 @@ class FalseAlarms {
   FalseAlarms(const Rig& rig, const SectionReference& section, const Tolerance& tolerance) {
     for (const double area : kAreas) {
       Tolerance open = tolerance;
-      open.smallest_mm2 = area;
+      open.min_defect_mm2 = area;
       for (ToleranceRegion& region : open.regions) {
         region.low_mm = -1e6;
         region.high_mm = 1e6;
       }
-      judges_.emplace_back(rig, section, open, "the tolerance");
+      classifiers_.emplace_back(rig, section, open, "the tolerance");
     }
   }
 
   void add(const CutPart& part) {
     ++parts_;
     for (std::size_t a = 0; a < kAreas.size(); ++a) {
-      const PartResult result = judges_[a].judge(part, maps_);
+      const PartResult result = classifiers_[a].classify(part, maps_);
       double furthest = 0;
       for (const RegionFigures& region : result.regions) {
         furthest = std::max({furthest, region.highest_mm, -region.lowest_mm});
@@ -170,7 +170,7 @@ class FalseAlarms {
   [[nodiscard]] std::uint64_t beyond(std::size_t area, std::size_t band) const { return beyond_.at(area).at(band); }
 
  private:
-  std::vector<Judge> judges_;
+  std::vector<Classifier> classifiers_;
   PlacedMaps maps_;
   std::uint64_t parts_ = 0;
   std::array<std::array<std::uint64_t, kBands.size()>, kAreas.size()> beyond_{};
@@ -196,16 +196,16 @@ class Detection {
     parts_of(options_.seed - 1, 0, options_.learn_parts, false,
              [&](const DrawnPart&, CutPart&& part) { learner.add(std::move(part)); });
     tolerance_ = parse_tolerance(to_yaml(learner.learn("the good parts")), "the tolerance");
-    const Judge judge(setup_->rig, section, tolerance_, "the tolerance");
+    const Classifier classifier(setup_->rig, section, tolerance_, "the tolerance");
     PlacedMaps maps;
     tally_.emplace(learn.edge_mm, tolerance_);
     good_.emplace(learn.edge_mm, tolerance_);
     alarms_.emplace(setup_->rig, section, tolerance_);
     const auto take_planted = [&](const DrawnPart& drawn, CutPart&& part) {
-      tally_->add(drawn, judge.judge(part, maps));
+      tally_->add(drawn, classifier.classify(part, maps));
     };
     const auto take_good = [&](const DrawnPart& drawn, CutPart&& part) {
-      good_->add(drawn, judge.judge(part, maps));
+      good_->add(drawn, classifier.classify(part, maps));
       alarms_->add(part);
     };
     // A share of each at a time, so that a run that is stopped has both.
@@ -265,15 +265,17 @@ class Detection {
         drawn.push_back(draw_part(drawn_, seed, first + i, planted));
       }
       std::size_t came = 0;
-      PartCutter cutter(setup_->rig, [&](CutPart&& part) {
-        if (came < drawn.size()) {
-          take(drawn[came], std::move(part));
+      ProfileCutter cutter(setup_->rig);
+      const auto take_part = [&](std::optional<CutPart> part) {
+        if (part && came < drawn.size()) {
+          take(drawn[came], std::move(*part));
         }
-        ++came;
+        came += part ? 1 : 0;
+      };
+      belt.pass(drawn, options_.threads, [&](const PacketHeader& header, const ProfileView& profile) {
+        take_part(cutter.add(header, profile, 0));
       });
-      belt.pass(drawn, options_.threads,
-                [&](const PacketHeader& header, const ProfileView& profile) { cutter.add(header, profile, 0); });
-      cutter.finish();
+      take_part(cutter.finish());
       if (came != drawn.size()) {
         throw CheckFailed(fmt::format("{} parts were cut out of {}", came, drawn.size()));
       }
@@ -347,15 +349,15 @@ ReportTable Detection::summary_table(const PartDetectionResult& result) const {
   return {
       "Planted defects and false alarms",
       {"what", "result"},
-      {{fmt::format("{:g} mm wide, {:g} mm deep, on the judged surface", kGoalSize, kGoalDepth), percent(result.goal)},
+      {{fmt::format("{:g} mm wide, {:g} mm deep, on the inspected surface", kGoalSize, kGoalDepth),
+        percent(result.goal)},
        {"the same, partly in the strips along edges and walls", percent(result.goal_at_edges)},
        {"any size and depth, partly or wholly in these strips", percent(tally_->at_edges())},
        {"their depth, mean error and spread, mm", fmt::format("{:+.3f}, {:.3f}", mean, spread)},
-       {"parts judged, with and without planted defects",
+       {"parts inspected, with and without planted defects",
         fmt::format("{} + {}", tally_->counts().parts, good_->counts().parts)},
        {"parts with a false defect", fmt::format("{} + {}", tally_->counts().false_parts, good_->counts().false_parts)},
-       {"parts whose result is cannot tell",
-        fmt::format("{} + {}", tally_->counts().cannot_tell, good_->counts().cannot_tell)}},
+       {"inconclusive parts", fmt::format("{} + {}", tally_->counts().inconclusive, good_->counts().inconclusive)}},
       ""};
 }
 
@@ -381,7 +383,7 @@ Json tally_json(const PartDetectionResult& counts) {
   return {{"parts", counts.parts},
           {"parts_with_a_false_defect", counts.false_parts},
           {"false_defects", counts.false_defects},
-          {"cannot_tell", counts.cannot_tell}};
+          {"inconclusive", counts.inconclusive}};
 }
 
 Json Detection::data(const PartDetectionResult& result) const {
@@ -414,7 +416,7 @@ PartDetectionResult Detection::result() const {
   result.parts += good.parts;
   result.false_defects += good.false_defects;
   result.false_parts += good.false_parts;
-  result.cannot_tell += good.cannot_tell;
+  result.inconclusive += good.inconclusive;
   result.tables = {summary_table(result), detection_table(), alarm_table()};
   result.data = data(result).dump();
   const double share = static_cast<double>(result.false_parts) / static_cast<double>(result.parts);

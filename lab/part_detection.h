@@ -44,7 +44,7 @@ struct PartDetectionResult {
   std::uint64_t parts = 0;          // all that were judged
   std::uint64_t false_defects = 0;  // where none was planted, on all parts
   std::uint64_t false_parts = 0;    // parts with such a defect
-  std::uint64_t cannot_tell = 0;
+  std::uint64_t inconclusive = 0;
   std::vector<ReportTable> tables;
   std::vector<std::string> not_reached;  // one line for each goal that is not reached
   std::string data;                      // all figures as numbers, JSON

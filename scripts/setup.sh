@@ -14,6 +14,7 @@ for_programs=(
   libcli11-dev libfmt-dev libyaml-cpp-dev    # command line, text, rigs
   nlohmann-json3-dev                         # summaries
   libmodbus-dev                              # results for controllers
+  libreaderwriterqueue-dev                   # the queue of the production
   libcpp-httplib-dev libjs-three             # the live page
   pkg-config libaravis-dev libusb-1.0-0-dev  # GigE and USB3 cameras
   libsdl2-dev                                # projectors

@@ -1,5 +1,3 @@
-#include "host/app/accuracy_command.h"
-
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -8,6 +6,7 @@
 #include <memory>
 #include <string>
 
+#include "host/app/commands.h"
 #include "host/cli/command_line.h"
 #include "host/files/output_folder.h"
 #include "host/files/user_error.h"

@@ -1,5 +1,3 @@
-#include "host/app/calibrate_command.h"
-
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -11,11 +9,9 @@
 #include <utility>
 #include <vector>
 
-#include "host/app/camera_command.h"
-#include "host/app/capture_options.h"
+#include "host/app/capture_run.h"
+#include "host/app/commands.h"
 #include "host/app/guided_poses.h"
-#include "host/app/heights_command.h"
-#include "host/app/length_list.h"
 #include "host/calibration/calibrate.h"
 #include "host/calibration/calibration_output.h"
 #include "host/calibration/capture.h"

@@ -1,5 +1,3 @@
-#include "host/app/camera_command.h"
-
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -14,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "host/app/commands.h"
 #include "host/calibration/laser_plane.h"
 #include "host/cli/command_line.h"
 #include "host/cli/progress.h"

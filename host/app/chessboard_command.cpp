@@ -1,5 +1,3 @@
-#include "host/app/chessboard_command.h"
-
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -9,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "host/app/commands.h"
 #include "host/calibration/chessboard_drawing.h"
 #include "host/cli/command_line.h"
 #include "host/files/output_file.h"

@@ -1,7 +1,6 @@
 // selfproj with only the commands that scripts/demo.sh shows, so that the demo builds no others.
 
-#include "host/app/inspect_command.h"
-#include "host/app/pattern_command.h"
+#include "host/app/commands.h"
 #include "host/cli/program_main.h"
 
 int main(int argc, char** argv) {

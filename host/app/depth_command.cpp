@@ -1,18 +1,19 @@
-#include "host/app/depth_command.h"
-
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "host/app/depth_options.h"
-#include "host/camera/camera_device.h"
+#include "host/app/commands.h"
+#include "host/app/receive.h"
+#include "host/app/scanner_run.h"
 #include "host/cli/command_line.h"
+#include "host/cli/progress.h"
 #include "host/files/numbers.h"
 #include "host/files/output_folder.h"
 #include "host/files/user_error.h"
@@ -25,6 +26,7 @@
 #include "host/structured_light/plane_fit.h"
 #include "host/structured_light/point_cloud.h"
 #include "model/gray_decoder.h"
+#include "model/packet.h"
 
 namespace selfproj {
 namespace {
@@ -39,8 +41,7 @@ struct DepthOptions {
   bool plane = false;
   std::string plane_region;
   std::string out;
-  std::string device;
-  std::size_t count = 0;
+  ReceiveOptions receive;
   std::size_t save = 0;
   std::vector<std::string> images;
 };
@@ -63,19 +64,14 @@ void check_options(const DepthOptions& options) {
   if (!options.plane && !options.plane_region.empty()) {
     throw UserError("--plane-region", "is for --plane");
   }
-  if (options.images.empty() == options.device.empty()) {
+  const bool device = !options.receive.device.empty();
+  if (options.images.empty() != device) {
     throw UserError("IMAGE, --device", "give one of them, not both");
   }
-  if (!options.device.empty()) {
-    if (geometry.row_bits > 0 || scanner.strict || scanner.median || !options.channel.empty()) {
-      throw UserError(
-          "--device",
-          "delivers codes that the board has decoded; --row-bits, --strict, --median, --channel go only with images");
-    }
-    return;
-  }
-  if (options.count > 0 || options.save > 0) {
-    throw UserError(options.count > 0 ? "--count" : "--save", "goes only with --device");
+  if (device && (geometry.row_bits > 0 || scanner.strict || scanner.median || !options.channel.empty())) {
+    throw UserError(
+        "--device",
+        "delivers codes that the board has decoded; --row-bits, --strict, --median, --channel go only with images");
   }
 }
 
@@ -137,30 +133,41 @@ void append_depth(OutputFolder& folder, const char* what, std::size_t pair, cons
 DepthRun depth_of_files(const DepthOptions& options, OutputFolder& folder) {
   ImageSequence images(files_of(options), channel_of(options.channel));
   const DepthGeometry& geometry = options.setup.geometry;
+  Progress progress("image", images.count());
+  const auto done = [&](std::size_t count, const std::string& note) { progress.update(count, note); };
   if (geometry.row_bits > 0) {
-    return depth_of_both_axes(options.setup, images);
+    return depth_of_both_axes(options.setup, images, done);
   }
   const bool several = images.count() > static_cast<std::size_t>(2 * geometry.bits);
-  return depth_of_images(options.setup, images, [&](std::size_t pair, const FloatImage& depth) {
+  const auto take = [&](std::size_t pair, const FloatImage& depth) {
     if (several) {
       append_depth(folder, "depth", pair, depth);
     }
-  });
+  };
+  return depth_of_images(options.setup, images, take, done);
 }
 
-// Code images of a board, or of a camera whose images are decoded here. The first depth images are written into the
-// folder, as many as --save says.
-DepthRun depth_of_board(const DepthOptions& options, OutputFolder& folder) {
+// Code images of a board, or images of a board or camera that are decoded here. The first depth images are written into
+// the folder, as many as --save says.
+DepthRun depth_of_device(const DepthOptions& options, Receiver& receiver, OutputFolder& folder) {
   const DepthSetup& setup = options.setup;
-  const CameraBoardSettings decoder{.code_bits = setup.geometry.bits, .code_threshold = setup.scanner.threshold};
-  std::size_t saved = 0;
-  return depth_of_device(setup, options.device, open_any_device(options.device, {}, {.board = decoder}), options.count,
-                         [&](std::size_t pair, const FloatImage& depth) {
-                           if (saved < options.save) {
-                             append_depth(folder, "depth", pair, depth);
-                             ++saved;
-                           }
-                         });
+  DepthStream stream(setup, options.receive.device);
+  receiver.open({.board = {.code_bits = setup.geometry.bits, .code_threshold = setup.scanner.threshold}});
+  const auto receive = [&](const PacketView& packet) -> std::uint64_t {
+    if (stream.add(packet) && stream.depth_images() <= options.save) {
+      append_depth(folder, "depth", stream.pair(), stream.depth());
+    }
+    return stream.depth_images();
+  };
+  const auto status = [&] {
+    const Moved* const moved = stream.moved();
+    return fmt::format("incomplete images {}{}", stream.incomplete(),
+                       moved == nullptr ? ""
+                                        : fmt::format("; {} pixels moved, at {:.1f}, {:.1f}, {:.1f} mm", moved->pixels,
+                                                      moved->x, moved->y, moved->z));
+  };
+  receiver.run({receive, status});
+  return stream.result(receiver.counters());
 }
 
 // How far the points lie from those of the file.
@@ -178,10 +185,14 @@ CloudComparison compare_with_file(const DepthOptions& options, const DepthRun& r
 void run_depth(const DepthOptions& options) {
   check_options(options);
   OutputFolder folder(options.out);
-  const DepthRun run = options.device.empty() ? depth_of_files(options, folder) : depth_of_board(options, folder);
+  std::optional<Receiver> receiver;
+  if (!options.receive.device.empty()) {
+    receiver.emplace(options.receive);
+  }
+  const DepthRun run = receiver ? depth_of_device(options, *receiver, folder) : depth_of_files(options, folder);
   DepthReport report{.setup = options.setup,
-                     .device = options.device,
-                     .images = options.device.empty() ? files_of(options).size() : 0,
+                     .device = options.receive.device,
+                     .images = receiver ? 0 : files_of(options).size(),
                      .cloud = options.compare,
                      .comparison = {},
                      .plane = {}};
@@ -197,6 +208,9 @@ void run_depth(const DepthOptions& options) {
   write_depth(run, report, folder);
   folder.commit();
   fmt::print("{}", depth_text(run, report, folder.name()));
+  if (receiver) {
+    receiver->check(run.device->incomplete);
+  }
 }
 
 }  // namespace
@@ -283,25 +297,16 @@ selfproj depth --rig scanner --bits 8 --device ring:line1 \
                    "Part of the image that --plane takes: its first row and column from 0, and how many of them.")
       ->type_name("R,C,ROWS,COLUMNS")
       ->default_str("the whole image");
+  CLI::Option* const device =
+      add_receive_options(*command, options->receive, "depth images", kImagesOfPatterns, DeviceIs::instead_of_images);
   begin_group(*command, "Input and output");
   command
-      ->add_option("--device", options->device,
-                   "Instead of images, a board: ring:NAME, udp:HOST[:PORT], litepcie:PATH or file:PATH. It sends "
-                   "codes, or images, "
-                   "which are decoded here. Or a camera that the projector triggers, camera:NAME. Image k, by the "
-                   "board's or the camera's own number, shows pattern k modulo 2M. The run ends with the device, "
-                   "--count or Ctrl-C.")
-      ->type_name("URI");
-  command->add_option("--count", options->count, "With --device: number of depth images to make.")
-      ->transform(whole_number(1))
-      ->type_name("N")
-      ->default_str("all");
-  command
       ->add_option("--save", options->save,
-                   "With --device: write depth_KKKK.tiff of the first N depth images as well; later ones only count.")
+                   "Write depth_KKKK.tiff of the first N depth images of the device as well; later ones only count.")
       ->transform(whole_number(1))
       ->type_name("N")
-      ->default_str("none");
+      ->default_str("none")
+      ->needs(device);
   command->add_option("--out", options->out, "Folder for the results.")->type_name("DIR")->required();
   add_files(*command, "IMAGE", options->images,
             "8-bit images of one size, or one folder of them, in natural order and nothing else in it. The folder may "

@@ -1,5 +1,3 @@
-#include "host/app/devices_command.h"
-
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -8,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "host/app/commands.h"
 #include "host/camera/camera_uri.h"
 #include "host/camera/open_camera.h"
 #include "host/capture/projector.h"

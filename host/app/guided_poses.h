@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "host/app/capture_options.h"
+#include "host/app/capture_run.h"
 #include "host/calibration/calibrate.h"
 #include "host/calibration/capture.h"
 #include "host/files/output_folder.h"

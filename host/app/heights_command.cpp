@@ -1,5 +1,3 @@
-#include "host/app/heights_command.h"
-
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -12,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "host/app/length_list.h"
+#include "host/app/commands.h"
 #include "host/cli/command_line.h"
 #include "host/cli/progress.h"
 #include "host/files/output_folder.h"

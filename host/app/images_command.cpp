@@ -1,5 +1,3 @@
-#include "host/app/images_command.h"
-
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -10,7 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "host/app/packet_run.h"
+#include "host/app/commands.h"
+#include "host/app/receive.h"
 #include "host/cli/command_line.h"
 #include "host/driver/counters.h"
 #include "host/driver/image_assembler.h"
@@ -24,7 +23,7 @@ namespace selfproj {
 namespace {
 
 struct ImagesOptions {
-  PacketRunOptions run;
+  ReceiveOptions receive;
   std::string out;
   int stream = 0;
 };
@@ -79,23 +78,22 @@ class ImageFiles {
 
 void run_images(const ImagesOptions& options) {
   ImageFiles files(options.out, options.stream);
-  const std::unique_ptr<Device> device = open_device(options.run);
+  Receiver receiver(options.receive);
+  receiver.open();
   const auto text = [&] {
     return fmt::format("{} raw images, {} code images, {} incomplete", files.raw(), files.codes(), files.incomplete());
   };
-  run_packets(
-      *device, options.run, [&](const PacketView& packet) { return files.add(packet, device->counters().restarts); },
-      text);
+  receiver.run({.packet = [&](const PacketView& packet) { return files.add(packet, receiver.counters().restarts); },
+                .status = text});
   if (files.written() == 0) {
     throw CheckFailed(fmt::format("{}: no complete image came, and nothing is written; {} incomplete",
-                                  options.run.device, files.incomplete()));
+                                  options.receive.device, files.incomplete()));
   }
   files.commit();
-  const Counters counters = device->counters();
-  fmt::print(
-      "{} → {}; {}\n", text(), options.out,
-      counters_text(counters, {&Counters::lost_board, &Counters::lost_ring, &Counters::lost_network, &Counters::bad}));
-  check_packets(options.run, counters, files.incomplete());
+  fmt::print("{} → {}; {}\n", text(), options.out,
+             counters_text(receiver.counters(),
+                           {&Counters::lost_board, &Counters::lost_ring, &Counters::lost_network, &Counters::bad}));
+  receiver.check(files.incomplete());
 }
 
 }  // namespace
@@ -117,11 +115,11 @@ selfproj-sim cosim --engine model --rig scanner --scene fist --bits 2 --count 6 
 selfproj images --device file:codes.packets --out codes
 )"});
   const auto options = std::make_shared<ImagesOptions>();
-  add_packet_run_options(*command, options->run, "images");
+  add_receive_options(*command, options->receive, "images", ", of whose images this program makes the packets itself.");
   command->add_option("--stream", options->stream, "Take the images of this stream number.")
       ->transform(whole_number(0, UINT8_MAX))
       ->type_name("N")
-      ->group("Input")
+      ->group("Device")
       ->capture_default_str();
   begin_group(*command, "Output");
   command->add_option("--out", options->out, "Folder for the images.")->type_name("DIR")->required();

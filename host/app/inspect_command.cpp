@@ -1,35 +1,28 @@
-#include "host/app/inspect_command.h"
-
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <array>
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
-#include "host/app/board_run.h"
-#include "host/app/inspection_loop.h"
-#include "host/app/line_run.h"
-#include "host/app/packet_run.h"
-#include "host/app/section_options.h"
+#include "host/app/commands.h"
+#include "host/app/receive.h"
+#include "host/app/section_run.h"
 #include "host/camera/camera_device.h"
 #include "host/cli/command_line.h"
 #include "host/driver/counters.h"
 #include "host/files/output_file.h"
 #include "host/files/output_folder.h"
-#include "host/files/stop_signal.h"
-#include "host/files/user_error.h"
 #include "host/images/frame_options.h"
 #include "host/light_section/differential_profile.h"
 #include "host/light_section/inspection.h"
+#include "host/production/part_reference.h"
+#include "host/production/production.h"
 #include "host/report/facts.h"
 #include "host/report/inspection_output.h"
 #include "host/report/report.h"
@@ -40,27 +33,17 @@ namespace selfproj {
 namespace {
 
 struct InspectOptions {
-  std::string device;
-  std::string control;  // empty: the device's, if it has one
+  ReceiveOptions receive;
   SectionOptions section;
-  LineOptions line;
+  ProductionOptions production;
   std::string select;  // empty: whatever comes
   std::string out;
   std::string json;
-  std::uint64_t count = 0;
-  double seconds = 0;
   std::uint64_t keep = InspectionOptions{}.max_frames;
-  std::string wait = "poll-then-block";
-  bool wait_for_board = false;
-  bool newest = false;
-  bool check = false;
 };
 
-const std::array<std::pair<const char*, Wait>, 3> kWaits{
-    {{"poll", Wait::polling}, {"block", Wait::blocking}, {"poll-then-block", Wait::polling_then_blocking}}};
-
 // The counts of the inspection, then those of the driver.
-std::vector<Fact> facts_of(const InspectionWork& work, const Counters& counters) {
+std::vector<Fact> facts_of(const SectionCounts& work, const Counters& counters) {
   const auto number = [](std::uint64_t value) { return static_cast<std::int64_t>(value); };
   const auto microseconds = [](std::int64_t ns) { return static_cast<double>(ns) * 1e-3; };
   std::vector<Fact> facts = {{"profiles", "profiles", number(work.profiles)},
@@ -79,50 +62,28 @@ std::vector<Fact> facts_of(const InspectionWork& work, const Counters& counters)
   return facts;
 }
 
-std::string json_text(const std::vector<Fact>& facts) { return facts_json(facts).dump(2) + "\n"; }
-
-std::unique_ptr<Device> open(const InspectOptions& options, const Rig& rig) {
-  const Wait wait = std::find_if(kWaits.begin(), kWaits.end(), [&](const auto& entry) {
-                      return entry.first == options.wait;
-                    })->second;
-  return open_any_device(options.device,
-                         {.wait = wait, .wait_for_board = options.wait_for_board, .discard_backlog = options.newest},
-                         camera_of_rig(rig, measure_of_rig(rig, options.select)));
-}
-
 void write_outputs(const InspectOptions& options, const Inspection& inspection, const std::vector<Fact>& facts,
                    OutputFolder& folder) {
   ReportParts parts;
-  parts.title = "Inspection of " + options.device;
+  parts.title = "Inspection of " + options.receive.device;
   parts.counters = facts;
-  parts.settings = {{"device", "device", options.device},
+  parts.settings = {{"device", "device", options.receive.device},
                     {"reference", "reference", options.section.reference.empty() ? "plane" : options.section.reference},
-                    {"wait", "waiting", options.wait}};
+                    {"wait", "waiting", options.receive.wait}};
   write_inspection(inspection, folder, parts);
   folder.commit();
 }
 
-void print_outcome(const InspectOptions& options, const InspectionWork& work, const Counters& counters,
-                   const Inspection* inspection) {
+void print_outcome(const InspectOptions& options, const SectionCounts& work, const Counters& counters,
+                   const std::optional<Inspection>& inspection) {
   fmt::print("{} profiles, {:.0f} frames/s, {}, {}, {}\n", work.profiles, work.rate(), losses_text(counters),
              counters_text(counters, {&Counters::resynchronized, &Counters::repeated, &Counters::restarts}),
              delay_text(work.delay));
-  if (inspection != nullptr) {
+  if (inspection) {
     fmt::print("{} frames{} → {}\n", inspection->frames(),
                inspection->frames_not_kept() > 0 ? fmt::format(" (of {}, --keep {})", work.profiles, options.keep)
                                                  : std::string(),
                inspection->frames() > 0 ? options.out : "nothing written");
-  }
-}
-
-// Throws CheckFailed if anything was lost, bad or missing.
-void check(const InspectOptions& options, const InspectionWork& work, const Counters& counters) {
-  const std::uint64_t faults = counters.lost_board + counters.lost_ring + counters.lost_network + counters.missing +
-                               counters.bad + counters.repeated + counters.restarts + counters.read_errors +
-                               work.broken + work.other_size + work.other_select;
-  if (faults > 0 || work.profiles == 0 || (options.count > 0 && work.profiles < options.count)) {
-    throw CheckFailed(fmt::format("--check: {} profiles{}, {} faults", work.profiles,
-                                  options.count > 0 ? fmt::format(" of {}", options.count) : std::string(), faults));
   }
 }
 
@@ -140,56 +101,70 @@ void run_inspect(const InspectOptions& options) {
   const DifferentialProfiler profiler(rig, reference);
   std::optional<Inspection> inspection;
   if (folder) {
-    const std::uint64_t expected = options.count > 0 ? std::min(options.count, options.keep) : options.keep;
+    const std::uint64_t count = options.receive.count;
+    const std::uint64_t expected = count > 0 ? std::min(count, options.keep) : options.keep;
     inspection.emplace(rig, profiler.columns(),
                        InspectionOptions{.expected_frames = static_cast<std::size_t>(expected),
                                          .max_frames = static_cast<std::size_t>(options.keep)});
   }
-  Inspection* const kept = inspection ? &*inspection : nullptr;
-  const StopSignal stop;  // before the line can be seen
-  std::optional<SectionLineRun> line;
-  if (options.line.any()) {
-    line.emplace(options.line, rig, reference, profiler, fmt::format("{}: {}", rig.name, options.device));
+  SectionRun section(rig, profiler, options.select.empty() ? std::nullopt : std::optional(select_of(options.select)));
+  const SectionCounts& counts = section.counts();
+  Receiver receiver(options.receive);  // before the page can be seen
+  std::optional<Production> production;
+  if (options.production.any()) {
+    production.emplace(options.production, rig, section_of(rig, reference, profiler),
+                       fmt::format("{}: {}", rig.name, options.receive.device));
   }
+  const Measure measure = measure_of_rig(rig, options.select);
+  receiver.open(camera_of_rig(rig, measure), BoardSetup{rig.camera, measure});
 
-  InspectionTarget target{.select = options.select.empty() ? std::nullopt : std::optional(select_of(options.select)),
-                          .count = options.count,
-                          .seconds = options.seconds,
-                          .inspection = kept};
-  if (line) {
-    target.line = &line->line();
-    target.image = [&](const PacketView& packet) { line->camera(packet); };
-    target.more = [&] { return line->text(); };
-    target.seen = [&](const InspectionWork& work, const Counters& counters) {
-      line->seen(counters, facts_of(work, counters));
-    };
-  }
-  InspectionLoop loop(target, rig, profiler);
-  const std::unique_ptr<Device> device = open(options, rig);
-  const BoardRun board(options.device, options.control, rig.camera, measure_of_rig(rig, options.select));
-  loop.run(*device);
+  Profile own;
+  own.resize(profiler.columns());
+  const auto receive = [&](const PacketView& packet) {
+    Measured* const slot = production ? &production->claim() : nullptr;
+    const ProfileView profile = slot != nullptr ? slot->profile.view() : own.view();
+    const bool made = section.profile(packet, receiver.device(), profile);
+    if (made && inspection) {
+      inspection->add(packet.header, packet.payload, profile);
+    }
+    if (made && slot != nullptr) {
+      slot->header = packet.header;
+      slot->arrival_ns = receiver.device().arrival_ns();
+      production->publish();
+    } else if (production) {
+      production->image(packet);
+    }
+    return counts.profiles;
+  };
+  const auto status = [&] {
+    const std::string parts = production ? production->status_text() : std::string();
+    return delay_text(counts.delay) + (parts.empty() ? "" : ", ") + parts;
+  };
+  const auto report = [&](double /*rate*/) {
+    if (production) {
+      production->report(receiver.counters(), facts_of(counts, receiver.counters()));
+    }
+  };
+  receiver.run({receive, status, report});
 
-  const Counters counters = device->counters();
-  std::vector<Fact> facts = facts_of(loop.work(), counters);
-  if (line) {
-    line->seen(counters, facts);
-    line->finish();
-    const std::vector<Fact> more = line->facts();
+  const Counters counters = receiver.counters();
+  std::vector<Fact> facts = facts_of(counts, counters);
+  if (production) {
+    production->finish();
+    const std::vector<Fact> more = production->facts();
     facts.insert(facts.end(), more.begin(), more.end());
   }
-  if (kept != nullptr && kept->frames() > 0) {
-    write_outputs(options, *kept, facts, *folder);
+  if (inspection && inspection->frames() > 0) {
+    write_outputs(options, *inspection, facts, *folder);
   }
   if (json) {
-    json->write(json_text(facts));
+    json->write(facts_json(facts).dump(2) + "\n");
   }
-  print_outcome(options, loop.work(), counters, kept);
-  if (line) {
-    fmt::print("{}", line->end_text());
+  print_outcome(options, counts, counters, inspection);
+  if (production) {
+    fmt::print("{}", production->end_text());
   }
-  if (options.check) {
-    check(options, loop.work(), counters);
-  }
+  receiver.check(counts.other_size + counts.other_select);
 }
 
 }  // namespace
@@ -218,22 +193,10 @@ selfproj inspect --device file:/dev/xdma0_c2h_0 --reference good-part --check --
   --out part
 )"});
   const auto options = std::make_shared<InspectOptions>();
-  begin_group(*command, "Input");
-  command
-      ->add_option("--device", options->device,
-                   "Where packets come from: ring:NAME, udp:HOST[:PORT] for a board on the network, litepcie:PATH for "
-                   "one on PCI Express, file:PATH for a recording, a pipe or a character device, or "
-                   "camera:NAME[?KEY=VALUE&...] for a camera, of whose "
-                   "images this program makes the packets itself, as the rig says. `selfproj devices` lists cameras "
-                   "and their settings.")
-      ->type_name("URI")
-      ->required();
-  command
-      ->add_option("--control", options->control,
-                   "The board's registers, which get the rig's image size and all that it measures: bar:PATH[+OFFSET], "
-                   "litepcie:PATH, udp:HOST[:PORT], or none.")
-      ->type_name("URI")
-      ->default_str("those beside the device, if it has any");
+  add_receive_options(*command, options->receive, "profiles",
+                      ", of whose images this program makes the packets itself, as the rig says.", DeviceIs::required,
+                      BoardIs::set_up);
+  begin_group(*command, "Measuring");
   add_section_options(*command, options->section);
   command
       ->add_option("--select", options->select,
@@ -241,20 +204,7 @@ selfproj inspect --device file:/dev/xdma0_c2h_0 --reference good-part --check --
       ->check(one_of(select_names()))
       ->type_name("SELECT")
       ->default_str("what comes");
-  command
-      ->add_option("--wait", options->wait,
-                   "How to wait for packets: poll takes a whole core and is quickest, block sleeps in the system.")
-      ->check(one_of({"poll", "block", "poll-then-block"}))
-      ->type_name("HOW")
-      ->capture_default_str();
-  command->add_flag("--wait-for-board", options->wait_for_board,
-                    "Wait until a ring and a board exist, also after the board has gone. Ctrl-C ends the run.");
-  command->add_flag("--newest", options->newest,
-                    "Begin with the newest packet of the ring, not the oldest unread one.");
-  add_line_options(*command, options->line);
-  add_end_of_run(*command, options->count, options->seconds, "profiles");
-  command->add_flag("--check", options->check,
-                    "Exit with status 1 unless every frame became a profile and nothing was lost, bad or missing.");
+  add_production_options(*command, options->production);
   begin_group(*command, "Output");
   command->add_option("--out", options->out, "Folder for tables, cloud, pictures and report.")->type_name("DIR");
   command->add_option("--keep", options->keep, "Frames kept in memory for --out. Later ones are only counted.")

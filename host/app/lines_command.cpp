@@ -1,5 +1,3 @@
-#include "host/app/lines_command.h"
-
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -11,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "host/app/commands.h"
 #include "host/cli/command_line.h"
 #include "host/cli/progress.h"
 #include "host/files/output_folder.h"

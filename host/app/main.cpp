@@ -1,22 +1,6 @@
 // selfproj: the program for the production PC.
 
-#include "host/app/accuracy_command.h"
-#include "host/app/board_command.h"
-#include "host/app/calibrate_command.h"
-#include "host/app/capture_command.h"
-#include "host/app/depth_command.h"
-#include "host/app/devices_command.h"
-#include "host/app/images_command.h"
-#include "host/app/inspect_command.h"
-#include "host/app/lines_command.h"
-#include "host/app/match_command.h"
-#include "host/app/measure_command.h"
-#include "host/app/pattern_command.h"
-#include "host/app/project_command.h"
-#include "host/app/record_command.h"
-#include "host/app/rig_command.h"
-#include "host/app/scan_command.h"
-#include "host/app/tolerance_command.h"
+#include "host/app/commands.h"
 #include "host/cli/program_main.h"
 
 int main(int argc, char** argv) {

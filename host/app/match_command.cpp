@@ -1,22 +1,24 @@
-#include "host/app/match_command.h"
-
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
 #include <cstddef>
+#include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
-#include "host/app/depth_options.h"
-#include "host/app/line_run.h"
-#include "host/app/match_run.h"
-#include "host/camera/camera_device.h"
+#include "host/app/commands.h"
+#include "host/app/receive.h"
+#include "host/app/scanner_run.h"
 #include "host/cli/command_line.h"
 #include "host/files/output_folder.h"
 #include "host/files/user_error.h"
 #include "host/images/frame_options.h"
 #include "host/images/image_sequence.h"
+#include "host/production/production.h"
+#include "host/structured_light/depth_run.h"
+#include "model/packet.h"
 
 namespace selfproj {
 namespace {
@@ -28,37 +30,100 @@ struct MatchCommand {
   std::string channel;
   std::string out;
   std::string list;
-  MatchDevice device;
+  ReceiveOptions receive;
+  ProductionOptions production;
+  std::size_t save = 0;  // depth images of a device of which depth and difference are written
   std::vector<std::string> images;
 };
 
-// The part of a run that takes a board or a camera.
+// What the page shows of the stream.
+std::vector<Fact> stream_facts(std::size_t images, double rate, const DeviceCounts& counts) {
+  std::vector<Fact> facts = {{"depth_images", "depth images", static_cast<std::int64_t>(images)},
+                             {"depth_images_per_second", "depth images a second", rate},
+                             {"incomplete", "incomplete images", static_cast<std::int64_t>(counts.incomplete)}};
+  const std::vector<Fact> driver = counter_facts(counts.counters);
+  facts.insert(facts.end(), driver.begin(), driver.end());
+  return facts;
+}
+
+// Depth images from the packets of a board or a camera.
 void match_device(const MatchCommand& options) {
   if (!options.images.empty() || !options.channel.empty()) {
     throw UserError(options.images.empty() ? "--channel" : "IMAGE", "does not go with --device");
   }
+  const std::string& uri = options.receive.device;
   const MatchRun run(options.match);
   OutputFolder folder(options.out);
   DepthList list(options.list);
-  const CameraBoardSettings decoder{.code_bits = run.patterns() / 2, .code_threshold = run.threshold()};
-  const auto open = [&] {
-    return open_any_device(options.device.uri, {.wait_for_board = options.device.wait_for_board}, {.board = decoder});
+  MatchStream stream(run, uri);
+  Receiver receiver(options.receive);  // before the page can be seen
+  std::optional<Production> production;
+  if (options.production.any()) {
+    production.emplace(options.production, run.rig(), stream.scanner().reference_depth(), run.patterns(),
+                       fmt::format("{}: {}", run.rig().name, uri));
+  }
+  receiver.open(run.decoder());
+
+  MatchReport report = run.report();
+  report.device = uri;
+  std::uint64_t pair = 0;
+  const auto counts = [&] { return DeviceCounts{receiver.counters(), stream.stream().incomplete()}; };
+  const auto receive = [&](const PacketView& packet) -> std::uint64_t {
+    if (production) {
+      production->image(packet);
+    }
+    if (!stream.add(packet)) {
+      return report.depth_images;
+    }
+    pair = stream.stream().pair();
+    const SelfScanner& scanner = stream.scanner();
+    if (report.depth_images < options.save) {
+      append_maps(scanner, pair, folder);
+    }
+    list.add(pair, scanner);
+    if (production) {
+      Measured& slot = production->claim();
+      slot.header = stream.stream().header();
+      slot.arrival_ns = receiver.device().arrival_ns();
+      slot.depth.values = scanner.depth().values;
+      slot.difference.values = scanner.difference().values;
+      production->publish();
+    }
+    return ++report.depth_images;
   };
-  const MatchResult result = run.measure(options.device, open, folder, &list);
+  const auto status = [&] {
+    const std::string parts = production ? production->status_text() : std::string();
+    return fmt::format("incomplete images {}{}{}", stream.stream().incomplete(), parts.empty() ? "" : ", ", parts);
+  };
+  const auto show = [&](double rate) {
+    if (production) {
+      production->report(receiver.counters(), stream_facts(report.depth_images, rate, counts()));
+    }
+  };
+  receiver.run({receive, status, show});
+  if (report.depth_images == 0) {
+    throw UserError(uri, "delivered no complete code image, nor images enough for one");
+  }
+  if (production) {
+    production->finish();
+    report.line = production->facts();
+  }
+  std::vector<PointState> states;
+  stream.scanner().explain(states);
+  report.all_shares.push_back({pair, count_states(states)});
+  report.counts = counts();
+  write_match(run.rig(), stream.table(), stream.scanner(), report, folder);
   folder.commit();
   list.commit();
-  fmt::print("{}", result.text);
+  fmt::print("{}{}", match_text(stream.table(), report, folder.name()),
+             production ? production->end_text() : std::string());
+  receiver.check(report.counts->incomplete);
 }
 
 void run_match(const MatchCommand& options) {
-  if (!options.device.uri.empty()) {
+  if (!options.receive.device.empty()) {
     match_device(options);
     return;
-  }
-  const std::string line = options.device.line.first();
-  if (options.device.count > 0 || options.device.save > 0 || !line.empty()) {
-    throw UserError(options.device.count > 0 ? "--count" : (options.device.save > 0 ? "--save" : line),
-                    "goes only with --device");
   }
   const MatchRun run(options.match);
   const std::size_t count = options.images.size();
@@ -115,29 +180,18 @@ selfproj match --reference reference --e 8 --device ring:line1 --out today
   add_threshold_option(*command, options->match.threshold, "the rig's");
   add_channel_option(*command, options->channel);
   add_search_options(*command, options->match);
-  add_line_options(*command, options->device.line);
+  CLI::Option* const device =
+      add_receive_options(*command, options->receive, "depth images", kImagesOfPatterns, DeviceIs::instead_of_images);
+  add_production_options(*command, options->production, device);
   begin_group(*command, "Input and output");
   command
-      ->add_option("--device", options->device.uri,
-                   "Instead of images, a board: ring:NAME, udp:HOST[:PORT], litepcie:PATH or file:PATH. It sends "
-                   "codes, or images, "
-                   "which are decoded here. Or a camera that the projector triggers, camera:NAME. Image k, by the "
-                   "board's or the camera's own number, shows pattern k modulo 2m. The run ends with the device, "
-                   "--count or Ctrl-C.")
-      ->type_name("URI");
-  command->add_flag("--wait-for-board", options->device.wait_for_board,
-                    "With --device: wait until a ring and a board exist. Ctrl-C ends the run.");
-  command->add_option("--count", options->device.count, "With --device: number of depth images to make.")
-      ->transform(whole_number(1))
-      ->type_name("N")
-      ->default_str("all");
-  command
-      ->add_option("--save", options->device.save,
-                   "With --device: write depth_KKKK.tiff and difference_KKKK.tiff of the first N depth images as well; "
+      ->add_option("--save", options->save,
+                   "Write depth_KKKK.tiff and difference_KKKK.tiff of the first N depth images of the device as well; "
                    "later ones only count.")
       ->transform(whole_number(1))
       ->type_name("N")
-      ->default_str("none");
+      ->default_str("none")
+      ->needs(device);
   command
       ->add_option(
           "--list", options->list,

@@ -1,5 +1,3 @@
-#include "host/app/measure_command.h"
-
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -7,7 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "host/app/capture_options.h"
+#include "host/app/capture_run.h"
+#include "host/app/commands.h"
 #include "host/capture/grey_curve.h"
 #include "host/capture/sequence_capture.h"
 #include "host/cli/command_line.h"

@@ -1,5 +1,3 @@
-#include "host/app/pattern_command.h"
-
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -13,8 +11,7 @@
 #include <system_error>
 #include <vector>
 
-#include "host/app/chessboard_command.h"
-#include "host/app/stripes_command.h"
+#include "host/app/commands.h"
 #include "host/cli/command_line.h"
 #include "host/cli/progress.h"
 #include "host/files/output_folder.h"

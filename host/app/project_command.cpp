@@ -1,5 +1,3 @@
-#include "host/app/project_command.h"
-
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -13,9 +11,11 @@
 #include <thread>
 #include <vector>
 
-#include "host/capture/grey_curve.h"
+#include "host/app/capture_run.h"
+#include "host/app/commands.h"
+#include "host/capture/projector.h"
 #include "host/cli/command_line.h"
-#include "host/cli/status_line.h"
+#include "host/cli/progress.h"
 #include "host/driver/clock.h"
 #include "host/files/stop_signal.h"
 #include "host/images/image_files.h"
@@ -73,24 +73,6 @@ void run_project(const ProjectOptions& options) {
 }
 
 }  // namespace
-
-void add_display_options(CLI::App& command, DisplayOptions& options) {
-  command
-      .add_option("--display", options.display,
-                  "Number of the display that is the projector, as `selfproj devices` lists them.")
-      ->transform(whole_number(0, 99))
-      ->type_name("N")
-      ->capture_default_str();
-  command
-      .add_option("--gamma", options.gamma,
-                  "Table grey,light of the projector. Greys are changed so that light becomes proportional to them.")
-      ->type_name("FILE")
-      ->default_str("every grey value as it is");
-}
-
-GreyTable greys_of(const DisplayOptions& options) {
-  return options.gamma.empty() ? plain_greys() : linear_greys(load_grey_curve(options.gamma));
-}
 
 void add_project_command(CLI::App& app) {
   CLI::App* command = add_command(

@@ -1,16 +1,13 @@
-#include "host/app/record_command.h"
-
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
 #include <cstdint>
 #include <memory>
 #include <string>
-#include <string_view>
 
-#include "host/app/packet_run.h"
+#include "host/app/commands.h"
+#include "host/app/receive.h"
 #include "host/cli/command_line.h"
-#include "host/driver/counters.h"
 #include "host/files/output_file.h"
 #include "host/files/user_error.h"
 #include "model/packet.h"
@@ -19,34 +16,30 @@ namespace selfproj {
 namespace {
 
 struct RecordOptions {
-  PacketRunOptions run;
+  ReceiveOptions receive;
   std::string out;
 };
 
 void run_record(const RecordOptions& options) {
   const OutputFile file(options.out);
-  const std::unique_ptr<Device> device = open_device(options.run);
+  Receiver receiver(options.receive);
+  receiver.open();
   OutputStream stream(file);
   std::uint64_t packets = 0;
   std::uint64_t bytes = 0;
-  const auto losses = [&] {
-    return counters_text(device->counters(), {&Counters::lost_board, &Counters::lost_ring, &Counters::lost_network,
-                                              &Counters::missing, &Counters::bad});
-  };
-  run_packets(
-      *device, options.run,
-      [&](const PacketView& packet) {
-        stream.append({reinterpret_cast<const char*>(packet.bytes().data()), packet.size});
-        bytes += packet.size;
-        return ++packets;
-      },
-      [&] { return fmt::format("{} packets, {} bytes, {}", packets, bytes, losses()); });
+  receiver.run({.packet =
+                    [&](const PacketView& packet) {
+                      stream.append({reinterpret_cast<const char*>(packet.bytes().data()), packet.size});
+                      bytes += packet.size;
+                      return ++packets;
+                    },
+                .status = [&] { return fmt::format("{} bytes", bytes); }});
   if (packets == 0) {
-    throw CheckFailed(options.run.device + ": no packet came, and nothing is written");
+    throw CheckFailed(options.receive.device + ": no packet came, and nothing is written");
   }
   stream.commit();
-  fmt::print("{} packets, {} bytes → {}; {}\n", packets, bytes, options.out, losses());
-  check_packets(options.run, device->counters());
+  fmt::print("{} packets, {} bytes → {}; {}\n", packets, bytes, options.out, losses_text(receiver.counters()));
+  receiver.check();
 }
 
 }  // namespace
@@ -66,7 +59,8 @@ selfproj record --device ring:line1 --wait-for-board --count 500 --out part.pack
 selfproj inspect --device file:part.packets --check
 )"});
   const auto options = std::make_shared<RecordOptions>();
-  add_packet_run_options(*command, options->run, "packets");
+  add_receive_options(*command, options->receive, "packets",
+                      ", of whose images this program makes the packets itself.");
   begin_group(*command, "Output");
   command->add_option("--out", options->out, "File for the packets.")->type_name("FILE")->required();
   command->callback([options] { run_record(*options); });

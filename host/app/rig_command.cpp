@@ -1,11 +1,10 @@
-#include "host/app/rig_command.h"
-
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
 #include <memory>
 #include <string>
 
+#include "host/app/commands.h"
 #include "host/cli/command_line.h"
 #include "host/rig/rig.h"
 

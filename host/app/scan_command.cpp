@@ -1,5 +1,3 @@
-#include "host/app/scan_command.h"
-
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -11,9 +9,9 @@
 #include <utility>
 #include <vector>
 
-#include "host/app/capture_options.h"
-#include "host/app/depth_options.h"
-#include "host/app/match_run.h"
+#include "host/app/capture_run.h"
+#include "host/app/commands.h"
+#include "host/app/scanner_run.h"
 #include "host/capture/sequence_capture.h"
 #include "host/cli/command_line.h"
 #include "host/files/output_folder.h"

@@ -1,5 +1,3 @@
-#include "host/app/stripes_command.h"
-
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -10,7 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "host/app/match_run.h"
+#include "host/app/commands.h"
+#include "host/app/scanner_run.h"
 #include "host/cli/command_line.h"
 #include "host/cli/progress.h"
 #include "host/files/output_folder.h"

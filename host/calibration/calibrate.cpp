@@ -26,7 +26,6 @@
 #include "host/calibration/plates.h"
 #include "host/calibration/starts.h"
 #include "host/files/numbers.h"
-#include "host/files/numbers.h"
 #include "host/files/user_error.h"
 #include "host/images/frame_options.h"
 #include "host/rig/calibration.h"

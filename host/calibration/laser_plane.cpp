@@ -20,7 +20,6 @@
 #include "host/calibration/bundle.h"
 #include "host/calibration/bundle_solver.h"
 #include "host/files/numbers.h"
-#include "host/files/numbers.h"
 #include "host/files/user_error.h"
 #include "host/images/frame_options.h"
 #include "host/rig/calibration.h"

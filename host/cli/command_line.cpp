@@ -2,8 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <cstdio>
 #include <optional>
 #include <string>
 #include <vector>
@@ -68,6 +71,18 @@ void set_text(CLI::App& app, const CommandText& text) {
 
 void begin_group(CLI::App& command, const std::string& name) { command.option_defaults()->group(name); }
 
+void add_old_name(CLI::App& command, const std::string& old_name, const std::string& name) {
+  CLI::Option* const option = command.get_option(name);
+  command
+      .add_option_function<std::string>(old_name,
+                                        [=](const std::string& value) {
+                                          fmt::print(stderr, "note: {} is now {}\n", old_name, name);
+                                          option->add_result(value);
+                                        })
+      ->trigger_on_parse()
+      ->group("");
+}
+
 CLI::Validator whole_number(std::int64_t least, std::int64_t most) {
   const RangeText range = most == kNoLimit
                               ? RangeText{fmt::format("{} or more", least), fmt::format("of {} or more", least)}
@@ -107,6 +122,26 @@ CLI::Validator one_of(const std::vector<std::string>& names) {
         return expected(text, list);
       },
       list);
+}
+
+std::vector<double> ascending_lengths(const char* option, const std::string& text) {
+  constexpr double kMost = 1e5;
+  std::vector<double> values;
+  for (std::size_t begin = 0; begin <= text.size();) {
+    const std::size_t end = std::min(text.find(',', begin), text.size());
+    const std::string entry = text.substr(begin, end - begin);
+    const std::optional<double> value = number_of_text<double>(entry);
+    if (!value || !(std::abs(*value) <= kMost)) {
+      throw UserError(option, fmt::format("'{}' is not a number of mm", entry));
+    }
+    if (!values.empty() && !(*value > values.back())) {
+      throw UserError(option,
+                      fmt::format("{} follows {}; numbers are expected in ascending order", *value, values.back()));
+    }
+    values.push_back(*value);
+    begin = end + 1;
+  }
+  return values;
 }
 
 CLI::Option* add_files(CLI::App& command, const std::string& name, std::vector<std::string>& files,

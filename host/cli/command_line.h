@@ -34,6 +34,9 @@ void set_text(CLI::App& app, const CommandText& text);
 // Options added from now on appear in this group of the command's help.
 void begin_group(CLI::App& command, const std::string& name);
 
+// Reads an option also by its old name, for one version and with a note on standard error. No help shows that name.
+void add_old_name(CLI::App& command, const std::string& old_name, const std::string& name);
+
 // Checks of option values, for Option::transform. Each value must be a decimal number, without a sign if the least
 // number is 0, without other text around it, and without overflow, infinity or NaN. They pass on the number without
 // leading zeros, because CLI11 would read 010 as octal.
@@ -44,6 +47,10 @@ CLI::Validator number_above_zero(double most = 1e6);
 
 // One of these names. For Option::check.
 CLI::Validator one_of(const std::vector<std::string>& names);
+
+// Numbers of mm with commas between them, ascending. Throws UserError, naming the option, if one is not a number, not
+// within 1e5 of 0, or not greater than the one before.
+std::vector<double> ascending_lengths(const char* option, const std::string& text);
 
 // Adds an option or argument for files. It gives the files of the command line in the order of in_listed_order.
 CLI::Option* add_files(CLI::App& command, const std::string& name, std::vector<std::string>& files,

@@ -1,13 +1,18 @@
 #include "host/cli/program_main.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cerrno>
+#include <csignal>
 #include <cstdio>
 #include <cstring>
 #include <exception>
 #include <functional>
+#include <iostream>
 #include <memory>
 #include <set>
 #include <string>
@@ -16,8 +21,10 @@
 
 #include "host/cli/command_line.h"
 #include "host/cli/help_text.h"
-#include "host/cli/program_run.h"
+#include "host/files/file_descriptor.h"
 #include "host/files/notes.h"
+#include "host/files/run_files.h"
+#include "host/files/stop_signal.h"
 #include "host/files/user_error.h"
 #include "model/spec/generated/selfproj_spec.h"
 
@@ -150,6 +157,44 @@ int run_commands(const CommandText& text, const std::function<void(CLI::App&)>& 
     return report(name, error.what(), kFailed);
   }
   return 0;
+}
+
+// If a standard descriptor is closed, the first file that is opened would get its number, and printed text would go
+// into this file. Opens /dev/null instead, so that reading gives nothing and writing to standard output fails.
+void open_standard_descriptors() {
+  for (const int number : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    if (fcntl(number, F_GETFD) < 0 && errno == EBADF) {
+      // open() takes the lowest free number.
+      static_cast<void>(open("/dev/null", number == STDERR_FILENO ? O_WRONLY : O_RDONLY));
+    }
+  }
+}
+
+// Flushes standard output, and returns whether everything could be printed.
+bool flush_output() {
+  errno = 0;
+  const bool stream = static_cast<bool>(std::cout.flush());
+  return std::fflush(stdout) == 0 && std::ferror(stdout) == 0 && stream;
+}
+
+// Calls `body`, which prints what it has to say and gives the exit status, and gives the program's:
+//  - standard output that cannot be written to (a full disk, a closed pipe or descriptor) makes status 1 of 0, with one
+//    line on standard error;
+//  - no output may be one of the inputs (run_files.h);
+//  - SIGINT, SIGTERM and SIGHUP leave nothing temporary behind; a closed pipe and a limit on sizes of files (SIGPIPE,
+//    SIGXFSZ) are errors of the writing, not signals.
+int run_as_program(const std::string& name, const std::function<int()>& body) {
+  open_standard_descriptors();
+  std::signal(SIGPIPE, SIG_IGN);
+  std::signal(SIGXFSZ, SIG_IGN);
+  tidy_up_on_signals();
+  const RunFiles files;
+  const int status = body();
+  if (!flush_output() && status == 0) {
+    fmt::print(stderr, "{}: standard output: {}\n", name, error_text(errno != 0 ? errno : EIO));
+    return 1;
+  }
+  return status;
 }
 
 }  // namespace

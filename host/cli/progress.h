@@ -1,3 +1,4 @@
+// Lines on standard error that are rewritten while a program works, and disappear at the end. Only on a terminal.
 #ifndef SELFPROJ_HOST_CLI_PROGRESS_H
 #define SELFPROJ_HOST_CLI_PROGRESS_H
 
@@ -7,26 +8,35 @@
 
 namespace selfproj {
 
-// One line on standard error that counts up, "frame 120 of 1400", and disappears at the end. If the total is 0
-// (unknown), it says "frame 120". Only on a terminal.
+class StatusLine {
+ public:
+  StatusLine();
+  StatusLine(const StatusLine&) = delete;
+  StatusLine& operator=(const StatusLine&) = delete;
+  ~StatusLine();
+
+  // Whether the line is shown.
+  [[nodiscard]] bool visible() const { return terminal_; }
+
+  void show(const std::string& text);
+
+ private:
+  bool terminal_;
+  bool shown_ = false;
+};
+
+// Counts up, "frame 120 of 1400". If the total is 0 (unknown), it says "frame 120".
 class Progress {
  public:
   Progress(std::string what, std::size_t total);
-  Progress(const Progress&) = delete;
-  Progress& operator=(const Progress&) = delete;
-  ~Progress();
 
   // Updates the line at most ten times a second, with the note after the count.
   void update(std::size_t done, const std::string& note = {});
 
-  // Whether the next update will be shown: for notes that take time to write.
-  [[nodiscard]] bool due() const;
-
  private:
   std::string what_;
   std::size_t total_;
-  bool shown_ = false;
-  bool terminal_;
+  StatusLine line_;
   std::chrono::steady_clock::time_point next_;
 };
 

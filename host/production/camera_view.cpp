@@ -7,7 +7,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <utility>
 
 #include "host/driver/clock.h"
 #include "host/images/float_image.h"
@@ -59,7 +58,7 @@ std::vector<float> line_in_image(const ImageView& image, const RigMeasure& measu
   return line;
 }
 
-ExposureFigures judge_exposure(const ImageView& image, const std::vector<float>& line, const RigMeasure& measure) {
+ExposureFigures exposure_figures(const ImageView& image, const std::vector<float>& line, const RigMeasure& measure) {
   const bool section = !line.empty();
   Histogram greys{};
   std::vector<std::uint8_t> brightest(static_cast<std::size_t>(image.columns), 0);
@@ -74,7 +73,7 @@ ExposureFigures judge_exposure(const ImageView& image, const std::vector<float>&
     }
   }
   ExposureFigures figures;
-  int least_bright = kLeastBright;
+  int min_bright = kMinBright;
   if (section) {
     std::size_t found = 0;
     std::size_t saturated = 0;
@@ -87,7 +86,7 @@ ExposureFigures judge_exposure(const ImageView& image, const std::vector<float>&
     }
     figures.saturated = share(saturated, found);
     figures.dark = share(line.size() - found, line.size());
-    least_bright = std::max(least_bright, (measure.threshold + UINT8_MAX) / 2);
+    min_bright = std::max(min_bright, (measure.threshold + UINT8_MAX) / 2);
   } else {
     const std::size_t all = static_cast<std::size_t>(image.rows) * static_cast<std::size_t>(image.columns);
     std::size_t dark = 0;
@@ -98,45 +97,44 @@ ExposureFigures judge_exposure(const ImageView& image, const std::vector<float>&
     figures.dark = share(dark, all);
   }
   figures.bright_grey = bright_of(greys);
-  if (section && figures.dark > kMostWithoutLine) {
-    figures.judgement = fmt::format(
-        "{:.0f} % of the columns have no line: is the projector on, and the threshold right?", 100 * figures.dark);
-  } else if (figures.saturated > kMostSaturated) {
-    figures.judgement = fmt::format("too bright: {:.1f} % {} saturated; shorten the exposure", 100 * figures.saturated,
-                                    section ? "of the line is" : "of the pixels are");
-  } else if (figures.bright_grey < least_bright) {
-    figures.judgement =
+  if (section && figures.dark > kMaxWithoutLine) {
+    figures.advice = fmt::format("{:.0f} % of the columns have no line: is the projector on, and the threshold right?",
+                                 100 * figures.dark);
+  } else if (figures.saturated > kMaxSaturated) {
+    figures.advice = fmt::format("too bright: {:.1f} % {} saturated; shorten the exposure", 100 * figures.saturated,
+                                 section ? "of the line is" : "of the pixels are");
+  } else if (figures.bright_grey < min_bright) {
+    figures.advice =
         fmt::format("too dark: its brightest places have grey value {}; lengthen the exposure", figures.bright_grey);
   } else {
-    figures.judgement = "the exposure is right";
+    figures.advice = "the exposure is right";
     figures.good = true;
   }
   return figures;
 }
 
-CameraView::CameraView(std::function<bool()> wanted, Take take) : wanted_(std::move(wanted)), take_(std::move(take)) {}
-
-void CameraView::add(const PacketView& packet) {
+bool CameraView::add(const PacketView& packet, bool wanted) {
   if (packet.header.kind != spec::kKindImage) {
-    return;
+    return false;
   }
-  if (!taking_) {
+  if (!begun_) {
     const std::int64_t now = now_ns();
-    if (packet.header.first_line != 1 || now < next_ns_ || !wanted_()) {
-      return;
+    if (packet.header.first_line != 1 || now < next_ns_ || !wanted) {
+      return false;
     }
-    taking_ = true;
+    begun_ = true;
     next_ns_ = now + kSecondNs / kPerSecond;
   }
   const std::uint64_t broken = images_.incomplete();
   if (images_.add(packet)) {
-    const PacketHeader& header = images_.header();
-    take_(header, {images_.pixels().data(), header.rows, header.columns, header.columns});
-    taking_ = false;
-  } else if (images_.incomplete() != broken) {
-    taking_ = false;  // the next one will do
+    begun_ = false;
+    return true;
+  }
+  if (images_.incomplete() != broken) {
+    begun_ = false;  // the next one will do
     next_ns_ = 0;
   }
+  return false;
 }
 
 }  // namespace selfproj

@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
 #include <optional>
 #include <string>
 #include <utility>
@@ -12,19 +15,16 @@
 
 #include "host/files/numbers.h"
 #include "host/files/user_error.h"
-#include "host/production/judge.h"
-#include "host/production/map_reference.h"
 #include "host/production/placement.h"
-#include "host/production/running_figures.h"
 
 namespace selfproj {
 namespace {
 
-constexpr double kSectionStep = 5;      // mm
-constexpr double kLeastResidual = 0.1;  // mm
-constexpr double kLeastMissing = 0.005;
+constexpr double kSectionStep = 5;    // mm
+constexpr double kMinResidual = 0.1;  // mm
+constexpr double kMinMissing = 0.005;
 
-double widest_of(const Rig& rig) { return 3 * rig.plane_z_mm * rig.camera.pixel_pitch_mm / rig.camera.focal_length_mm; }
+double widest_of(const Rig& rig) { return 3 * pixel_mm(rig); }
 
 // Where the section first and last is higher than above_mm, if that is not at its ends.
 std::pair<std::optional<double>, std::optional<double>> section_edges(const SectionReference& section, double above) {
@@ -48,7 +48,7 @@ Learner::Learner(const Rig& rig, HeightCells reference, const LearnOptions& opti
     : rig_(rig), map_(std::move(reference)), options_(options) {}
 
 void Learner::add(CutPart&& part) {
-  if (parts_.size() >= kMostGoodParts) {
+  if (parts_.size() >= kMaxGoodParts) {
     ++not_kept_;
     return;
   }
@@ -59,24 +59,24 @@ Tolerance Learner::whole_view() const {
   Tolerance tolerance;
   tolerance.by_edges = false;
   const double pitch = rig_.parts->grid_mm;
-  const double pixel = rig_.plane_z_mm * rig_.camera.pixel_pitch_mm / rig_.camera.focal_length_mm;
+  const double pixel = pixel_mm(rig_);
   tolerance.length_mm = std::floor(rig_.camera.rows * pixel / pitch) * pitch;
   tolerance.right_mm = std::floor(0.5 * rig_.camera.columns * pixel / pitch) * pitch;
   tolerance.left_mm = -tolerance.right_mm;
-  tolerance.most_shift_mm = options_.most_shift_mm;
-  tolerance.most_turn_deg = options_.most_turn_deg;
-  tolerance.most_residual_mm = 1e6;
-  tolerance.smallest_mm2 = options_.smallest_mm2;
+  tolerance.max_shift_mm = options_.max_shift_mm;
+  tolerance.max_turn_deg = options_.max_turn_deg;
+  tolerance.max_residual_mm = 1e6;
+  tolerance.min_defect_mm2 = options_.min_defect_mm2;
   tolerance.section_step_mm = kSectionStep;
   tolerance.section_mm = middle_section(*map_, tolerance, kSectionStep);
   const MapGrid grid = placed_grid(pitch, tolerance.length_mm, tolerance.left_mm, tolerance.right_mm);
   tolerance.regions = map_regions(without_steep_places(placed_heights(*map_, Placement{}, grid), rig_), grid,
-                                  options_.edge_mm, options_.smallest_mm2);
+                                  options_.edge_mm, options_.min_defect_mm2);
   return tolerance;
 }
 
-Judge Learner::judge_of(const Tolerance& tolerance, const std::string& source) const {
-  return map_ ? Judge(rig_, *map_, tolerance, source) : Judge(rig_, section_, tolerance, source);
+Classifier Learner::classifier_of(const Tolerance& tolerance, const std::string& source) const {
+  return map_ ? Classifier(rig_, *map_, tolerance, source) : Classifier(rig_, section_, tolerance, source);
 }
 
 Tolerance Learner::outline(const std::string& source) const {
@@ -94,14 +94,14 @@ Tolerance Learner::outline(const std::string& source) const {
       middle.add(0.5 * (edges[2]->across_mm + edges[3]->across_mm));
     }
   }
-  if (length.count() < kLeastGoodParts) {
+  if (length.count() < kMinGoodParts) {
     throw UserError(source, fmt::format("{} of {} parts have a leading and a trailing edge; at least {} are needed",
-                                        length.count(), parts_.size(), kLeastGoodParts));
+                                        length.count(), parts_.size(), kMinGoodParts));
   }
   Tolerance tolerance;
   tolerance.length_mm = length.mean();
   const auto [left, right] = section_edges(section_, rig_.parts->above_mm);
-  if (width.count() >= kLeastGoodParts) {
+  if (width.count() >= kMinGoodParts) {
     const double at = left && right ? 0.5 * (*left + *right) : middle.mean();
     tolerance.left_mm = at - 0.5 * width.mean();
     tolerance.right_mm = at + 0.5 * width.mean();
@@ -111,10 +111,10 @@ Tolerance Learner::outline(const std::string& source) const {
   } else {
     throw UserError(source, "neither the parts nor the reference have a width");
   }
-  tolerance.most_shift_mm = options_.most_shift_mm;
-  tolerance.most_turn_deg = options_.most_turn_deg;
-  tolerance.most_residual_mm = 1e6;
-  tolerance.smallest_mm2 = options_.smallest_mm2;
+  tolerance.max_shift_mm = options_.max_shift_mm;
+  tolerance.max_turn_deg = options_.max_turn_deg;
+  tolerance.max_residual_mm = 1e6;
+  tolerance.min_defect_mm2 = options_.min_defect_mm2;
   tolerance.section_step_mm = kSectionStep;
   tolerance.section_mm =
       sampled_section(section_, tolerance.left_mm, tolerance.right_mm, kSectionStep, widest_of(rig_));
@@ -148,7 +148,7 @@ std::vector<ToleranceRegion> tolerance_regions(const Tolerance& outline, const S
       }
       region.low_mm = -1e6;
       region.high_mm = 1e6;
-      region.most_missing = 1;
+      region.max_missing = 1;
       regions.push_back(std::move(region));
     }
     begin = std::isnan(height) ? c + 1 : c;
@@ -156,9 +156,49 @@ std::vector<ToleranceRegion> tolerance_regions(const Tolerance& outline, const S
   return regions;
 }
 
+std::vector<ToleranceRegion> map_regions(const FloatImage& comparable, const MapGrid& grid, double edge_mm,
+                                         double min_defect_mm2) {
+  cv::Mat1b there(comparable.rows, comparable.columns, std::uint8_t{0});
+  for (int r = 0; r < there.rows; ++r) {
+    for (int c = 0; c < there.cols; ++c) {
+      there(r, c) = std::isnan(comparable.row(r)[c]) ? 0 : UINT8_MAX;
+    }
+  }
+  // Single places without a height are no border.
+  const auto block = [](int side) { return cv::Mat1b(side, side, std::uint8_t{1}); };
+  cv::morphologyEx(there, there, cv::MORPH_CLOSE, block(3));
+  cv::erode(there, there, block(2 * static_cast<int>(std::ceil(edge_mm / grid.pitch_mm)) + 1), {-1, -1}, 1,
+            cv::BORDER_CONSTANT, cv::Scalar(0));
+  std::vector<std::vector<cv::Point>> contours;
+  std::vector<cv::Vec4i> places;  // of a contour; the last number is that of the contour around a hole
+  cv::findContours(there, contours, places, cv::RETR_CCOMP, cv::CHAIN_APPROX_SIMPLE);
+  std::vector<ToleranceRegion> regions;
+  for (std::size_t i = 0; i < contours.size(); ++i) {
+    std::vector<cv::Point> corners;
+    cv::approxPolyDP(contours[i], corners, 1, true);
+    constexpr double kMinAreas = 16;
+    const bool hole = places[i][3] >= 0;
+    if (corners.size() < 3 || hole ||
+        cv::contourArea(corners) * grid.pitch_mm * grid.pitch_mm < kMinAreas * min_defect_mm2) {
+      continue;
+    }
+    ToleranceRegion region;
+    region.name = fmt::format("surface {}", regions.size() + 1);
+    for (const cv::Point& corner : corners) {
+      region.corners_mm.push_back(rounded(grid.along_of(corner.y), 2));
+      region.corners_mm.push_back(rounded(grid.across_of(corner.x), 2));
+    }
+    region.low_mm = -1e6;
+    region.high_mm = 1e6;
+    region.max_missing = 1;
+    regions.push_back(std::move(region));
+  }
+  return regions;
+}
+
 Tolerance Learner::learn(const std::string& source) const {
-  if (parts_.size() < kLeastGoodParts) {
-    throw UserError(source, fmt::format("{} good parts came; at least {} are needed", parts_.size(), kLeastGoodParts));
+  if (parts_.size() < kMinGoodParts) {
+    throw UserError(source, fmt::format("{} good parts came; at least {} are needed", parts_.size(), kMinGoodParts));
   }
   Tolerance tolerance = map_ ? whole_view() : outline(source);
   if (!map_) {
@@ -174,11 +214,11 @@ Tolerance Learner::learn(const std::string& source) const {
   std::vector<Seen> seen(tolerance.regions.size());
   RunningFigures residual;
   {
-    const Judge judge = judge_of(tolerance, source);
+    const Classifier classifier = classifier_of(tolerance, source);
     PlacedMaps maps;
     for (const CutPart& part : parts_) {
-      const PartResult result = judge.judge(part, maps);
-      if (result.verdict != Verdict::ok) {
+      const PartResult result = classifier.classify(part, maps);
+      if (result.verdict != Verdict::good) {
         continue;
       }
       residual.add(result.placement->residual_mm);
@@ -189,20 +229,20 @@ Tolerance Learner::learn(const std::string& source) const {
       }
     }
   }
-  if (residual.count() < kLeastGoodParts) {
+  if (residual.count() < kMinGoodParts) {
     throw UserError(source, fmt::format("{} of {} parts could be placed; at least {} are needed", residual.count(),
-                                        parts_.size(), kLeastGoodParts));
+                                        parts_.size(), kMinGoodParts));
   }
   const auto far = [&](const RunningFigures& figures, double least) {
     return std::max(least, options_.spreads * figures.spread());
   };
   for (std::size_t i = 0; i < seen.size(); ++i) {
     ToleranceRegion& region = tolerance.regions[i];
-    region.low_mm = rounded(seen[i].low.mean() - far(seen[i].low, options_.least_band_mm), 4);
-    region.high_mm = rounded(seen[i].high.mean() + far(seen[i].high, options_.least_band_mm), 4);
-    region.most_missing = rounded(std::min(1.0, seen[i].missing.mean() + far(seen[i].missing, kLeastMissing)), 4);
+    region.low_mm = rounded(seen[i].low.mean() - far(seen[i].low, options_.min_band_mm), 4);
+    region.high_mm = rounded(seen[i].high.mean() + far(seen[i].high, options_.min_band_mm), 4);
+    region.max_missing = rounded(std::min(1.0, seen[i].missing.mean() + far(seen[i].missing, kMinMissing)), 4);
   }
-  tolerance.most_residual_mm = rounded(residual.mean() + far(residual, kLeastResidual), 3);
+  tolerance.max_residual_mm = rounded(residual.mean() + far(residual, kMinResidual), 3);
   const auto round_mm = [&](double& mm) { mm = rounded(mm, 3); };
   round_mm(tolerance.length_mm);
   round_mm(tolerance.left_mm);

@@ -7,26 +7,26 @@
 #include <string>
 #include <vector>
 
-#include "host/production/judge.h"
-#include "host/production/map_grid.h"
-#include "host/production/part_cutter.h"
-#include "host/production/section_reference.h"
+#include "host/production/classifier.h"
+#include "host/production/cutter.h"
+#include "host/production/height_map.h"
+#include "host/production/part_reference.h"
 #include "host/production/tolerance.h"
 #include "host/rig/rig.h"
 
 namespace selfproj {
 
 struct LearnOptions {
-  double smallest_mm2 = 0.5;    // area of the smallest defect
-  double edge_mm = 1.5;         // strip along edges and walls that is not judged
+  double min_defect_mm2 = 0.5;  // area of the smallest defect
+  double edge_mm = 1.5;         // strip along edges and walls that is not inspected
   double spreads = 6;           // standard deviations from the mean of the good parts to a limit
-  double least_band_mm = 0.02;  // a limit is at least so far from the mean
-  double most_shift_mm = 2;
-  double most_turn_deg = 3;
+  double min_band_mm = 0.02;    // a limit is at least so far from the mean
+  double max_shift_mm = 2;
+  double max_turn_deg = 3;
 };
 
-inline constexpr std::size_t kLeastGoodParts = 5;
-inline constexpr std::size_t kMostGoodParts = 200;
+inline constexpr std::size_t kMinGoodParts = 5;
+inline constexpr std::size_t kMaxGoodParts = 200;
 
 // Collects good parts, and learns from them
 //   - the outline: mean length and width; its middle across is that of the section, if the section has edges
@@ -42,20 +42,20 @@ class Learner {
   Learner(const Rig& rig, SectionReference section, const LearnOptions& options);
   Learner(const Rig& rig, HeightCells reference, const LearnOptions& options);
 
-  // Keeps the part's map. Parts after kMostGoodParts are only counted.
+  // Keeps the part's map. Parts after kMaxGoodParts are only counted.
   void add(CutPart&& part);
 
   [[nodiscard]] std::size_t parts() const { return parts_.size(); }
   [[nodiscard]] std::size_t not_kept() const { return not_kept_; }
 
-  // Throws UserError, naming `source`, if fewer than kLeastGoodParts came or could be placed, or no stretch between
+  // Throws UserError, naming `source`, if fewer than kMinGoodParts came or could be placed, or no stretch between
   // edges is wide enough for a region.
   [[nodiscard]] Tolerance learn(const std::string& source) const;
 
  private:
   [[nodiscard]] Tolerance outline(const std::string& source) const;
   [[nodiscard]] Tolerance whole_view() const;
-  [[nodiscard]] Judge judge_of(const Tolerance& tolerance, const std::string& source) const;
+  [[nodiscard]] Classifier classifier_of(const Tolerance& tolerance, const std::string& source) const;
 
   Rig rig_;
   std::optional<HeightCells> map_;  // the reference of depth images
@@ -69,6 +69,12 @@ class Learner {
 // bands of no meaning.
 std::vector<ToleranceRegion> tolerance_regions(const Tolerance& outline, const SectionReference& section,
                                                double pitch_mm, double widest_mm, double edge_mm);
+
+// The surfaces of a reference as polygons on its placed map: each connected stretch of places that can be compared
+// with, less a strip of edge_mm at its border, if it has at least 16 times the smallest area. A surface within another
+// one belongs to both. The bands have no meaning.
+std::vector<ToleranceRegion> map_regions(const FloatImage& comparable, const MapGrid& grid, double edge_mm,
+                                         double min_defect_mm2);
 
 }  // namespace selfproj
 

@@ -28,10 +28,10 @@ namespace selfproj {
 namespace {
 
 constexpr std::int64_t kSecondNs = 1'000'000'000;
-constexpr int kRowsPerSecond = 100;    // of the waterfall
-constexpr std::size_t kMostRows = 64;  // in one message
-constexpr int kMostPixels = 640;       // along each side of a camera image, as the page shows it
-constexpr int kMostCells = 256;        // along each side of a map, as the page shows it
+constexpr int kRowsPerSecond = 100;   // of the waterfall
+constexpr std::size_t kMaxRows = 64;  // in one message
+constexpr int kMaxPixels = 640;       // along each side of a camera image, as the page shows it
+constexpr int kMaxCells = 256;        // along each side of a map, as the page shows it
 
 void append_number(std::string& text, std::size_t number) {
   for (unsigned shift = 0; shift < 32; shift += 8) {
@@ -39,7 +39,7 @@ void append_number(std::string& text, std::size_t number) {
   }
 }
 
-// Machines of a production line are little endian, and so is every browser's.
+// Production PCs are little endian, and so is every browser's.
 void append_floats(std::string& text, const float* values, std::size_t count) {
   text.append(reinterpret_cast<const char*>(values), count * sizeof(float));
 }
@@ -65,7 +65,7 @@ FloatImage thinned(const FloatImage& map, int every) {
   return result;
 }
 
-int every_cell(int rows, int columns) { return std::max(1, (std::max(rows, columns) + kMostCells - 1) / kMostCells); }
+int every_cell(int rows, int columns) { return std::max(1, (std::max(rows, columns) + kMaxCells - 1) / kMaxCells); }
 
 // three.js of this machine; nothing where it is not installed, and the page says that there is no 3-D view.
 std::string three_js() {
@@ -105,7 +105,7 @@ class LivePage::Server : public PageServer {
                                 }
                                 return message.bytes;
                               },
-                          .begin = [&page] { return page.watchers_.fetch_add(1) < kMostWatchers; },
+                          .begin = [&page] { return page.watchers_.fetch_add(1) < kMaxWatchers; },
                           .finish = [&page] { --page.watchers_; }}) {}
 };
 
@@ -115,7 +115,7 @@ LivePage::LivePage(const Endpoint& endpoint, const Rig& rig, const std::string& 
       plane_z_(rig.plane_z_mm),
       title_(title),
       token_(page_token(endpoint)) {
-  rows_.reserve(kMostRows * static_cast<std::size_t>(columns_));
+  rows_.reserve(kMaxRows * static_cast<std::size_t>(columns_));
   part_ = std::make_shared<const std::string>(message_of("{\"part\": 0}", ""));
   camera_ = std::make_shared<const std::string>(message_of("{\"rows\": 0}", ""));
   server_ = std::make_unique<Server>(*this, endpoint, token_);
@@ -147,7 +147,7 @@ std::shared_ptr<const std::string> LivePage::last_image() {
 
 void LivePage::camera(const PacketHeader& header, const ImageView& image, const std::vector<float>& line,
                       const ExposureFigures& exposure) {
-  const int every = std::max(1, (std::max(image.rows, image.columns) + kMostPixels - 1) / kMostPixels);
+  const int every = std::max(1, (std::max(image.rows, image.columns) + kMaxPixels - 1) / kMaxPixels);
   const int rows = (image.rows + every - 1) / every;
   const int columns = (image.columns + every - 1) / every;
   std::string bytes;
@@ -169,7 +169,7 @@ void LivePage::camera(const PacketHeader& header, const ImageView& image, const 
                                        {"dark", exposure.dark},
                                        {"bright_grey", exposure.bright_grey},
                                        {"good", exposure.good},
-                                       {"judgement", exposure.judgement}};
+                                       {"advice", exposure.advice}};
   auto message = std::make_shared<const std::string>(message_of(json.dump(), bytes));
   const std::lock_guard lock(mutex_);
   camera_ = std::move(message);
@@ -177,7 +177,7 @@ void LivePage::camera(const PacketHeader& header, const ImageView& image, const 
 }
 
 void LivePage::add_row(const ProfileView& profile) {
-  if (rows_.size() >= kMostRows * static_cast<std::size_t>(columns_)) {
+  if (rows_.size() >= kMaxRows * static_cast<std::size_t>(columns_)) {
     return;
   }
   for (int i = 0; i < columns_; ++i) {
@@ -185,10 +185,18 @@ void LivePage::add_row(const ProfileView& profile) {
   }
 }
 
-void LivePage::profile(const ProfileView& profile) {
+void LivePage::measured(Measured& measured) {
   if (watchers_ == 0) {
     return;
   }
+  if (measured.depth.values.empty()) {
+    profile(measured.profile.view());
+  } else {
+    depth(measured.difference);
+  }
+}
+
+void LivePage::profile(const ProfileView& profile) {
   const std::int64_t now = now_ns();
   if (now >= next_row_ns_) {
     next_row_ns_ = std::max(now, next_row_ns_ + kSecondNs / kRowsPerSecond);
@@ -213,7 +221,7 @@ void LivePage::profile(const ProfileView& profile) {
 }
 
 void LivePage::depth(const FloatImage& difference) {
-  if (watchers_ == 0 || !message_is_due()) {
+  if (!message_is_due()) {
     return;
   }
   const FloatImage shown = thinned(difference, every_cell(difference.rows, difference.columns));
@@ -249,7 +257,7 @@ void LivePage::send(const std::string& kind, int rows, int columns, const std::s
   changed_.notify_all();
 }
 
-void LivePage::part(const PartResult& result, const PlacedMaps& maps) {
+void LivePage::part(const PartResult& result, const PlacedMaps& maps, const PartStatistics& statistics) {
   const int every = every_cell(maps.grid.rows, maps.grid.columns);
   const FloatImage height = thinned(maps.height, every);
   const FloatImage difference = thinned(maps.difference, every);
@@ -270,11 +278,10 @@ void LivePage::part(const PartResult& result, const PlacedMaps& maps) {
   if (parts_.size() > kPartsShown) {
     parts_.pop_back();
   }
-  add_figures(result, figures_of_parts_);
-  statistics_ = statistics_json(figures_of_parts_).dump();
+  statistics_ = statistics_json(statistics).dump();
 }
 
-void LivePage::seen(const std::vector<Fact>& figures) {
+void LivePage::report(const std::vector<Fact>& figures) {
   std::string text = facts_json(figures).dump();
   const std::lock_guard lock(mutex_);
   figures_ = std::move(text);

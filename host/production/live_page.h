@@ -1,4 +1,4 @@
-// A page on which a running line can be watched with a browser.
+// A page on which a production can be watched with a browser.
 #ifndef SELFPROJ_HOST_PRODUCTION_LIVE_PAGE_H
 #define SELFPROJ_HOST_PRODUCTION_LIVE_PAGE_H
 
@@ -16,9 +16,9 @@
 #include "host/images/float_image.h"
 #include "host/light_section/profile.h"
 #include "host/production/camera_view.h"
+#include "host/production/cutter.h"
 #include "host/production/endpoint.h"
 #include "host/production/part_result.h"
-#include "host/production/part_text.h"
 #include "host/report/facts.h"
 #include "host/rig/rig.h"
 #include "model/column_moments.h"
@@ -37,15 +37,15 @@ namespace selfproj {
 //   /camera   the newest raw image that came while somebody watched: the same form; in the place of the floats are the
 //             row of the line in each column (none for a scanner), and then the image's bytes, every n-th pixel
 //
-// A browser gets the newest message when it has taken the one before. Messages in between are dropped for it and
-// counted. The line's thread only makes messages, and only while somebody watches.
+// A browser gets the newest message when it has received the one before. Messages in between are dropped for it and
+// counted. The production's thread only makes messages, and only while somebody watches.
 //
 // On a loopback address, requests must be for a name of this machine. On any other, they need a token, which is drawn
 // at the start and is part of url().
 class LivePage {
  public:
   static constexpr int kPerSecond = 20;
-  static constexpr std::size_t kMostWatchers = 8;
+  static constexpr std::size_t kMaxWatchers = 8;
   static constexpr std::size_t kPartsShown = 20;
 
   // Throws UserError about --live if it cannot listen there. `title` stands above the page.
@@ -54,10 +54,9 @@ class LivePage {
   LivePage& operator=(const LivePage&) = delete;
   ~LivePage();
 
-  // For the line's thread.
-  void profile(const ProfileView& profile);
-  void depth(const FloatImage& difference);
-  void part(const PartResult& result, const PlacedMaps& maps);
+  // For the thread of the production: a profile or a depth image, and a part with the statistics up to it.
+  void measured(Measured& measured);
+  void part(const PartResult& result, const PlacedMaps& maps, const PartStatistics& statistics);
 
   // For the thread that takes packets: a raw image, and the row of the line in each column (empty for a scanner).
   void camera(const PacketHeader& header, const ImageView& image, const std::vector<float>& line,
@@ -67,7 +66,7 @@ class LivePage {
   [[nodiscard]] bool watched() const { return watchers_ > 0; }
 
   // For any thread: the figures that the page shows.
-  void seen(const std::vector<Fact>& figures);
+  void report(const std::vector<Fact>& figures);
 
   // Where a browser finds it.
   [[nodiscard]] std::string url() const;
@@ -86,6 +85,8 @@ class LivePage {
   Message next_message(std::uint64_t number);
   std::shared_ptr<const std::string> last_part();
   std::shared_ptr<const std::string> last_image();
+  void profile(const ProfileView& profile);
+  void depth(const FloatImage& difference);
   void add_row(const ProfileView& profile);
   bool message_is_due();
   void send(const std::string& kind, int rows, int columns, const std::string& floats);
@@ -99,7 +100,7 @@ class LivePage {
   std::atomic<std::uint64_t> dropped_{0};
   std::atomic<bool> end_{false};
 
-  // Of the line's thread:
+  // Of the production's thread:
   std::int64_t next_message_ns_ = 0;
   std::int64_t next_row_ns_ = 0;
   std::vector<float> rows_;
@@ -110,7 +111,6 @@ class LivePage {
   std::string figures_ = "{}";
   std::deque<std::string> parts_;  // JSON, the newest first
   std::string statistics_ = "{}";
-  PartStatistics figures_of_parts_;
   std::shared_ptr<const std::string> part_;
   std::shared_ptr<const std::string> camera_;
   std::uint64_t camera_images_ = 0;

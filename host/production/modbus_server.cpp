@@ -15,6 +15,7 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <stop_token>
 #include <utility>
 #include <vector>
 
@@ -25,7 +26,7 @@
 namespace selfproj {
 namespace {
 
-constexpr int kMostPending = 128;              // connections that wait to be taken
+constexpr int kMaxPending = 128;               // connections that wait to be accepted
 constexpr int kPatienceMs = 50;                // so that the end is noticed
 constexpr std::uint32_t kByteWaitUs = 20'000;  // between the bytes of one request
 
@@ -36,34 +37,34 @@ void put(Values& values, ModbusRegister at, std::uint64_t value) {
 }
 
 void put_two(Values& values, ModbusRegister at, std::uint64_t value) {
-  constexpr std::uint64_t kMost = std::numeric_limits<std::uint32_t>::max();
-  const std::uint64_t limited = std::min(value, kMost);
+  constexpr std::uint64_t kMax = std::numeric_limits<std::uint32_t>::max();
+  const std::uint64_t limited = std::min(value, kMax);
   values.at(static_cast<std::size_t>(at)) = static_cast<std::uint16_t>(limited >> 16U);
   values.at(static_cast<std::size_t>(at) + 1) = static_cast<std::uint16_t>(limited);
 }
 
 }  // namespace
 
-std::array<std::uint16_t, kModbusRegisters> modbus_registers(const LineState& state, std::uint64_t lost,
+std::array<std::uint16_t, kModbusRegisters> modbus_registers(const PartCounts& parts, std::uint64_t lost,
                                                              std::uint16_t heartbeat, std::int64_t now_ns) {
   const auto not_negative = [](std::int64_t ns) { return static_cast<std::uint64_t>(std::max<std::int64_t>(0, ns)); };
   Values values{};
-  const bool any = state.last_part > 0;
+  const bool any = parts.last_part > 0;
   put(values, ModbusRegister::layout, 1);
   put(values, ModbusRegister::heartbeat, heartbeat);
-  put(values, ModbusRegister::verdict, any ? static_cast<std::uint64_t>(state.last_verdict) + 1 : 0);
-  put_two(values, ModbusRegister::part, state.last_part);
-  put_two(values, ModbusRegister::ok, state.verdicts[0]);
-  put_two(values, ModbusRegister::not_ok, state.verdicts[1]);
-  put_two(values, ModbusRegister::cannot_tell, state.verdicts[2]);
+  put(values, ModbusRegister::verdict, any ? static_cast<std::uint64_t>(parts.last_verdict) + 1 : 0);
+  put_two(values, ModbusRegister::part, parts.last_part);
+  put_two(values, ModbusRegister::good, parts.verdicts[0]);
+  put_two(values, ModbusRegister::bad, parts.verdicts[1]);
+  put_two(values, ModbusRegister::inconclusive, parts.verdicts[2]);
   put_two(values, ModbusRegister::age_ms,
-          any ? not_negative(now_ns - state.last_ns) / 1'000'000 : std::numeric_limits<std::uint64_t>::max());
-  put(values, ModbusRegister::defects, std::min<std::uint64_t>(state.last_defects, UINT16_MAX));
-  const double depth = std::clamp(std::round(1000 * state.last_depth_mm), -32768.0, 32767.0);
+          any ? not_negative(now_ns - parts.last_ns) / 1'000'000 : std::numeric_limits<std::uint64_t>::max());
+  put(values, ModbusRegister::defects, std::min<std::uint64_t>(parts.last_defects, UINT16_MAX));
+  const double depth = std::clamp(std::round(1000 * parts.last_depth_mm), -32768.0, 32767.0);
   put(values, ModbusRegister::depth_um, static_cast<std::uint16_t>(static_cast<std::int16_t>(depth)));
-  put_two(values, ModbusRegister::delay_us, not_negative(state.last_delay_ns) / 1000);
+  put_two(values, ModbusRegister::delay_us, not_negative(parts.last_delay_ns) / 1000);
   put_two(values, ModbusRegister::lost, lost);
-  put_two(values, ModbusRegister::specks, state.specks);
+  put_two(values, ModbusRegister::specks, parts.specks);
   return values;
 }
 
@@ -77,7 +78,7 @@ class ModbusServer::Connection {
     if (context_ == nullptr || mapping_ == nullptr) {
       throw UserError("--modbus " + endpoint.text(), modbus_strerror(errno));
     }
-    listening_.reset(modbus_tcp_listen(context_.get(), kMostPending));
+    listening_.reset(modbus_tcp_listen(context_.get(), kMaxPending));
     if (listening_.number() < 0) {
       throw UserError("--modbus " + endpoint.text(), error_text(errno));
     }
@@ -113,7 +114,7 @@ class ModbusServer::Connection {
     }
     for (int client = accept4(listening_.number(), nullptr, nullptr, SOCK_CLOEXEC); client >= 0;
          client = accept4(listening_.number(), nullptr, nullptr, SOCK_CLOEXEC)) {
-      if (clients_.size() >= kMostClients) {
+      if (clients_.size() >= kMaxClients) {
         ::close(client);
       } else {
         clients_.push_back(client);
@@ -153,18 +154,13 @@ class ModbusServer::Connection {
 ModbusServer::ModbusServer(const Endpoint& endpoint, Registers registers)
     : registers_(std::move(registers)), connection_(std::make_unique<Connection>(endpoint)) {
   const SignalsHeld held;
-  thread_ = std::thread([this] { run(); });
+  thread_ = std::jthread([this](const std::stop_token& stop) {
+    while (!stop.stop_requested()) {
+      connection_->serve(registers_);
+    }
+  });
 }
 
-ModbusServer::~ModbusServer() {
-  end_ = true;
-  thread_.join();
-}
-
-void ModbusServer::run() {
-  while (!end_) {
-    connection_->serve(registers_);
-  }
-}
+ModbusServer::~ModbusServer() = default;
 
 }  // namespace selfproj

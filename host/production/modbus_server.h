@@ -3,47 +3,45 @@
 #define SELFPROJ_HOST_PRODUCTION_MODBUS_SERVER_H
 
 #include <array>
-#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <thread>
 
 #include "host/production/endpoint.h"
-#include "host/production/line_state.h"
+#include "host/production/part_result.h"
 
 namespace selfproj {
 
 // The registers, 16 bits each; of two, the first has the higher half. The same as input registers (function 4) and as
 // holding registers (function 3). All other functions are refused: a controller can change nothing.
 enum class ModbusRegister : std::size_t {
-  layout = 0,       // 1: the version of this list
-  heartbeat = 1,    // counts tenths of a second while the line judges, and wraps
-  verdict = 2,      // of the last part: 0 none yet, 1 OK, 2 not OK, 3 cannot tell
-  part = 3,         // number of the last part, 2 registers
-  ok = 5,           // parts so far, 2 registers each
-  not_ok = 7,       //
-  cannot_tell = 9,  //
-  age_ms = 11,      // age of the last result, 2 registers; greatest number: none yet
-  defects = 13,     // of the last part, at most 65535
-  depth_um = 14,    // of its largest defect, two's complement
-  delay_us = 15,    // from its last frame to its result, 2 registers
-  lost = 17,        // packets lost so far, 2 registers
-  specks = 19,      // objects too short to be a part, 2 registers
+  layout = 0,        // 1: the version of this list
+  heartbeat = 1,     // counts tenths of a second while parts are classified, and wraps
+  verdict = 2,       // of the last part: 0 none yet, 1 good, 2 bad, 3 inconclusive
+  part = 3,          // number of the last part, 2 registers
+  good = 5,          // parts so far, 2 registers each
+  bad = 7,           //
+  inconclusive = 9,  //
+  age_ms = 11,       // age of the last result, 2 registers; greatest number: none yet
+  defects = 13,      // of the last part, at most 65535
+  depth_um = 14,     // of its largest defect, two's complement
+  delay_us = 15,     // from its last frame to its result, 2 registers
+  lost = 17,         // packets lost so far, 2 registers
+  specks = 19,       // objects too short to be a part, 2 registers
 };
 inline constexpr std::size_t kModbusRegisters = 21;
 
 // The registers' values at the time `now_ns` of the steady clock.
-std::array<std::uint16_t, kModbusRegisters> modbus_registers(const LineState& state, std::uint64_t lost,
+std::array<std::uint16_t, kModbusRegisters> modbus_registers(const PartCounts& parts, std::uint64_t lost,
                                                              std::uint16_t heartbeat, std::int64_t now_ns);
 
-// Answers up to kMostClients at once, in a thread of its own. A client that sends anything that is no request loses its
+// Answers up to kMaxClients at once, in a thread of its own. A client that sends anything that is no request loses its
 // connection, and nothing else happens.
 class ModbusServer {
  public:
-  static constexpr std::size_t kMostClients = 16;
+  static constexpr std::size_t kMaxClients = 16;
   using Registers = std::function<std::array<std::uint16_t, kModbusRegisters>()>;
 
   // Asks `registers` for every request; it may be called from another thread until the end. Throws UserError about
@@ -55,12 +53,10 @@ class ModbusServer {
 
  private:
   class Connection;
-  void run();
 
   Registers registers_;
   std::unique_ptr<Connection> connection_;
-  std::atomic<bool> end_{false};
-  std::thread thread_;
+  std::jthread thread_;
 };
 
 }  // namespace selfproj

@@ -28,7 +28,7 @@ namespace {
 constexpr std::size_t kThreads = 16;  // of which those that watch take one each
 constexpr int kReadS = 5;             // a request must be there within so many seconds
 constexpr int kWriteS = 3;            // a browser that takes nothing for so long has gone; it may come again
-constexpr std::size_t kMostPayload = 1024;
+constexpr std::size_t kMaxPayload = 1024;
 constexpr const char* kCookie = "selfproj-token=";
 
 constexpr const char* kPolicy =
@@ -75,7 +75,7 @@ struct PageServer::Implementation {
   std::atomic<bool> end{false};
   std::thread thread;
 
-  bool judge(const httplib::Request& request, httplib::Response& response) {
+  bool admit(const httplib::Request& request, httplib::Response& response) {
     if (request.method != "GET" && request.method != "HEAD") {
       refuse(response, 405, "only GET and HEAD are served\n");
       return false;
@@ -126,7 +126,7 @@ struct PageServer::Implementation {
     server.set_read_timeout(kReadS);
     server.set_write_timeout(kWriteS);
     server.set_keep_alive_timeout(1);
-    server.set_payload_max_length(kMostPayload);
+    server.set_payload_max_length(kMaxPayload);
     server.set_socket_options([](int socket) {
       const int yes = 1;  // but not SO_REUSEPORT, with which two programs could have one port
       setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
@@ -136,7 +136,7 @@ struct PageServer::Implementation {
                                 {"Referrer-Policy", "no-referrer"},
                                 {"Cache-Control", "no-store"}});
     server.set_pre_routing_handler([this](const httplib::Request& request, httplib::Response& response) {
-      return judge(request, response) ? httplib::Server::HandlerResponse::Unhandled
+      return admit(request, response) ? httplib::Server::HandlerResponse::Unhandled
                                       : httplib::Server::HandlerResponse::Handled;
     });
     server.set_exception_handler([](const httplib::Request&, httplib::Response& response, const std::exception_ptr&) {

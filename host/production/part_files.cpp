@@ -8,6 +8,8 @@
 #include <exception>
 #include <filesystem>
 #include <mutex>
+#include <nlohmann/json.hpp>
+#include <stop_token>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -73,27 +75,14 @@ std::string part_picture(const PartResult& result, const PlacedMaps& maps) {
                           fmt::format("part {}: {}", result.number, verdict_name(result.verdict)), marks);
 }
 
-PartFiles::PartFiles(const std::string& folder, std::uint64_t most_folders)
+PartFiles::PartFiles(const std::string& folder, std::uint64_t max_folders)
     : folder_(made_folder(folder)),
-      most_folders_(most_folders),
+      max_folders_(max_folders),
       lines_(open_new(folder_ / kLines)),
       table_(open_new(folder_ / kTable)) {
   append_line(table_, folder_ / kTable, part_csv_head());
   const SignalsHeld held;  // signals are for the main thread
-  thread_ = std::thread([this] { run(); });
-}
-
-PartFiles::~PartFiles() { stop(); }
-
-void PartFiles::stop() {
-  {
-    const std::lock_guard lock(mutex_);
-    end_ = true;
-  }
-  changed_.notify_all();
-  if (thread_.joinable()) {
-    thread_.join();
-  }
+  thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
 }
 
 void PartFiles::rethrow() {
@@ -107,12 +96,12 @@ void PartFiles::add(const PartResult& result, const PlacedMaps& maps) {
   rethrow();
   append_line(lines_, folder_ / kLines, part_json(result).dump() + "\n");
   append_line(table_, folder_ / kTable, part_csv(result));
-  if (result.verdict == Verdict::ok) {
+  if (result.verdict == Verdict::good) {
     return;
   }
   {
     const std::lock_guard lock(mutex_);
-    if (folders_ >= most_folders_ || waiting_.size() >= kMostWaiting) {
+    if (folders_ >= max_folders_ || waiting_.size() >= kMaxWaiting) {
       ++left_out_;
       return;
     }
@@ -131,11 +120,10 @@ void PartFiles::write_folder(const Waiting& part) const {
   folder.commit();
 }
 
-void PartFiles::run() {
+void PartFiles::run(const std::stop_token& stop) {
   std::unique_lock lock(mutex_);
   for (;;) {
-    changed_.wait(lock, [this] { return end_ || !waiting_.empty(); });
-    if (waiting_.empty()) {
+    if (!changed_.wait(lock, stop, [this] { return !waiting_.empty(); })) {
       return;
     }
     const Waiting part = std::move(waiting_.front());
@@ -153,7 +141,8 @@ void PartFiles::run() {
 }
 
 void PartFiles::finish(const PartStatistics& statistics) {
-  stop();
+  thread_.request_stop();
+  thread_.join();
   rethrow();
   OutputFile(folder_ / "statistics.json").write(statistics_json(statistics).dump(2) + "\n");
 }

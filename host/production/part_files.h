@@ -1,4 +1,4 @@
-// The files of a run with parts: a line for each part, and a folder for each that is not OK.
+// The files of a run with parts: a line for each part, and a folder for each that is not good.
 #ifndef SELFPROJ_HOST_PRODUCTION_PART_FILES_H
 #define SELFPROJ_HOST_PRODUCTION_PART_FILES_H
 
@@ -10,32 +10,31 @@
 #include <exception>
 #include <filesystem>
 #include <mutex>
+#include <stop_token>
 #include <string>
 #include <thread>
 
 #include "host/files/file_descriptor.h"
 #include "host/production/part_result.h"
-#include "host/production/part_text.h"
 
 namespace selfproj {
 
 // Writes into a new or empty folder
-//   parts.jsonl, parts.csv   a line for each part, whole, as soon as it is judged
-//   part_NNNNNN/             for each part whose result is not OK or cannot tell, up to a number of folders:
+//   parts.jsonl, parts.csv   a line for each part, whole, as soon as it is classified
+//   part_NNNNNN/             for each part that is bad or inconclusive, up to a number of folders:
 //                            result.json, height.tiff, difference.tiff, difference.png with the defects marked; it
 //                            appears whole
 //   statistics.json          at the end
-// The folders are written by a thread of their own. If it falls behind by more than kMostWaiting parts, folders are
+// The folders are written by a thread of their own. If it falls behind by more than kMaxWaiting parts, folders are
 // left out and counted; the lines never are.
 class PartFiles {
  public:
-  static constexpr std::size_t kMostWaiting = 8;
+  static constexpr std::size_t kMaxWaiting = 8;
 
   // Makes the folder. Throws UserError if it cannot be made, or holds a file already.
-  PartFiles(const std::string& folder, std::uint64_t most_folders);
+  PartFiles(const std::string& folder, std::uint64_t max_folders);
   PartFiles(const PartFiles&) = delete;
   PartFiles& operator=(const PartFiles&) = delete;
-  ~PartFiles();
 
   // Throws UserError if a file could not be written.
   void add(const PartResult& result, const PlacedMaps& maps);
@@ -50,23 +49,21 @@ class PartFiles {
     PlacedMaps maps;
   };
 
-  void run();
+  void run(const std::stop_token& stop);
   void write_folder(const Waiting& part) const;
-  void stop();
   void rethrow();
 
   std::filesystem::path folder_;
-  std::uint64_t most_folders_;
+  std::uint64_t max_folders_;
   FileDescriptor lines_;
   FileDescriptor table_;
   std::atomic<std::uint64_t> folders_{0};
   std::atomic<std::uint64_t> left_out_{0};
   std::mutex mutex_;
-  std::condition_variable changed_;
+  std::condition_variable_any changed_;
   std::deque<Waiting> waiting_;
-  bool end_ = false;
   std::exception_ptr fault_;
-  std::thread thread_;
+  std::jthread thread_;  // at its end it writes what is waiting
 };
 
 // The picture of a part's difference, with its defects marked, as PNG.

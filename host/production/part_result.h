@@ -1,22 +1,26 @@
-// The result of an inspection of one part.
+// The result of an inspection of one part, statistics over many, and both as text.
 #ifndef SELFPROJ_HOST_PRODUCTION_PART_RESULT_H
 #define SELFPROJ_HOST_PRODUCTION_PART_RESULT_H
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <map>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "host/images/float_image.h"
-#include "host/production/map_grid.h"
+#include "host/production/height_map.h"
 #include "host/production/placement.h"
 
 namespace selfproj {
 
-enum class Verdict : std::uint8_t { ok, not_ok, cannot_tell };
-inline constexpr std::array<const char*, 3> kVerdictNames = {"OK", "not OK", "cannot tell"};
+enum class Verdict : std::uint8_t { good, bad, inconclusive };
+inline constexpr std::array<const char*, 3> kVerdictNames = {"good", "bad", "inconclusive"};
 inline const char* verdict_name(Verdict verdict) { return kVerdictNames[static_cast<std::size_t>(verdict)]; }
 
 // A place where the difference from the reference is outside the band that its region allows.
@@ -43,8 +47,8 @@ struct RegionFigures {
 
 struct PartResult {
   std::uint64_t number = 0;  // from 1
-  Verdict verdict = Verdict::cannot_tell;
-  std::string reason;  // one line; empty if OK
+  Verdict verdict = Verdict::inconclusive;
+  std::string reason;  // one line; empty if good
   std::vector<Defect> defects;
   std::vector<RegionFigures> regions;
   std::optional<Placement> placement;
@@ -61,6 +65,81 @@ struct PlacedMaps {
   FloatImage height;
   FloatImage difference;  // height minus that of the reference
 };
+
+// Counts of parts, and the last one: what controllers get.
+struct PartCounts {
+  std::array<std::uint64_t, 3> verdicts{};  // by Verdict
+  std::uint64_t specks = 0;
+  std::uint64_t last_part = 0;  // its number; 0: none yet
+  Verdict last_verdict = Verdict::inconclusive;
+  std::uint64_t last_defects = 0;
+  double last_depth_mm = 0;  // of its largest defect
+  std::int64_t last_delay_ns = 0;
+  std::int64_t last_ns = 0;  // when its result was there, steady clock
+
+  [[nodiscard]] std::uint64_t parts() const { return verdicts[0] + verdicts[1] + verdicts[2]; }
+};
+
+// Sums about the running means, which lose no digits over millions of parts. The numbers come in order: the n-th has
+// the abscissa n.
+class RunningFigures {
+ public:
+  void add(double value) {
+    ++count_;
+    const auto n = static_cast<double>(count_);
+    const double x = n;
+    const double dx = x - mean_x_;
+    mean_x_ += dx / n;
+    const double dy = value - mean_;
+    mean_ += dy / n;
+    xx_ += dx * (x - mean_x_);
+    xy_ += dx * (value - mean_);
+    yy_ += dy * (value - mean_);
+    min_ = count_ == 1 ? value : std::min(min_, value);
+    max_ = count_ == 1 ? value : std::max(max_, value);
+  }
+
+  [[nodiscard]] std::uint64_t count() const { return count_; }
+  [[nodiscard]] double mean() const { return mean_; }
+  [[nodiscard]] double min() const { return min_; }
+  [[nodiscard]] double max() const { return max_; }
+
+  // Standard deviation; 0 of fewer than two.
+  [[nodiscard]] double spread() const {
+    return count_ > 1 ? std::sqrt(std::max(0.0, yy_) / static_cast<double>(count_ - 1)) : 0;
+  }
+
+  // How much the straight line through all of them rises from one to the next; 0 of fewer than two.
+  [[nodiscard]] double trend() const { return count_ > 1 ? xy_ / xx_ : 0; }
+
+ private:
+  std::uint64_t count_ = 0;
+  double mean_ = 0, mean_x_ = 0;
+  double xx_ = 0, xy_ = 0, yy_ = 0;
+  double min_ = 0, max_ = 0;
+};
+
+// The result as one JSON object; docs/parts.md lists the keys. It leaves out `delay_ns`, so it does not depend on when
+// it was computed.
+nlohmann::ordered_json part_json(const PartResult& result);
+
+// The header line of parts.csv, and the line of one part. Both end with a newline.
+std::string part_csv_head();
+std::string part_csv(const PartResult& result);
+
+// Statistics over all placed parts, by the name of the figure. The map stays small: it has at most five figures of the
+// placement, and four of each region.
+using PartStatistics = std::map<std::string, RunningFigures>;
+
+// Adds the figures of a part that was placed. Other parts are left out, because their figures have no meaning.
+void add_figures(const PartResult& result, PartStatistics& statistics);
+
+// For each name: number of parts, mean, standard deviation, min, max, and the rise of the fitted straight line
+// over 1000 parts.
+nlohmann::ordered_json statistics_json(const PartStatistics& statistics);
+
+// A duration as text: "12.3 µs" or "1.23 ms".
+std::string time_text(std::int64_t ns);
 
 }  // namespace selfproj
 

@@ -13,15 +13,15 @@
 #include <vector>
 
 #include "host/files/numbers.h"
-#include "host/production/map_grid.h"
+#include "host/production/height_map.h"
 
 namespace selfproj {
 namespace {
 
 constexpr int kInto = 4;            // cells inside an edge that may be only partly filled
-constexpr int kFull = 8;            // the next cells, from which a full cell's weight is taken
+constexpr int kFull = 8;            // the next cells, from which a full cell's weight is derived
 constexpr int kBorder = 2;          // a side edge within so many cells of the view's border is the view's own
-constexpr double kSharpest = 0.05;  // mm: no edge is told better than this
+constexpr double kSharpest = 0.05;  // mm: no edge is located better than this
 constexpr double kTrim = 0.6;       // cells: places nearer to the line than this always count
 
 // One point of an edge, in cells: `at` across the edge, `beside` along it.
@@ -97,7 +97,7 @@ std::optional<double> begin_of(const Line& line) {
     sum += static_cast<double>(line.weights[static_cast<std::size_t>(i)]);
   }
   const double begin = static_cast<double>(last) + 0.5 - sum / full;
-  // What is not even there, as a light that is lost at the edge, is told by the cells alone.
+  // What is not even there, as a light that is lost at the edge, is located by the cells alone.
   const double by_cells = static_cast<double>(first) - 0.5;
   return std::clamp(begin, by_cells - 1, by_cells + 1);
 }
@@ -112,7 +112,7 @@ struct Fit {
 
 // Begins with the medians of the first and the last third; then least squares, without what is far off.
 std::optional<Fit> fit_line(const std::vector<Place>& places) {
-  if (places.size() < kLeastPlaces) {
+  if (places.size() < kMinPlaces) {
     return std::nullopt;
   }
   const std::size_t third = places.size() / 3;
@@ -143,7 +143,7 @@ std::optional<Fit> fit_line(const std::vector<Place>& places) {
       }
     }
     const double spread = sxx - sx * sx / n;
-    if (n < static_cast<double>(kLeastPlaces) || !(spread > 0)) {
+    if (n < static_cast<double>(kMinPlaces) || !(spread > 0)) {
       return std::nullopt;
     }
     fit.b = (sxy - sx * sy / n) / spread;

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "host/images/float_image.h"
-#include "host/production/map_grid.h"
+#include "host/production/height_map.h"
 
 namespace selfproj {
 
@@ -33,8 +33,8 @@ using EdgeLines = std::array<std::optional<EdgeLine>, kEdges>;
 // The edges of the largest thing that is higher than above_mm. Each is a straight line through the places where it
 // begins or ends in a row or column of cells, located to a fraction of a cell from the cells' weights; places far off
 // the line (a chipped corner) do not count. A side edge at the border of the view is missing, and so is any edge with
-// fewer than kLeastPlaces places.
-inline constexpr std::size_t kLeastPlaces = 8;
+// fewer than kMinPlaces places.
+inline constexpr std::size_t kMinPlaces = 8;
 EdgeLines edges_of(const HeightCells& cells, double above_mm);
 
 // The outline of a good part. A value is missing if it is not known, for example because the part is wider than the

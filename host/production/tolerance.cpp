@@ -4,8 +4,10 @@
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdio>
 #include <limits>
 #include <string>
 #include <utility>
@@ -22,7 +24,7 @@ namespace {
 
 const std::vector<std::pair<const char*, bool>> kPlaces = {{"edges", true}, {"belt", false}};
 constexpr double kNoSection = -99999;  // stands in files for a place without a reference
-constexpr std::size_t kMostRegions = 1000;
+constexpr std::size_t kMaxRegions = 1000;
 
 template <class ToleranceT, class Visitor>
 void visit_part(ToleranceT& tolerance, Visitor& v) {
@@ -31,10 +33,10 @@ void visit_part(ToleranceT& tolerance, Visitor& v) {
   v.number("length_mm", tolerance.length_mm, 1, kPositive);
   v.number("left_mm", tolerance.left_mm, 1, kAny);
   v.number("right_mm", tolerance.right_mm, 1, kAny);
-  v.number("most_shift_mm", tolerance.most_shift_mm, 1, kNotNegative);
-  v.number("most_turn_deg", tolerance.most_turn_deg, 1, {.low = 0, .high = 45});
-  v.number("most_residual_mm", tolerance.most_residual_mm, 1, kNotNegative);
-  v.number("smallest_defect_mm2", tolerance.smallest_mm2, 1, kPositive);
+  v.number("max_shift_mm", tolerance.max_shift_mm, 1, kNotNegative);
+  v.number("max_turn_deg", tolerance.max_turn_deg, 1, {.low = 0, .high = 45});
+  v.number("max_residual_mm", tolerance.max_residual_mm, 1, kNotNegative);
+  v.number("min_defect_mm2", tolerance.min_defect_mm2, 1, kPositive);
   v.end();
 }
 
@@ -44,7 +46,7 @@ void visit_region(RegionT& region, Visitor& v) {
   v.numbers("corners_mm", region.corners_mm, 1, kAny);
   v.number("low_mm", region.low_mm, 1, kAny);
   v.number("high_mm", region.high_mm, 1, kAny);
-  v.number("most_missing", region.most_missing, 1, {.low = 0, .high = 1});
+  v.number("max_missing", region.max_missing, 1, {.low = 0, .high = 1});
 }
 
 // Twice the area of the polygon.
@@ -93,6 +95,26 @@ void read_section(FieldReader& reader, Tolerance& tolerance) {
   }
 }
 
+// Keys of earlier files, which are read for one version more.
+constexpr std::array<std::pair<const char*, const char*>, 5> kOldKeys = {{{"most_shift_mm", "max_shift_mm"},
+                                                                          {"most_turn_deg", "max_turn_deg"},
+                                                                          {"most_residual_mm", "max_residual_mm"},
+                                                                          {"smallest_defect_mm2", "min_defect_mm2"},
+                                                                          {"most_missing", "max_missing"}}};
+
+// Gives old keys of a map their new names, and returns whether there were any.
+bool rename_old_keys(YAML::Node node) {
+  bool any = false;
+  for (const auto& [old, key] : kOldKeys) {
+    if (node.IsMap() && std::as_const(node)[old].IsDefined() && !std::as_const(node)[key].IsDefined()) {
+      node[key] = node[old];
+      node.remove(old);
+      any = true;
+    }
+  }
+  return any;
+}
+
 std::string indented(const std::string& text) {
   std::string result;
   bool first = true;
@@ -103,6 +125,14 @@ std::string indented(const std::string& text) {
     begin = end;
   }
   return result;
+}
+
+// The height at a place, of the nearest cell; NaN outside.
+float height_at(const HeightCells& cells, double along, double across) {
+  const auto row = std::lround(cells.grid.row_of(along));
+  const auto column = std::lround(cells.grid.column_of(across));
+  const bool there = row >= 0 && column >= 0 && row < cells.height.rows && column < cells.height.columns;
+  return there ? cells.height.row(static_cast<int>(row))[column] : kNoValue;
 }
 
 }  // namespace
@@ -145,16 +175,23 @@ Tolerance parse_tolerance(const std::string& yaml, const std::string& source) {
     throw UserError(source, "is not a tolerance; keys and values are expected");
   }
   Tolerance tolerance;
-  // The lists that FieldReader has no word for are taken out first.
+  // The lists that FieldReader has no word for are removed first.
   const YAML::Node regions = root["regions"];
-  if (!regions.IsDefined() || !regions.IsSequence() || regions.size() == 0 || regions.size() > kMostRegions) {
-    throw UserError(source, fmt::format("regions must be a list of 1 to {} regions", kMostRegions));
+  if (!regions.IsDefined() || !regions.IsSequence() || regions.size() == 0 || regions.size() > kMaxRegions) {
+    throw UserError(source, fmt::format("regions must be a list of 1 to {} regions", kMaxRegions));
   }
   YAML::Node rest(YAML::NodeType::Map);
   for (const auto& entry : root) {
     if (!entry.first.IsScalar() || entry.first.Scalar() != "regions") {
       rest[entry.first] = entry.second;
     }
+  }
+  bool old = std::as_const(rest)["part"].IsDefined() && rename_old_keys(rest["part"]);
+  for (const auto& node : regions) {
+    old = rename_old_keys(node) || old;
+  }
+  if (old) {
+    fmt::print(stderr, "note: {}: keys most_... and smallest_... are now max_... and min_...\n", source);
   }
   FieldReader reader(source, rest);
   visit_part(tolerance, reader);
@@ -204,7 +241,7 @@ void check_tolerance(const Tolerance& tolerance, const Rig& rig, const SectionRe
     throw UserError(source, fmt::format("its part is {} mm long; parts.length_mm of {} is {}", tolerance.length_mm,
                                         rig.name, rig.parts->length_mm));
   }
-  const double widest = 3 * rig.plane_z_mm * rig.camera.pixel_pitch_mm / rig.camera.focal_length_mm;
+  const double widest = 3 * pixel_mm(rig);
   for (std::size_t i = 0; i < tolerance.section_mm.size(); ++i) {
     const double place = tolerance.left_mm + static_cast<double>(i) * tolerance.section_step_mm;
     const double here = section.at(place, widest);
@@ -215,6 +252,49 @@ void check_tolerance(const Tolerance& tolerance, const Rig& rig, const SectionRe
                                   "of the reference {:.4g}",
                                   place, there, here));
     }
+  }
+}
+
+std::vector<double> middle_section(const HeightCells& reference, const Tolerance& outline, double step_mm) {
+  std::vector<double> result;
+  for (double across = outline.left_mm; across <= outline.right_mm; across += step_mm) {
+    result.push_back(rounded(static_cast<double>(height_at(reference, 0.5 * outline.length_mm, across)), 3));
+  }
+  return result;
+}
+
+void check_map_tolerance(const Tolerance& tolerance, const Rig& rig, const HeightCells& reference,
+                         const std::string& source) {
+  if (tolerance.by_edges) {
+    throw UserError(source, "part.place_by is edges; structured light classifies parts where they lie: belt");
+  }
+  const double slack = rig.parts.value().grid_mm;
+  const double length = rig.camera.rows * pixel_mm(rig);
+  const double across = 0.5 * rig.camera.columns * pixel_mm(rig);
+  if (tolerance.left_mm < -across - slack || tolerance.right_mm > across + slack ||
+      tolerance.length_mm > length + 2 * slack) {
+    throw UserError(
+        source,
+        fmt::format("its part is {} mm long and from {} to {} mm across; the camera of {} sees {:.1f} "
+                    "mm, from {:.1f} to {:.1f}",
+                    tolerance.length_mm, tolerance.left_mm, tolerance.right_mm, rig.name, length, -across, across));
+  }
+  const std::vector<double> here = tolerance.section_step_mm > 0
+                                       ? middle_section(reference, tolerance, tolerance.section_step_mm)
+                                       : std::vector<double>();
+  std::size_t compared = 0;
+  std::size_t other = 0;
+  const double most = std::max(kOtherPart, 0.01 * rig.plane_z_mm);
+  for (std::size_t i = 0; i < std::min(here.size(), tolerance.section_mm.size()); ++i) {
+    if (!std::isnan(here[i]) && !std::isnan(tolerance.section_mm[i])) {
+      ++compared;
+      other += std::abs(here[i] - tolerance.section_mm[i]) > most ? 1 : 0;
+    }
+  }
+  if (2 * other > compared) {
+    throw UserError(source, fmt::format("is for another part: in {} of {} places across its middle, the reference is "
+                                        "more than {:.3g} mm higher or lower",
+                                        other, compared, most));
   }
 }
 

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "host/production/map_grid.h"
+#include "host/production/height_map.h"
+#include "host/production/part_reference.h"
 #include "host/production/placement.h"
-#include "host/production/section_reference.h"
 #include "host/rig/rig.h"
 
 namespace selfproj {
@@ -18,7 +18,7 @@ struct ToleranceRegion {
   std::vector<double> corners_mm;  // along, across, along, across, ... of at least three corners
   double low_mm = 0;
   double high_mm = 0;
-  double most_missing = 0;  // share of its places that may have no point
+  double max_missing = 0;  // share of its places that may have no point
 };
 
 struct Tolerance {
@@ -26,10 +26,10 @@ struct Tolerance {
   double length_mm = 0;  // of a good part, and where its edges are across
   double left_mm = 0;
   double right_mm = 0;
-  double most_shift_mm = 0;     // across
-  double most_turn_deg = 0;     // to both sides
-  double most_residual_mm = 0;  // of the placement
-  double smallest_mm2 = 0;      // area of the smallest defect
+  double max_shift_mm = 0;     // across
+  double max_turn_deg = 0;     // to both sides
+  double max_residual_mm = 0;  // of the placement
+  double min_defect_mm2 = 0;   // area of the smallest defect
   // The section of the reference for which it was made, every section_step_mm from left_mm on; NaN where there was
   // none. Empty: it does not say.
   double section_step_mm = 0;
@@ -58,6 +58,16 @@ std::vector<double> sampled_section(const SectionReference& section, double left
 inline constexpr double kOtherPart = 1;
 void check_tolerance(const Tolerance& tolerance, const Rig& rig, const SectionReference& section,
                      const std::string& source);
+
+// The heights across the middle of the reference, every step_mm from left_mm on, NaN where there is none: what a
+// tolerance stores of it.
+std::vector<double> middle_section(const HeightCells& reference, const Tolerance& outline, double step_mm);
+
+// Throws UserError, naming `source`, if the tolerance places parts by their edges, its part leaves the view, or it was
+// made for another part: the heights across the middle differ from the stored ones by more than kOtherPart mm or 1 % of
+// the distance to the plane in more than half of the places.
+void check_map_tolerance(const Tolerance& tolerance, const Rig& rig, const HeightCells& reference,
+                         const std::string& source);
 
 }  // namespace selfproj
 

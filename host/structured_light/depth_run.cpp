@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -21,7 +20,6 @@
 #include "host/images/frame_options.h"
 #include "host/structured_light/fast_decoder.h"
 #include "host/structured_light/lens_triangulation.h"
-#include "host/structured_light/scan_stream.h"
 
 namespace selfproj {
 namespace {
@@ -62,8 +60,8 @@ void finish(const Scanner& scanner, DepthRun& run) {
 // Reads the next 2 bits images and makes the words of one axis' code.
 class AxisDecoder {
  public:
-  AxisDecoder(ImageSequence& images, const ScannerSettings& settings)
-      : images_(images), settings_(settings), progress_("image", images.count()) {}
+  AxisDecoder(ImageSequence& images, const ScannerSettings& settings, const ImageDone& done)
+      : images_(images), settings_(settings), done_(done) {}
 
   std::vector<std::uint16_t> words(const Triangulation& triangulation, int bits) {
     const int rows = triangulation.rows();
@@ -73,7 +71,9 @@ class AxisDecoder {
       Image& image = pair_[next_ % 2];
       image = images_.read(next_);
       decoder.add_frame(image.view(), pattern);
-      progress_.update(next_ + 1);
+      if (done_) {
+        done_(next_ + 1, {});
+      }
     }
     std::vector<std::uint16_t> words(triangulation.pixels());
     if (settings_.strict) {
@@ -87,103 +87,14 @@ class AxisDecoder {
  private:
   ImageSequence& images_;
   ScannerSettings settings_;
-  Progress progress_;
+  const ImageDone& done_;
   std::array<Image, 2> pair_;  // the decoder reads the positive when its negative comes
   std::size_t next_ = 0;
 };
 
-// The code images of a device, or its images, as they come.
-class DeviceScan {
- public:
-  DeviceScan(const DepthSetup& setup, const std::string& uri, std::unique_ptr<Device> device, const TakeDepth& take)
-      : setup_(setup), uri_(uri), device_(std::move(device)), take_(take) {}
-
-  void run(std::size_t count) {
-    using namespace std::chrono_literals;
-    const StopSignal stop;
-    Progress progress("depth image", count);
-    PacketView packet;
-    while (!StopSignal::came() && (count == 0 || run_.depth_images < count)) {
-      const Next next = device_->next(packet, 100ms);
-      if (next == Next::end) {
-        break;
-      }
-      if (next == Next::packet) {
-        const ScanStream::Got got = stream_.add(packet);
-        device_->release();
-        if (got != ScanStream::Got::nothing) {
-          take(got);
-        }
-      }
-      if (scanner_ && progress.due()) {
-        progress.update(run_.depth_images, note());
-      }
-    }
-  }
-
-  DepthRun result() {
-    if (run_.depth_images == 0) {
-      throw UserError(uri_, "delivered no complete code image, nor images enough for one");
-    }
-    std::vector<PointState> states(run_.triangulation->pixels());
-    run_.shares = shares_of(*run_.triangulation, *scanner_, states);
-    run_.all_shares.push_back({sequence_, run_.shares});
-    run_.device = {device_->counters(), stream_.incomplete()};
-    finish(*scanner_, run_);
-    return std::move(run_);
-  }
-
- private:
-  // Takes what the stream has completed.
-  void take(ScanStream::Got got) {
-    const PacketHeader& header = stream_.header();
-    const ImageSource source{"an image of " + uri_, header.rows, header.columns};
-    if (!scanner_) {
-      run_.triangulation = make_triangulation(setup_.geometry, source);
-      scanner_.emplace(*run_.triangulation, setup_.scanner);
-      set_background(setup_, *run_.triangulation, *scanner_);
-    }
-    check_size("an earlier image", run_.triangulation->rows(), run_.triangulation->columns(), source);
-    if (got == ScanStream::Got::image && !stream_.follows()) {
-      scanner_->restart();
-    }
-    if (got == ScanStream::Got::codes) {
-      scanner_->add_codes(stream_.codes().data());
-    } else if (!scanner_->add_frame(stream_.image(), stream_.pattern(2 * setup_.geometry.bits))) {
-      return;
-    }
-    sequence_ = header.sequence;
-    ++run_.depth_images;
-    if (scanner_->has_background()) {
-      run_.moved.push_back({sequence_, scanner_->foreground()});
-    }
-    take_(stream_.pair(), scanner_->depth());
-  }
-
-  [[nodiscard]] std::string note() const {
-    const Counters counters = device_->counters();
-    std::string note = counters_text(counters, {&Counters::lost_board, &Counters::lost_ring, &Counters::bad});
-    note += fmt::format(", incomplete images {}", stream_.incomplete());
-    if (scanner_->has_background()) {
-      const Foreground& moved = scanner_->foreground();
-      note += fmt::format("; {} pixels moved, at {:.1f}, {:.1f}, {:.1f} mm", moved.pixels, moved.x, moved.y, moved.z);
-    }
-    return note;
-  }
-
-  const DepthSetup& setup_;
-  std::string uri_;
-  std::unique_ptr<Device> device_;
-  TakeDepth take_;
-  ScanStream stream_;
-  DepthRun run_;
-  std::optional<Scanner> scanner_;  // made with the first code image, whose size it needs
-  std::uint64_t sequence_ = 0;      // sequence of the newest code image
-};
-
 }  // namespace
 
-DepthRun depth_of_images(const DepthSetup& setup, ImageSequence& images, const TakeDepth& take) {
+DepthRun depth_of_images(const DepthSetup& setup, ImageSequence& images, const TakeDepth& take, const ImageDone& done) {
   DepthRun run;
   run.triangulation = make_triangulation(setup.geometry, source_of(images));
   const Triangulation& triangulation = *run.triangulation;
@@ -191,7 +102,6 @@ DepthRun depth_of_images(const DepthSetup& setup, ImageSequence& images, const T
   set_background(setup, triangulation, scanner);
   const auto patterns = static_cast<std::size_t>(2 * setup.geometry.bits);
   std::vector<PointState> states(triangulation.pixels());
-  Progress progress("image", images.count());
   std::array<Image, 2> pair;  // the scanner reads the positive when its negative comes
   std::string note;
   for (std::size_t i = 0; i < images.count(); ++i) {
@@ -209,19 +119,21 @@ DepthRun depth_of_images(const DepthSetup& setup, ImageSequence& images, const T
       take(number, scanner.depth());
       ++run.depth_images;
     }
-    progress.update(i + 1, note);
+    if (done) {
+      done(i + 1, note);
+    }
   }
   finish(scanner, run);
   return run;
 }
 
-DepthRun depth_of_both_axes(const DepthSetup& setup, ImageSequence& images) {
+DepthRun depth_of_both_axes(const DepthSetup& setup, ImageSequence& images, const ImageDone& done) {
   DepthRun run;
   std::unique_ptr<LensTriangulation> triangulation = make_lens_triangulation(setup.geometry, source_of(images));
   std::vector<std::uint16_t> column_codes;
   std::vector<std::uint16_t> row_codes;
   {
-    AxisDecoder decoder(images, setup.scanner);
+    AxisDecoder decoder(images, setup.scanner, done);
     column_codes = decoder.words(*triangulation, setup.geometry.bits);
     row_codes = decoder.words(*triangulation, setup.geometry.row_bits);
   }
@@ -245,11 +157,49 @@ DepthRun depth_of_both_axes(const DepthSetup& setup, ImageSequence& images) {
   return run;
 }
 
-DepthRun depth_of_device(const DepthSetup& setup, const std::string& uri, std::unique_ptr<Device> device,
-                         std::size_t count, const TakeDepth& take) {
-  DeviceScan scan(setup, uri, std::move(device), take);
-  scan.run(count);
-  return scan.result();
+bool DepthStream::add(const PacketView& packet) {
+  const ScanStream::Got got = stream_.add(packet);
+  if (got == ScanStream::Got::nothing) {
+    return false;
+  }
+  const PacketHeader& header = stream_.header();
+  const ImageSource source{"an image of " + uri_, header.rows, header.columns};
+  if (!scanner_) {
+    run_.triangulation = make_triangulation(setup_.geometry, source);
+    scanner_.emplace(*run_.triangulation, setup_.scanner);
+    set_background(setup_, *run_.triangulation, *scanner_);
+  }
+  check_size("an earlier image", run_.triangulation->rows(), run_.triangulation->columns(), source);
+  if (got == ScanStream::Got::image && !stream_.follows()) {
+    scanner_->restart();
+  }
+  if (got == ScanStream::Got::codes) {
+    scanner_->take_codes(stream_.codes().data());
+  } else if (!scanner_->take(stream_.image(), stream_.pattern(2 * setup_.geometry.bits))) {
+    return false;
+  }
+  sequence_ = header.sequence;
+  ++run_.depth_images;
+  if (const Moved* const newest = moved()) {
+    run_.moved.push_back({sequence_, *newest});
+  }
+  return true;
+}
+
+const Moved* DepthStream::moved() const {
+  return scanner_ && scanner_->has_background() ? &scanner_->moved() : nullptr;
+}
+
+DepthRun DepthStream::result(const Counters& counters) {
+  if (run_.depth_images == 0) {
+    throw UserError(uri_, "delivered no complete code image, nor images enough for one");
+  }
+  std::vector<PointState> states(run_.triangulation->pixels());
+  run_.shares = shares_of(*run_.triangulation, *scanner_, states);
+  run_.all_shares.push_back({sequence_, run_.shares});
+  run_.device = {counters, stream_.incomplete()};
+  finish(*scanner_, run_);
+  return std::move(run_);
 }
 
 }  // namespace selfproj

@@ -1,4 +1,4 @@
-// A run of `selfproj depth`: depth images from recorded images, or from the code images that a board decodes.
+// Depth images from recorded images, or from the packets of a board or a camera.
 #ifndef SELFPROJ_HOST_STRUCTURED_LIGHT_DEPTH_RUN_H
 #define SELFPROJ_HOST_STRUCTURED_LIGHT_DEPTH_RUN_H
 
@@ -9,16 +9,18 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "host/driver/counters.h"
-#include "host/driver/device.h"
 #include "host/images/float_image.h"
 #include "host/images/image_sequence.h"
 #include "host/structured_light/depth_geometry.h"
 #include "host/structured_light/foreground.h"
+#include "host/structured_light/scan_stream.h"
 #include "host/structured_light/scanner.h"
 #include "host/structured_light/triangulation.h"
+#include "model/packet.h"
 
 namespace selfproj {
 
@@ -58,19 +60,49 @@ struct DepthRun {
 // Receives each depth image with the number of its newest pair.
 using TakeDepth = std::function<void(std::size_t pair, const FloatImage& depth)>;
 
-// One coded axis: images pos0 neg0 pos1 neg1 ..., and a depth image after every pair from the m-th on. Shows progress.
-// Throws UserError as make_triangulation, read_float_tiff and ImageSequence do, and for a background of another size.
-DepthRun depth_of_images(const DepthSetup& setup, ImageSequence& images, const TakeDepth& take);
+// Receives the number of images that are done, and a note on the newest depth image.
+using ImageDone = std::function<void(std::size_t images, const std::string& note)>;
+
+// One coded axis: images pos0 neg0 pos1 neg1 ..., and a depth image after every pair from the m-th on. Throws UserError
+// as make_triangulation, read_float_tiff and ImageSequence do, and for a background of another size.
+DepthRun depth_of_images(const DepthSetup& setup, ImageSequence& images, const TakeDepth& take,
+                         const ImageDone& done = {});
 
 // Both axes: one depth image from 2 bits images of the columns' code, followed by 2 row_bits images of the rows' code.
-// Shows progress. Throws UserError as make_lens_triangulation and ImageSequence do.
-DepthRun depth_of_both_axes(const DepthSetup& setup, ImageSequence& images);
+// Throws UserError as make_lens_triangulation and ImageSequence do.
+DepthRun depth_of_both_axes(const DepthSetup& setup, ImageSequence& images, const ImageDone& done = {});
 
-// Code images from the device, or images that are decoded here, until it ends, `count` depth images have been made (0:
-// any number), or Ctrl-C. Shows progress. `uri` is its name for messages. Throws UserError as depth_of_images does, and
-// if the images change size, or none is complete.
-DepthRun depth_of_device(const DepthSetup& setup, const std::string& uri, std::unique_ptr<Device> device,
-                         std::size_t count, const TakeDepth& take);
+// Depth images from the code images of a device, or from its images, which are decoded here.
+class DepthStream {
+ public:
+  // `uri` is the device's name for messages. `setup` must outlive it.
+  DepthStream(const DepthSetup& setup, std::string uri) : setup_(setup), uri_(std::move(uri)) {}
+
+  // Returns whether the packet has completed a depth image. Throws UserError as depth_of_images does, and if the images
+  // change size.
+  bool add(const PacketView& packet);
+
+  [[nodiscard]] std::size_t depth_images() const { return run_.depth_images; }
+  [[nodiscard]] std::uint64_t incomplete() const { return stream_.incomplete(); }
+
+  // Of the newest depth image: the number of its pair, and its depths in mm.
+  [[nodiscard]] std::uint64_t pair() const { return stream_.pair(); }
+  [[nodiscard]] const FloatImage& depth() const { return scanner_->depth(); }
+
+  // What differs from the background in the newest depth image; null without a background.
+  [[nodiscard]] const Moved* moved() const;
+
+  // The run so far; the stream is spent. Throws UserError if there is no depth image.
+  DepthRun result(const Counters& counters);
+
+ private:
+  const DepthSetup& setup_;
+  std::string uri_;
+  ScanStream stream_;
+  DepthRun run_;
+  std::optional<Scanner> scanner_;  // made with the first image, whose size it needs
+  std::uint64_t sequence_ = 0;      // of the newest depth image
+};
 
 }  // namespace selfproj
 

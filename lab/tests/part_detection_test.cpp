@@ -65,7 +65,7 @@ TEST(PartDetection, FindsWhatWasPlantedAndNothingElse) {
   EXPECT_GT(result.goal.planted, 0U);
   EXPECT_EQ(result.goal.found, result.goal.planted);
   EXPECT_EQ(result.false_defects, 0U);
-  EXPECT_EQ(result.cannot_tell, 0U);
+  EXPECT_EQ(result.inconclusive, 0U);
   EXPECT_TRUE(result.not_reached.empty());
   const auto data = nlohmann::json::parse(result.data);
   EXPECT_EQ(data.at("bands").size(), 2U);

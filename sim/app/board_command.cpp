@@ -1,5 +1,3 @@
-#include "sim/app/board_command.h"
-
 #include <fmt/format.h>
 #include <sys/prctl.h>
 
@@ -19,7 +17,6 @@
 
 #include "host/cli/command_line.h"
 #include "host/cli/progress.h"
-#include "host/cli/status_line.h"
 #include "host/driver/clock.h"
 #include "host/driver/ring_memory.h"
 #include "host/driver/ring_writer.h"
@@ -29,6 +26,7 @@
 #include "model/packet.h"
 #include "model/pixel_clock.h"
 #include "sim/app/board_source.h"
+#include "sim/app/commands.h"
 #include "sim/board/etherbone_board.h"
 #include "sim/board/packet_recording.h"
 #include "sim/board/udp_sender.h"

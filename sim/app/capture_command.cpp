@@ -1,5 +1,3 @@
-#include "sim/app/capture_command.h"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -19,6 +17,7 @@
 #include "host/images/frame_options.h"
 #include "host/images/image_files.h"
 #include "host/rig/rig.h"
+#include "sim/app/commands.h"
 #include "sim/cosim/render_options.h"
 #include "sim/scene/perturbed_rig.h"
 #include "sim/scene/projected_light.h"

@@ -1,5 +1,3 @@
-#include "sim/app/cosim_command.h"
-
 #include <CLI/CLI.hpp>
 #include <cstdint>
 #include <memory>
@@ -10,6 +8,7 @@
 #include "host/images/frame_options.h"
 #include "host/structured_light/self_reference.h"
 #include "model/gray_decoder.h"
+#include "sim/app/commands.h"
 #include "sim/cosim/cosim.h"
 #include "sim/cosim/render_options.h"
 #include "sim/scene/scenes.h"

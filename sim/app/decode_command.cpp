@@ -1,5 +1,3 @@
-#include "sim/app/decode_command.h"
-
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -21,6 +19,7 @@
 #include "host/images/frame_options.h"
 #include "host/images/image_files.h"
 #include "model/gray_decoder.h"
+#include "sim/app/commands.h"
 #include "sim/board/engines.h"
 
 namespace selfproj {

@@ -1,8 +1,7 @@
 // selfproj-sim with only the commands that scripts/demo.sh shows, so that the demo builds no others.
 
 #include "host/cli/program_main.h"
-#include "sim/app/board_command.h"
-#include "sim/app/cosim_command.h"
+#include "sim/app/commands.h"
 
 int main(int argc, char** argv) {
   return selfproj::program_main(

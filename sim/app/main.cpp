@@ -1,12 +1,7 @@
 // selfproj-sim: the world around the board, in simulation.
 
 #include "host/cli/program_main.h"
-#include "sim/app/board_command.h"
-#include "sim/app/capture_command.h"
-#include "sim/app/cosim_command.h"
-#include "sim/app/decode_command.h"
-#include "sim/app/moments_command.h"
-#include "sim/app/scene_command.h"
+#include "sim/app/commands.h"
 
 int main(int argc, char** argv) {
   return selfproj::program_main(

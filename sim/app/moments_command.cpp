@@ -1,5 +1,3 @@
-#include "sim/app/moments_command.h"
-
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -20,6 +18,7 @@
 #include "host/report/tables.h"
 #include "model/column_runs.h"
 #include "model/spec/generated/selfproj_spec.h"
+#include "sim/app/commands.h"
 #include "sim/board/engines.h"
 
 namespace selfproj {

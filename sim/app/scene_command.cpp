@@ -1,5 +1,3 @@
-#include "sim/app/scene_command.h"
-
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -28,6 +26,7 @@
 #include "host/images/image_files.h"
 #include "host/light_section/pattern.h"
 #include "host/rig/rig.h"
+#include "sim/app/commands.h"
 #include "sim/cosim/render_options.h"
 #include "sim/scene/optics.h"
 #include "sim/scene/parallel.h"

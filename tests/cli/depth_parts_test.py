@@ -62,7 +62,7 @@ class DepthParts(unittest.TestCase):
                                 cwd=self.folder, stdout=subprocess.DEVNULL)
 
     def registers_at_the_end(self, port):
-        """The registers when everything that was in the ring is judged."""
+        """The registers when everything that was in the ring is classified."""
         before = None
         while (now := modbus(port)[3:11]) != before:
             before = now
@@ -70,8 +70,8 @@ class DepthParts(unittest.TestCase):
         return modbus(port)
 
     def expect_cycle(self, part, bad):
-        """A part without the block is OK; one with it has one defect, where the block stands and as high as it is."""
-        self.assertEqual(part["verdict"], "not OK" if bad else "OK", part)
+        """A part without the block is good; one with it has one defect, where the block stands and as high as it is."""
+        self.assertEqual(part["verdict"], "bad" if bad else "good", part)
         if bad:
             defect = part["defects"][0]
             self.assertAlmostEqual(defect["along_mm"], VIEW / 2, delta=16)
@@ -84,7 +84,7 @@ class DepthParts(unittest.TestCase):
         run = self.host(*self.match("trigger", "--device", "file:run.packets", "--parts", "by-trigger", "--out",
                                     "newest"))
         self.assertEqual(run.returncode, 0, run.stderr)
-        self.assertIn("9 parts: 6 OK, 3 not OK, 0 cannot tell; result after the last frame p50 ", run.stdout)
+        self.assertIn("9 parts: 6 good, 3 bad, 0 inconclusive; result after the last frame p50 ", run.stdout)
         parts = self.parts("by-trigger")
         self.assertEqual(len(parts), 9)
         for i, part in enumerate(parts):
@@ -158,7 +158,7 @@ class DepthParts(unittest.TestCase):
         page.open(host.stderr.readline().split()[-1])
         page.wait_for("return document.querySelectorAll('#parts tbody tr').length >= 20", "no parts on the page")
         page.wait_for("return [...document.querySelectorAll('#parts tbody tr')].some(r => r.cells[1].textContent ==="
-                      " 'not OK')", "no bad part on the page")
+                      " 'bad')", "no bad part on the page")
         page.wait_for("return Number(document.getElementById('solid').dataset.triangles || 0) > 1000", "no 3-D view")
         # The map shows the block while it is there: red in the middle, and nothing at the border.
         page.wait_for("const c = document.getElementById('waterfall'), g = c.getContext('2d');"
@@ -188,7 +188,7 @@ class DepthParts(unittest.TestCase):
         for row in shown:
             part = written[int(row[0]) - 1]
             self.assertEqual([row[1], row[5]], [part["verdict"], str(len(part["defects"]))])
-        counted = [sum(part["verdict"] == verdict for part in written) for verdict in ("OK", "not OK", "cannot tell")]
+        counted = [sum(part["verdict"] == verdict for part in written) for verdict in ("good", "bad", "inconclusive")]
         self.assertEqual([registers[i] * 65536 + registers[i + 1] for i in (5, 7, 9)], counted)
         self.assertEqual(registers[3] * 65536 + registers[4], len(written))
         self.assertGreater(counted[1], 0)

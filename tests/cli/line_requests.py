@@ -11,7 +11,7 @@ line they would run on other machines. --nice P sets the niceness of the line it
 has other work. Nothing may be lost. The line's memory is measured at the beginning, during the run and at the end.
 
 The second run has 1,500 frames a second. N HTTP requests and N Modbus requests come. They are damaged, cut off, or
-random bytes, or they ask for something that is not allowed, such as to write. Every part must be judged as usual, and
+random bytes, or they ask for something that is not allowed, such as to write. Every part must be classified as usual, and
 nothing may be lost. At the end, the page must answer, and the registers must have the same counts as the files.
 
 --record keeps the figures in the folder results.
@@ -35,7 +35,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent.parent / "
 import chromium  # noqa: E402
 import results  # noqa: E402
 
-CYCLE = ["OK", "OK", "not OK"]
+CYCLE = ["good", "good", "bad"]
 REGISTERS = 21
 BROWSER_NICENESS = 10
 ATTACKED_RATE = 1500  # frames a second: low, because the second run does not measure speed
@@ -124,7 +124,7 @@ class Line:
         self.wait_for_parts(1)
 
     def wait_for_parts(self, least):
-        """Waits until at least so many parts are judged. The registers may not be available at first."""
+        """Waits until at least so many parts are classified. The registers may not be available at first."""
         end = time.monotonic() + 120
         while time.monotonic() < end:
             try:
@@ -133,7 +133,7 @@ class Line:
             except OSError:
                 pass
             time.sleep(0.1)
-        raise TimeoutError("no part was judged")
+        raise TimeoutError("no part was classified")
 
     def kill(self):
         for process in (self.board, self.host):
@@ -144,7 +144,7 @@ class Line:
         """Stops the board and then the host, and checks the results of the run. Returns its counts."""
         self.board.send_signal(signal.SIGINT)
         self.board.wait(60)
-        time.sleep(0.5)  # until the host has judged what is still in the ring
+        time.sleep(0.5)  # until the host has classified what is still in the ring
         registers, status = modbus(self.modbus), http(self.live, "/")
         self.host.send_signal(signal.SIGINT)
         said = self.host.communicate(timeout=60)[1]
@@ -157,11 +157,11 @@ class Line:
         assert not lost, lost
         whole = parts[:-1]  # the board may have stopped in the middle of the last part
         wrong = [part["part"] for i, part in enumerate(whole) if part["verdict"] != CYCLE[i % len(CYCLE)]]
-        assert whole and not wrong, f"{len(wrong)} of {len(whole)} parts are judged wrong, the first {wrong[:1]}"
+        assert whole and not wrong, f"{len(wrong)} of {len(whole)} parts are classified wrong, the first {wrong[:1]}"
         told = registers[5] * 65536 + registers[6], registers[7] * 65536 + registers[8]
         # The files may have one part more: the last one, which ended only when the stream ended.
-        assert told[0] in (counts["parts_ok"], counts["parts_ok"] - 1), (told, counts)
-        assert told[1] in (counts["parts_not_ok"], counts["parts_not_ok"] - 1), (told, counts)
+        assert told[0] in (counts["parts_good"], counts["parts_good"] - 1), (told, counts)
+        assert told[1] in (counts["parts_bad"], counts["parts_bad"] - 1), (told, counts)
         return counts
 
 

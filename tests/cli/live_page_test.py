@@ -39,11 +39,11 @@ def message_of(read):
 
 
 class Line:
-    """A board that repeats the parts, and `selfproj inspect` with the page. It judges the parts, or not."""
+    """A board that repeats the parts, and `selfproj inspect` with the page. It classifies the parts, or not."""
 
-    def __init__(self, folder, out, port, address="127.0.0.1", more=(), rate=1500, judges=True):
+    def __init__(self, folder, out, port, address="127.0.0.1", more=(), rate=1500, classifies=True):
         self.port = port
-        parts = ["--tolerance", "tolerance.yaml", "--parts", out] if judges else []
+        parts = ["--tolerance", "tolerance.yaml", "--parts", out] if classifies else []
         self.board = subprocess.Popen([PROGRAMS / "selfproj-sim", "board", "--replay", "run.packets", "--ring", RING,
                                        "--rate", str(rate), "--loop"], cwd=folder, stdout=subprocess.DEVNULL)
         self.host = subprocess.Popen([PROGRAMS / "selfproj", "inspect", "--rig", "rig.yaml", "--device",
@@ -124,7 +124,7 @@ class Http(Made):
         counts = json.loads((self.folder / "http.json").read_text())
         self.assertEqual(counts["lost_ring"] + counts["missing"] + counts["bad"], 0)
         # The last part may have been in the middle when the board stopped.
-        self.assertEqual([part["part"] for part in written[:-1] if part["verdict"] == "cannot tell"], [])
+        self.assertEqual([part["part"] for part in written[:-1] if part["verdict"] == "inconclusive"], [])
         self.assertIn("live_dropped", counts)
 
     def test_another_address_needs_the_token(self):
@@ -164,7 +164,7 @@ class Browser(Made):
         return sorted(shown, key=lambda title: (title in self.OF_PARTS, (self.ALWAYS + self.OF_PARTS).index(title)))
 
     def test_shows_no_parts_of_a_line_without_a_tolerance(self):
-        line = Line(self.folder, "unjudged", chromium.free_port(), judges=False)
+        line = Line(self.folder, "unjudged", chromium.free_port(), classifies=False)
         self.addCleanup(lambda: line.host.poll() is None and line.stop())
         self.page.open(line.url)
         self.page.wait_for("return document.querySelectorAll('#figures dd').length > 3", "no figures on the page")
@@ -218,7 +218,7 @@ class Browser(Made):
 
 
     def test_shows_the_camera_while_one_sets_up(self):
-        """Raw images: the line is drawn where it was found, and the exposure is judged."""
+        """Raw images: the line is drawn where it was found, and what is said of the exposure."""
         folder = self.folder / "camera"
         folder.mkdir()
         run = lambda *words: subprocess.run([PROGRAMS / words[0], *words[1:]], cwd=folder, check=True,

@@ -1,9 +1,11 @@
-// make_parts FOLDER: a rig, a tolerance, good parts, and a run of parts of which every third has a dent, as packets.
+// make_parts FOLDER: a rig, a tolerance, good parts, and a run of parts of which every third has a dent, as packets;
+// and the registers of a board, `bar`.
 #include <cstdio>
 #include <random>
 
 #include "tests/cli/program.h"
 #include "tests/host/production/made_packets.h"
+#include "tests/support/board_registers.h"
 
 int main(int argc, char** argv) {
   using namespace selfproj;        // NOLINT(google-build-using-namespace)
@@ -25,5 +27,6 @@ int main(int argc, char** argv) {
   write_text(folder / "rig.yaml", to_yaml(rig));
   write_text(folder / "good.packets", good.text());
   write_text(folder / "run.packets", run.text());
+  write_text(folder / "bar", register_bytes());
   return 0;
 }

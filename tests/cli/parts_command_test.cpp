@@ -71,13 +71,19 @@ Outcome* PartsCommand::learned_ = nullptr;
 TEST_F(PartsCommand, LearnsAndJudges) {
   ASSERT_EQ(learned_->status, 0) << learned_->err;
   EXPECT_EQ(learned_->out.rfind("8 good parts, 0 specks; ", 0), 0U) << learned_->out;
+  const Outcome old = host({"tolerance", "learn", "--rig", "rig.yaml", "--device", "file:good.packets", "--out",
+                            "old.yaml", "--shift-mm", "2", "--turn-deg=3", "--smallest-mm2", "0.5"});
+  EXPECT_EQ(old.err,
+            "note: --shift-mm is now --max-shift-mm\nnote: --turn-deg is now --max-turn-deg\n"
+            "note: --smallest-mm2 is now --min-defect-mm2\n");
+  EXPECT_EQ(read_text(*folder_ / "old.yaml"), read_text(*folder_ / "tolerance.yaml"));
   const Outcome run = inspect({"--tolerance", "tolerance.yaml", "--parts", "run", "--json", "counts.json"});
   ASSERT_EQ(run.status, 0) << run.err;
-  EXPECT_NE(run.out.find("6 parts: 4 OK, 2 not OK, 0 cannot tell; result after the last frame p50 "), std::string::npos)
+  EXPECT_NE(run.out.find("6 parts: 4 good, 2 bad, 0 inconclusive; result after the last frame p50 "), std::string::npos)
       << run.out;
   const auto counts = nlohmann::json::parse(read_text(*folder_ / "counts.json"));
   EXPECT_EQ(counts.at("parts"), 6);
-  EXPECT_EQ(counts.at("parts_not_ok"), 2);
+  EXPECT_EQ(counts.at("parts_bad"), 2);
   EXPECT_EQ(counts.at("part_folders"), 2);
   EXPECT_GT(counts.at("result_delay_p99_ms"), 0);
 
@@ -93,10 +99,10 @@ TEST_F(PartsCommand, LearnsAndJudges) {
     const auto part = nlohmann::json::parse(line);
     const bool dent = number == 3 || number == 5;
     EXPECT_EQ(part.at("part"), number);
-    EXPECT_EQ(part.at("verdict"), dent ? "not OK" : "OK") << line;
+    EXPECT_EQ(part.at("verdict"), dent ? "bad" : "good") << line;
     EXPECT_NEAR(part.at("placement").at("length_mm").get<double>(), 20, 0.4);
     ASSERT_TRUE(std::getline(table, row));
-    EXPECT_EQ(row.rfind(std::to_string(number) + (dent ? ",not OK," : ",OK,"), 0), 0U) << row;
+    EXPECT_EQ(row.rfind(std::to_string(number) + (dent ? ",bad," : ",good,"), 0), 0U) << row;
     const std::string folder = "run/part_00000" + std::to_string(number);
     EXPECT_EQ(std::filesystem::exists(*folder_ / folder), dent);
     if (dent) {
@@ -175,11 +181,11 @@ Client client_of(int port) {
 }
 
 TEST(Modbus, TellsWhatIsThereAndTakesNothing) {
-  LineState state;
+  PartCounts state;
   state.verdicts = {70'000, 3, 2};
   state.specks = 5;
   state.last_part = 70'005;
-  state.last_verdict = Verdict::not_ok;
+  state.last_verdict = Verdict::bad;
   state.last_defects = 2;
   state.last_depth_mm = -0.3;
   state.last_delay_ns = 4'500'000;

@@ -189,7 +189,7 @@ TEST_F(RunsCommand, PacketsOfTheStrongestRunAreInspected) {
   EXPECT_NE(summary.find("\"ambiguous\": "), std::string::npos);
   const Outcome other = run(SELFPROJ_PROGRAM, {"inspect", "--device", "file:p", "--select", "all"});
   EXPECT_EQ(other.status, 2);
-  EXPECT_NE(other.err.find("file:p: its packets tell of strongest, not of --select all"), std::string::npos)
+  EXPECT_NE(other.err.find("file:p: its packets are of strongest, not of --select all"), std::string::npos)
       << other.err;
 }
 

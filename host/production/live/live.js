@@ -222,8 +222,8 @@
       ++found;
     }
     const percent = (share) => `${(100 * share).toFixed(1)} %`;
-    text($('exposure'), head.judgement);
-    $('exposure').className = head.good ? 'OK' : 'not';
+    text($('exposure'), head.advice);
+    $('exposure').className = head.good ? 'good' : 'bad';
     text($('shares'), head.line
       ? `frame ${head.frame}; line in ${percent(1 - head.dark)} of the columns, ` +
         `${percent(head.saturated)} of it saturated`
@@ -247,8 +247,8 @@
   const LABELS = {
     frames_per_second: 'frames a second', profiles: 'profiles', depth_images: 'depth images',
     depth_images_per_second: 'depth images a second', incomplete: 'incomplete images', parts: 'parts',
-    parts_ok: 'OK', parts_not_ok: 'not OK',
-    parts_cannot_tell: 'cannot tell', specks: 'too short for a part',
+    parts_good: 'good', parts_bad: 'bad',
+    parts_inconclusive: 'inconclusive', specks: 'too short for a part',
     result_delay_p50_ms: 'result after last frame, median (ms)',
     result_delay_p99_ms: 'result after last frame, 99 % (ms)', delay_p50_us: 'packet to profile, median (µs)',
     delay_p99_us: 'packet to profile, 99 % (µs)', lost_board: 'lost on the board', lost_ring: 'lost in the ring',
@@ -267,8 +267,8 @@
       drawProfile(head.columns, values);
       drawWaterfall(head.columns, head.rows, values);
     }
-    // A line without a tolerance judges no parts.
-    for (const section of document.querySelectorAll('.judged')) section.hidden = !('parts' in head.figures);
+    // Without a tolerance no parts are classified.
+    for (const section of document.querySelectorAll('.parts')) section.hidden = !('parts' in head.figures);
     const known = Object.entries(LABELS).filter(([key]) => key in head.figures);
     $('figures').replaceChildren(...known.flatMap(([key, label]) => {
       const dt = document.createElement('dt'), dd = document.createElement('dd');
@@ -287,7 +287,7 @@
     if (newest && newest.part !== shown) {
       shown = newest.part;
       text($('verdict'), newest.verdict);
-      $('verdict').className = newest.verdict.split(' ')[0];
+      $('verdict').className = newest.verdict;
       text($('reason'), `part ${newest.part}${newest.reason ? `: ${newest.reason}` : ''}`);
       $('parts').tBodies[0].replaceChildren(...head.parts.map((part) => {
         const placed = part.placement || {};

@@ -1,4 +1,4 @@
-// What the page of a line says of a raw image: where the line is, and whether the exposure is right.
+// What the live page says of a raw image: where the line is, and whether the exposure is right.
 #include "host/production/camera_view.h"
 
 #include <gtest/gtest.h>
@@ -39,8 +39,8 @@ Image line_image(int peak, int first = 0) {
   return image;
 }
 
-ExposureFigures judged(const Image& image) {
-  return judge_exposure(image.view(), line_in_image(image.view(), measure()), measure());
+ExposureFigures figures_of(const Image& image) {
+  return exposure_figures(image.view(), line_in_image(image.view(), measure()), measure());
 }
 
 TEST(CameraView, FindsTheLineWhereItIs) {
@@ -56,51 +56,46 @@ TEST(CameraView, FindsTheLineWhereItIs) {
   }
 }
 
-TEST(CameraView, JudgesTheExposureOfALine) {
-  const ExposureFigures right = judged(line_image(200, 12));
-  EXPECT_TRUE(right.good) << right.judgement;
+TEST(CameraView, FiguresOfTheExposureOfALine) {
+  const ExposureFigures right = figures_of(line_image(200, 12));
+  EXPECT_TRUE(right.good) << right.advice;
   EXPECT_EQ(right.bright_grey, 200);
   EXPECT_EQ(right.saturated, 0);
   EXPECT_DOUBLE_EQ(right.dark, 12.0 / 96);
 
-  const ExposureFigures bright = judged(line_image(255));
+  const ExposureFigures bright = figures_of(line_image(255));
   EXPECT_FALSE(bright.good);
   EXPECT_EQ(bright.saturated, 1);
-  EXPECT_EQ(bright.judgement, "too bright: 100.0 % of the line is saturated; shorten the exposure");
+  EXPECT_EQ(bright.advice, "too bright: 100.0 % of the line is saturated; shorten the exposure");
 
-  const ExposureFigures dim = judged(line_image(120));
+  const ExposureFigures dim = figures_of(line_image(120));
   EXPECT_FALSE(dim.good);
-  EXPECT_EQ(dim.judgement, "too dark: its brightest places have grey value 120; lengthen the exposure");
+  EXPECT_EQ(dim.advice, "too dark: its brightest places have grey value 120; lengthen the exposure");
 
-  const ExposureFigures none = judged(line_image(200, 60));
+  const ExposureFigures none = figures_of(line_image(200, 60));
   EXPECT_FALSE(none.good);
-  EXPECT_NE(none.judgement.find("62 % of the columns have no line"), std::string::npos) << none.judgement;
+  EXPECT_NE(none.advice.find("62 % of the columns have no line"), std::string::npos) << none.advice;
 }
 
-TEST(CameraView, JudgesTheExposureOfAScanner) {
+TEST(CameraView, FiguresOfTheExposureOfAScanner) {
   const auto striped = [](std::uint8_t bright) {
     Image image{64, 64, std::vector<std::uint8_t>(std::size_t{64} * 64, 8)};
     std::fill(image.pixels.begin(), image.pixels.begin() + 64 * 32, bright);
-    return judge_exposure(image.view(), {}, measure());
+    return exposure_figures(image.view(), {}, measure());
   };
   const ExposureFigures right = striped(180);
-  EXPECT_TRUE(right.good) << right.judgement;
+  EXPECT_TRUE(right.good) << right.advice;
   EXPECT_DOUBLE_EQ(right.dark, 0.5);
   EXPECT_EQ(right.bright_grey, 180);
-  EXPECT_EQ(striped(255).judgement, "too bright: 50.0 % of the pixels are saturated; shorten the exposure");
-  EXPECT_EQ(striped(60).judgement, "too dark: its brightest places have grey value 60; lengthen the exposure");
+  EXPECT_EQ(striped(255).advice, "too bright: 50.0 % of the pixels are saturated; shorten the exposure");
+  EXPECT_EQ(striped(60).advice, "too dark: its brightest places have grey value 60; lengthen the exposure");
 }
 
 // Images are put together only while somebody watches, and one of which a line is lost is passed over.
 TEST(CameraView, TakesWholeImagesWhileSomebodyWatches) {
   bool watched = false;
   std::vector<std::uint64_t> taken;
-  CameraView view([&] { return watched; },
-                  [&](const PacketHeader& header, const ImageView& image) {
-                    EXPECT_EQ(image.rows, 4);
-                    EXPECT_EQ(image.pixels[2 * image.stride + 5], 2);
-                    taken.push_back(header.sequence);
-                  });
+  CameraView view;
   const auto send = [&](std::uint64_t sequence, int without = -1) {
     for (int row = 0; row < 4; ++row) {
       PacketHeader header;
@@ -114,8 +109,10 @@ TEST(CameraView, TakesWholeImagesWhileSomebodyWatches) {
       PacketView packet;
       packet.header = header;
       packet.payload = payload;
-      if (row != without) {
-        view.add(packet);
+      if (row != without && view.add(packet, watched)) {
+        EXPECT_EQ(view.image().rows, 4);
+        EXPECT_EQ(view.image().pixels[2 * view.image().stride + 5], 2);
+        taken.push_back(view.header().sequence);
       }
     }
   };

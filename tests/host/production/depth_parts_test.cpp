@@ -1,4 +1,4 @@
-// Parts of depth images: cut, laid on an even grid, judged against a reference that is a map.
+// Parts of depth images: cut, laid on an even grid, classified against a reference that is a map.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -6,13 +6,15 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <random>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "host/production/depth_cutter.h"
-#include "host/production/judge.h"
+#include "host/production/classifier.h"
+#include "host/production/cutter.h"
+#include "host/production/height_map.h"
 #include "host/production/learn.h"
 #include "host/production/tolerance.h"
 #include "host/rig/rig.h"
@@ -72,14 +74,12 @@ class DepthParts : public ::testing::Test {
   DepthParts() : rig_(small_scanner()), reference_(DepthGrid(rig_).cells(depth_of(rig_, step, 0, 1))) {}
 
   CutPart part(const Surface& surface, std::uint64_t seed) {
-    CutPart result;
-    DepthCutter cutter(rig_, kPatterns, [&](CutPart&& cut) { result = std::move(cut); });
-    cutter.add(header_of(2 * kPatterns - 1, 1), depth_of(rig_, surface, 0.3, seed), 5);
-    return result;
+    DepthCutter cutter(rig_, kPatterns);
+    return cutter.add(header_of(2 * kPatterns - 1, 1), depth_of(rig_, surface, 0.3, seed), 5).value();
   }
 
   Tolerance learned() {
-    Learner learner(rig_, reference_, {.smallest_mm2 = 9, .edge_mm = 3});
+    Learner learner(rig_, reference_, {.min_defect_mm2 = 9, .edge_mm = 3});
     for (std::uint64_t i = 0; i < 8; ++i) {
       learner.add(part(step, i));
     }
@@ -131,22 +131,22 @@ TEST_F(DepthParts, LearnsARegionForEachSurface) {
     EXPECT_GT(region.low_mm, -1);
     EXPECT_GT(region.high_mm, 0);
     EXPECT_LT(region.high_mm, 1);
-    EXPECT_LT(region.most_missing, 0.05);
+    EXPECT_LT(region.max_missing, 0.05);
   }
 }
 
 TEST_F(DepthParts, FindsWhatIsPlanted) {
   const Tolerance tolerance = learned();
-  const Judge judge(rig_, reference_, tolerance, "tolerance");
+  const Classifier classifier(rig_, reference_, tolerance, "tolerance");
   PlacedMaps maps;
   for (std::uint64_t seed = 100; seed < 110; ++seed) {
-    const PartResult good = judge.judge(part(step, seed), maps);
-    EXPECT_EQ(good.verdict, Verdict::ok) << good.reason;
+    const PartResult good = classifier.classify(part(step, seed), maps);
+    EXPECT_EQ(good.verdict, Verdict::good) << good.reason;
   }
   // A dent of 6 mm, 3 mm deep, on the plane at (20, -30).
   const Surface dented = [](double x, double y) { return step(x, y) + (std::hypot(x - 20, y + 30) < 6 ? 3 : 0); };
-  const PartResult bad = judge.judge(part(dented, 7), maps);
-  ASSERT_EQ(bad.verdict, Verdict::not_ok) << bad.reason;
+  const PartResult bad = classifier.classify(part(dented, 7), maps);
+  ASSERT_EQ(bad.verdict, Verdict::bad) << bad.reason;
   ASSERT_EQ(bad.defects.size(), 1U);
   const Defect& dent = bad.defects.front();
   const double along = 20 + 0.5 * DepthGrid(rig_).length_mm();
@@ -162,14 +162,16 @@ TEST_F(DepthParts, FindsWhatIsPlanted) {
   for (int r = 20; r < 60; ++r) {
     std::fill_n(hidden.cells.height.row(r), 40, kNoValue);
   }
-  const PartResult unknown = judge.judge(hidden, maps);
-  EXPECT_EQ(unknown.verdict, Verdict::cannot_tell);
+  const PartResult unknown = classifier.classify(hidden, maps);
+  EXPECT_EQ(unknown.verdict, Verdict::inconclusive);
   EXPECT_NE(unknown.reason.find("are missing"), std::string::npos) << unknown.reason;
 }
 
 TEST_F(DepthParts, RefusesOtherTolerancesAndRigs) {
   Tolerance tolerance = learned();
-  const auto refused = [&] { return error_of([&] { const Judge judge(rig_, reference_, tolerance, "file"); }); };
+  const auto refused = [&] {
+    return error_of([&] { const Classifier classifier(rig_, reference_, tolerance, "file"); });
+  };
   EXPECT_EQ(refused(), "none");
   tolerance.by_edges = true;
   EXPECT_NE(refused().find("file: part.place_by is edges"), std::string::npos) << refused();
@@ -188,7 +190,12 @@ TEST_F(DepthParts, RefusesOtherTolerancesAndRigs) {
 TEST(DepthCutter, APauseEndsAPartThatIsTheMeanOfItsImages) {
   const Rig rig = small_scanner(PartCut::trigger);
   std::vector<CutPart> parts;
-  DepthCutter cutter(rig, kPatterns, [&](CutPart&& part) { parts.push_back(std::move(part)); });
+  DepthCutter cutter(rig, kPatterns);
+  const auto keep = [&](std::optional<CutPart> part) {
+    if (part) {
+      parts.push_back(std::move(*part));
+    }
+  };
   std::uint64_t sequence = kPatterns - 1;
   double seconds = 0;
   const auto show = [&](int images, double z, double hole = 0) {
@@ -197,7 +204,7 @@ TEST(DepthCutter, APauseEndsAPartThatIsTheMeanOfItsImages) {
       if (i >= hole) {
         depth.row(40)[50] = kNoValue;
       }
-      cutter.add(header_of(sequence, seconds), depth, 1000 + static_cast<std::int64_t>(sequence));
+      keep(cutter.add(header_of(sequence, seconds), depth, 1000 + static_cast<std::int64_t>(sequence)));
     }
   };
   show(8, 540, 100);
@@ -208,8 +215,8 @@ TEST(DepthCutter, APauseEndsAPartThatIsTheMeanOfItsImages) {
   show(10, 530, 100);
   EXPECT_TRUE(cutter.in_part());
   ASSERT_EQ(parts.size(), 1U);
-  cutter.finish();
-  cutter.finish();  // there is nothing more
+  keep(cutter.finish());
+  keep(cutter.finish());  // there is nothing more
   EXPECT_FALSE(cutter.in_part());
   ASSERT_EQ(parts.size(), 2U);
   EXPECT_EQ(cutter.specks(), 1U);
@@ -227,20 +234,14 @@ TEST(DepthCutter, APauseEndsAPartThatIsTheMeanOfItsImages) {
 // Frames that are lost take time, too, and are no pause.
 TEST(DepthCutter, LostImagesAreNoPause) {
   const Rig rig = small_scanner(PartCut::trigger);
-  int parts = 0;
-  std::uint64_t missing = 0;
-  DepthCutter cutter(rig, kPatterns, [&](CutPart&& part) {
-    ++parts;
-    missing = part.missing;
-  });
+  DepthCutter cutter(rig, kPatterns);
   const FloatImage depth(rig.camera.rows, rig.camera.columns, 540);
   for (std::uint64_t sequence = 7; sequence < 400; sequence += sequence == 107 ? 102 : 2) {
-    cutter.add(header_of(sequence, static_cast<double>(sequence) * 0.001), depth, 0);
+    EXPECT_FALSE(cutter.add(header_of(sequence, static_cast<double>(sequence) * 0.001), depth, 0));
   }
-  EXPECT_EQ(parts, 0);
-  cutter.finish();
-  EXPECT_EQ(parts, 1);
-  EXPECT_EQ(missing, 100U);
+  const std::optional<CutPart> part = cutter.finish();
+  ASSERT_TRUE(part);
+  EXPECT_EQ(part->missing, 100U);
 }
 
 }  // namespace

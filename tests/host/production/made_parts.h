@@ -7,12 +7,13 @@
 #include <functional>
 #include <limits>
 #include <numbers>
+#include <optional>
 #include <random>
 #include <utility>
 #include <vector>
 
 #include "host/light_section/profile.h"
-#include "host/production/part_cutter.h"
+#include "host/production/cutter.h"
 #include "host/rig/rig.h"
 #include "model/packet.h"
 
@@ -54,6 +55,21 @@ struct MadePart {
   }
 };
 
+// The parts that a cutter made of what is sent to it.
+struct Cut {
+  explicit Cut(const Rig& rig) : cutter(rig) {}
+
+  void add(std::optional<CutPart> part) {
+    if (part) {
+      parts.push_back(std::move(*part));
+    }
+  }
+  void finish() { add(cutter.finish()); }
+
+  std::vector<CutPart> parts;
+  ProfileCutter cutter;
+};
+
 // Sends frames of a belt to a cutter.
 class MadeBelt {
  public:
@@ -66,24 +82,24 @@ class MadeBelt {
   double belt_mm = 100;
 
   // The belt without a part for this way.
-  void bare(PartCutter& cutter, double mm) {
+  void bare(Cut& cut, double mm) {
     for (const double end = belt_mm + mm; belt_mm < end;) {
       send(
-          cutter, [](double) { return std::numeric_limits<double>::quiet_NaN(); }, 0);
+          cut, [](double) { return std::numeric_limits<double>::quiet_NaN(); }, 0);
     }
   }
 
   // The part, whose leading edge is `lead` mm away, and the same behind it.
-  void pass(PartCutter& cutter, const MadePart& part, double lead = 5) {
+  void pass(Cut& cut, const MadePart& part, double lead = 5) {
     const double edge = belt_mm + lead;
     for (const double end = edge + part.length + lead; belt_mm < end;) {
       const double along = belt_mm - edge;
       send(
-          cutter, [&](double y) { return part.seen(along, y); }, part.noise);
+          cut, [&](double y) { return part.seen(along, y); }, part.noise);
     }
   }
 
-  void send(PartCutter& cutter, const std::function<double(double)>& height, double noise) {
+  void send(Cut& cut, const std::function<double(double)>& height, double noise) {
     std::normal_distribution<double> normal(0, 1);
     const double column = rig_.plane_z_mm * rig_.camera.pixel_pitch_mm / rig_.camera.focal_length_mm;
     for (int i = 0; i < rig_.camera.columns; ++i) {
@@ -100,7 +116,7 @@ class MadeBelt {
     header.sequence = sequence;
     header.time_stamp = sequence * clocks + pause_;
     header.encoder = static_cast<std::uint32_t>(std::llround(belt_mm / rig_.conveyor.encoder_mm_per_count));
-    cutter.add(header, profile_.view(), static_cast<std::int64_t>(sequence) * 100'000);
+    cut.add(cut.cutter.add(header, profile_.view(), static_cast<std::int64_t>(sequence) * 100'000));
     ++sequence;
     belt_mm += step_mm * (1 + jitter * std::uniform_real_distribution<double>(-1, 1)(random_));
   }

@@ -1,4 +1,4 @@
-// Parts cut out of a stream of made profiles, placed by their edges, and judged.
+// Parts cut out of a stream of made profiles, placed by their edges, and classified.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -12,12 +12,12 @@
 
 #include "host/light_section/differential_profile.h"
 #include "host/light_section/reference.h"
-#include "host/production/judge.h"
+#include "host/production/classifier.h"
+#include "host/production/cutter.h"
 #include "host/production/learn.h"
-#include "host/production/part_cutter.h"
+#include "host/production/part_reference.h"
+#include "host/production/part_result.h"
 #include "host/production/placement.h"
-#include "host/production/running_figures.h"
-#include "host/production/section_reference.h"
 #include "host/production/tolerance.h"
 #include "tests/host/production/made_parts.h"
 #include "tests/support/error_of.h"
@@ -26,13 +26,6 @@ namespace selfproj::test {
 namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-
-// The parts that a cutter made of what is sent to it.
-struct Cut {
-  explicit Cut(const Rig& rig) : cutter(rig, [this](CutPart&& part) { parts.push_back(std::move(part)); }) {}
-  std::vector<CutPart> parts;
-  PartCutter cutter;
-};
 
 // A box 20 mm high, y from -20 to 20, as a reference that covers all of it.
 SectionReference box_section(const Rig& rig) {
@@ -45,12 +38,12 @@ TEST(Parts, AreCutByTheProfile) {
   Cut cut(rig_with_parts());
   MadeBelt belt(cut.cutter.rig(), 1);
   belt.jitter = 0.8;  // an encoder on a belt that does not run evenly
-  belt.pass(cut.cutter, {.length = 30});
-  belt.pass(cut.cutter, {.length = 2});  // a speck
-  belt.pass(cut.cutter, {.length = 20, .turn_deg = 2});
+  belt.pass(cut, {.length = 30});
+  belt.pass(cut, {.length = 2});  // a speck
+  belt.pass(cut, {.length = 20, .turn_deg = 2});
   belt.sequence += 7;  // frames between two parts are nobody's
-  belt.pass(cut.cutter, {.length = 100});
-  belt.bare(cut.cutter, 5);
+  belt.pass(cut, {.length = 100});
+  belt.bare(cut, 5);
   ASSERT_EQ(cut.parts.size(), 4U);
   EXPECT_EQ(cut.cutter.specks(), 1U);
   EXPECT_NEAR(cut.parts[0].length_mm, 30, 0.4);
@@ -79,8 +72,8 @@ TEST(Parts, AreCutByTheProfile) {
 TEST(Parts, CornersThatComeBeforeThePartIsWideEnoughAreInItsMap) {
   Cut cut(rig_with_parts());
   MadeBelt belt(cut.cutter.rig(), 1);
-  belt.pass(cut.cutter, {.length = 20, .width = 40, .turn_deg = 10});
-  belt.bare(cut.cutter, 5);
+  belt.pass(cut, {.length = 20, .width = 40, .turn_deg = 10});
+  belt.bare(cut, 5);
   ASSERT_EQ(cut.parts.size(), 1U);
   double area = 0;
   for (const float height : cut.parts[0].cells.height.values) {
@@ -95,8 +88,8 @@ TEST(Parts, AreCutByDistanceAndByTrigger) {
   rig.parts->length_mm = 25;
   Cut cut(rig);
   MadeBelt belt(rig, 1);
-  belt.pass(cut.cutter, {.length = 110}, 0);
-  cut.cutter.finish();
+  belt.pass(cut, {.length = 110}, 0);
+  cut.finish();
   ASSERT_EQ(cut.parts.size(), 4U);
   EXPECT_EQ(cut.cutter.specks(), 1U);  // the fifth was not complete
   for (std::size_t i = 0; i < 4; ++i) {
@@ -109,11 +102,11 @@ TEST(Parts, AreCutByDistanceAndByTrigger) {
   Cut triggered(rig);
   MadeBelt other(rig, 1);
   for (int part = 0; part < 3; ++part) {
-    other.pass(triggered.cutter, {.length = 15}, 1);
+    other.pass(triggered, {.length = 15}, 1);
     other.pause(0.05);
   }
   ASSERT_EQ(triggered.parts.size(), 2U);  // the third is not known to have ended
-  triggered.cutter.finish();
+  triggered.finish();
   ASSERT_EQ(triggered.parts.size(), 3U);
   EXPECT_NEAR(triggered.parts[1].length_mm, 17, 0.2);
   EXPECT_EQ(triggered.parts[1].missing, 0U);
@@ -122,10 +115,10 @@ TEST(Parts, AreCutByDistanceAndByTrigger) {
 TEST(Parts, LostFramesAndRestartsAreTold) {
   Cut cut(rig_with_parts());
   MadeBelt belt(cut.cutter.rig(), 1);
-  belt.bare(cut.cutter, 5);
+  belt.bare(cut, 5);
   for (int i = 0; i < 300; ++i) {
     belt.send(
-        cut.cutter, [](double y) { return std::abs(y) < 20 ? 20 : kNone; }, 0);
+        cut, [](double y) { return std::abs(y) < 20 ? 20 : kNone; }, 0);
     if (i == 100) {
       belt.sequence += 3;
       belt.belt_mm += 0.3;
@@ -134,9 +127,9 @@ TEST(Parts, LostFramesAndRestartsAreTold) {
   belt.sequence = 0;  // a restart
   for (int i = 0; i < 50; ++i) {
     belt.send(
-        cut.cutter, [](double y) { return std::abs(y) < 20 ? 20 : kNone; }, 0);
+        cut, [](double y) { return std::abs(y) < 20 ? 20 : kNone; }, 0);
   }
-  belt.bare(cut.cutter, 5);
+  belt.bare(cut, 5);
   ASSERT_EQ(cut.parts.size(), 1U);
   EXPECT_EQ(cut.parts[0].missing, 3U);
   EXPECT_TRUE(cut.parts[0].restarted);
@@ -154,8 +147,8 @@ TEST(Parts, ArePlacedByTheirEdges) {
       const auto height = [](double v, double w) {
         return v + w < -16 ? kNone : std::hypot(v - 10, w - 5) < 2 ? 21.0 : 20.0;
       };
-      belt.pass(cut.cutter, {.length = 30, .height = height, .across = across, .turn_deg = turn});
-      belt.bare(cut.cutter, 5);
+      belt.pass(cut, {.length = 30, .height = height, .across = across, .turn_deg = turn});
+      belt.bare(cut, 5);
       ASSERT_EQ(cut.parts.size(), 1U);
       const auto placed = place_by_edges(edges_of(cut.parts[0].cells, 5), outline);
       ASSERT_TRUE(placed);
@@ -184,59 +177,62 @@ TEST(Parts, ArePlacedByTheirEdges) {
 }
 
 // The part of the reference, learned from good ones.
-class Judged : public ::testing::Test {
+class Classified : public ::testing::Test {
  protected:
   static Tolerance learned(const Rig& rig, int parts, std::uint64_t seed) {
     Learner learner(rig, box_section(rig), {});
-    PartCutter cutter(rig, [&](CutPart&& part) { learner.add(std::move(part)); });
+    Cut cut(rig);
     MadeBelt belt(rig, seed);
     std::mt19937_64 random(seed);
     std::uniform_real_distribution<double> any(-1, 1);
     for (int i = 0; i < parts; ++i) {
-      belt.pass(cutter, {.length = 30, .across = any(random), .turn_deg = any(random), .noise = 0.03});
+      belt.pass(cut, {.length = 30, .across = any(random), .turn_deg = any(random), .noise = 0.03});
     }
-    belt.bare(cutter, 5);
+    belt.bare(cut, 5);
+    for (CutPart& part : cut.parts) {
+      learner.add(std::move(part));
+    }
     return learner.learn("good");
   }
 
-  PartResult judge(const MadePart& part) {
+  PartResult classify(const MadePart& part) {
     Cut cut(rig_);
     MadeBelt belt(rig_, 99);
-    belt.pass(cut.cutter, part);
-    belt.bare(cut.cutter, 5);
+    belt.pass(cut, part);
+    belt.bare(cut, 5);
     EXPECT_EQ(cut.parts.size(), 1U);
-    return cut.parts.size() == 1 ? judge_.judge(cut.parts[0], maps_) : PartResult{};
+    return cut.parts.size() == 1 ? classifier_.classify(cut.parts[0], maps_) : PartResult{};
   }
 
   Rig rig_ = rig_with_parts();
   Tolerance tolerance_ = learned(rig_, 12, 5);
-  Judge judge_{rig_, box_section(rig_), tolerance_, "t.yaml"};
+  Classifier classifier_{rig_, box_section(rig_), tolerance_, "t.yaml"};
   PlacedMaps maps_;
 };
 
-TEST_F(Judged, GoodPartsAreOk) {
+TEST_F(Classified, GoodPartsAreOk) {
   ASSERT_EQ(tolerance_.regions.size(), 1U);
   EXPECT_NEAR(tolerance_.length_mm, 30, 0.2);
   EXPECT_NEAR(tolerance_.right_mm - tolerance_.left_mm, 40, 0.4);
   EXPECT_LT(tolerance_.regions[0].high_mm, 0.12);
   EXPECT_GT(tolerance_.regions[0].low_mm, -0.12);
   for (const double turn : {-0.9, 0.0, 0.7}) {
-    const PartResult result = judge({.length = 30, .across = turn, .turn_deg = turn, .noise = 0.03});
-    EXPECT_EQ(result.verdict, Verdict::ok) << result.reason;
+    const PartResult result = classify({.length = 30, .across = turn, .turn_deg = turn, .noise = 0.03});
+    EXPECT_EQ(result.verdict, Verdict::good) << result.reason;
     EXPECT_TRUE(result.defects.empty());
     EXPECT_NEAR(result.regions.at(0).mean_mm, 0, 0.01);
   }
 }
 
-TEST_F(Judged, DefectsAreFoundWithPlaceSizeAndDepth) {
+TEST_F(Classified, DefectsAreFoundWithPlaceSizeAndDepth) {
   const auto height = [](double v, double w) {
     if (std::hypot(v - 8, w + 10) < 1.5) {
       return 19.7;
     }
     return std::abs(v - 20) < 2 && std::abs(w - 12) < 1 ? 20.4 : 20.0;
   };
-  const PartResult result = judge({.length = 30, .height = height, .across = 0.8, .turn_deg = -0.9, .noise = 0.02});
-  EXPECT_EQ(result.verdict, Verdict::not_ok);
+  const PartResult result = classify({.length = 30, .height = height, .across = 0.8, .turn_deg = -0.9, .noise = 0.02});
+  EXPECT_EQ(result.verdict, Verdict::bad);
   ASSERT_EQ(result.defects.size(), 2U);
   const Defect& bump = result.defects[0];
   EXPECT_NEAR(bump.along_mm, 20, 0.2);
@@ -252,24 +248,33 @@ TEST_F(Judged, DefectsAreFoundWithPlaceSizeAndDepth) {
   EXPECT_EQ(result.reason.rfind("2 defects; the largest, ", 0), 0U) << result.reason;
 }
 
-TEST_F(Judged, WhatCannotBeSeenCannotBeTold) {
+TEST_F(Classified, WhatCannotBeSeenCannotBeTold) {
   const PartResult holes =
-      judge({.length = 30, .height = [](double v, double w) { return v > 10 && v < 14 && w > 0 ? kNone : 20.0; }});
-  EXPECT_EQ(holes.verdict, Verdict::cannot_tell);
+      classify({.length = 30, .height = [](double v, double w) { return v > 10 && v < 14 && w > 0 ? kNone : 20.0; }});
+  EXPECT_EQ(holes.verdict, Verdict::inconclusive);
   EXPECT_NE(holes.reason.find("of region 'surface 1' are missing"), std::string::npos) << holes.reason;
-  const PartResult shifted = judge({.length = 30, .across = 4});
-  EXPECT_EQ(shifted.verdict, Verdict::cannot_tell);
+  const PartResult shifted = classify({.length = 30, .across = 4});
+  EXPECT_EQ(shifted.verdict, Verdict::inconclusive);
   EXPECT_EQ(shifted.reason.rfind("is shifted across by ", 0), 0U) << shifted.reason;
-  const PartResult turned = judge({.length = 30, .turn_deg = 5});
+  const PartResult turned = classify({.length = 30, .turn_deg = 5});
   EXPECT_EQ(turned.reason.rfind("is turned by ", 0), 0U) << turned.reason;
-  const PartResult short_one = judge({.length = 25});
+  const PartResult short_one = classify({.length = 25});
   EXPECT_EQ(short_one.reason.rfind("its edges do not fit by ", 0), 0U) << short_one.reason;
-  EXPECT_EQ(short_one.verdict, Verdict::cannot_tell);
+  EXPECT_EQ(short_one.verdict, Verdict::inconclusive);
 }
 
-TEST_F(Judged, ToleranceIsReadBackAndItsFaultsAreNamed) {
+TEST_F(Classified, ToleranceIsReadBackAndItsFaultsAreNamed) {
   const std::string yaml = to_yaml(tolerance_);
   EXPECT_EQ(to_yaml(parse_tolerance(yaml, "t.yaml")), yaml);
+  // Keys of earlier files.
+  std::string old = yaml;
+  for (const auto& [key, before] :
+       {std::pair{"max_shift_mm", "most_shift_mm"}, std::pair{"max_turn_deg", "most_turn_deg"},
+        std::pair{"max_residual_mm", "most_residual_mm"}, std::pair{"min_defect_mm2", "smallest_defect_mm2"},
+        std::pair{"max_missing", "most_missing"}}) {
+    old.replace(old.find(key), std::string(key).size(), before);
+  }
+  EXPECT_EQ(to_yaml(parse_tolerance(old, "t.yaml")), yaml);
   const auto with = [&](const std::string& from, const std::string& to) {
     std::string text = yaml;
     const std::size_t at = text.find(from);
@@ -284,14 +289,14 @@ TEST_F(Judged, ToleranceIsReadBackAndItsFaultsAreNamed) {
   EXPECT_NE(with("corners_mm: ", "corners_mm: [0, 0, 5, 5, 10, 10]").find("has no area"), std::string::npos);
   EXPECT_NE(with("corners_mm: ", "corners_mm: [0, 0, 5]").find("three corners"), std::string::npos);
   EXPECT_NE(with("low_mm: ", "low_mm: 7").find("high_mm must be greater"), std::string::npos);
-  EXPECT_NE(with("most_missing: ", "most_mising: 0").find("unknown key"), std::string::npos);
+  EXPECT_NE(with("max_missing: ", "max_mising: 0").find("unknown key"), std::string::npos);
   EXPECT_NE(error_of([] { parse_tolerance("part: 3", "t.yaml"); }).find("regions must be a list"), std::string::npos);
   EXPECT_EQ(error_of([] { parse_tolerance("[1]", "t.yaml"); }),
             "t.yaml: is not a tolerance; keys and values are expected");
 
   const ReferenceProfile plane = reference_of_curve(rig_, {{-60, 60}, {rig_.plane_z_mm, rig_.plane_z_mm}});
   const SectionReference other = section_of(rig_, plane, DifferentialProfiler(rig_, plane));
-  EXPECT_NE(error_of([&] { Judge(rig_, other, tolerance_, "t.yaml"); }).find("t.yaml: is for another part: at "),
+  EXPECT_NE(error_of([&] { Classifier(rig_, other, tolerance_, "t.yaml"); }).find("t.yaml: is for another part: at "),
             std::string::npos);
   EXPECT_EQ(error_of([&] { learned(rig_, 3, 1); }), "good: 3 good parts came; at least 5 are needed");
 }
@@ -313,12 +318,12 @@ TEST(Parts, RigsSayHowTheyAreCut) {
   const auto error_with = [&](const std::string& from, const std::string& to) {
     std::string text = yaml;
     text.replace(text.find(from), from.size(), to);
-    return error_of([&] { PartCutter(parse_rig(text, "rig.yaml"), [](CutPart&&) {}); });
+    return error_of([&] { ProfileCutter(parse_rig(text, "rig.yaml")); });
   };
   EXPECT_NE(error_with("cut: profile", "cut: time").find("parts.cut is 'time'"), std::string::npos);
   EXPECT_NE(error_with("grid_mm: 0.25", "grid_mm: 0.2").find("columns are 0.2334 mm apart"), std::string::npos);
   EXPECT_NE(error_with("  min_length_mm: 5", "  min_length_mm: 70").find("it must be greater"), std::string::npos);
-  EXPECT_NE(error_of([] { PartCutter(load_rig("light-section"), [](CutPart&&) {}); }).find("has no section `parts`"),
+  EXPECT_NE(error_of([] { ProfileCutter(load_rig("light-section")); }).find("has no section `parts`"),
             std::string::npos);
 }
 

@@ -1,0 +1,141 @@
+// What commands share that measure by structured light: their options, and how images under the patterns of a reference
+// become depth images.
+#ifndef SELFPROJ_HOST_APP_SCANNER_RUN_H
+#define SELFPROJ_HOST_APP_SCANNER_RUN_H
+
+#include <CLI/CLI.hpp>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "host/camera/camera_device.h"
+#include "host/files/output_file.h"
+#include "host/files/output_folder.h"
+#include "host/images/image_files.h"
+#include "host/images/image_sequence.h"
+#include "host/report/depth_output.h"
+#include "host/rig/rig.h"
+#include "host/structured_light/depth_geometry.h"
+#include "host/structured_light/match_table.h"
+#include "host/structured_light/scan_stream.h"
+#include "host/structured_light/scanner.h"
+#include "host/structured_light/self_reference.h"
+#include "host/structured_light/self_scanner.h"
+#include "model/packet.h"
+
+namespace selfproj {
+
+// Add --rig and --calibration; --threshold, whose default the help calls `by_default`; --strict, to the group that is
+// open.
+void add_geometry_options(CLI::App& command, DepthGeometry& geometry);
+void add_threshold_option(CLI::App& command, int& threshold, const std::string& by_default);
+void add_strict_option(CLI::App& command, ScannerSettings& scanner);
+
+// Adds the group of --min-z, --max-z, --max-z-per-line and --max-residual.
+void add_limit_options(CLI::App& command, DepthGeometry& geometry);
+
+// What the images of a device are, for add_receive_options.
+inline constexpr const char* kImagesOfPatterns =
+    " that the projector triggers. A board sends codes, or images, which are decoded here. Image k, by the board's or "
+    "the "
+    "camera's own number, shows pattern k modulo 2m.";
+
+struct MatchOptions {
+  std::string rig;        // its name or file
+  std::string reference;  // folder that `selfproj pattern stripes` wrote
+  MatchSettings settings;
+  int threshold = -1;  // the rig's if negative
+};
+
+// Adds the group of --e, --printed-direction and so on.
+void add_search_options(CLI::App& command, MatchOptions& options);
+
+// A rig of kind scanner. Throws UserError.
+Rig scanner_rig(const std::string& name);
+
+// Throws UserError about `name` if the image has not the size of the rig's camera.
+void check_camera_size(const Rig& rig, const std::string& name, const Image& image);
+
+// A table with a line for each depth image: the number of its pair, its pixels with a depth, and the digests of depth
+// and difference.
+class DepthList {
+ public:
+  // Throws UserError. An empty name: no table.
+  explicit DepthList(const std::string& file);
+
+  void add(std::uint64_t pair, const SelfScanner& scanner);
+  void commit();
+
+ private:
+  std::optional<OutputFile> file_;
+  std::optional<OutputStream> stream_;
+};
+
+// What a run gives besides its files.
+struct MatchResult {
+  std::string text;        // for the terminal, one line
+  MatchPictures pictures;  // of the newest depth image, which are among the files
+};
+
+// Depth images from images under the patterns of a reference, as `selfproj match` writes them.
+class MatchRun {
+ public:
+  // Reads rig and reference. Throws UserError, also about settings that the reference does not allow.
+  explicit MatchRun(const MatchOptions& options);
+
+  [[nodiscard]] const Rig& rig() const { return rig_; }
+  [[nodiscard]] int patterns() const { return 2 * reference_.stripes.bits; }
+  [[nodiscard]] const SelfReference& reference() const { return reference_; }
+  [[nodiscard]] const MatchOptions& options() const { return options_; }
+
+  // Takes all images, patterns() or more and an even number, positive and negative of each bit in turn. Shows progress,
+  // and writes into the folder without a commit. Throws UserError about an image of another size.
+  MatchResult measure(ImageSequence& images, OutputFolder& folder, DepthList* list = nullptr) const;
+
+  // How a camera's images are decoded, where a device is one.
+  [[nodiscard]] CameraDefaults decoder() const {
+    return {.board = {.code_bits = patterns() / 2, .code_threshold = threshold()}};
+  }
+
+  // What a run says besides its shares.
+  [[nodiscard]] MatchReport report() const;
+
+  // θ_b of (4.15).
+  [[nodiscard]] int threshold() const {
+    return options_.threshold >= 0 ? options_.threshold : rig_.measure.code_threshold;
+  }
+
+ private:
+  MatchOptions options_;
+  Rig rig_;
+  SelfReference reference_;
+};
+
+// Writes depth and difference of the scanner's newest image into the folder.
+void append_maps(const SelfScanner& scanner, std::size_t pair, OutputFolder& folder);
+
+// Depth images from the packets of a device. The constructor takes seconds, for the table of matches.
+class MatchStream {
+ public:
+  // `run` must outlive it. `uri` is the device's name for messages.
+  MatchStream(const MatchRun& run, std::string uri);
+
+  // Returns whether the packet has completed a depth image. Throws UserError about an image of another size.
+  bool add(const PacketView& packet);
+
+  [[nodiscard]] const MatchTable& table() const { return table_; }
+  [[nodiscard]] const SelfScanner& scanner() const { return scanner_; }
+  [[nodiscard]] const ScanStream& stream() const { return stream_; }
+
+ private:
+  const MatchRun& run_;
+  std::string uri_;
+  MatchTable table_;
+  SelfScanner scanner_;
+  ScanStream stream_;
+};
+
+}  // namespace selfproj
+
+#endif  // SELFPROJ_HOST_APP_SCANNER_RUN_H

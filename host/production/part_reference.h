@@ -1,0 +1,43 @@
+// The reference as a map of a part has it: what is across the belt, and where heights can be compared.
+#ifndef SELFPROJ_HOST_PRODUCTION_PART_REFERENCE_H
+#define SELFPROJ_HOST_PRODUCTION_PART_REFERENCE_H
+
+#include <utility>
+#include <vector>
+
+#include "host/images/float_image.h"
+#include "host/light_section/differential_profile.h"
+#include "host/light_section/reference.h"
+#include "host/rig/rig.h"
+
+namespace selfproj {
+
+// The pattern has a jump at each wall of the reference, and columns beside it see light of both sides. It stays where
+// it is when a part is shifted, and then falls on a surface; so many columns beside it count as without a point.
+inline constexpr double kBesideWalls = 3.5;
+
+// What the reference of the light section is like across the belt: places and heights above the plane, mm, by place.
+// Columns without a reference are left out; `gap` says after which points one was.
+struct SectionReference {
+  std::vector<double> across_mm;
+  std::vector<double> height_mm;
+
+  // The height at a place, on the straight line between the neighbouring points; NaN where these are further apart than
+  // `widest_mm`, or steeper than a wall (kSteepest): heights there say more about the place than about the part.
+  [[nodiscard]] double at(double across_mm, double widest_mm) const;
+
+  // The stretches between neighbouring points where at() has no height: walls and gaps.
+  [[nodiscard]] std::vector<std::pair<double, double>> walls(double widest_mm) const;
+};
+
+// Asks the profiler itself where its reference lies, by moments that are exactly those of the reference. It holds for
+// every kind of rig, therefore.
+SectionReference section_of(const Rig& rig, const ReferenceProfile& reference, const DifferentialProfiler& profiler);
+
+// The heights on the rig's grid without those at walls, which say more about the place than about the part: where the
+// three cells to a side rise by more than kSteepest, and kBesideWalls camera pixels beside.
+FloatImage without_steep_places(const FloatImage& heights, const Rig& rig);
+
+}  // namespace selfproj
+
+#endif  // SELFPROJ_HOST_PRODUCTION_PART_REFERENCE_H

@@ -1,0 +1,269 @@
+#include "host/production/production.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <exception>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "host/driver/clock.h"
+#include "host/files/signals_held.h"
+#include "host/files/user_error.h"
+#include "host/production/endpoint.h"
+
+namespace selfproj {
+namespace {
+
+constexpr std::size_t kQueuedProfiles = 2048;
+constexpr std::size_t kQueuedDepthImages = 8;
+// Sleeps that are short beside 20 ms, and long beside the way into the kernel.
+constexpr auto kNap = std::chrono::microseconds(500);
+constexpr auto kNapWhenFull = std::chrono::microseconds(100);
+constexpr std::int64_t kBeatNs = 100'000'000;
+// A pause of frames that ends a part by trigger is found by the time stamps. Where no further frame comes, the clock of
+// this machine ends it, so much later.
+constexpr double kLateS = 0.1;
+
+}  // namespace
+
+Production::Production(const ProductionOptions& options, const Rig& rig) : options_(options), rig_(rig) {
+  if (options.tolerance.empty() && (!options.folder.empty() || !options.modbus.empty())) {
+    throw UserError(options.folder.empty() ? "--modbus" : "--parts",
+                    "needs --tolerance, by which parts are classified");
+  }
+  if (!options.tolerance.empty()) {
+    if (!rig.parts) {
+      throw UserError(rig.name, "has no section `parts`, which says how the stream is cut into parts");
+    }
+    tolerance_ = load_tolerance(options.tolerance);
+  }
+}
+
+Production::Production(const ProductionOptions& options, const Rig& rig, const SectionReference& section,
+                       const std::string& title)
+    : Production(options, rig) {
+  if (tolerance_) {
+    classifier_.emplace(rig, section, *tolerance_, options.tolerance);
+    cutter_ = std::make_unique<ProfileCutter>(rig);
+  }
+  Measured empty;
+  empty.profile.resize(rig.camera.columns);
+  start(title, kQueuedProfiles, empty);
+}
+
+Production::Production(const ProductionOptions& options, const Rig& rig, const FloatImage& reference_depth,
+                       int patterns, const std::string& title)
+    : Production(options, rig) {
+  if (tolerance_) {
+    classifier_.emplace(rig, DepthGrid(rig).cells(reference_depth), *tolerance_, options.tolerance);
+    cutter_ = std::make_unique<DepthCutter>(rig, patterns);
+  }
+  Measured empty;
+  empty.depth = empty.difference = FloatImage(rig.camera.rows, rig.camera.columns);
+  start(title, kQueuedDepthImages, empty);
+}
+
+void Production::start(const std::string& title, std::size_t queued, const Measured& empty) {
+  slots_.resize(queued, empty);
+  free_ = moodycamel::ReaderWriterQueue<Measured*>(queued);
+  filled_ = moodycamel::ReaderWriterQueue<Measured*>(queued);
+  for (Measured& slot : slots_) {
+    free_.enqueue(&slot);
+  }
+  if (!options_.live.empty()) {
+    page_.emplace(endpoint_of_text("--live", options_.live), rig_, title);
+    fmt::print(stderr, "live page: {}\n", page_->url());
+  }
+  if (!options_.modbus.empty()) {
+    modbus_.emplace(endpoint_of_text("--modbus", options_.modbus),
+                    [this] { return modbus_registers(counts(), lost_, heartbeat_, now_ns()); });
+  }
+  if (!options_.folder.empty()) {
+    files_.emplace(options_.folder, options_.keep);
+  }
+  const SignalsHeld held;  // signals are for the main thread
+  thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
+}
+
+Measured& Production::claim() {
+  for (;;) {
+    if (failed_) {
+      finish();
+    }
+    if (Measured** const next = free_.peek()) {
+      claimed_ = *next;
+      return *claimed_;
+    }
+    std::this_thread::sleep_for(kNapWhenFull);
+  }
+}
+
+void Production::image(const PacketView& packet) {
+  if (!page_ || !camera_.add(packet, page_->watched())) {
+    return;
+  }
+  RigMeasure measure = rig_.measure;
+  measure.take(measure_of(camera_.header()));  // a device may measure otherwise than the rig says
+  const std::vector<float> line =
+      rig_.kind == RigKind::light_section ? line_in_image(camera_.image(), measure) : std::vector<float>();
+  page_->camera(camera_.header(), camera_.image(), line, exposure_figures(camera_.image(), line, measure));
+}
+
+void Production::run(const std::stop_token& stop) {
+  try {
+    for (bool end = false; !end;) {
+      end = stop.stop_requested();  // what was published before is found below
+      while (Measured** const next = filled_.peek()) {
+        Measured* const slot = *next;
+        work(*slot);
+        filled_.pop();
+        free_.enqueue(slot);
+        look_at_the_clock();
+      }
+      look_at_the_clock();
+      if (!end) {
+        std::this_thread::sleep_for(kNap);
+      }
+    }
+    if (cutter_) {
+      classify(cutter_->finish());
+      const std::lock_guard lock(mutex_);
+      counts_.specks = cutter_->specks();
+    }
+  } catch (...) {
+    const std::lock_guard lock(mutex_);
+    fault_ = std::current_exception();
+    failed_ = true;
+  }
+}
+
+void Production::work(Measured& measured) {
+  last_arrival_ns_ = measured.arrival_ns;
+  if (cutter_) {
+    classify(cutter_->add(measured));
+  }
+  if (page_) {
+    page_->measured(measured);
+  }
+}
+
+void Production::look_at_the_clock() {
+  const std::int64_t now = now_ns();
+  if (now >= next_beat_ns_) {
+    next_beat_ns_ = now + kBeatNs;
+    ++heartbeat_;
+  }
+  const bool by_trigger = cutter_ && rig_.parts->cut == PartCut::trigger;
+  if (by_trigger && cutter_->in_part() && filled_.peek() == nullptr &&
+      static_cast<double>(now - last_arrival_ns_) * 1e-9 > rig_.parts->pause_s + kLateS) {
+    classify(cutter_->finish());
+  }
+}
+
+void Production::classify(const std::optional<CutPart>& part) {
+  if (!part) {
+    return;
+  }
+  PartResult result = classifier_->classify(*part, maps_);
+  {
+    const std::lock_guard lock(mutex_);
+    result.number = counts_.parts() + 1;
+    const std::int64_t now = now_ns();
+    result.delay_ns = now - part->last_ns;
+    ++counts_.verdicts.at(static_cast<std::size_t>(result.verdict));
+    counts_.specks = cutter_->specks();
+    counts_.last_part = result.number;
+    counts_.last_verdict = result.verdict;
+    counts_.last_defects = result.defects.size();
+    counts_.last_depth_mm = result.defects.empty() ? 0 : result.defects.front().depth_mm;
+    counts_.last_delay_ns = result.delay_ns;
+    counts_.last_ns = now;
+    delays_.add(result.delay_ns);
+    add_figures(result, statistics_);
+  }
+  if (files_) {
+    files_->add(result, maps_);
+  }
+  if (page_) {
+    page_->part(result, maps_, statistics_);  // no other thread changes them
+  }
+}
+
+PartCounts Production::counts() const {
+  const std::lock_guard lock(mutex_);
+  return counts_;
+}
+
+void Production::report(const Counters& counters, std::vector<Fact> figures) {
+  lost_ = counters.lost_board + counters.lost_ring + counters.lost_network;
+  if (page_) {
+    const std::vector<Fact> more = facts();
+    figures.insert(figures.end(), more.begin(), more.end());
+    page_->report(figures);
+  }
+}
+
+void Production::finish() {
+  thread_.request_stop();
+  if (thread_.joinable()) {
+    thread_.join();
+  }
+  if (fault_) {
+    std::rethrow_exception(std::exchange(fault_, nullptr));
+  }
+  if (files_) {
+    files_->finish(statistics_);
+  }
+}
+
+std::vector<Fact> Production::facts() const {
+  const auto ms = [](std::int64_t ns) { return static_cast<double>(ns) * 1e-6; };
+  std::vector<Fact> facts;
+  if (page_) {
+    facts.push_back({"live_dropped", "pictures dropped for slow browsers", fact_number(page_->dropped())});
+  }
+  if (!classifier_) {
+    return facts;
+  }
+  const std::lock_guard lock(mutex_);
+  const std::vector<Fact> of_parts = {
+      {"parts", "parts", fact_number(counts_.parts())},
+      {"parts_good", "good parts", fact_number(counts_.verdicts[0])},
+      {"parts_bad", "bad parts", fact_number(counts_.verdicts[1])},
+      {"parts_inconclusive", "inconclusive parts", fact_number(counts_.verdicts[2])},
+      {"specks", "objects too short to be a part", fact_number(counts_.specks)},
+      {"result_delay_p50_ms", "a part's last frame to its result, median", ms(delays_.percentile_ns(0.5)), "ms"},
+      {"result_delay_p99_ms", "a part's last frame to its result, 99 %", ms(delays_.percentile_ns(0.99)), "ms"}};
+  facts.insert(facts.end(), of_parts.begin(), of_parts.end());
+  if (files_) {
+    facts.push_back({"part_folders", "folders of parts", fact_number(files_->folders())});
+    facts.push_back({"part_folders_left_out", "folders left out", fact_number(files_->folders_left_out())});
+  }
+  return facts;
+}
+
+std::string Production::status_text() const {
+  const PartCounts all = counts();
+  return classifier_ ? fmt::format("{} parts: {} good, {} bad, {} inconclusive", all.parts(), all.verdicts[0],
+                                   all.verdicts[1], all.verdicts[2])
+                     : std::string();
+}
+
+std::string Production::end_text() const {
+  if (!classifier_) {
+    return "";
+  }
+  const std::string parts = status_text();
+  const std::lock_guard lock(mutex_);
+  return fmt::format("{}; result after the last frame p50 {}, p99 {}{}\n", parts, time_text(delays_.percentile_ns(0.5)),
+                     time_text(delays_.percentile_ns(0.99)), files_ ? " → " + options_.folder : std::string());
+}
+
+}  // namespace selfproj

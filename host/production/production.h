@@ -1,0 +1,140 @@
+// Parts inspected while they pass: cut out of what is measured, classified, and reported.
+#ifndef SELFPROJ_HOST_PRODUCTION_PRODUCTION_H
+#define SELFPROJ_HOST_PRODUCTION_PRODUCTION_H
+
+#include <readerwriterqueue/readerwriterqueue.h>
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <exception>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <stop_token>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "host/driver/counters.h"
+#include "host/images/float_image.h"
+#include "host/production/camera_view.h"
+#include "host/production/classifier.h"
+#include "host/production/cutter.h"
+#include "host/production/live_page.h"
+#include "host/production/modbus_server.h"
+#include "host/production/part_files.h"
+#include "host/production/part_reference.h"
+#include "host/production/part_result.h"
+#include "host/production/tolerance.h"
+#include "host/report/facts.h"
+#include "host/rig/rig.h"
+#include "model/packet.h"
+
+namespace selfproj {
+
+struct ProductionOptions {
+  std::string folder;     // of the results of parts; empty: none
+  std::string tolerance;  // empty: no parts
+  std::uint64_t keep = 1000;
+  std::string modbus;
+  std::string live;
+
+  // The first option that was given; empty: none.
+  [[nodiscard]] std::string first() const {
+    return !tolerance.empty() ? "--tolerance"
+           : !folder.empty()  ? "--parts"
+           : !modbus.empty()  ? "--modbus"
+           : !live.empty()    ? "--live"
+                              : "";
+  }
+  [[nodiscard]] bool any() const { return !first().empty(); }
+};
+
+// A production:
+//
+//     who receives packets ─▶ queue ─▶ cutter ─▶ classifier ─▶ files, live page, Modbus
+//
+// The thread that receives packets only measures in a place of the queue and passes it on. All else is the work of a
+// thread of its own. Nothing that was measured is dropped: where the work falls behind, claim() waits, the packets wait
+// in the ring, and what is then lost is lost in the ring and counted there. Without a tolerance nothing is cut, and the
+// page shows what was measured.
+class Production {
+ public:
+  // Of a light section. Throws UserError about options, rig, tolerance, ports and folders, as the constructor below.
+  // `title` stands above the page.
+  Production(const ProductionOptions& options, const Rig& rig, const SectionReference& section,
+             const std::string& title);
+
+  // Of structured light. `reference_depth` is z_R in mm, NaN where there is none, and `patterns` are the frames of a
+  // depth image.
+  Production(const ProductionOptions& options, const Rig& rig, const FloatImage& reference_depth, int patterns,
+             const std::string& title);
+  Production(const Production&) = delete;
+  Production& operator=(const Production&) = delete;
+  ~Production() = default;
+
+  // For the thread that receives packets. claim() gives the place for what is measured next, the same until publish()
+  // passes it on. Throws what the thread of the production has thrown.
+  Measured& claim();
+  void publish() { free_.pop(), filled_.enqueue(claimed_); }
+
+  // A packet that may belong to a raw image, which the page may show.
+  void image(const PacketView& packet);
+
+  // The counters so far, and the figures that the page shows.
+  void report(const Counters& counters, std::vector<Fact> figures);
+
+  // Classifies the parts that are left, and writes their results. Throws what the thread has thrown.
+  void finish();
+
+  // What was counted so far; the end of the status line on a terminal: "12 parts: 10 good, ..."; and at the end one
+  // line, or nothing where no parts are classified.
+  [[nodiscard]] std::vector<Fact> facts() const;
+  [[nodiscard]] std::string status_text() const;
+  [[nodiscard]] std::string end_text() const;
+
+ private:
+  Production(const ProductionOptions& options, const Rig& rig);
+  void start(const std::string& title, std::size_t queued, const Measured& empty);
+  void run(const std::stop_token& stop);
+  void work(Measured& measured);
+  void look_at_the_clock();
+  void classify(const std::optional<CutPart>& part);
+  [[nodiscard]] PartCounts counts() const;
+
+  ProductionOptions options_;
+  Rig rig_;
+  std::optional<Tolerance> tolerance_;
+
+  std::vector<Measured> slots_;
+  moodycamel::ReaderWriterQueue<Measured*> free_;
+  moodycamel::ReaderWriterQueue<Measured*> filled_;
+  Measured* claimed_ = nullptr;
+
+  // Of the thread of the production:
+  std::unique_ptr<Cutter> cutter_;
+  std::optional<Classifier> classifier_;
+  PlacedMaps maps_;
+  std::int64_t next_beat_ns_ = 0;
+  std::int64_t last_arrival_ns_ = 0;
+
+  mutable std::mutex mutex_;  // of the next four
+  PartCounts counts_;
+  PartStatistics statistics_;
+  DurationHistogram delays_;  // from the arrival of a part's last frame to its result
+  std::exception_ptr fault_;
+  std::atomic<bool> failed_{false};
+  std::atomic<std::uint16_t> heartbeat_{0};  // tenths of a second while the thread works
+  std::atomic<std::uint64_t> lost_{0};
+
+  std::optional<PartFiles> files_;
+  std::optional<LivePage> page_;
+  CameraView camera_;
+  std::optional<ModbusServer> modbus_;
+  std::jthread thread_;
+};
+
+}  // namespace selfproj
+
+#endif  // SELFPROJ_HOST_PRODUCTION_PRODUCTION_H
