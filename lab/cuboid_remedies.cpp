@@ -61,9 +61,9 @@ double bad(const ErrorSpread& errors) {
 }
 
 // Measurements of the cuboids, of which none is made twice.
-class Measured {
+class MeasuredWorlds {
  public:
-  Measured(const DisturbedCuboids& cuboids, const WorldFile& file, const CuboidRemedy& remedy,
+  MeasuredWorlds(const DisturbedCuboids& cuboids, const WorldFile& file, const CuboidRemedy& remedy,
            std::map<std::string, std::vector<WayOfMeasuring>>& known)
       : cuboids_(cuboids), file_(file), remedy_(remedy), known_(known) {}
 
@@ -105,7 +105,7 @@ std::vector<TriedRemedy> try_cuboid_remedies(const DisturbedCuboids& cuboids, co
   const std::size_t all =
       kCuboidRemedies.size() * (kCuboidRemedies[0].values.size() + (1 + kWays) * static_cast<std::size_t>(seeds));
   for (const CuboidRemedy& remedy : kCuboidRemedies) {
-    Measured measured(cuboids, file, remedy, known);
+    MeasuredWorlds measured(cuboids, file, remedy, known);
     const auto counted = [&](double value, int seed) -> const std::vector<WayOfMeasuring>& {
       const auto& ways = measured.with(value, static_cast<std::uint64_t>(seed));
       progress(++done, all);

@@ -106,7 +106,7 @@ class WholeStream final : public GrayStream {
     if (pattern % 2 == 0) {
       positive_ = image;  // only a view; the scanner, too, reads these pixels again when the negative comes
     } else {
-      borders_.take(pattern / 2, positive_, image);
+      borders_.add_plane(pattern / 2, positive_, image);
     }
     const bool due = GrayStream::take(image, pattern);
     has_borders_ = due && pattern + 1 == kGrayCycle;

@@ -60,9 +60,9 @@ void scan_cycle(const PatternRenderer& renderer, int first, int bits, const std:
                 see(i, image);
                 if (i % 2 == 0) {
                   positive.assign(image.pixels, image.pixels + renderer.rig().camera.pixels());
-                  scanner.take({positive.data(), image.rows, image.columns, image.columns}, i);
+                  scanner.add_frame({positive.data(), image.rows, image.columns, image.columns}, i);
                 } else {
-                  scanner.take(image, i);
+                  scanner.add_frame(image, i);
                 }
               });
 }
@@ -92,7 +92,7 @@ class DepthStream {
 class SelfProjectedStream final : public DepthStream {
  public:
   SelfProjectedStream(const Rig& rig, const SelfReference& reference, const MatchTable& table);
-  bool take(const ImageView& image, int pattern) override { return scanner_.take(image, pattern); }
+  bool take(const ImageView& image, int pattern) override { return scanner_.add_frame(image, pattern); }
   [[nodiscard]] const FloatImage& depth() const override { return scanner_.depth(); }
   [[nodiscard]] FloatImage difference() const override { return scanner_.difference(); }
   [[nodiscard]] int bits() const override { return reference_.stripes.bits; }
@@ -107,7 +107,7 @@ class SelfProjectedStream final : public DepthStream {
 class GrayStream : public DepthStream {
  public:
   GrayStream(const Rig& rig, std::unique_ptr<Triangulation> triangulation, int bits, int lines);
-  bool take(const ImageView& image, int pattern) override { return scanner_.take(image, pattern); }
+  bool take(const ImageView& image, int pattern) override { return scanner_.add_frame(image, pattern); }
   [[nodiscard]] const FloatImage& depth() const override { return scanner_.depth(); }
   [[nodiscard]] FloatImage difference() const override;
   [[nodiscard]] int bits() const override { return bits_; }

@@ -160,7 +160,7 @@ DepthRun depth_of_device(const DepthOptions& options, Receiver& receiver, Output
     return stream.depth_images();
   };
   const auto status = [&] {
-    const Moved* const moved = stream.moved();
+    const Foreground* const moved = stream.moved();
     return fmt::format("incomplete images {}{}", stream.incomplete(),
                        moved == nullptr ? ""
                                         : fmt::format("; {} pixels moved, at {:.1f}, {:.1f}, {:.1f} mm", moved->pixels,

@@ -50,7 +50,7 @@ void add_section_options(CLI::App& command, SectionOptions& options) {
   command
       .add_option("--pixel-clock-hz", options.pixel_clock_hz,
                   "Pixel clock of the board in Hz, which its time stamps count.")
-      ->transform(real_number(kLeastPixelClockHz, kMostPixelClockHz))
+      ->transform(real_number(kMinPixelClockHz, kMaxPixelClockHz))
       ->type_name("HZ")
       ->default_str(fmt::format("the rig's, or {:.0f}", kDefaultPixelClockHz));
 }

@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 
+#include "host/driver/clock.h"
 #include "host/driver/device.h"
 #include "host/light_section/differential_profile.h"
 #include "host/light_section/profile.h"

@@ -110,7 +110,7 @@ void Production::image(const PacketView& packet) {
     return;
   }
   RigMeasure measure = rig_.measure;
-  measure.take(measure_of(camera_.header()));  // a device may measure otherwise than the rig says
+  measure.apply(measure_of(camera_.header()));  // a device may measure otherwise than the rig says
   const std::vector<float> line =
       rig_.kind == RigKind::light_section ? line_in_image(camera_.image(), measure) : std::vector<float>();
   page_->camera(camera_.header(), camera_.image(), line, exposure_figures(camera_.image(), line, measure));

@@ -16,6 +16,7 @@
 #include <thread>
 #include <vector>
 
+#include "host/driver/clock.h"
 #include "host/driver/counters.h"
 #include "host/images/float_image.h"
 #include "host/production/camera_view.h"

@@ -174,20 +174,20 @@ bool DepthStream::add(const PacketView& packet) {
     scanner_->restart();
   }
   if (got == ScanStream::Got::codes) {
-    scanner_->take_codes(stream_.codes().data());
-  } else if (!scanner_->take(stream_.image(), stream_.pattern(2 * setup_.geometry.bits))) {
+    scanner_->add_codes(stream_.codes().data());
+  } else if (!scanner_->add_frame(stream_.image(), stream_.pattern(2 * setup_.geometry.bits))) {
     return false;
   }
   sequence_ = header.sequence;
   ++run_.depth_images;
-  if (const Moved* const newest = moved()) {
+  if (const Foreground* const newest = moved()) {
     run_.moved.push_back({sequence_, *newest});
   }
   return true;
 }
 
-const Moved* DepthStream::moved() const {
-  return scanner_ && scanner_->has_background() ? &scanner_->moved() : nullptr;
+const Foreground* DepthStream::moved() const {
+  return scanner_ && scanner_->has_background() ? &scanner_->foreground() : nullptr;
 }
 
 DepthRun DepthStream::result(const Counters& counters) {

@@ -90,7 +90,7 @@ class DepthStream {
   [[nodiscard]] const FloatImage& depth() const { return scanner_->depth(); }
 
   // What differs from the background in the newest depth image; null without a background.
-  [[nodiscard]] const Moved* moved() const;
+  [[nodiscard]] const Foreground* moved() const;
 
   // The run so far; the stream is spent. Throws UserError if there is no depth image.
   DepthRun result(const Counters& counters);

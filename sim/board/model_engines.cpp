@@ -54,7 +54,7 @@ class GrayModelEngine final : public GrayEngine {
   }
 
   bool take(const ImageView& image, int pattern, std::uint16_t* codes) override {
-    const bool due = decoder_->take(image, pattern, true, median_ ? raw_.data() : codes);
+    const bool due = decoder_->add_frame(image, pattern, true, median_ ? raw_.data() : codes);
     if (due && median_) {
       median3x3(raw_.data(), image.rows, image.columns, codes);
     }

@@ -67,7 +67,7 @@ class DepthErrors {
 struct DepthSample {
   std::size_t frame = 0;  // frame of this run, from 1, that completed the code image
   double t = 0;           // time in s of the frame in the middle of the code's cycle
-  Moved moved, true_moved;
+  Foreground moved, true_moved;
   double front = std::numeric_limits<double>::quiet_NaN();  // SceneAnalysis::wave_front
   double true_front = std::numeric_limits<double>::quiet_NaN();
   std::vector<double> z, true_z;  // SceneAnalysis::key_taps: z at the pixels of the keys, of what moved

@@ -55,7 +55,10 @@ inline void fill_with_runs(Random& random, int threshold, std::vector<std::uint8
 
 // `runs`: the frame mostly asks for the strongest runs, and has several of them in a column.
 inline MomentsFrame random_moments_frame(Random& random, int columns, int rows, Mode mode, bool runs = false) {
-  MomentsFrame frame{.columns = columns, .rows = rows, .mode = mode};
+  MomentsFrame frame;
+  frame.columns = columns;
+  frame.rows = rows;
+  frame.mode = mode;
   frame.threshold = random.chance(20) ? 0 : random.chance(10) ? 255 : random.between(0, 255);
   frame.pixels = random.bytes(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
   if (random.chance(15)) {  // all pixels have one value, mostly an extreme one

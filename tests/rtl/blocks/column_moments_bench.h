@@ -290,7 +290,9 @@ class ColumnBench {
 
 template <typename Dut>
 Frame random_frame(Random& random, int columns, int rows, Mode mode) {
-  return {random_moments_frame(random, columns, rows, mode, kRuns<Dut>)};
+  Frame frame;
+  static_cast<MomentsFrame&>(frame) = random_moments_frame(random, columns, rows, mode, kRuns<Dut>);
+  return frame;
 }
 
 // All small sizes; each frame comes as soon as the packet of the previous one allows it.
