@@ -93,7 +93,7 @@ class ColumnMoments {
       add_up(in, old, grey, out);
     }
     if (push) {
-      const Pixels weights = weights_of(in);
+      const Pixels weights = weights_of(in.pixels, in.threshold, in.mode);
       line_[static_cast<int>(in.group)] = weights;
       recent_line_.write(in.group, weights);
       rows_ = in.row;

@@ -61,7 +61,7 @@ class ColumnRuns {
     static_assert(kMemoryDistance == 4, "the distance in the pragma");
     const bool push = in.valid && in.last_row;
     const bool drain = last_row_.drains();
-    const Pixels weights = weights_of(in);
+    const Pixels weights = weights_of(in.pixels, in.threshold, in.mode);
 
     // One read of each: of the group that is added up, or of the one that leaves. A first row needs none.
     Group address = in.group;

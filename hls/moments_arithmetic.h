@@ -42,6 +42,25 @@ inline Pixel weight_of(Pixel pixel, Pixel threshold, ModeBits mode) {
   return weight;
 }
 
+inline Pixel lane_of(Pixels pixels, int lane) {
+#pragma HLS inline
+  Pixel pixel = pixels >> (spec::kPixelBits * lane);
+  return pixel;
+}
+
+// The weights of four pixels.
+inline Pixels weights_of(Pixels pixels, Pixel threshold, ModeBits mode) {
+#pragma HLS inline
+  Pixels weights = 0;
+  for (int lane = kLanes - 1; lane >= 0; --lane) {
+#pragma HLS unroll
+    Pixel pixel = lane_of(pixels, lane);
+    Pixel weight = weight_of(pixel, threshold, mode);
+    weights = (weights << spec::kPixelBits) | weight;
+  }
+  return weights;
+}
+
 inline Sum0 next_m0(Sum0 m0, Pixel weight) {
 #pragma HLS inline
   Sum0 next = m0 + weight;
@@ -96,34 +115,28 @@ inline Uint<spec::kGreyWordBits> grey_word(Sum0 m0, Sum1 m1, Row n) {
 }
 static_assert(spec::kBinaryM1Lsb == 0 && spec::kGreyM1Lsb == 0, "M1 has the low bits of its word");
 
-// What the words of the strongest run tell besides: the number of runs, and how strong the second is in sixteenths.
+// What the words of the strongest run report besides: the number of runs, and how strong the second is in sixteenths.
 inline Uint<spec::kBinaryRunWordBits> binary_run_word(Uint<spec::kBinaryWordBits> word, Uint<2> runs, Uint<5> second) {
 #pragma HLS inline
-  Uint<spec::kBinaryRunWordBits> told = runs;
-  told = told << (spec::kBinaryRunRunsLsb - spec::kBinaryRunSecondLsb);
+  Uint<spec::kBinaryRunWordBits> all = runs;
+  all = all << (spec::kBinaryRunRunsLsb - spec::kBinaryRunSecondLsb);
   if (second >= 8) {
-    told = told | 1;
+    all = all | 1;
   }
-  told = (told << spec::kBinaryRunSecondLsb) | word;
-  return told;
+  all = (all << spec::kBinaryRunSecondLsb) | word;
+  return all;
 }
 inline Uint<spec::kGreyRunWordBits> grey_run_word(Uint<spec::kGreyWordBits> word, Uint<2> runs, Uint<5> second) {
 #pragma HLS inline
-  Uint<spec::kGreyRunWordBits> told = second;
-  told = (told << (spec::kGreyRunSecondLsb - spec::kGreyRunRunsLsb)) | runs;
-  told = (told << spec::kGreyRunRunsLsb) | word;
-  return told;
+  Uint<spec::kGreyRunWordBits> all = second;
+  all = (all << (spec::kGreyRunSecondLsb - spec::kGreyRunRunsLsb)) | runs;
+  all = (all << spec::kGreyRunRunsLsb) | word;
+  return all;
 }
 static_assert(spec::kBinaryRunM1Lsb == spec::kBinaryM1Lsb && spec::kBinaryRunM0Lsb == spec::kBinaryM0Lsb &&
                   spec::kGreyRunM1Lsb == spec::kGreyM1Lsb && spec::kGreyRunM0Lsb == spec::kGreyM0Lsb &&
                   spec::kGreyRunNLsb == spec::kGreyNLsb,
               "moments have the same places with and without runs");
-
-inline Pixel lane_of(Pixels pixels, int lane) {
-#pragma HLS inline
-  Pixel pixel = pixels >> (spec::kPixelBits * lane);
-  return pixel;
-}
 
 }  // namespace hls
 }  // namespace selfproj

@@ -29,18 +29,6 @@ struct MomentsIn {
   bool broken = false;     // the frame breaks: after this beat, if there is one, no more will come
 };
 
-// The weights of its four pixels, the leftmost in the low bits.
-inline Pixels weights_of(const MomentsIn& in) {
-#pragma HLS inline
-  Pixels weights = 0;
-  for (int lane = kLanes - 1; lane >= 0; --lane) {
-#pragma HLS unroll
-    Pixel pixel = lane_of(in.pixels, lane);
-    weights = (weights << spec::kPixelBits) | weight_of(pixel, in.threshold, in.mode);
-  }
-  return weights;
-}
-
 // 16 bytes of payload: four columns in mode binary, two in the grey modes, lowest first. Or nothing.
 struct MomentsOut {
   bool valid = false;

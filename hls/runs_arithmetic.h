@@ -36,7 +36,7 @@ struct EndedRuns {
   Row row = 0;  // the row in which it ended
 };
 
-// A row is added to the open run; `ends` tells that the row, which is dark, ended it.
+// A row is added to the open run; `ends`: the row, which is dark, ended it.
 inline OpenRun next_run(const OpenRun& old, Pixel weight, bool strongest, Uint<2> gap, bool& ends) {
 #pragma HLS inline
   OpenRun next;

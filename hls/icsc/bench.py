@@ -16,9 +16,16 @@ SHELLS = pathlib.Path(__file__).resolve().parents[1] / "shells"
 PORT = re.compile(r"sc_core::sc_(?:in|out)<(\w+(?:<\w+>)?)> (\w+)\{")
 
 
+def source(name):
+    """Returns the text of a shell's header, with the ports that it inherits before its own."""
+    text = (SHELLS / f"{name}_shell.h").read_text()
+    inherited = re.findall(r'#include "hls/shells/(\w+_ports\.h)"', text)
+    return "".join((SHELLS / file).read_text() for file in inherited) + text
+
+
 def bench(name, text, instance):
     """Returns the module around a shell, and its name, from the text of the shell's header."""
-    shell = re.search(r"class (\w+Shell) : public sc_core::sc_module", text)[1]
+    shell = re.search(r"class (\w+Shell) : public ", text)[1]
     ports = PORT.findall(text)
     signals = "\n".join(f'  sc_core::sc_signal<{kind}> {port}{{"{port}"}};' for kind, port in ports)
     binds = "\n".join(f"    shell.{port}({port});" for _, port in ports)
@@ -39,7 +46,7 @@ struct {shell}Bench : public sc_core::sc_module {{
 
 
 def program(names):
-    texts = {name: (SHELLS / f"{name}_shell.h").read_text() for name in names}
+    texts = {name: source(name) for name in names}
     benches = [bench(name, text, name if len(names) > 1 else "top") for name, text in texts.items()]
     includes = "\n".join(f'#include "hls/shells/{name}_shell.h"' for name in names)
     instances = "\n".join(instance for _, instance in benches)

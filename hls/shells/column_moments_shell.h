@@ -5,47 +5,28 @@
 // The tests compare both clock by clock. The timing in docs/using-the-circuits.md thus holds for this module, too.
 //
 // The operations on pixels, sums and words are the pure functions of hls/moments_arithmetic.h. This file decides when
-// they happen, with the sums in moments_sums.h and the drain in moments_drain.h. The registers have the names of the
-// RTL's. Unlike there, sums are in one piece, and a word is finished in one clock and then passes seven registers,
-// which a synthesizer may move into the additions and the multiplication. Its reads and writes of the memories are
-// therefore one clock ahead of the RTL's. The memories are outside, behind ports. Each has one port that writes and one
-// that reads a clock later, like sp_ram.
+// they happen, with the sums in moments_sums.h and the drain in moments_drain.h. moments_ports.h has what both circuits
+// share. The registers have the names of the RTL's. Unlike there, sums are in one piece, and a word is finished in one
+// clock and then passes seven registers, which a synthesizer may move into the additions and the multiplication. Its
+// reads and writes of the memories are therefore one clock ahead of the RTL's. The memories are outside, behind ports.
+// Each has one port that writes and one that reads a clock later, like sp_ram.
 #ifndef SELFPROJ_HLS_SHELLS_COLUMN_MOMENTS_SHELL_H
 #define SELFPROJ_HLS_SHELLS_COLUMN_MOMENTS_SHELL_H
 
 #include <systemc>
 
 #include "hls/shells/moments_drain.h"
+#include "hls/shells/moments_ports.h"
 #include "hls/shells/moments_sums.h"
 
 namespace selfproj {
 namespace hls {
 
-class ColumnMomentsShell : public sc_core::sc_module {
+class ColumnMomentsShell : public MomentsPorts {
  public:
-  sc_core::sc_in<bool> clk_i{"clk_i"};
-  sc_core::sc_in<bool> rst_i{"rst_i"};
-
-  // A beat and its place, as in the RTL
-  sc_core::sc_in<bool> beat_valid_i{"beat_valid_i"};
-  sc_core::sc_in<Pixels> beat_pixels_i{"beat_pixels_i"};
-  sc_core::sc_in<Group> beat_group_i{"beat_group_i"};
-  sc_core::sc_in<Row> beat_row_i{"beat_row_i"};
-  sc_core::sc_in<bool> beat_first_row_i{"beat_first_row_i"};
-  sc_core::sc_in<bool> beat_last_row_i{"beat_last_row_i"};
-  sc_core::sc_in<bool> beat_line_end_i{"beat_line_end_i"};
+  // The frame has 4 columns, or 8
   sc_core::sc_in<bool> one_group_i{"one_group_i"};
   sc_core::sc_in<bool> two_groups_i{"two_groups_i"};
-  sc_core::sc_in<ModeBits> mode_i{"mode_i"};
-  sc_core::sc_in<Pixel> threshold_i{"threshold_i"};
-  sc_core::sc_in<bool> break_i{"break_i"};
-  sc_core::sc_in<bool> accept_i{"accept_i"};
-
-  // Payload
-  sc_core::sc_out<bool> moments_valid_o{"moments_valid_o"};
-  sc_core::sc_out<WideUint<128>> moments_data_o{"moments_data_o"};
-  sc_core::sc_out<bool> moments_break_o{"moments_break_o"};
-  sc_core::sc_out<bool> spoiled_o{"spoiled_o"};
 
   // Memory of M0 and N: one word for lanes 0 and 1, one for lanes 2 and 3
   sc_core::sc_out<bool> m_rd_en_o{"m_rd_en_o"};
@@ -65,36 +46,18 @@ class ColumnMomentsShell : public sc_core::sc_module {
   sc_core::sc_out<Group> a_wr_addr_o{"a_wr_addr_o"};
   sc_core::sc_out<Uint<kABits>> a_wr_low_o{"a_wr_low_o"};
   sc_core::sc_out<Uint<kABits>> a_wr_high_o{"a_wr_high_o"};
-  // Line buffer: the weights of a last row
-  sc_core::sc_out<bool> line_rd_en_o{"line_rd_en_o"};
-  sc_core::sc_out<Group> line_rd_addr_o{"line_rd_addr_o"};
-  sc_core::sc_in<Pixels> line_rd_data_i{"line_rd_data_i"};
-  sc_core::sc_out<bool> line_wr_en_o{"line_wr_en_o"};
-  sc_core::sc_out<Group> line_wr_addr_o{"line_wr_addr_o"};
-  sc_core::sc_out<Pixels> line_wr_data_o{"line_wr_data_o"};
 
   SC_HAS_PROCESS(ColumnMomentsShell);
-  explicit ColumnMomentsShell(const sc_core::sc_module_name& name) : sc_module(name) {
+  explicit ColumnMomentsShell(const sc_core::sc_module_name& name) : MomentsPorts(name) {
     SC_CTHREAD(clocked, clk_i.pos());
     reset_signal_is(rst_i, true);
-    SC_METHOD(write_line);
-    sensitive << s4_drain_row_ << accept_i;
   }
 
  private:
-  // The weights of a last row are kept if its packet was accepted, which is known in the same clock.
-  sc_core::sc_signal<bool> s4_drain_row_{"s4_drain_row"};
-
-  void write_line() { line_wr_en_o.write(s4_drain_row_.read() && accept_i.read()); }
-
   // --- Registers ---
   // Stages 1 to 4: beats and breaks on their way
   MomentsBeat beat_[4];
-  bool break_[3];
   bool drain_grey_;  // the last row that passes now or passed last goes to the drain
-  // The request to the memory of M in this clock
-  bool add_;
-  bool drain_;
   MomentsSums sums_;
   MomentsDrain draining_;
   // Mode binary, stages 5 to 10
@@ -102,16 +65,13 @@ class ColumnMomentsShell : public sc_core::sc_module {
   bool direct_break_[6];
   Sum0 direct_m0_[kLanes];
   Uint<64> direct_word_[2][2];  // stages 9 and 10
-  bool spoiled_;
 
   void reset() {
     for (int i = 0; i < 4; ++i) {
       beat_[i].reset();
       direct_m0_[i] = 0;
     }
-    for (int i = 0; i < 3; ++i) {
-      break_[i] = false;
-    }
+    reset_common();
     for (int i = 0; i < 6; ++i) {
       direct_[i] = false;
       direct_break_[i] = false;
@@ -121,11 +81,8 @@ class ColumnMomentsShell : public sc_core::sc_module {
       direct_word_[i][1] = 0;
     }
     drain_grey_ = false;
-    add_ = false;
-    drain_ = false;
     sums_.reset();
     draining_.reset();
-    spoiled_ = false;
   }
 
   void clocked() {
@@ -153,11 +110,7 @@ class ColumnMomentsShell : public sc_core::sc_module {
       bool push = s4_drain_row && accept;
       bool broken = break_[2] && accept && break_drains;
       draining_.step(drain_, push, broken, beat_[3]);
-      if (valid && beat_[3].first_row) {
-        spoiled_ = false;
-      } else if (valid && !s4_drain_row && draining_.order.was_active) {
-        spoiled_ = true;
-      }
+      spoil(beat_[3], draining_.order.was_active);
       if (valid && beat_[3].last_row) {
         drain_grey_ = beat_[3].grey;
       }
@@ -199,42 +152,14 @@ class ColumnMomentsShell : public sc_core::sc_module {
     for (int i = 3; i > 0; --i) {
       beat_[i] = beat_[i - 1];
     }
-    break_[2] = break_[1];
-    break_[1] = break_[0];
-    break_[0] = break_i.read();
-    beat_[0].valid = beat_valid_i.read();
-    beat_[0].group = beat_group_i.read();
-    beat_[0].row = beat_row_i.read();
-    beat_[0].first_row = beat_first_row_i.read();
-    beat_[0].last_row = beat_last_row_i.read();
-    beat_[0].line_end = beat_line_end_i.read();
+    enter_beat(beat_[0]);
     beat_[0].one_group = one_group_i.read();
     beat_[0].two_groups = two_groups_i.read();
-    beat_[0].grey = mode_i.read() != spec::kModeBinary;
-    Pixels pixels = beat_pixels_i.read();
-    Pixel threshold = threshold_i.read();
-    ModeBits mode = mode_i.read();
-    Pixels weights = 0;
-    for (int lane = kLanes - 1; lane >= 0; --lane) {
-      Pixel pixel = lane_of(pixels, lane);
-      Pixel weight = weight_of(pixel, threshold, mode);
-      weights = (weights << spec::kPixelBits) | weight;
-    }
-    beat_[0].weights = weights;
   }
 
   // The outputs of the clock that begins.
   void show() {
-    bool s4_drain_row = beat_[3].drains();
-    // A first row needs no read and may pass a drain. Any other row meets a drain only after a change of size: see
-    // spoiled_o.
-    add_ = beat_[3].valid && !s4_drain_row && (beat_[3].first_row || !draining_.order.active);
-    drain_ = draining_.order.drains();
-    s4_drain_row_.write(s4_drain_row);
-    line_wr_addr_o.write(beat_[3].group);
-    line_wr_data_o.write(beat_[3].weights);
-    line_rd_en_o.write(drain_);
-    line_rd_addr_o.write(draining_.order.group);
+    show_requests(beat_[3], draining_.order);
     Group m_address = beat_[3].group;
     if (drain_) {
       m_address = draining_.order.group;
@@ -279,13 +204,7 @@ class ColumnMomentsShell : public sc_core::sc_module {
       low = draining_.d_word[7][0];
       high = draining_.d_word[7][1];
     }
-    WideUint<128> data(high);
-    data = data << 64;
-    data = data | WideUint<128>(low);
-    moments_valid_o.write(direct_[5] || draining_.d_valid[8]);
-    moments_data_o.write(data);
-    moments_break_o.write(direct_break_[5] || draining_.d_break[8]);
-    spoiled_o.write(spoiled_);
+    show_payload(direct_[5] || draining_.d_valid[8], low, high, direct_break_[5] || draining_.d_break[8]);
   }
 };
 

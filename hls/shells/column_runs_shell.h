@@ -16,37 +16,17 @@
 
 #include <systemc>
 
+#include "hls/shells/moments_ports.h"
 #include "hls/shells/runs_drain.h"
 #include "hls/shells/runs_sums.h"
 
 namespace selfproj {
 namespace hls {
 
-class ColumnRunsShell : public sc_core::sc_module {
+class ColumnRunsShell : public MomentsPorts {
  public:
-  sc_core::sc_in<bool> clk_i{"clk_i"};
-  sc_core::sc_in<bool> rst_i{"rst_i"};
-
-  // A beat and its place, as in the RTL
-  sc_core::sc_in<bool> beat_valid_i{"beat_valid_i"};
-  sc_core::sc_in<Pixels> beat_pixels_i{"beat_pixels_i"};
-  sc_core::sc_in<Group> beat_group_i{"beat_group_i"};
-  sc_core::sc_in<Row> beat_row_i{"beat_row_i"};
-  sc_core::sc_in<bool> beat_first_row_i{"beat_first_row_i"};
-  sc_core::sc_in<bool> beat_last_row_i{"beat_last_row_i"};
-  sc_core::sc_in<bool> beat_line_end_i{"beat_line_end_i"};
-  sc_core::sc_in<ModeBits> mode_i{"mode_i"};
-  sc_core::sc_in<Pixel> threshold_i{"threshold_i"};
   sc_core::sc_in<bool> strongest_i{"strongest_i"};
   sc_core::sc_in<Uint<2>> gap_i{"gap_i"};
-  sc_core::sc_in<bool> break_i{"break_i"};
-  sc_core::sc_in<bool> accept_i{"accept_i"};
-
-  // Payload
-  sc_core::sc_out<bool> moments_valid_o{"moments_valid_o"};
-  sc_core::sc_out<WideUint<128>> moments_data_o{"moments_data_o"};
-  sc_core::sc_out<bool> moments_break_o{"moments_break_o"};
-  sc_core::sc_out<bool> spoiled_o{"spoiled_o"};
 
   // The memories of the runs
   sc_core::sc_out<bool> rd_en_o{"rd_en_o"};
@@ -80,51 +60,27 @@ class ColumnRunsShell : public sc_core::sc_module {
   sc_core::sc_out<Uint<kRestBits>> rest_wr1_o{"rest_wr1_o"};
   sc_core::sc_out<Uint<kRestBits>> rest_wr2_o{"rest_wr2_o"};
   sc_core::sc_out<Uint<kRestBits>> rest_wr3_o{"rest_wr3_o"};
-  // Line buffer: the weights of a last row
-  sc_core::sc_out<bool> line_rd_en_o{"line_rd_en_o"};
-  sc_core::sc_out<Group> line_rd_addr_o{"line_rd_addr_o"};
-  sc_core::sc_in<Pixels> line_rd_data_i{"line_rd_data_i"};
-  sc_core::sc_out<bool> line_wr_en_o{"line_wr_en_o"};
-  sc_core::sc_out<Group> line_wr_addr_o{"line_wr_addr_o"};
-  sc_core::sc_out<Pixels> line_wr_data_o{"line_wr_data_o"};
 
   SC_HAS_PROCESS(ColumnRunsShell);
-  explicit ColumnRunsShell(const sc_core::sc_module_name& name) : sc_module(name) {
+  explicit ColumnRunsShell(const sc_core::sc_module_name& name) : MomentsPorts(name) {
     SC_CTHREAD(clocked, clk_i.pos());
     reset_signal_is(rst_i, true);
-    SC_METHOD(write_line);
-    sensitive << s4_drain_row_ << accept_i;
   }
 
  private:
-  // The weights of a last row are kept if its packet was accepted, which is known in the same clock.
-  sc_core::sc_signal<bool> s4_drain_row_{"s4_drain_row"};
-
-  void write_line() { line_wr_en_o.write(s4_drain_row_.read() && accept_i.read()); }
-
   // --- Registers ---
   // Stages 1 to 4: beats and breaks on their way
   RunsBeat beat_[4];
-  bool break_[3];
-  // The request to the memories in this clock
-  bool add_;
-  bool drain_;
   RunsSums sums_;
   RunsDrain draining_;
-  bool spoiled_;
 
   void reset() {
     for (int i = 0; i < 4; ++i) {
       beat_[i].reset();
     }
-    for (int i = 0; i < 3; ++i) {
-      break_[i] = false;
-    }
-    add_ = false;
-    drain_ = false;
+    reset_common();
     sums_.reset();
     draining_.reset();
-    spoiled_ = false;
   }
 
   void clocked() {
@@ -142,11 +98,7 @@ class ColumnRunsShell : public sc_core::sc_module {
       bool push = s4_drain_row && accept;
       bool broken = break_[2] && accept;
       draining_.step(drain_, push, broken, beat_[3]);
-      if (beat_[3].valid && beat_[3].first_row) {
-        spoiled_ = false;
-      } else if (beat_[3].valid && !s4_drain_row && draining_.order.was_active) {
-        spoiled_ = true;
-      }
+      spoil(beat_[3], draining_.order.was_active);
       sums_.step(add_, beat_[3], read);
       enter();
       show();
@@ -178,42 +130,14 @@ class ColumnRunsShell : public sc_core::sc_module {
     for (int i = 3; i > 0; --i) {
       beat_[i] = beat_[i - 1];
     }
-    break_[2] = break_[1];
-    break_[1] = break_[0];
-    break_[0] = break_i.read();
-    beat_[0].valid = beat_valid_i.read();
-    beat_[0].group = beat_group_i.read();
-    beat_[0].row = beat_row_i.read();
-    beat_[0].first_row = beat_first_row_i.read();
-    beat_[0].last_row = beat_last_row_i.read();
-    beat_[0].line_end = beat_line_end_i.read();
-    beat_[0].grey = mode_i.read() != spec::kModeBinary;
+    enter_beat(beat_[0]);
     beat_[0].strongest = strongest_i.read();
     beat_[0].gap = gap_i.read();
-    Pixels pixels = beat_pixels_i.read();
-    Pixel threshold = threshold_i.read();
-    ModeBits mode = mode_i.read();
-    Pixels weights = 0;
-    for (int lane = kLanes - 1; lane >= 0; --lane) {
-      Pixel pixel = lane_of(pixels, lane);
-      Pixel weight = weight_of(pixel, threshold, mode);
-      weights = (weights << spec::kPixelBits) | weight;
-    }
-    beat_[0].weights = weights;
   }
 
   // The outputs of the clock that begins.
   void show() {
-    bool s4_drain_row = beat_[3].drains();
-    // A first row needs no read and may pass a drain. Any other row meets a drain only after a change of size: see
-    // spoiled_o.
-    add_ = beat_[3].valid && !s4_drain_row && (beat_[3].first_row || !draining_.order.active);
-    drain_ = draining_.order.drains();
-    s4_drain_row_.write(s4_drain_row);
-    line_wr_addr_o.write(beat_[3].group);
-    line_wr_data_o.write(beat_[3].weights);
-    line_rd_en_o.write(drain_);
-    line_rd_addr_o.write(draining_.order.group);
+    show_requests(beat_[3], draining_.order);
     Group address = beat_[3].group;
     if (drain_) {
       address = draining_.order.group;
@@ -227,13 +151,7 @@ class ColumnRunsShell : public sc_core::sc_module {
     Uint<64> low = draining_.out_low();
     Uint<64> high = draining_.out_high();
     bool valid = draining_.out_valid();
-    WideUint<128> data(high);
-    data = data << 64;
-    data = data | WideUint<128>(low);
-    moments_valid_o.write(valid);
-    moments_data_o.write(data);
-    moments_break_o.write(draining_.d_break[RunsDrain::kStages]);
-    spoiled_o.write(spoiled_);
+    show_payload(valid, low, high, draining_.d_break[RunsDrain::kStages]);
   }
 
   void write_memories() {

@@ -13,7 +13,7 @@ struct DrainOrder {
   bool ended, break_wait;
   bool odd;                 // a group was requested one clock ago
   bool active, was_active;  // in this clock, and in the previous one
-  bool broke;               // nothing is left before the break: told one clock ago
+  bool broke;               // nothing is left before the break: reported one clock ago
   Group group;              // the next to request
   Group s1_group;           // the one that was requested last
 

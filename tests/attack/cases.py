@@ -9,7 +9,7 @@ import time
 
 from files import check_outputs
 from materials import EXIF_TURNED, JPEG, line_rows, tiff
-from programs import Fault, temporaries
+from programs import Fault, Part, temporaries
 
 NO_SUCH_NUMBERS = ["-1e308", "1e39", "1e-320", "nan"]
 
@@ -20,40 +20,34 @@ def replaced(text, old, new):
     return text.replace(old, new, 1)
 
 
-class Cases:
+# Commands that are refused, and what their error names; {m}: the folder of the materials
+INSPECT = "selfproj inspect --device file:{m}/packets.bin --json o.json"
+DEPTH = "selfproj depth --bits 2 --out o"
+MOMENTS = "selfproj-sim moments --engine model --threshold 60 --out o.csv"
+REFUSED = [
+    ("selfproj rig {m}", "{m}"),
+    (f"{INSPECT} --rig {{m}}", "{m}"),
+    (f"{DEPTH} --rig {{m}}/scanner.yaml --compare {{m}} {{seen}}", "{m}"),
+    ("selfproj rig /dev/zero", "/dev/zero"),
+    (f"{DEPTH} --rig {{m}}/scanner.yaml --compare /dev/zero {{seen}}", "/dev/zero"),
+    (f"{DEPTH} --calibration /dev/zero {{seen}}", "/dev/zero"),
+    (f"{MOMENTS} /dev/zero", "/dev/zero"),
+    ("selfproj-sim board --line 64x16 --line-frames 5 --record o --count=-1", "--count"),
+    ("selfproj-sim board --line 64x16 --line-frames 5 --record o --rate 1e-300", "--rate"),
+    ("selfproj-sim board --line 4294967808x96 --record o", "--line"),
+    ("selfproj-sim board --replay /dev/zero --record o", "/dev/zero"),
+    (f"{INSPECT} --rig {{m}}/rig.yaml --count=-1", "--count"),
+    (f"{INSPECT} --rig {{m}}/rig.yaml --count=18446744073709551616", "--count")
+]
 
-    def __init__(self, attacker, made):
-        self.attacker = attacker
-        self.made = made
-        self.random = attacker.random
-        m = made
-        self.inspect = ["selfproj", "inspect", "--device", f"file:{m}/packets.bin", "--json", "o.json"]
-        self.seen = sorted((m / "seen").iterdir())[:4]
-        self.depth = ["selfproj", "depth", "--bits", "2", "--out", "o"]
-        self.moments = ["selfproj-sim", "moments", "--engine", "model", "--threshold", "60", "--out", "o.csv"]
-        self.board = ["selfproj-sim", "board", "--line", "64x16", "--line-frames", "5"]
-        self.refusals = [
-            # command, what its error names
-            (["selfproj", "rig", m], str(m)),
-            ([*self.inspect, "--rig", m], str(m)),
-            ([*self.depth, "--rig", m / "scanner.yaml", "--compare", m, *self.seen], str(m)),
-            (["selfproj", "rig", "/dev/zero"], "/dev/zero"),
-            ([*self.depth, "--rig", m / "scanner.yaml", "--compare", "/dev/zero", *self.seen], "/dev/zero"),
-            ([*self.depth, "--calibration", "/dev/zero", *self.seen], "/dev/zero"),
-            ([*self.moments, "/dev/zero"], "/dev/zero"),
-            ([*self.board, "--record", "o", "--count=-1"], "--count"),
-            ([*self.board, "--record", "o", "--rate", "1e-300"], "--rate"),
-            ([*self.board[:2], "--line", "4294967808x96", "--record", "o"], "--line"),
-            (["selfproj-sim", "board", "--replay", "/dev/zero", "--record", "o"], "/dev/zero"),
-            ([*self.inspect, "--rig", m / "rig.yaml", "--count=-1"], "--count"),
-            ([*self.inspect, "--rig", m / "rig.yaml", "--count=18446744073709551616"], "--count")
-        ]
+
+class Cases(Part):
 
     def run(self, counts):
         """`counts`: how many of the numbers of rigs, and of the options for numbers, are drawn."""
         case = self.attacker.case
-        for command, name in self.refusals:
-            case("cases", f"refused: {' '.join(map(str, command))}", self.is_refused, command, name)
+        for command, name in REFUSED:
+            case("cases", f"refused: {command}", self.is_refused, self.words(command), self.words(name)[0])
         for name, text in self.texts():
             case("cases", name, self.text_is_refused, *text)
         for number in self.drawn([(line, value) for line in self.lines_of_rig() for value in NO_SUCH_NUMBERS], counts):
@@ -82,7 +76,7 @@ class Cases:
     def texts(self):
         """Names of cases, and (name of the file, its text, command, what the error says)."""
         m = self.made
-        inspect = [*self.inspect, "--rig", m / "rig.yaml", "--reference", "r.csv"]
+        inspect = self.words(f"{INSPECT} --rig {{m}}/rig.yaml --reference r.csv")
         reference = (m / "reference" / "reference.csv").read_text()
         row = re.search(r"\n9,([^,]+),([^,]+),([^\n]+)\n", reference)
         for value in ("-1e308", "1e39", "1e-320"):
@@ -95,12 +89,12 @@ class Cases:
                        ("r.csv", replaced(reference, row[0], f"\n9,{','.join(fields)}\n"), inspect, what))
             yield (f"curve.csv: z {value}",
                    ("c.csv", f"y_mm,z_mm\n-200,1167\n0,{value}\n200,1167\n",
-                    ["selfproj", "pattern", "--rig", m / "rig.yaml", "--reference", "c.csv", "--out", "o"], "line 3"))
+                    self.words("selfproj pattern --rig {m}/rig.yaml --reference c.csv --out o"), "line 3"))
         rig = (m / "rig.yaml").read_text()
         yield "rig: a second document", ("r.yaml", f"{rig}---\n{rig}", ["selfproj", "rig", "r.yaml"], "second document")
         yield "rig: aliases", ("r.yaml", "a: &a [*a]\n", ["selfproj", "rig", "r.yaml"], "aliases")
         yield "rig: depth", ("r.yaml", "[" * 500000, ["selfproj", "rig", "r.yaml"], "deep")
-        depth = [*self.depth, "--calibration", "c.yaml", *[m / f"frame_{i}.png" for i in range(1, 5)]]
+        depth = self.words(f"{DEPTH} --calibration c.yaml {{frames}}")
         calibration = (m / "calibration.yaml").read_text()
         yield "calibration: a second document", ("c.yaml", calibration + "---\na: 1\n", depth, "second document")
         yield "calibration: octal", ("c.yaml", replaced(calibration, "[ 80.", "[ 0120"), depth, "0120")
@@ -124,7 +118,7 @@ class Cases:
         with self.attacker.scratch() as folder:
             text = (self.made / "rig.yaml").read_text()
             (folder / "r.yaml").write_text(replaced(text, f"\n{line}\n", f"\n{key}: {value}\n"))
-            outcome = self.attacker.attack([*self.inspect, "--rig", "r.yaml", "--out", "o"], folder)
+            outcome = self.attacker.attack(self.words(f"{INSPECT} --rig r.yaml --out o"), folder)
             if outcome.status == 1 or outcome.asked or (outcome.status == 2 and key.strip() not in outcome.err):
                 raise Fault(f"status {outcome.status}: {outcome.err!r}")
             if outcome.status == 0:
@@ -133,11 +127,10 @@ class Cases:
     def options_for_numbers(self):
         found = []
         with self.attacker.scratch() as folder:
-            for program in ("selfproj", "selfproj-sim"):
-                for command in json.loads(self.attacker.run([program, "--help-json"], folder).out):
-                    for option in (one for group in command["groups"] for one in group["options"]):
-                        if re.search(r"\d", option["limits"]):
-                            found.append((command["name"], option["name"].split(",")[-1].split()[0]))
+            for command in self.said_of_commands(folder):
+                for option in (one for group in command["groups"] for one in group["options"]):
+                    if re.search(r"\d", option["limits"]):
+                        found.append((command["name"], option["name"].split(",")[-1].split()[0]))
         if len(found) < 50:
             raise SystemExit(f"attack: only {len(found)} options for numbers")
         return found
@@ -146,8 +139,7 @@ class Cases:
         with self.attacker.scratch() as folder:
             text = (self.made / "rig.yaml").read_text()
             (folder / "r.yaml").write_text(replaced(text, "  rows: 16\n", "  rows: 016\n"))
-            command = [*self.inspect, "--rig", "r.yaml", "--count", "010"]
-            outcome = self.attacker.attack(command, folder)
+            outcome = self.attacker.attack(self.words(f"{INSPECT} --rig r.yaml --count 010"), folder)
             if outcome.status != 0 or json.loads((folder / "o.json").read_text())["profiles"] != 10:
                 raise Fault(f"016 rows and 010 profiles are not decimal: {outcome.err!r}")
 
@@ -161,11 +153,11 @@ class Cases:
 
         with self.attacker.scratch() as folder:
             (folder / "cut.jpg").write_bytes(JPEG[:len(JPEG) * 2 // 3])
-            outcome = self.attacker.attack([*self.moments, "cut.jpg"], folder, preexec_fn=limits,
+            outcome = self.attacker.attack(self.words(MOMENTS) + ["cut.jpg"], folder, preexec_fn=limits,
                                            env={**os.environ, "TMPDIR": "/nonexistent"})
             if outcome.status != 2 or "cut.jpg" not in outcome.err:
                 raise Fault(f"a damaged JPEG where no file can be written: status {outcome.status}, {outcome.err!r}")
-            if self.attacker.run([*self.moments, "cut.jpg"], folder, preexec_fn=lambda: os.close(2)).status != 2:
+            if self.attacker.run(self.words(MOMENTS) + ["cut.jpg"], folder, preexec_fn=lambda: os.close(2)).status != 2:
                 raise Fault("a damaged JPEG without standard error is taken")
 
     def orientation(self):
@@ -176,7 +168,7 @@ class Cases:
                 tables = []
                 for data in (upright, turned):
                     (folder / f"a.{kind}").write_bytes(data)
-                    outcome = self.attacker.attack([*self.moments, f"a.{kind}"], folder)
+                    outcome = self.attacker.attack(self.words(MOMENTS) + [f"a.{kind}"], folder)
                     tables.append((folder / "o.csv").read_text() if outcome.status == 0 else outcome.err)
                 if tables[0] != tables[1]:
                     raise Fault(f"the orientation of a {kind} changes the moments")
@@ -189,7 +181,7 @@ class Cases:
             (folder / "o").mkdir()
             (folder / "o" / "pattern_00000.png").write_bytes(b"old")
             outcome = self.attacker.attack(
-                ["selfproj", "pattern", "gray", "--rig", self.made / "scanner.yaml", "--out", "o"], folder,
+                self.words("selfproj pattern gray --rig {m}/scanner.yaml --out o"), folder,
                 preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (60, 60)))
             if outcome.status != 2:
                 raise Fault(f"status {outcome.status} with files of at most 60 bytes: {outcome.err!r}")
@@ -202,7 +194,7 @@ class Cases:
         for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGKILL):
             with self.attacker.scratch() as folder:
                 os.mkfifo(folder / "pipe")
-                process = self.attacker.start(["selfproj", "record", "--device", "file:pipe", "--out", "o"], folder)
+                process = self.attacker.start(self.words("selfproj record --device file:pipe --out o"), folder)
                 with open(folder / "pipe", "wb") as pipe:
                     pipe.write(packets)
                     pipe.flush()
@@ -223,15 +215,13 @@ class Cases:
         return f"attack-cases-{os.getpid()}"
 
     def counts_of_ring(self, folder):
-        outcome = self.attacker.attack(["selfproj", "inspect", "--device", f"ring:{self.ring()}", "--rig",
-                                        self.made / "rig.yaml", "--json", "o.json"], folder)
-        if outcome.status != 0:
-            raise Fault(f"status {outcome.status}: {outcome.err!r}")
+        command = self.words(f"selfproj inspect --device ring:{self.ring()} --rig {{m}}/rig.yaml --json o.json")
+        self.good(command, folder)
         return json.loads((folder / "o.json").read_text())
 
-    def play(self, folder, *more):
-        if self.attacker.attack([*self.board, "--ring", self.ring(), "--keep", "--slots", "16", *more], folder).status:
-            raise Fault("a board cannot play")
+    def play(self, folder, count):
+        self.good(self.words(f"selfproj-sim board --line 64x16 --line-frames 5 --ring {self.ring()} --keep --slots 16 "
+                             f"--count {count}"), folder)
 
     def with_ring(self, then):
         file = f"/dev/shm/selfproj-ring-{self.ring()}"
@@ -246,7 +236,7 @@ class Cases:
         """The first packet of each board has the same number and time."""
         def then(folder, _file):
             for _ in range(3):
-                self.play(folder, "--count", "1")
+                self.play(folder, 1)
             counts = self.counts_of_ring(folder)
             if counts["delivered"] != 3 or counts["repeated"] != 0:
                 raise Fault(f"{counts['delivered']} of the first packets of 3 boards, {counts['repeated']} repeated")
@@ -256,7 +246,7 @@ class Cases:
     def lost_of_a_ring(self):
         """The ring's count of lost packets is 2^64 - 1."""
         def then(folder, file):
-            self.play(folder, "--count", "3")
+            self.play(folder, 3)
             with open(file, "r+b") as header:
                 header.seek(72)
                 header.write(struct.pack("<Q", (1 << 64) - 1))

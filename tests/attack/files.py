@@ -8,7 +8,7 @@ import shutil
 import struct
 
 import materials
-from programs import Fault
+from programs import Fault, Part
 
 NUMBERS = [
     "nan", "inf", "-inf", "1e308", "-1e308", "1e-320", "1e39", "-1", "0", "1e999", "010", "0x10",
@@ -143,74 +143,61 @@ def frames_of(path):
     return list(frames.values())
 
 
-class Files:
+INSPECT = "selfproj inspect --device file:{m}/packets.bin --json o.json --out o"
+PARTS = "selfproj inspect --device file:{m}/parts.bin --json o.json --parts p"
+PATTERN = "selfproj pattern --rig {m}/rig.yaml --out o --reference {file}"
+DEPTH = "selfproj depth --bits 2 --out o"
+MOMENTS = "selfproj-sim moments --engine model --threshold 60 --out o.csv {file}"
+RIG = "selfproj rig {file}"
+# kind, file to mutate, mutations, command with {file}, check of what it writes
+READERS = [
+    ("png", "frame_1.png", BINARY, MOMENTS, "image"),
+    ("jpeg", "a.jpg", BINARY, MOMENTS, "image"),
+    ("tiff", "a.tiff", BINARY, MOMENTS, "image"),
+    ("bmp", "a.bmp", BINARY, MOMENTS, "image"),
+    ("pnm", "grey_1.pgm", BINARY, MOMENTS, "image"),
+    ("float tiff", "heights.tiff", BINARY, PATTERN, "tables"),
+    ("height map", "heights.tiff", BINARY, "selfproj-sim scene render --height-map {file} --mm-per-pixel 1 "
+     "--rig {m}/rig.yaml --count 1 --out o", "tables"),
+    ("rig", "rig.yaml", TEXT, RIG, "rig"),
+    ("rig", "rig.yaml", TEXT, f"{INSPECT} --rig {{file}}", "tables"),
+    ("curve", "curve.csv", TEXT, PATTERN, "tables"),
+    ("reference", "reference/reference.csv", TEXT, f"{INSPECT} --rig {{m}}/rig.yaml --reference {{file}}", "tables"),
+    ("recording", "packets.bin", BINARY, "selfproj inspect --device file:{file} --rig {m}/rig.yaml --json o.json "
+     "--out o", "recording"),
+    ("recording", "packets.bin", BINARY, "selfproj-sim board --replay {file} --record o.bin", "tables"),
+    ("recording", "packets.bin", BINARY, "selfproj record --device file:{file} --out o.bin", "tables"),
+    ("parts", "parts.bin", BINARY, "selfproj tolerance learn --device file:{file} --rig {m}/parts.yaml --out o.yaml",
+     "tables"),
+    ("rig of parts", "parts.yaml", TEXT, RIG, "rig"),
+    ("rig of parts", "parts.yaml", TEXT, f"{PARTS} --tolerance {{m}}/tolerance.yaml --rig {{file}}", "tables"),
+    ("tolerance", "tolerance.yaml", TEXT, f"{PARTS} --rig {{m}}/parts.yaml --tolerance {{file}}", "tables"),
+    ("calibrated rig", "calibrated/rig.yaml", TEXT, RIG, "rig"),
+    ("rig with heights", "tied/rig.yaml", TEXT, RIG, "rig"),
+    ("world", "world.yaml", TEXT, "selfproj-sim scene render plane --rig {m}/rig.yaml --count 1 --disturb gloss "
+     "--world {file} --out o", "tables"),
+    ("gamma", "gamma.csv", TEXT, "selfproj project --seconds 0.01 --gamma {file} {m}/frame_1.png", "tables"),
+    ("codes", "codes.bin", BINARY, "selfproj images --device file:{file} --out o", "tables"),
+    ("codes", "codes.bin", BINARY, f"{DEPTH} --rig {{m}}/scanner.yaml --device file:{{file}}", "tables"),
+    ("calibration", "calibration.yaml", TEXT, f"{DEPTH} --calibration {{file}} {{frames}}", "tables"),
+    ("cloud", "inspection/cloud.ply", TEXT, f"{DEPTH} --rig {{m}}/scanner.yaml --compare {{file}} {{seen}}", "tables")
+] + [
+    ("stripes", f"stripes/{name}", TEXT if name.endswith("yaml") else BINARY,
+     "selfproj match --rig {m}/scanner.yaml --reference {folder} --out o {seen}", "tables")
+    for name in ("reference.yaml", "x_r_line.tiff", "x_r_column.tiff", "f_r_row.tiff", "f_r_column.tiff",
+                 "f_r_seen.png")
+]
+
+
+class Files(Part):
 
     def __init__(self, attacker, made):
-        self.attacker = attacker
-        self.made = made
-        self.random = attacker.random
+        super().__init__(attacker, made)
         self.moments = {}
         self.unseen = 0  # packets whose damage the check word does not show
         self.frames = frames_of(made / "inspection" / "moments.csv")
-        m = made
-        inspect = ("selfproj", "inspect", "--device", f"file:{m}/packets.bin", "--json", "o.json", "--out", "o")
-        judge = ("selfproj", "inspect", "--device", f"file:{m}/parts.bin", "--json", "o.json", "--parts", "p")
-        self.readers = [
-            # kind, file to mutate, mutations, command with {} for the file, check
-            ("png", "frame_1.png", BINARY, None, self.image),
-            ("jpeg", "a.jpg", BINARY, None, self.image),
-            ("tiff", "a.tiff", BINARY, None, self.image),
-            ("bmp", "a.bmp", BINARY, None, self.image),
-            ("pnm", "grey_1.pgm", BINARY, None, self.image),
-            ("float tiff", "heights.tiff", BINARY, ("selfproj", "pattern", "--rig", m / "rig.yaml", "--reference",
-                                                    "{}", "--out", "o"), self.tables),
-            ("height map", "heights.tiff", BINARY,
-             ("selfproj-sim", "scene", "render", "--height-map", "{}", "--mm-per-pixel", "1", "--rig", m / "rig.yaml",
-              "--count", "1", "--out", "o"), self.tables),
-            ("rig", "rig.yaml", TEXT, ("selfproj", "rig", "{}"), self.rig),
-            ("rig", "rig.yaml", TEXT, inspect + ("--rig", "{}"), self.tables),
-            ("curve", "curve.csv", TEXT, ("selfproj", "pattern", "--rig", m / "rig.yaml", "--reference", "{}",
-                                          "--out", "o"), self.tables),
-            ("reference", "reference/reference.csv", TEXT, inspect + ("--rig", m / "rig.yaml", "--reference", "{}"),
-             self.tables),
-            ("recording", "packets.bin", BINARY, ("selfproj", "inspect", "--device", "file:{}", "--rig",
-                                                  m / "rig.yaml", "--json", "o.json", "--out", "o"), self.recording),
-            ("recording", "packets.bin", BINARY, ("selfproj-sim", "board", "--replay", "{}", "--record", "o.bin"),
-             self.tables),
-            ("recording", "packets.bin", BINARY, ("selfproj", "record", "--device", "file:{}", "--out", "o.bin"),
-             self.tables),
-            ("parts", "parts.bin", BINARY, ("selfproj", "tolerance", "learn", "--device", "file:{}", "--rig",
-                                            m / "parts.yaml", "--out", "o.yaml"), self.tables),
-            ("rig of parts", "parts.yaml", TEXT, ("selfproj", "rig", "{}"), self.rig),
-            ("rig of parts", "parts.yaml", TEXT, judge + ("--tolerance", m / "tolerance.yaml", "--rig", "{}"),
-             self.tables),
-            ("tolerance", "tolerance.yaml", TEXT, judge + ("--rig", m / "parts.yaml", "--tolerance", "{}"),
-             self.tables),
-            ("calibrated rig", "calibrated/rig.yaml", TEXT, ("selfproj", "rig", "{}"), self.rig),
-            ("rig with heights", "tied/rig.yaml", TEXT, ("selfproj", "rig", "{}"), self.rig),
-            ("world", "world.yaml", TEXT, ("selfproj-sim", "scene", "render", "plane", "--rig", m / "rig.yaml",
-                                           "--count", "1", "--disturb", "gloss", "--world", "{}", "--out", "o"),
-             self.tables),
-            ("gamma", "gamma.csv", TEXT, ("selfproj", "project", "--seconds", "0.01", "--gamma", "{}",
-                                          m / "frame_1.png"), self.tables),
-            ("codes", "codes.bin", BINARY, ("selfproj", "images", "--device", "file:{}", "--out", "o"), self.tables),
-            ("codes", "codes.bin", BINARY, ("selfproj", "depth", "--rig", m / "scanner.yaml", "--bits", "2",
-                                              "--device", "file:{}", "--out", "o"), self.tables),
-            ("calibration", "calibration.yaml", TEXT, ("selfproj", "depth", "--calibration", "{}", "--bits", "2",
-                                                       "--out", "o", *[m / f"frame_{i}.png" for i in range(1, 5)]),
-             self.tables),
-            ("cloud", "inspection/cloud.ply", TEXT, ("selfproj", "depth", "--rig", m / "scanner.yaml", "--bits", "2",
-                                                     "--out", "o", "--compare", "{}", *sorted(
-                                                         (m / "seen").iterdir())[:4]), self.tables),
-        ]
-        for name in ("reference.yaml", "x_r_line.tiff", "x_r_column.tiff", "f_r_row.tiff", "f_r_column.tiff",
-                     "f_r_seen.png"):
-            self.readers.append(
-                ("stripes", f"stripes/{name}", TEXT if name.endswith("yaml") else BINARY,
-                 ("selfproj", "match", "--rig", m / "scanner.yaml", "--reference", "{folder}", "--out", "o", *sorted(
-                     (m / "seen").iterdir())[:4]), self.tables))
-        self.readers = [reader for reader in self.readers
-                        if (m / reader[1]).exists() and (reader[0] != "gamma" or attacker.screen)]
+        self.readers = [reader for reader in READERS
+                        if (made / reader[1]).exists() and (reader[0] != "gamma" or attacker.screen)]
 
     def run(self, count):
         for reader in self.readers:  # whole files are read: else what is done to them would show nothing
@@ -231,16 +218,14 @@ class Files:
                 shutil.copytree(self.made / "stripes", folder / "stripes")
                 file = folder / name
             file.write_bytes(data)
-            words = command or ("selfproj-sim", "moments", "--engine", "model", "--threshold", "60", "--out", "o.csv",
-                                "{}")
-            words = [str(w).replace("{}", str(file)).replace("{folder}", str(file.parent)) for w in words]
+            words = [w.replace("{file}", str(file)).replace("{folder}", str(file.parent)) for w in self.words(command)]
             outcome = self.attacker.attack(words, folder, [file])
             if outcome.asked:
                 raise Fault(f"takes longer than it may: {' '.join(words)}")
             if mutation is None and outcome.status != 0:
                 raise Fault(f"a good file is refused: {outcome.err}")
             if outcome.status == 0:
-                check(folder, kind, name, whole, data, mutation, outcome)
+                getattr(self, check)(folder, kind, name, whole, data, mutation, outcome)
 
     def tables(self, folder, *_):
         check_outputs(folder)
@@ -251,8 +236,7 @@ class Files:
             good = folder / ("good" + name)
             good.write_bytes(whole)
             self.attacker.attack(
-                ["selfproj-sim", "moments", "--engine", "model", "--threshold", "60", "--out", "good.csv",
-                 str(good)], folder)
+                self.words(f"selfproj-sim moments --engine model --threshold 60 --out good.csv {good}"), folder)
             self.moments[name] = (folder / "good.csv").read_text()
         if result == self.moments[name]:
             return

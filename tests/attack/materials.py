@@ -228,40 +228,28 @@ def registers(version, spec_hash):
     return struct.pack("<4sIII", b"SLFP", version, spec_hash, capability) + bytes(4096 - 16)
 
 
-def must(attacker, folder, *arguments):
-    outcome = attacker.run(arguments, folder)
-    if outcome.status != 0:
-        raise SystemExit(f"attack: cannot make its materials: {' '.join(arguments)}: {outcome.err}")
-    return outcome.out
-
-
 def make_parts(folder, run):
     """Packets of parts with edges, a rig that cuts them, and the tolerance that they teach."""
     rig = re.sub(r"frame_rate_hz: \d+", "frame_rate_hz: 5000", (folder / "rig.yaml").read_text())
     (folder / "parts.yaml").write_text(rig + PARTS)
     (folder / "blocks.tiff").write_bytes(tiff(blocks(6, 0.25), floats=True))
-    run("selfproj-sim", "scene", "render", "--height-map", "blocks.tiff", "--mm-per-pixel", "0.25", "--rig",
-        "parts.yaml", "--out", "passing")
-    run("selfproj-sim", "cosim", "--engine", "model", "--frames", "passing/frame_*.png", "--rig", "parts.yaml",
-        "--packets", "parts.bin")
-    run("selfproj", "tolerance", "learn", "--device", "file:parts.bin", "--rig", "parts.yaml", "--out",
-        "tolerance.yaml")
+    run("selfproj-sim scene render --height-map blocks.tiff --mm-per-pixel 0.25 --rig parts.yaml --out passing")
+    run("selfproj-sim cosim --engine model --frames passing/frame_*.png --rig parts.yaml --packets parts.bin")
+    run("selfproj tolerance learn --device file:parts.bin --rig parts.yaml --out tolerance.yaml")
     (folder / "world.yaml").write_text(WORLD.read_text())
     (folder / "gamma.csv").write_text("grey,light\n0,3\n128,60\n255,250\n")
-
-
-def make_calibrations(folder, run):
-    """Rigs as the calibrations write them. This takes seconds."""
-    run("selfproj", "calibrate", "--chessboard", "6x5", "--square", "30", "--projector", "256x192", "--rig",
-        "quarter.yaml", "--out", "calibrated", "chess/pose_01", "chess/pose_02")
-    run("selfproj", "calibrate", "heights", "--rig", "plate.yaml", "--every", "16", "--heights", "0,10,20", "--out",
-        "tied", "at0", "at10", "at20")
 
 
 def make(attacker, folder, short):
     """Fills `folder`; its files are never changed afterwards. `short`: without those of long runs only."""
     folder = pathlib.Path(folder)
-    run = lambda *arguments: must(attacker, folder, *arguments)  # noqa: E731
+
+    def run(command):
+        outcome = attacker.run(command.split(), folder)
+        if outcome.status != 0:
+            raise SystemExit(f"attack: cannot make its materials: {command}: {outcome.err}")
+        return outcome.out
+
     frames = [line_rows(shift=0.2 * i) for i in range(4)]
     for i, frame in enumerate(frames):
         (folder / f"frame_{i + 1}.png").write_bytes(png(frame))
@@ -272,36 +260,35 @@ def make(attacker, folder, short):
     (folder / "heights.tiff").write_bytes(tiff([[5 + 0.1 * c for c in range(64)]] * 3, floats=True))
     (folder / "curve.csv").write_text("y_mm,z_mm\n-200,1167\n-2,1166\n2,1166\n200,1167\n")
     (folder / "calibration.yaml").write_text(CALIBRATION)
-    (folder / "rig.yaml").write_text(with_values(run("selfproj", "rig", "light-section"), SMALL))
-    (folder / "quarter.yaml").write_text(quarter(run("selfproj", "rig", "scanner")))
-    (folder / "scanner.yaml").write_text(with_values(run("selfproj", "rig", "scanner"), SMALL_SCANNER))
-    run("selfproj-sim", "board", "--line", "64x16", "--line-frames", "20", "--record", "packets.bin")
-    version = re.search(r"specification (\d+)\.(\d+), hash 0x(\w+)", run("selfproj", "--version"))
+    (folder / "rig.yaml").write_text(with_values(run("selfproj rig light-section"), SMALL))
+    (folder / "quarter.yaml").write_text(quarter(run("selfproj rig scanner")))
+    (folder / "scanner.yaml").write_text(with_values(run("selfproj rig scanner"), SMALL_SCANNER))
+    run("selfproj-sim board --line 64x16 --line-frames 20 --record packets.bin")
+    version = re.search(r"specification (\d+)\.(\d+), hash 0x(\w+)", run("selfproj --version"))
     (folder / "bar.bin").write_bytes(
         registers(int(version[1]) << 8 | int(version[2]), int(version[3], 16)))
     make_parts(folder, run)
-    run("selfproj", "pattern", "--rig", "rig.yaml", "--reference", "curve.csv", "--out", "reference")
-    run("selfproj", "inspect", "--device", "file:packets.bin", "--rig", "rig.yaml", "--out", "inspection")
-    run("selfproj", "pattern", "gray", "--rig", "scanner.yaml", "--out", "gray")
-    run("selfproj", "pattern", "gray", "--projector", f"{screen.COLUMNS}x{screen.ROWS}", "--out", "shown")
-    run("selfproj-sim", "capture", "--rig", "scanner.yaml", "--patterns", "gray", "--scene", "desk", "--out", "seen")
-    run("selfproj-sim", "cosim", "--engine", "model", "--scene", "fist", "--rig", "scanner.yaml", "--bits", "2",
-        "--count", "6", "--packets", "codes.bin")
-    run("selfproj", "pattern", "stripes", "--rig", "scanner.yaml", "--scan", "seen", "--gray-code", "--bits", "2",
-        "--out", "stripes")
-    run("selfproj", "pattern", "gray", "--rig", "quarter.yaml", "--out", "quarter")
-    run("selfproj-sim", "capture", "--rig", "quarter.yaml", "--patterns", "quarter", "--chessboard", "6x5", "--square",
-        "30", "--poses", "2", "--out", "chess")
+    run("selfproj pattern --rig rig.yaml --reference curve.csv --out reference")
+    run("selfproj inspect --device file:packets.bin --rig rig.yaml --out inspection")
+    run("selfproj pattern gray --rig scanner.yaml --out gray")
+    run(f"selfproj pattern gray --projector {screen.COLUMNS}x{screen.ROWS} --out shown")
+    run("selfproj-sim capture --rig scanner.yaml --patterns gray --scene desk --out seen")
+    run("selfproj-sim cosim --engine model --scene fist --rig scanner.yaml --bits 2 --count 6 --packets codes.bin")
+    run("selfproj pattern stripes --rig scanner.yaml --scan seen --gray-code --bits 2 --out stripes")
+    run("selfproj pattern gray --rig quarter.yaml --out quarter")
     (folder / "white").mkdir()
     (folder / "white" / "pattern.png").write_bytes((folder / "quarter" / "pattern_32.png").read_bytes())
-    run("selfproj-sim", "capture", "--rig", "quarter.yaml", "--patterns", "white", "--chessboard", "6x5", "--square",
-        "30", "--poses", "4", "--out", "views")
-    plate = run("selfproj", "rig", "light-section").replace("  columns: 512\n", "  columns: 64\n", 1)
+    for patterns, poses, out in (("quarter", 2, "chess"), ("white", 4, "views")):
+        run(f"selfproj-sim capture --rig quarter.yaml --patterns {patterns} --chessboard 6x5 --square 30 "
+            f"--poses {poses} --out {out}")
+    plate = run("selfproj rig light-section").replace("  columns: 512\n", "  columns: 64\n", 1)
     (folder / "plate.yaml").write_text(plate)
     for height in (0, 10, 20):
         (folder / f"at{height}").mkdir()
         for name, image in sweep(plate, 16, height):
             (folder / f"at{height}" / name).write_bytes(image)
-    if not short:
-        make_calibrations(folder, run)
+    if not short:  # rigs as the calibrations write them, which takes seconds
+        run("selfproj calibrate --chessboard 6x5 --square 30 --projector 256x192 --rig quarter.yaml --out calibrated "
+            "chess/pose_01 chess/pose_02")
+        run("selfproj calibrate heights --rig plate.yaml --every 16 --heights 0,10,20 --out tied at0 at10 at20")
     return folder

@@ -4,7 +4,7 @@ import os
 import re
 import shutil
 
-from programs import Fault
+from programs import Fault, Part, words
 
 VALUES = [
     "", " ", "nan", "-nan", "inf", "-inf", "-1", "-0", "0", "1", "2", "1e999", "1e-320", "1e-300", "1e308", "010",
@@ -22,77 +22,59 @@ VALUES = [
 SLOW = 2  # seconds
 
 
+# A good call of every command; a line that begins with a blank goes on.
+GOOD_CALLS = """
+selfproj rig: {m}/rig.yaml
+selfproj inspect: --device file:{m}/parts.bin --rig {m}/parts.yaml --tolerance {m}/tolerance.yaml --parts p
+  --json j.json --out o
+selfproj tolerance learn: --device file:{m}/parts.bin --rig {m}/parts.yaml --out o
+selfproj depth: --rig {m}/scanner.yaml --bits 2 --out o {seen}
+selfproj match: --rig {m}/scanner.yaml --reference {m}/stripes --out o {seen}
+selfproj pattern: --rig {m}/rig.yaml --reference {m}/curve.csv --out o
+selfproj pattern chessboard: --out o.svg
+selfproj pattern gray: --rig {m}/scanner.yaml --out o
+selfproj pattern stripes: --rig {m}/scanner.yaml --scan {m}/seen --gray-code --bits 2 --out o
+selfproj calibrate: --chessboard 6x5 --square 30 --projector 256x192 --rig {m}/quarter.yaml --out o
+  {m}/chess/pose_01 {m}/chess/pose_02
+selfproj calibrate camera: --chessboard 6x5 --square 30 --out o {views}
+selfproj lines: --threshold 60 --out o {frames}
+selfproj calibrate heights: --rig {m}/plate.yaml --every 16 --heights 0,10,20 --out o {m}/at0 {m}/at10 {m}/at20
+selfproj accuracy: --out o
+selfproj devices:
+selfproj project: --seconds 0.1 --gamma {m}/gamma.csv {m}/frame_1.png
+selfproj capture: --camera camera:Fake_1 --patterns {m}/shown --out o
+selfproj scan: --camera camera:Fake_1 --rig {m}/scanner.yaml --out o
+selfproj measure gamma: --camera camera:Fake_1 --out o.csv
+selfproj record: --device file:{m}/packets.bin --out o
+selfproj images: --device file:{m}/codes.bin --out o
+selfproj board info: --device bar:bar.bin
+selfproj board status: --device bar:bar.bin
+selfproj board set: --device bar:bar.bin size.columns=512
+selfproj board start: --device bar:bar.bin
+selfproj board stop: --device bar:bar.bin
+selfproj board trigger: --device bar:bar.bin --period 15120
+selfproj board selftest: --device bar:bar.bin
+selfproj board source: --device udp:127.0.0.1 patterns
+selfproj board replay: --device udp:127.0.0.1 {frames}
+selfproj-sim moments: --engine model --out o.csv {frames}
+selfproj-sim decode: --engine model --bits 2 --out o {frames}
+selfproj-sim cosim: --engine model --threshold 60 --frames {m}/frame_?.png --out o
+selfproj-sim board: --line 64x16 --line-frames 5 --record o
+selfproj-sim scene render: plane --rig {m}/rig.yaml --count 1 --out o
+selfproj-sim capture: --rig {m}/scanner.yaml --patterns {m}/gray --scene desk --out o
+"""
+
+
 def commands_of(made):
-    m = made
-    frames = [m / f"frame_{i}.png" for i in range(1, 5)]
-    seen = sorted((m / "seen").iterdir())[:4]
-    return {
-        ("selfproj", "rig"): [m / "rig.yaml"],
-        ("selfproj", "inspect"): [
-            "--device", f"file:{m}/parts.bin", "--rig", m / "parts.yaml", "--tolerance", m / "tolerance.yaml",
-            "--parts", "p", "--json", "j.json", "--out", "o"
-        ],
-        ("selfproj", "tolerance", "learn"): [
-            "--device", f"file:{m}/parts.bin", "--rig", m / "parts.yaml", "--out", "o"
-        ],
-        ("selfproj", "depth"): ["--rig", m / "scanner.yaml", "--bits", "2", "--out", "o", *seen],
-        ("selfproj", "match"): ["--rig", m / "scanner.yaml", "--reference", m / "stripes", "--out", "o", *seen],
-        ("selfproj", "pattern"): ["--rig", m / "rig.yaml", "--reference", m / "curve.csv", "--out", "o"],
-        ("selfproj", "pattern", "chessboard"): ["--out", "o.svg"],
-        ("selfproj", "pattern", "gray"): ["--rig", m / "scanner.yaml", "--out", "o"],
-        ("selfproj", "pattern", "stripes"): [
-            "--rig", m / "scanner.yaml", "--scan", m / "seen", "--gray-code", "--bits", "2", "--out", "o"
-        ],
-        ("selfproj", "calibrate"): [
-            "--chessboard", "6x5", "--square", "30", "--projector", "256x192", "--rig", m / "quarter.yaml", "--out",
-            "o", m / "chess" / "pose_01", m / "chess" / "pose_02"
-        ],
-        ("selfproj", "calibrate", "camera"): [
-            "--chessboard", "6x5", "--square", "30", "--out", "o", *(sorted(pose.iterdir())[0] for pose in
-                                                                    sorted((m / "views").glob("pose_*")))
-        ],
-        ("selfproj", "lines"): ["--threshold", "60", "--out", "o", *frames],
-        ("selfproj", "calibrate", "heights"): [
-            "--rig", m / "plate.yaml", "--every", "16", "--heights", "0,10,20", "--out", "o", m / "at0", m / "at10",
-            m / "at20"
-        ],
-        ("selfproj", "accuracy"): ["--out", "o"],
-        ("selfproj", "devices"): [],
-        ("selfproj", "project"): ["--seconds", "0.1", "--gamma", m / "gamma.csv", frames[0]],
-        ("selfproj", "capture"): ["--camera", "camera:Fake_1", "--patterns", m / "shown", "--out", "o"],
-        ("selfproj", "scan"): ["--camera", "camera:Fake_1", "--rig", m / "scanner.yaml", "--out", "o"],
-        ("selfproj", "measure", "gamma"): ["--camera", "camera:Fake_1", "--out", "o.csv"],
-        ("selfproj", "record"): ["--device", f"file:{m}/packets.bin", "--out", "o"],
-        ("selfproj", "images"): ["--device", f"file:{m}/codes.bin", "--out", "o"],
-        ("selfproj", "board", "info"): ["--device", "bar:bar.bin"],
-        ("selfproj", "board", "status"): ["--device", "bar:bar.bin"],
-        ("selfproj", "board", "set"): ["--device", "bar:bar.bin", "size.columns=512"],
-        ("selfproj", "board", "start"): ["--device", "bar:bar.bin"],
-        ("selfproj", "board", "stop"): ["--device", "bar:bar.bin"],
-        ("selfproj", "board", "trigger"): ["--device", "bar:bar.bin", "--period", "15120"],
-        ("selfproj", "board", "selftest"): ["--device", "bar:bar.bin"],
-        # No board answers there.
-        ("selfproj", "board", "source"): ["--device", "udp:127.0.0.1", "patterns"],
-        ("selfproj", "board", "replay"): ["--device", "udp:127.0.0.1", *frames],
-        ("selfproj-sim", "moments"): ["--engine", "model", "--out", "o.csv", *frames],
-        ("selfproj-sim", "decode"): ["--engine", "model", "--bits", "2", "--out", "o", *frames],
-        ("selfproj-sim", "cosim"): [
-            "--engine", "model", "--threshold", "60", "--frames", f"{m}/frame_?.png", "--out", "o"
-        ],
-        ("selfproj-sim", "board"): ["--line", "64x16", "--line-frames", "5", "--record", "o"],
-        ("selfproj-sim", "scene", "render"): ["plane", "--rig", m / "rig.yaml", "--count", "1", "--out", "o"],
-        ("selfproj-sim", "capture"): [
-            "--rig", m / "scanner.yaml", "--patterns", m / "gray", "--scene", "desk", "--out", "o"
-        ],
-    }
+    """{words of a command: words of its good call}. No board answers those of udp:."""
+    calls = (line.split(":", 1) for line in GOOD_CALLS.replace("\n  ", " ").strip().splitlines())
+    return {tuple(command.split()): words(call, made) for command, call in calls}
 
 
-class Options:
+class Options(Part):
 
     def __init__(self, attacker, made):
-        self.attacker = attacker
-        self.made = made
-        self.random = attacker.random
+        super().__init__(attacker, made)
         self.commands = commands_of(made)
         self.flags = set()  # (command, option) without a value: what follows is another argument
         self.options = {command: self.options_of(command) for command in self.commands}
@@ -100,13 +82,10 @@ class Options:
 
     def check_that_none_is_missing(self):
         """A new command needs a good call above."""
-        for program in ("selfproj", "selfproj-sim"):
-            with self.attacker.scratch() as folder:
-                every = json.loads(self.attacker.run([program, "--help-json"], folder).out)
-            for command in every:
-                words = tuple(command["name"].split())
+        with self.attacker.scratch() as folder:
+            for command in self.said_of_commands(folder):
                 options = [one for group in command["groups"] if group["name"] != "Help" for one in group["options"]]
-                if options and words not in self.commands:
+                if options and tuple(command["name"].split()) not in self.commands:
                     raise SystemExit(f"attack: options.py has no good call of {command['name']}")
 
     def options_of(self, command):
@@ -137,7 +116,7 @@ class Options:
         for command, name, value in cases[:count]:
             self.attacker.case("options", f"{' '.join(command)} {name} {value!r:.80}", self.one, command, name, value)
 
-    def words(self, command, name, value):
+    def with_option(self, command, name, value):
         base = list(self.commands[command])
         if name is None:
             return [*command, value]
@@ -150,17 +129,17 @@ class Options:
         return [*command, *base]
 
     def one(self, command, name, value):
-        words = self.words(command, name, value)
-        if any("\0" in str(word) for word in words):
+        call = self.with_option(command, name, value)
+        if any("\0" in str(word) for word in call):
             return
         ring = f"attack-options-{os.getpid()}"
-        words = [ring if str(word) == "none" else word for word in words]
+        call = [ring if str(word) == "none" else word for word in call]
         with self.attacker.scratch() as folder:
             if command[1] == "board":  # writes into the registers
                 shutil.copy(self.made / "bar.bin", folder)
-            outcome = self.attacker.attack(words, folder, [self.made], patience=SLOW)
+            outcome = self.attacker.attack(call, folder, [self.made], patience=SLOW)
             if (command, name) not in self.flags:
-                self.refused_numbers(outcome, words, name, value)
+                self.refused_numbers(outcome, call, name, value)
             for path in folder.rglob("*.json"):
                 json.loads(path.read_text())
         for path in os.listdir("/dev/shm"):
@@ -168,13 +147,13 @@ class Options:
                 os.unlink(os.path.join("/dev/shm", path))
 
     @staticmethod
-    def refused_numbers(outcome, words, name, value):
+    def refused_numbers(outcome, call, name, value):
         """A count that is not a count is refused, and the error names it."""
         numbers = ("--count", "--keep", "--threshold", "--bits", "--e", "--every", "--square", "--tilt", "--rate")
         if name in numbers and value in ("nan", "inf", "0x10", "1e999", "18446744073709551616", "-1x5", "1'000"):
             if outcome.status == 0:
-                raise Fault(f"status 0 with {name} {value}: {' '.join(map(str, words))}")
+                raise Fault(f"status 0 with {name} {value}: {' '.join(map(str, call))}")
             if name not in outcome.err and outcome.status == 2:
                 raise Fault(f"does not name {name}: {outcome.err!r}")
         if name == "--count" and value == "-1" and outcome.status == 0:
-            raise Fault(f"--count -1 is taken: {' '.join(map(str, words))}")
+            raise Fault(f"--count -1 is taken: {' '.join(map(str, call))}")

@@ -6,65 +6,79 @@ import subprocess
 import time
 
 from options import commands_of
-from programs import Fault, fingerprint, temporaries
+from programs import Fault, Part, fingerprint, temporaries
 
 
-COSIM = ["selfproj-sim", "cosim", "--engine", "model", "--threshold", "60"]
+# Outputs that are inputs: files to copy from the materials (NAME:COPY), the command, the inputs that must stay as they
+# are.
+FRAMES = "frame_1.png frame_2.png frame_3.png frame_4.png"
+COSIM = "selfproj-sim cosim --engine model --threshold 60 --frames frame_?.png"
+ONTO_INPUTS = [
+    (FRAMES, f"{COSIM} --out .", FRAMES),
+    (FRAMES, f"{COSIM} --packets frame_2.png", FRAMES),
+    (FRAMES, f"{COSIM} --packets hard", FRAMES),
+    (FRAMES, f"selfproj-sim moments --engine model --out frame_1.png {FRAMES}", FRAMES),
+    (FRAMES, f"selfproj-sim moments --engine model --out soft {FRAMES}", FRAMES),
+    ("frame_1.png:code_0000.png frame_2.png",
+     "selfproj-sim decode --engine model --bits 1 --out . code_0000.png frame_2.png", "code_0000.png frame_2.png"),
+    ("packets.bin rig.yaml", "selfproj inspect --device file:packets.bin --rig rig.yaml --json packets.bin",
+     "packets.bin"),
+    ("packets.bin rig.yaml", "selfproj inspect --device file:packets.bin --rig rig.yaml --json rig.yaml", "rig.yaml"),
+    ("packets.bin:moments.csv rig.yaml", "selfproj inspect --device file:moments.csv --rig rig.yaml --out .",
+     "moments.csv"),
+    ("packets.bin", "selfproj-sim board --replay packets.bin --record ./packets.bin", "packets.bin"),
+    ("curve.csv:reference.csv rig.yaml", "selfproj pattern --rig rig.yaml --reference reference.csv --out .",
+     "reference.csv"),
+    ("heights.tiff:pattern.tiff rig.yaml", "selfproj pattern --rig rig.yaml --reference pattern.tiff --out .",
+     "pattern.tiff"),
+    ("scanner.yaml SEEN", "selfproj depth --rig scanner.yaml --bits 2 --out . NAMES", ""),
+    ("scanner.yaml SEEN", "selfproj depth --rig scanner.yaml --bits 2 --out . --background depth.tiff NAMES",
+     "depth.tiff"),
+    ("scanner.yaml SEEN", "selfproj depth --rig scanner.yaml --bits 2 --out . --compare cloud.ply NAMES", "cloud.ply"),
+    ("heights.tiff:frame_00001.png rig.yaml",
+     "selfproj-sim scene render plane --rig rig.yaml --count 1 --pattern pattern.tiff --out .", "pattern.tiff"),
+    ("heights.tiff rig.yaml", "selfproj-sim scene render --height-map heights.tiff --mm-per-pixel 1 --rig rig.yaml "
+     "--count 1 --truth heights.tiff --out o", "heights.tiff")
+]
 
 
 def outputs_onto_inputs(made):
-    """(files to copy from the materials, command, the input that must stay as it is)."""
-    frames = [f"frame_{i}.png" for i in range(1, 5)]
-    yield frames, [*COSIM, "--frames", "frame_?.png", "--out", "."], frames
-    yield frames, [
-        *COSIM, "--frames", "frame_?.png", "--packets", "frame_2.png"
-    ], frames
-    yield frames, [*COSIM, "--frames", "frame_?.png", "--packets",
-                   "hard"], frames
-    yield frames, ["selfproj-sim", "moments", "--engine", "model", "--out", "frame_1.png", *frames], frames
-    yield frames, ["selfproj-sim", "moments", "--engine", "model", "--out", "soft", *frames], frames
-    yield (["frame_1.png:code_0000.png", "frame_2.png"], [
-        "selfproj-sim", "decode", "--engine", "model", "--bits", "1", "--out", ".", "code_0000.png", "frame_2.png"
-    ], ["code_0000.png", "frame_2.png"])
-    yield (["packets.bin", "rig.yaml"],
-           ["selfproj", "inspect", "--device", "file:packets.bin", "--rig", "rig.yaml", "--json",
-            "packets.bin"], ["packets.bin"])
-    yield (["packets.bin", "rig.yaml"],
-           ["selfproj", "inspect", "--device", "file:packets.bin", "--rig", "rig.yaml", "--json",
-            "rig.yaml"], ["rig.yaml"])
-    yield (["packets.bin:moments.csv",
-            "rig.yaml"], ["selfproj", "inspect", "--device", "file:moments.csv", "--rig", "rig.yaml", "--out",
-                          "."], ["moments.csv"])
-    yield (["packets.bin"], ["selfproj-sim", "board", "--replay", "packets.bin", "--record",
-                             "./packets.bin"], ["packets.bin"])
-    yield (["curve.csv:reference.csv",
-            "rig.yaml"], ["selfproj", "pattern", "--rig", "rig.yaml", "--reference", "reference.csv", "--out",
-                          "."], ["reference.csv"])
-    yield (["heights.tiff:pattern.tiff",
-            "rig.yaml"], ["selfproj", "pattern", "--rig", "rig.yaml", "--reference", "pattern.tiff", "--out",
-                          "."], ["pattern.tiff"])
-    seen = [f"seen/{path.name}" for path in sorted((made / "seen").iterdir())[:4]]
-    names = [name.split("/")[1] for name in seen]
-    depth = ["selfproj", "depth", "--rig", "scanner.yaml", "--bits", "2", "--out", "."]
-    yield ["scanner.yaml", *seen], depth + names, []
-    yield (["scanner.yaml", *seen], depth + ["--background", "depth.tiff", *names], ["depth.tiff"])
-    yield (["scanner.yaml", *seen], depth + ["--compare", "cloud.ply", *names], ["cloud.ply"])
-    yield (["heights.tiff:frame_00001.png", "rig.yaml"], [
-        "selfproj-sim", "scene", "render", "plane", "--rig", "rig.yaml", "--count", "1", "--pattern", "pattern.tiff",
-        "--out", "."
-    ], ["pattern.tiff"])
-    yield (["heights.tiff", "rig.yaml"], [
-        "selfproj-sim", "scene", "render", "--height-map", "heights.tiff", "--mm-per-pixel", "1", "--rig", "rig.yaml",
-        "--count", "1", "--truth", "heights.tiff", "--out", "o"
-    ], ["heights.tiff"])
+    names = [path.name for path in sorted((made / "seen").iterdir())[:4]]
+    seen = "seen/" + " seen/".join(names)
+    for case in ONTO_INPUTS:
+        yield [text.replace("NAMES", " ".join(names)).replace("SEEN", seen).split() for text in case]
 
+
+# Commands whose standard output fails
+PRINTING = """
+selfproj rig
+selfproj rig light-section
+selfproj --help
+selfproj --version
+selfproj inspect --help
+selfproj devices
+selfproj accuracy
+selfproj-sim scene list
+selfproj-sim --help
+selfproj pattern gray --projector 8x4 --out o
+selfproj inspect --device file:{m}/packets.bin --rig {m}/rig.yaml
+selfproj-sim board --line 64x16 --count 5 --record o
+selfproj-sim moments --engine model --out o {m}/frame_1.png
+"""
 
 # Commands that are killed over an older run of their own, with their good calls: what they write is a folder or a file
 # `o`.
-KILLED = [("selfproj", "depth"), ("selfproj", "match"), ("selfproj", "pattern", "stripes"), ("selfproj", "calibrate"),
-          ("selfproj", "calibrate", "camera"), ("selfproj", "calibrate", "heights"), ("selfproj", "lines"),
-          ("selfproj", "images"), ("selfproj-sim", "decode"), ("selfproj-sim", "capture"),
-          ("selfproj", "tolerance", "learn"), ("selfproj", "accuracy")]
+KILLED = """selfproj depth, selfproj match, selfproj pattern stripes, selfproj calibrate, selfproj calibrate camera,
+selfproj calibrate heights, selfproj lines, selfproj images, selfproj-sim decode, selfproj-sim capture,
+selfproj tolerance learn, selfproj accuracy"""
+# and these
+KILLED_ALSO = """
+selfproj pattern --rig {m}/rig.yaml --reference {m}/curve.csv --out o
+selfproj pattern --rig {m}/rig.yaml --sweep --every 64 --out o
+selfproj inspect --device file:{m}/packets.bin --rig {m}/rig.yaml --out o
+selfproj-sim scene render plane --rig {m}/rig.yaml --count 8 --out o
+selfproj pattern gray --rig {m}/scanner.yaml --out o
+"""
 
 
 def without_good_call(attacker):
@@ -74,12 +88,10 @@ def without_good_call(attacker):
     return cameras | set([] if attacker.screen else [("selfproj", "project")])
 
 
-class Outputs:
+class Outputs(Part):
 
     def __init__(self, attacker, made):
-        self.attacker = attacker
-        self.made = made
-        self.random = attacker.random
+        super().__init__(attacker, made)
         self.commands = commands_of(made)
 
     # --- an output that is an input ---
@@ -159,15 +171,7 @@ class Outputs:
     def standard_output(self, share):
         """Of the three ways to fail, every command meets the first one. `share`: only each such case meets the others.
         """
-        commands = [["selfproj", "rig"], ["selfproj", "rig", "light-section"], ["selfproj", "--help"],
-                    ["selfproj", "--version"], ["selfproj", "inspect", "--help"], ["selfproj", "devices"],
-                    ["selfproj", "accuracy"], ["selfproj-sim", "scene", "list"], ["selfproj-sim", "--help"],
-                    ["selfproj", "pattern", "gray", "--projector", "8x4", "--out", "o"],
-                    [
-                        "selfproj", "inspect", "--device", f"file:{self.made}/packets.bin", "--rig",
-                        f"{self.made}/rig.yaml"
-                    ], ["selfproj-sim", "board", "--line", "64x16", "--count", "5", "--record", "o"],
-                    ["selfproj-sim", "moments", "--engine", "model", "--out", "o", f"{self.made}/frame_1.png"]]
+        commands = [self.words(line) for line in PRINTING.strip().splitlines()]
         for number, command in enumerate(commands):
             for how in ("full", "closed", "pipe") if number % share == 0 else ("full",):
                 self.attacker.case("standard output", f"{how}: {' '.join(command)}", self.failing_output, command,
@@ -195,15 +199,9 @@ class Outputs:
     # --- killed at a random moment ---
 
     def kills(self, count):
-        m = self.made
-        commands = [
-            ["selfproj", "pattern", "--rig", m / "rig.yaml", "--reference", m / "curve.csv", "--out", "o"],
-            ["selfproj", "pattern", "--rig", m / "rig.yaml", "--sweep", "--every", "64", "--out", "o"],
-            ["selfproj", "inspect", "--device", f"file:{m}/packets.bin", "--rig", m / "rig.yaml", "--out", "o"],
-            ["selfproj-sim", "scene", "render", "plane", "--rig", m / "rig.yaml", "--count", "8", "--out", "o"],
-            ["selfproj", "pattern", "gray", "--rig", m / "scanner.yaml", "--out", "o"],
-            *[[*command, *self.commands[command]] for command in KILLED]
-        ]
+        commands = [self.words(line) for line in KILLED_ALSO.strip().splitlines()]
+        killed = [tuple(command.split()) for command in KILLED.split(",")]
+        commands += [[*command, *self.commands[command]] for command in killed]
         for i in range(count):
             command = commands[i % len(commands)]
             self.attacker.case("kills", f"{i}: {' '.join(map(str, command[:3]))} (seed {self.attacker.seed})",

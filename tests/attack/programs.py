@@ -1,4 +1,6 @@
 """Runs the programs under attack, and checks the rules for every run."""
+import contextlib
+import dataclasses
 import hashlib
 import json
 import os
@@ -18,13 +20,27 @@ class Fault(Exception):
     """A program broke a rule."""
 
 
+@dataclasses.dataclass
 class Outcome:
+    status: int
+    out: str
+    err: str
+    asked: bool  # the program was asked to end
 
-    def __init__(self, status, out, err, asked):
-        self.status = status
-        self.out = out
-        self.err = err
-        self.asked = asked  # the program was asked to end
+
+def words(text, made):
+    """The words of a command. In `text`, {m} is the folder of the materials, {frames} are four frames of a line of
+    light, {seen} the first four images of a sequence of Gray codes, and {views} one image of each of the chessboard's
+    poses."""
+    groups = {
+        "{frames}": lambda: [made / f"frame_{i}.png" for i in range(1, 5)],
+        "{seen}": lambda: sorted((made / "seen").iterdir())[:4],
+        "{views}": lambda: [sorted(pose.iterdir())[0] for pose in sorted((made / "views").glob("pose_*"))]
+    }
+    found = []
+    for word in text.split():
+        found += map(str, groups[word]()) if word in groups else [word.replace("{m}", str(made))]
+    return found
 
 
 def limits(memory):
@@ -88,7 +104,7 @@ class Attacker:
         text = [(part or b"").decode(errors="replace") for part in (out, err)]
         return Outcome(process.returncode, text[0], text[1], asked)
 
-    def judge(self, outcome, arguments, folder):
+    def check_rules(self, outcome, arguments, folder):
         """Checks the rules for every run: no signal, a defined status, one line for an error, nothing left behind."""
         what = " ".join(repr(str(a)) if " " in str(a) or not str(a) else str(a) for a in arguments)
         if outcome.status < 0 and not (outcome.asked and outcome.status == -signal.SIGTERM):
@@ -107,7 +123,7 @@ class Attacker:
         """Runs a program, checks the rules, and checks that the inputs are unchanged."""
         before = [fingerprint(path) for path in inputs]
         outcome = self.run(arguments, folder, patience, **more)
-        self.judge(outcome, arguments, folder)
+        self.check_rules(outcome, arguments, folder)
         for path, was in zip(inputs, before):
             if fingerprint(path) != was:
                 raise Fault(f"changed its input {path}: {' '.join(map(str, arguments))}")
@@ -125,20 +141,37 @@ class Attacker:
             print(f"attack: {part}: {name}: {fault}", flush=True)
             return None
 
+    @contextlib.contextmanager
     def scratch(self):
-        return Scratch(self.work)
+        """An empty folder for one case."""
+        path = pathlib.Path(tempfile.mkdtemp(dir=self.work))
+        try:
+            yield path
+        finally:
+            for folder, _, _ in os.walk(path):
+                os.chmod(folder, 0o700)
+            shutil.rmtree(path, ignore_errors=True)
 
 
-class Scratch:
-    """An empty folder for one case."""
+class Part:
+    """Cases of one kind against the programs of `attacker`, with the materials in the folder `made`."""
 
-    def __init__(self, work):
-        self.path = pathlib.Path(tempfile.mkdtemp(dir=work))
+    def __init__(self, attacker, made):
+        self.attacker = attacker
+        self.made = made
+        self.random = attacker.random
 
-    def __enter__(self):
-        return self.path
+    def words(self, text):
+        return words(text, self.made)
 
-    def __exit__(self, *unused):
-        for folder, _, _ in os.walk(self.path):
-            os.chmod(folder, 0o700)
-        shutil.rmtree(self.path, ignore_errors=True)
+    def said_of_commands(self, folder):
+        """What --help-json says of every command of both programs."""
+        return [command for program in ("selfproj", "selfproj-sim")
+                for command in json.loads(self.attacker.run([program, "--help-json"], folder).out)]
+
+    def good(self, command, folder, **more):
+        """Runs a command that must succeed."""
+        outcome = self.attacker.attack(command, folder, **more)
+        if outcome.status != 0:
+            raise Fault(f"status {outcome.status}: {' '.join(map(str, command))}: {outcome.err!r}")
+        return outcome

@@ -7,7 +7,7 @@ import signal
 import struct
 import time
 
-from programs import Fault
+from programs import Fault, Part
 
 FOLDER = pathlib.Path("/dev/shm")
 # Offsets of host/driver/ring_memory.h.
@@ -15,20 +15,18 @@ WRITTEN, LOST, READ, READERS = 64, 72, 128, 144
 WORDS = (0, 8, 12, 16, 20, 64, 72, 80, 84, 88, 92, 128, 136, 144, 148, 152, 156, 192, 196)
 
 
-class Rings:
+class Rings(Part):
 
     def __init__(self, attacker, made):
-        self.attacker = attacker
-        self.made = made
-        self.random = attacker.random
+        super().__init__(attacker, made)
         self.name = f"attack-{os.getpid()}"
         self.file = FOLDER / f"selfproj-ring-{self.name}"
 
     def board(self, *more):
-        return ["selfproj-sim", "board", "--line", "64x16", "--line-frames", "20", "--ring", self.name, *more]
+        return self.words(f"selfproj-sim board --line 64x16 --line-frames 20 --ring {self.name}") + list(more)
 
     def reader(self, *more):
-        return ["selfproj", "inspect", "--device", f"ring:{self.name}", "--rig", self.made / "rig.yaml", *more]
+        return self.words(f"selfproj inspect --device ring:{self.name} --rig {{m}}/rig.yaml") + list(more)
 
     def clear(self):
         self.file.unlink(missing_ok=True)
@@ -44,9 +42,9 @@ class Rings:
 
     # --- evil headers ---
 
-    def evil_headers(self, count):
+    def repeat(self, part, count, function):
         for i in range(count):
-            self.attacker.case("evil rings", f"{i} (seed {self.attacker.seed})", self.evil)
+            self.attacker.case(part, f"{i} (seed {self.attacker.seed})", function)
         self.clear()
 
     def evil(self):
@@ -75,18 +73,11 @@ class Rings:
                                                not (counts["bad"] or counts["other_spec"]) and what == 0):
                     raise Fault(f"{counts['profiles']} profiles of 16, {counts['bad']} bad")
             self.attacker.attack(["selfproj", "devices"], folder)
-            again = self.attacker.attack(self.board("--slots", "16", "--count", "5", "--rate", "0"), folder)
-            if again.status != 0:
-                raise Fault(f"a board cannot use or replace a damaged ring: {again.err}")
+            self.good(self.board("--slots", "16", "--count", "5", "--rate", "0"), folder)  # replaces the damaged ring
 
     # --- made shorter while both run ---
 
-    def shorten(self, count):
-        for i in range(count):
-            self.attacker.case("shortened rings", f"{i} (seed {self.attacker.seed})", self.shorten_one)
-        self.clear()
-
-    def shorten_one(self):
+    def shortened(self):
         self.clear()
         with self.attacker.scratch() as folder:
             board = self.attacker.start(self.board("--slots", "64", "--rate", "2000", "--seconds", "1.5"), folder)
@@ -126,17 +117,12 @@ class Rings:
 
     # --- killed and started again ---
 
-    def restarts(self, count):
-        for i in range(count):
-            self.attacker.case("kills and restarts", f"{i} (seed {self.attacker.seed})", self.restart_loop, 5)
-        self.clear()
-
-    def restart_loop(self, rounds):
+    def restarts(self, rounds=5):
         """A board plays. Readers and boards come, are killed or end, and the next one comes. At the end every packet of
         a board was read, or a reader that ended has counted it as lost."""
         self.clear()
         rate = 20000
-        told = {"delivered": 0, "lost_ring": 0, "other": 0}
+        reported = {"delivered": 0, "lost_ring": 0, "other": 0}
         killed = 0
         with self.attacker.scratch() as folder:
             for number in range(rounds):
@@ -153,30 +139,27 @@ class Rings:
                     reader.send_signal(how)
                     _, err = reader.communicate(timeout=20)
                     if file.exists():  # it ended by itself
-                        self.add(told, json.loads(file.read_text()))
+                        self.add(reported, json.loads(file.read_text()))
                     else:
                         killed += self.header()["read"] - before
                         if how != signal.SIGKILL and reader.returncode not in (-how, 0):
                             raise Fault(f"reader: status {reader.returncode}: {err.decode()}")
                 board.send_signal(signal.SIGKILL if number % 2 else signal.SIGINT)
                 board.communicate(timeout=20)
-            last = self.attacker.attack(self.reader("--json", "o.json"), folder)
-            if last.status != 0:
-                raise Fault(f"the last reader: {last.err}")
-            self.add(told, json.loads((folder / "o.json").read_text()))
+            self.add(reported, self.counts_of(folder))
         header = self.header()
         if header["read"] != header["written"]:
             raise Fault(f"{header['written']} written, {header['read']} read")
-        if told["delivered"] + told["other"] + killed != header["written"]:
-            raise Fault(f"{header['written']} written, but {told} and {killed} by readers that were killed")
-        if told["lost_ring"] != header["lost"]:
-            raise Fault(f"{header['lost']} lost in the ring, {told['lost_ring']} told by readers that ended")
+        if reported["delivered"] + reported["other"] + killed != header["written"]:
+            raise Fault(f"{header['written']} written, but {reported} and {killed} by readers that were killed")
+        if reported["lost_ring"] != header["lost"]:
+            raise Fault(f"{header['lost']} lost in the ring, {reported['lost_ring']} reported by readers that ended")
 
     @staticmethod
-    def add(told, counts):
-        told["delivered"] += counts["delivered"]
-        told["lost_ring"] += counts["lost_ring"]
-        told["other"] += counts["bad"] + counts["repeated"]
+    def add(reported, counts):
+        reported["delivered"] += counts["delivered"]
+        reported["lost_ring"] += counts["lost_ring"]
+        reported["other"] += counts["bad"] + counts["repeated"]
 
     # --- two readers one after the other, a ring that is renewed, a backlog ---
 
@@ -186,9 +169,7 @@ class Rings:
             self.clear()
 
     def counts_of(self, folder, *more):
-        outcome = self.attacker.attack(self.reader("--json", "o.json", *more), folder)
-        if outcome.status != 0:
-            raise Fault(outcome.err)
+        self.good(self.reader("--json", "o.json", *more), folder)
         return json.loads((folder / "o.json").read_text())
 
     def two_readers(self):

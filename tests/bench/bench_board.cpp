@@ -106,11 +106,6 @@ bool packets_are_right(const std::vector<std::uint8_t>& pixels, const Case& one)
   return got == expected;
 }
 
-void set_counters(benchmark::State& state, int frames) {
-  state.SetItemsProcessed(state.iterations() * frames);
-  state.SetBytesProcessed(state.iterations() * frames * static_cast<std::int64_t>(kFrameBytes));
-}
-
 void make_packets(benchmark::State& state, const std::vector<std::uint8_t>& pixels, const Case& one) {
   SoftwareBoard board(settings_of(one));
   std::uint64_t sequence = 0;
@@ -125,7 +120,7 @@ void make_packets(benchmark::State& state, const std::vector<std::uint8_t>& pixe
       benchmark::ClobberMemory();
     }
   }
-  set_counters(state, kFrames);
+  bench::set_counters(state, kFrames, kFrameBytes);
 }
 
 void sum_moments(benchmark::State& state, const std::vector<std::uint8_t>& pixels, const Case& one) {
@@ -138,7 +133,7 @@ void sum_moments(benchmark::State& state, const std::vector<std::uint8_t>& pixel
       benchmark::ClobberMemory();
     }
   }
-  set_counters(state, kFrames);
+  bench::set_counters(state, kFrames, kFrameBytes);
 }
 
 void run_model(benchmark::State& state, const std::vector<std::uint8_t>& pixels, const Case& one) {
@@ -150,22 +145,15 @@ void run_model(benchmark::State& state, const std::vector<std::uint8_t>& pixels,
       model_frame(model, frame_of(pixels, frame), inputs);
     }
   }
-  set_counters(state, kModelFrames);
+  bench::set_counters(state, kModelFrames, kFrameBytes);
 }
 
-int run(int argc, char** argv) {
-  if (!bench::initialize(argv[0], {argv + 1, argv + argc})) {
-    return 2;
-  }
+int run() {
   const std::vector<std::uint8_t> pixels = make_frames();
   for (const Case& one : kCases) {
-    if (!packets_are_right(pixels, one)) {
-      std::fprintf(stderr, "bench_board: the packets are wrong (%s)\n", one.name);
-      return 1;
-    }
+    bench::require(packets_are_right(pixels, one), std::string("the packets are wrong (") + one.name + ")");
     const auto add = [&](const std::string& what, auto work) {
-      benchmark::RegisterBenchmark((what + "/" + one.name).c_str(),
-                                   [&, work](benchmark::State& state) { work(state, pixels, one); });
+      bench::add(what + "/" + one.name, [&, work](benchmark::State& state) { work(state, pixels, one); });
     };
     add("packets", make_packets);
     add("moments", sum_moments);
@@ -199,4 +187,6 @@ int run(int argc, char** argv) {
 }  // namespace
 }  // namespace selfproj
 
-int main(int argc, char** argv) { return selfproj::bench::main_of("bench_board", argc, argv, selfproj::run); }
+int main(int argc, char** argv) {
+  return selfproj::bench::main_of("bench_board", {argv + 1, argv + argc}, selfproj::run);
+}

@@ -111,11 +111,6 @@ bool depths_are_right(const std::uint8_t* images) {
   return valid > kImageBytes / 10 && on_limit < kImageBytes / 1000;
 }
 
-void set_counters(benchmark::State& state, std::int64_t updates) {
-  state.SetItemsProcessed(state.iterations() * updates);
-  state.SetBytesProcessed(state.iterations() * updates * static_cast<std::int64_t>(2 * kImageBytes));
-}
-
 // `pairs` pairs, one after another; a whole number of cycles.
 void decode(benchmark::State& state, const std::uint8_t* images, int pairs) {
   FastGrayDecoder decoder(kSettings);
@@ -129,7 +124,7 @@ void decode(benchmark::State& state, const std::uint8_t* images, int pairs) {
     }
     benchmark::ClobberMemory();
   }
-  set_counters(state, 1);
+  bench::set_counters(state, 1, 2 * kImageBytes);
 }
 
 FastGrayDecoder filled_decoder(const std::uint8_t* images) {
@@ -147,7 +142,7 @@ void to_words(benchmark::State& state, const std::uint8_t* images) {
     code_words(decoder.codes(), words.data());
     benchmark::ClobberMemory();
   }
-  set_counters(state, 1);
+  bench::set_counters(state, 1, 2 * kImageBytes);
 }
 
 void filter(benchmark::State& state, const std::uint8_t* images) {
@@ -158,7 +153,7 @@ void filter(benchmark::State& state, const std::uint8_t* images) {
     median.filter(decoder.codes(), words.data());
     benchmark::ClobberMemory();
   }
-  set_counters(state, 1);
+  bench::set_counters(state, 1, 2 * kImageBytes);
 }
 
 void triangulate(benchmark::State& state, const std::uint8_t* images) {
@@ -171,7 +166,7 @@ void triangulate(benchmark::State& state, const std::uint8_t* images) {
     triangulation.depth(words.data(), z.data());
     benchmark::ClobberMemory();
   }
-  set_counters(state, 1);
+  bench::set_counters(state, 1, 2 * kImageBytes);
 }
 
 void find_moved(benchmark::State& state, const std::uint8_t* images) {
@@ -184,7 +179,7 @@ void find_moved(benchmark::State& state, const std::uint8_t* images) {
   for (auto _ : state) {
     benchmark::DoNotOptimize(foreground_of(triangulation, z.data(), background.data(), 5));
   }
-  set_counters(state, 1);
+  bench::set_counters(state, 1, 2 * kImageBytes);
 }
 
 // All steps, `pairs` pairs one after another.
@@ -201,7 +196,7 @@ void depth(benchmark::State& state, const std::uint8_t* images, int pairs) {
     }
     benchmark::ClobberMemory();
   }
-  set_counters(state, 1);
+  bench::set_counters(state, 1, 2 * kImageBytes);
 }
 
 nlohmann::ordered_json print_ratios(const bench::Collector& collector) {
@@ -244,22 +239,13 @@ nlohmann::ordered_json print_ratios(const bench::Collector& collector) {
   return results;
 }
 
-int run(int argc, char** argv) {
-  if (!bench::initialize(argv[0], std::vector<std::string>(argv + 1, argv + argc))) {
-    return 2;
-  }
+int run() {
   const bench::RandomBuffer images(kImages * kImageBytes);
   const std::uint8_t* data = images.data();
-  if (!results_are_right(data)) {
-    std::fprintf(stderr, "bench_gray: the codes are wrong\n");
-    return 1;
-  }
-  if (!depths_are_right(data)) {
-    std::fprintf(stderr, "bench_gray: the depths are wrong\n");
-    return 1;
-  }
+  bench::require(results_are_right(data), "the codes are wrong");
+  bench::require(depths_are_right(data), "the depths are wrong");
   bench::add_read_ceiling({images.data(), images.size()});
-  const auto add = [](const char* name, auto&& function) { benchmark::RegisterBenchmark(name, function); };
+  using bench::add;
   add("decode/cache", [data](benchmark::State& state) { decode(state, data, 1); });
   add("decode/memory", [data](benchmark::State& state) { decode(state, data, kImages / 2); });
   add("words/cache", [data](benchmark::State& state) { to_words(state, data); });
@@ -276,4 +262,6 @@ int run(int argc, char** argv) {
 }  // namespace
 }  // namespace selfproj
 
-int main(int argc, char** argv) { return selfproj::bench::main_of("bench_gray", argc, argv, selfproj::run); }
+int main(int argc, char** argv) {
+  return selfproj::bench::main_of("bench_gray", {argv + 1, argv + argc}, selfproj::run);
+}

@@ -100,11 +100,6 @@ bool results_are_right(const Setup& setup, const std::uint8_t* images) {
   return valid > kPixels / 2;
 }
 
-void set_counters(benchmark::State& state) {
-  state.SetItemsProcessed(state.iterations());
-  state.SetBytesProcessed(state.iterations() * static_cast<std::int64_t>(2 * kPixels));
-}
-
 void whole(benchmark::State& state, const Setup& setup, const std::uint8_t* images, int count) {
   SelfScanner scanner(setup.rig, setup.reference, setup.table, 5);
   int image = 0;
@@ -117,7 +112,7 @@ void whole(benchmark::State& state, const Setup& setup, const std::uint8_t* imag
     }
     benchmark::ClobberMemory();
   }
-  set_counters(state);
+  bench::set_counters(state, 1, 2 * kPixels);
 }
 
 void decode(benchmark::State& state, const std::uint8_t* images) {
@@ -130,7 +125,7 @@ void decode(benchmark::State& state, const std::uint8_t* images) {
     }
     benchmark::ClobberMemory();
   }
-  set_counters(state);
+  bench::set_counters(state, 1, 2 * kPixels);
 }
 
 // The steps after the decoder, each over a whole image. As in the scanner, the lines of a row stay in one short array.
@@ -160,7 +155,7 @@ void step(benchmark::State& state, const Setup& setup, const std::uint8_t* image
       benchmark::ClobberMemory();
     }
   }
-  set_counters(state);
+  bench::set_counters(state, 1, 2 * kPixels);
 }
 
 nlohmann::ordered_json print_ratios(const bench::Collector& collector) {
@@ -205,23 +200,17 @@ nlohmann::ordered_json print_ratios(const bench::Collector& collector) {
             step("difference", difference, "–")}}};
 }
 
-int run(int argc, char** argv) {
-  if (!bench::initialize(argv[0], std::vector<std::string>(argv + 1, argv + argc))) {
-    return 2;
-  }
+int run() {
   const auto setup = std::make_unique<Setup>();
   const std::vector<std::uint8_t> few = images_of(*setup);
   bench::RandomBuffer random(kImages * kPixels);
-  if (!results_are_right(*setup, few.data())) {
-    std::fprintf(stderr, "bench_match: the results are wrong\n");
-    return 1;
-  }
+  bench::require(results_are_right(*setup, few.data()), "the results are wrong");
   std::vector<std::uint8_t> many(kImages * kPixels);
   for (std::size_t at = 0; at < many.size(); at += few.size()) {
     std::memcpy(many.data() + at, few.data(), few.size());
   }
   bench::add_read_ceiling({many.data(), many.size()});
-  const auto add = [](const char* name, auto&& function) { benchmark::RegisterBenchmark(name, function); };
+  using bench::add;
   const Setup& s = *setup;
   add("match/cache", [&](benchmark::State& state) { whole(state, s, few.data(), 2 * kBits); });
   add("match/memory", [&](benchmark::State& state) { whole(state, s, many.data(), kImages); });
@@ -240,4 +229,6 @@ int run(int argc, char** argv) {
 }  // namespace
 }  // namespace selfproj
 
-int main(int argc, char** argv) { return selfproj::bench::main_of("bench_match", argc, argv, selfproj::run); }
+int main(int argc, char** argv) {
+  return selfproj::bench::main_of("bench_match", {argv + 1, argv + argc}, selfproj::run);
+}

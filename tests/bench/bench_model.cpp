@@ -132,11 +132,6 @@ bool runs_are_right(const FrameBuffer& buffer) {
   return true;
 }
 
-void set_counters(benchmark::State& state, std::int64_t items, std::size_t bytes_of_one) {
-  state.SetItemsProcessed(state.iterations() * items);
-  state.SetBytesProcessed(state.iterations() * items * static_cast<std::int64_t>(bytes_of_one));
-}
-
 void take_moments(benchmark::State& state, const FrameBuffer& buffer, Mode mode, int frames) {
   Moments moments;
   moments.resize(kColumns);
@@ -147,7 +142,7 @@ void take_moments(benchmark::State& state, const FrameBuffer& buffer, Mode mode,
       benchmark::ClobberMemory();
     }
   }
-  set_counters(state, frames, kFrameBytes);
+  bench::set_counters(state, frames, kFrameBytes);
 }
 
 void take_runs(benchmark::State& state, const FrameBuffer& buffer, const Measure& measure, int frames) {
@@ -160,7 +155,7 @@ void take_runs(benchmark::State& state, const FrameBuffer& buffer, const Measure
       benchmark::ClobberMemory();
     }
   }
-  set_counters(state, frames, kFrameBytes);
+  bench::set_counters(state, frames, kFrameBytes);
 }
 
 // A good packet of moments of kColumns columns.
@@ -189,7 +184,7 @@ void parse(benchmark::State& state, const std::vector<std::uint8_t>& packet) {
     }
     benchmark::DoNotOptimize(view);
   }
-  set_counters(state, 1, packet.size());
+  bench::set_counters(state, 1, packet.size());
 }
 
 void parse_and_unpack(benchmark::State& state, const std::vector<std::uint8_t>& packet) {
@@ -204,7 +199,7 @@ void parse_and_unpack(benchmark::State& state, const std::vector<std::uint8_t>& 
     unpack_moments(static_cast<Mode>(view.header.mode), kColumns, view.payload.data(), moments.view());
     benchmark::ClobberMemory();
   }
-  set_counters(state, 1, packet.size());
+  bench::set_counters(state, 1, packet.size());
 }
 
 // The speed of the strongest runs beside that of all lit pixels of the same frames.
@@ -251,45 +246,21 @@ nlohmann::ordered_json print_ratios(const Collector& collector) {
 void add_runs(const std::string& lines, const FrameBuffer& buffer) {
   for (const auto& [name, measure] : runs_cases()) {
     for (const auto& [place, some] : {std::pair{"memory", buffer.frames()}, {"cache", kFramesInCache}}) {
-      benchmark::RegisterBenchmark((lines + "/" + place + "/" + name).c_str(),
-                                   [&buffer, measure = measure, some = some](benchmark::State& state) {
-                                     take_runs(state, buffer, measure, some);
-                                   });
+      bench::add(lines + "/" + place + "/" + name, [&buffer, measure = measure, some = some](benchmark::State& state) {
+        take_runs(state, buffer, measure, some);
+      });
     }
   }
 }
 
-int run(int argc, char** argv) {
-  int frames = 8000;
-  std::vector<std::string> words;
-  for (int i = 1; i < argc; ++i) {
-    const std::string word = argv[i];
-    const std::string option = "--frames=";
-    if (word.starts_with(option)) {
-      char* end = nullptr;
-      const long value = std::strtol(word.c_str() + option.size(), &end, 10);
-      if (*end != '\0' || value < kFramesInCache || value > 1000000) {
-        std::fprintf(stderr, "bench_model: %s: not a number in %d..1000000\n", word.c_str(), kFramesInCache);
-        return 2;
-      }
-      frames = static_cast<int>(value);
-    } else {
-      words.push_back(word);
-    }
-  }
-  if (!bench::initialize(argv[0], words)) {
-    return 2;
-  }
-
+int run(int frames) {
   const FrameBuffer buffer(frames);
   FrameBuffer lines(frames);
   FrameBuffer reflections(frames);
   lines.draw_lines(0);
   reflections.draw_lines(16);
-  if (!results_are_right(buffer) || !runs_are_right(lines) || !runs_are_right(reflections)) {
-    std::fprintf(stderr, "bench_model: the moments are wrong\n");
-    return 1;
-  }
+  bench::require(results_are_right(buffer) && runs_are_right(lines) && runs_are_right(reflections),
+                 "the moments are wrong");
   const std::vector<std::uint8_t> binary = packet_of(Mode::binary, buffer.frame(0));
   const std::vector<std::uint8_t> grey = packet_of(Mode::grey, buffer.frame(0));
 
@@ -297,18 +268,16 @@ int run(int argc, char** argv) {
   for (const auto& [name, mode] :
        {std::pair{"binary", Mode::binary}, {"grey", Mode::grey}, {"grey_over", Mode::grey_over}}) {
     for (const auto& [place, some] : {std::pair{"memory", frames}, {"cache", kFramesInCache}}) {
-      benchmark::RegisterBenchmark(
-          (std::string("moments/") + place + "/" + name).c_str(),
+      bench::add(
+          std::string("moments/") + place + "/" + name,
           [&buffer, mode = mode, some = some](benchmark::State& state) { take_moments(state, buffer, mode, some); });
     }
   }
   add_runs("lines", lines);
   add_runs("reflections", reflections);
-  benchmark::RegisterBenchmark("packet/parse/binary", [&](benchmark::State& state) { parse(state, binary); });
-  benchmark::RegisterBenchmark("packet/parse_and_unpack/binary",
-                               [&](benchmark::State& state) { parse_and_unpack(state, binary); });
-  benchmark::RegisterBenchmark("packet/parse_and_unpack/grey",
-                               [&](benchmark::State& state) { parse_and_unpack(state, grey); });
+  bench::add("packet/parse/binary", [&](benchmark::State& state) { parse(state, binary); });
+  bench::add("packet/parse_and_unpack/binary", [&](benchmark::State& state) { parse_and_unpack(state, binary); });
+  bench::add("packet/parse_and_unpack/grey", [&](benchmark::State& state) { parse_and_unpack(state, grey); });
 
   return bench::run_registered(
       {"bench_model", "Column moments on the host, frames of 96 x 512, one core", "bytes_per_second"}, print_ratios);
@@ -317,4 +286,23 @@ int run(int argc, char** argv) {
 }  // namespace
 }  // namespace selfproj
 
-int main(int argc, char** argv) { return selfproj::bench::main_of("bench_model", argc, argv, selfproj::run); }
+int main(int argc, char** argv) {
+  int frames = 8000;
+  std::vector<std::string> words;
+  for (int i = 1; i < argc; ++i) {
+    const std::string word = argv[i];
+    const std::string option = "--frames=";
+    if (!word.starts_with(option)) {
+      words.push_back(word);
+      continue;
+    }
+    char* end = nullptr;
+    const long value = std::strtol(word.c_str() + option.size(), &end, 10);
+    if (*end != '\0' || value < selfproj::kFramesInCache || value > 1000000) {
+      std::fprintf(stderr, "bench_model: %s: not a number in %d..1000000\n", word.c_str(), selfproj::kFramesInCache);
+      return 2;
+    }
+    frames = static_cast<int>(value);
+  }
+  return selfproj::bench::main_of("bench_model", words, [&] { return selfproj::run(frames); });
+}

@@ -194,7 +194,7 @@ bool codes_are_equal(const Capture& capture, const std::vector<Image>& ours, con
 
 template <class Decode>
 void add(const std::string& name, Decode decode) {
-  benchmark::RegisterBenchmark(name.c_str(), [decode = std::move(decode)](benchmark::State& state) mutable {
+  bench::add(name, [decode = std::move(decode)](benchmark::State& state) mutable {
     for (auto _ : state) {
       decode();
       benchmark::ClobberMemory();
@@ -252,19 +252,14 @@ nlohmann::ordered_json print_ratios(const bench::Collector& collector) {
   return results;
 }
 
-int run(int argc, char** argv) {
-  if (!bench::initialize(argv[0], std::vector<std::string>(argv + 1, argv + argc))) {
-    return 2;
-  }
+int run() {
   cv::setNumThreads(1);
   const Capture small(512, 512, 2, 256);
   const Capture large(1024, 1280, 768, 1024);
   const Files files(large);
-  if (!codes_are_equal(small, small.images(), mats_of(small.images())) ||
-      !codes_are_equal(large, files.ours(), files.theirs())) {
-    std::fprintf(stderr, "bench_opencv: the codes differ\n");
-    return 1;
-  }
+  bench::require(codes_are_equal(small, small.images(), mats_of(small.images())) &&
+                     codes_are_equal(large, files.ours(), files.theirs()),
+                 "the codes differ");
   add_whole("512", small);
   add_whole("1280", large);
   add_files(large, files);
@@ -276,4 +271,6 @@ int run(int argc, char** argv) {
 }  // namespace
 }  // namespace selfproj
 
-int main(int argc, char** argv) { return selfproj::bench::main_of("bench_opencv", argc, argv, selfproj::run); }
+int main(int argc, char** argv) {
+  return selfproj::bench::main_of("bench_opencv", {argv + 1, argv + argc}, selfproj::run);
+}

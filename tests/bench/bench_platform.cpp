@@ -27,22 +27,17 @@
 #include "sim/platform/platform.h"
 #include "tests/bench/collector.h"
 
+namespace selfproj {
 namespace {
 
-using selfproj::BoardSettings;
-using selfproj::CameraTiming;
-using selfproj::ImageView;
-using selfproj::Platform;
-using selfproj::PlatformEngine;
-using selfproj::PlatformOptions;
-using selfproj::bench::Collector;
+using bench::Collector;
 
 constexpr int kRows = 96;
 constexpr int kColumns = 512;
 constexpr int kFrames = 8;  // of one run of the platform
 constexpr double kBeltStepsPerS = 100000;
 
-const BoardSettings kSettings{.mode = selfproj::Mode::grey_over, .threshold = 20};
+const BoardSettings kSettings{.mode = Mode::grey_over, .threshold = 20};
 
 // A light line on a dark, noisy image.
 std::vector<std::uint8_t> line_image() {
@@ -67,7 +62,7 @@ class Plain {
     std::uint64_t in_line = 0;
     int row = 0;
     for (std::uint64_t clock = 0; clock < timing.frame_clocks;) {
-      const selfproj::BoardClocks::Edge edge = clocks_.next();
+      const BoardClocks::Edge edge = clocks_.next();
       if (edge.video) {
         m.s_axis_tvalid = row < kRows && in_line < timing.beats_a_line();
         if (m.s_axis_tvalid != 0) {
@@ -92,8 +87,8 @@ class Plain {
   }
 
  private:
-  selfproj::BoardDevice<Vboard> device_;
-  selfproj::BoardClocks clocks_{selfproj::pixel_clock_period_ps(selfproj::kDefaultPixelClockHz), 8000, 1234};
+  BoardDevice<Vboard> device_;
+  BoardClocks clocks_{pixel_clock_period_ps(kDefaultPixelClockHz), 8000, 1234};
 };
 
 // Runs the platform over some frames.
@@ -106,7 +101,7 @@ std::uint64_t run_platform(PlatformEngine engine, const std::vector<std::uint8_t
   options.encoder_steps_per_s = kBeltStepsPerS;
   int left = kFrames;
   const ImageView view{.pixels = pixels.data(), .rows = kRows, .columns = kColumns, .stride = kColumns};
-  selfproj::PacketScoreboard scoreboard;
+  PacketScoreboard scoreboard;
   Platform platform(
       options, [&]() -> std::optional<ImageView> { return left-- > 0 ? std::optional(view) : std::nullopt; },
       [&](std::span<const std::uint8_t> bytes, std::uint64_t) {
@@ -115,8 +110,7 @@ std::uint64_t run_platform(PlatformEngine engine, const std::vector<std::uint8_t
           scoreboard.compare(bytes);
         }
       },
-      compare ? selfproj::BoardModel::Sink([&](selfproj::BoardPacket&& made) { scoreboard.expect(std::move(made)); })
-              : selfproj::BoardModel::Sink());
+      compare ? BoardModel::Sink([&](BoardPacket&& made) { scoreboard.expect(std::move(made)); }) : BoardModel::Sink());
   platform.run();
   if (scoreboard.mismatches() != 0) {
     throw std::runtime_error(scoreboard.first_mismatch());
@@ -141,23 +135,17 @@ bool are_equal(const std::vector<std::uint8_t>& pixels, const CameraTiming& timi
   if (platform.empty() || plain.size() < platform.size()) {
     return false;
   }
-  const auto a = selfproj::payload_of(std::span(plain).first(platform.size()));
-  const auto b = selfproj::payload_of(platform);
+  const auto a = payload_of(std::span(plain).first(platform.size()));
+  const auto b = payload_of(platform);
   return std::equal(a.begin(), a.end(), b.begin(), b.end());
 }
 
-int run(int argc, char** argv) {
-  if (!selfproj::bench::initialize(argv[0], {argv + 1, argv + argc})) {
-    return 2;
-  }
+int run() {
   const std::vector<std::uint8_t> pixels = line_image();
-  const CameraTiming timing = selfproj::camera_timing(kRows, kColumns, 10000);
-  if (!are_equal(pixels, timing)) {
-    std::fprintf(stderr, "bench_platform: the platform's packets are not those of the plain loop\n");
-    return 1;
-  }
+  const CameraTiming timing = camera_timing(kRows, kColumns, 10000);
+  bench::require(are_equal(pixels, timing), "the platform's packets are not those of the plain loop");
 
-  benchmark::RegisterBenchmark("plain/rtl", [&](benchmark::State& state) {
+  bench::add("plain/rtl", [&](benchmark::State& state) {
     Plain board;
     std::uint64_t words = 0;
     for (auto _ : state) {
@@ -167,7 +155,7 @@ int run(int argc, char** argv) {
     state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(timing.frame_clocks));
   });
   const auto platform = [&](const char* name, PlatformEngine engine, bool compare) {
-    benchmark::RegisterBenchmark(name, [&, engine, compare](benchmark::State& state) {
+    bench::add(name, [&, engine, compare](benchmark::State& state) {
       std::uint64_t clocks = 0;
       std::uint64_t bytes = 0;
       for (auto _ : state) {
@@ -181,9 +169,9 @@ int run(int argc, char** argv) {
   platform("compared/rtl", PlatformEngine::rtl, true);
   platform("platform/model", PlatformEngine::model, false);
 
-  const selfproj::bench::About about{"bench_platform", "The platform in SystemC beside the same board in a plain loop",
-                                     "items_per_second"};
-  return selfproj::bench::run_registered(about, [](const Collector& collector) {
+  const bench::About about{"bench_platform", "The platform in SystemC beside the same board in a plain loop",
+                           "items_per_second"};
+  return bench::run_registered(about, [](const Collector& collector) {
     nlohmann::ordered_json results;
     const double plain = collector.median("plain/rtl");
     if (plain <= 0) {
@@ -192,10 +180,10 @@ int run(int argc, char** argv) {
     const auto print = [&](const char* name, const char* key, const char* what) {
       if (const double rate = collector.median(name); rate > 0) {
         std::printf("%-36s %6.2f M clocks/s: %4.0f %% of the plain loop's, 1/%.0f of real time\n", what, rate * 1e-6,
-                    100 * rate / plain, selfproj::kDefaultPixelClockHz / rate);
+                    100 * rate / plain, kDefaultPixelClockHz / rate);
         results[key] = {{"clocks_per_s", rate},
                         {"share_of_plain_loop", rate / plain},
-                        {"slower_than_real_time", selfproj::kDefaultPixelClockHz / rate}};
+                        {"slower_than_real_time", kDefaultPixelClockHz / rate}};
       }
     };
     std::printf("\n");
@@ -208,5 +196,8 @@ int run(int argc, char** argv) {
 }
 
 }  // namespace
+}  // namespace selfproj
 
-int main(int argc, char** argv) { return selfproj::bench::main_of("bench_platform", argc, argv, run); }
+int main(int argc, char** argv) {
+  return selfproj::bench::main_of("bench_platform", {argv + 1, argv + argc}, selfproj::run);
+}

@@ -136,11 +136,6 @@ bool profiles_are_right(const Rig& rig, const ReferenceProfile& reference, const
   return true;
 }
 
-void set_counters(benchmark::State& state, const Packets& packets) {
-  state.SetItemsProcessed(state.iterations() * packets.count);
-  state.SetBytesProcessed(state.iterations() * static_cast<std::int64_t>(packets.bytes.size()));
-}
-
 enum class Work : std::uint8_t { parse, profile, both };
 
 void work(benchmark::State& state, const DifferentialProfiler& profiler, const Packets& packets, Work what) {
@@ -162,7 +157,7 @@ void work(benchmark::State& state, const DifferentialProfiler& profiler, const P
       benchmark::ClobberMemory();
     }
   }
-  set_counters(state, packets);
+  bench::set_counters(state, packets.count, packets.size);
 }
 
 // Reads a packet and fills a profile with its words, in as few instructions as possible.
@@ -195,13 +190,10 @@ void ceiling(benchmark::State& state, const Packets& packets) {
       benchmark::ClobberMemory();
     }
   }
-  set_counters(state, packets);
+  bench::set_counters(state, packets.count, packets.size);
 }
 
-int run(int argc, char** argv) {
-  if (!bench::initialize(argv[0], {argv + 1, argv + argc})) {
-    return 2;
-  }
+int run() {
   struct Station {
     explicit Station(const Rig& of)
         : rig(of),
@@ -232,20 +224,16 @@ int run(int argc, char** argv) {
       {"lenses_grey_over/cache", &lenses, Packets(lenses.rig, Mode::grey_over, kInCache)},
       {"lenses_grey_over/memory", &lenses, Packets(lenses.rig, Mode::grey_over, kInMemory)}};
   for (const auto& [name, station, packets] : cases) {
-    if (!profiles_are_right(station->rig, station->reference, station->profiler, packets)) {
-      std::fprintf(stderr, "bench_profile: the profiles are wrong (%s)\n", name.c_str());
-      return 1;
-    }
+    bench::require(profiles_are_right(station->rig, station->reference, station->profiler, packets),
+                   std::string("the profiles are wrong (") + name + ")");
     const auto add = [&, &name = name, &set = packets, &profiler = station->profiler](const std::string& step,
                                                                                       Work what) {
-      benchmark::RegisterBenchmark((step + "/" + name).c_str(),
-                                   [&, what](benchmark::State& state) { work(state, profiler, set, what); });
+      bench::add(step + "/" + name, [&, what](benchmark::State& state) { work(state, profiler, set, what); });
     };
     add("parse", Work::parse);
     add("profile", Work::profile);
     add("both", Work::both);
-    benchmark::RegisterBenchmark(("ceiling/" + name).c_str(),
-                                 [&set = packets](benchmark::State& state) { ceiling(state, set); });
+    bench::add("ceiling/" + name, [&set = packets](benchmark::State& state) { ceiling(state, set); });
   }
   const bench::About about{"bench_profile", "Packet to differential profile, 512 columns, one core",
                            "items_per_second"};
@@ -270,4 +258,6 @@ int run(int argc, char** argv) {
 }  // namespace
 }  // namespace selfproj
 
-int main(int argc, char** argv) { return selfproj::bench::main_of("bench_profile", argc, argv, selfproj::run); }
+int main(int argc, char** argv) {
+  return selfproj::bench::main_of("bench_profile", {argv + 1, argv + argc}, selfproj::run);
+}

@@ -35,16 +35,17 @@
 #include "sim/board/clocks.h"
 #include "tests/bench/collector.h"
 
+namespace selfproj {
 namespace {
 
-using selfproj::bench::Collector;
+using bench::Collector;
 
 constexpr int kRows = 96;
 constexpr int kColumns = 512;
 constexpr int kGroups = kColumns / 4;
 constexpr int kThreshold = 128;
 constexpr int kFrameClocks = kRows * kGroups;
-constexpr std::uint64_t kVideoPeriodPs = selfproj::pixel_clock_period_ps(selfproj::kDefaultPixelClockHz);
+constexpr std::uint64_t kVideoPeriodPs = pixel_clock_period_ps(kDefaultPixelClockHz);
 constexpr std::uint64_t kBusPeriodPs = 16000;  // 62.5 MHz: 16 bytes each, 1 GB/s
 
 // One frame of noise, as the beats' words.
@@ -103,7 +104,7 @@ class Core {
  private:
   void clock() {
     model_->clk_i = 1;
-    selfproj::rise(*model_);
+    rise(*model_);
   }
 
   VerilatedContext context_;
@@ -114,7 +115,7 @@ class Core {
 template <class Model>
 class Board {
  public:
-  Board() { device_.write(selfproj::BoardSettings{.columns = kColumns, .rows = kRows, .threshold = kThreshold}); }
+  Board() { device_.write(BoardSettings{.columns = kColumns, .rows = kRows, .threshold = kThreshold}); }
 
   // The tight loop clocks the board's model without the queues of the device.
   template <class Out>
@@ -124,7 +125,7 @@ class Board {
     const std::uint32_t* beat = beats.data();
     for (int row = 0; row < kRows; ++row) {
       for (int group = 0; group < kGroups;) {
-        const selfproj::BoardClocks::Edge edge = clocks_.next();
+        const BoardClocks::Edge edge = clocks_.next();
         if (edge.video) {
           m.s_axis_tvalid = 1;
           m.s_axis_tdata = *beat++;
@@ -141,20 +142,20 @@ class Board {
   }
 
  private:
-  selfproj::BoardDevice<Model> device_;
-  selfproj::BoardClocks clocks_{kVideoPeriodPs, kBusPeriodPs, 1234};
+  BoardDevice<Model> device_;
+  BoardClocks clocks_{kVideoPeriodPs, kBusPeriodPs, 1234};
 };
 
 // The output of a circuit for a frame.
 enum class Gives : std::uint8_t { payloads, packets };
 
 // The model of the moments, the definition in C++.
-void sum_frame(const std::vector<std::uint32_t>& beats, selfproj::Moments& moments) {
-  selfproj::column_moments({.pixels = reinterpret_cast<const std::uint8_t*>(beats.data()),
-                            .rows = kRows,
-                            .columns = kColumns,
-                            .stride = kColumns},
-                           selfproj::Mode::binary, kThreshold, moments.view());
+void sum_frame(const std::vector<std::uint32_t>& beats, Moments& moments) {
+  column_moments({.pixels = reinterpret_cast<const std::uint8_t*>(beats.data()),
+                  .rows = kRows,
+                  .columns = kColumns,
+                  .stride = kColumns},
+                 Mode::binary, kThreshold, moments.view());
 }
 
 // Compares the circuit's payload of two frames with the model.
@@ -170,18 +171,18 @@ bool is_right(const std::vector<std::uint32_t>& beats, Gives gives) {
   for (int i = 0; i < 3; ++i) {
     circuit.frame(beats, keep);
   }
-  selfproj::Moments moments;
+  Moments moments;
   moments.resize(kColumns);
   sum_frame(beats, moments);
-  std::vector<std::uint8_t> want(selfproj::moments_payload_bytes(selfproj::Mode::binary, kColumns));
-  selfproj::pack_moments(selfproj::Mode::binary, kColumns, moments.view(), want.data());
-  const std::size_t size = gives == Gives::packets ? selfproj::packet_bytes(want.size()) : want.size();
+  std::vector<std::uint8_t> want(moments_payload_bytes(Mode::binary, kColumns));
+  pack_moments(Mode::binary, kColumns, moments.view(), want.data());
+  const std::size_t size = gives == Gives::packets ? packet_bytes(want.size()) : want.size();
   if (got.size() < 2 * size) {
     return false;
   }
   for (std::size_t i = 0; i < 2; ++i) {
     std::span<const std::uint8_t> given = std::span(got).subspan(i * size, size);
-    given = gives == Gives::packets ? selfproj::payload_of(given) : given;
+    given = gives == Gives::packets ? payload_of(given) : given;
     if (!std::equal(want.begin(), want.end(), given.begin(), given.end())) {
       return false;
     }
@@ -207,7 +208,7 @@ template <class CoreModel, class BoardModel>
 void take_turns(benchmark::State& state, const std::vector<std::uint32_t>& beats, Turns& turns) {
   Core<CoreModel> core;
   Board<BoardModel> board;
-  selfproj::Moments moments;
+  Moments moments;
   moments.resize(kColumns);
   std::uint64_t words = 0;
   const auto count = [&](const auto&) { ++words; };
@@ -265,28 +266,22 @@ nlohmann::ordered_json print_share(const Turns& turns, const char* build) {
             {"share", both * board / core}}}};
 }
 
-int run(int argc, char** argv) {
-  if (!selfproj::bench::initialize(argv[0], {argv + 1, argv + argc})) {
-    return 2;
-  }
-
+int run() {
   const std::vector<std::uint32_t> beats = noise();
-  if (!is_right<Core<Vcore>>(beats, Gives::payloads) || !is_right<Core<Vcore_original>>(beats, Gives::payloads) ||
-      !is_right<Board<Vboard>>(beats, Gives::packets) || !is_right<Board<Vboard_original>>(beats, Gives::packets)) {
-    std::fprintf(stderr, "bench_rtl: a circuit does not equal the model\n");
-    return 1;
-  }
+  bench::require(
+      is_right<Core<Vcore>>(beats, Gives::payloads) && is_right<Core<Vcore_original>>(beats, Gives::payloads) &&
+          is_right<Board<Vboard>>(beats, Gives::packets) && is_right<Board<Vboard_original>>(beats, Gives::packets),
+      "a circuit does not equal the model");
 
   Turns original;
   Turns standard;
-  benchmark::RegisterBenchmark(
-      "turns/original", [&](benchmark::State& s) { take_turns<Vcore_original, Vboard_original>(s, beats, original); });
-  benchmark::RegisterBenchmark("turns/default",
-                               [&](benchmark::State& s) { take_turns<Vcore, Vboard>(s, beats, standard); });
+  bench::add("turns/original",
+             [&](benchmark::State& s) { take_turns<Vcore_original, Vboard_original>(s, beats, original); });
+  bench::add("turns/default", [&](benchmark::State& s) { take_turns<Vcore, Vboard>(s, beats, standard); });
 
-  const selfproj::bench::About about{"bench_rtl", "Verilated circuits: the moments core, and the board beside it",
-                                     "items_per_second"};
-  return selfproj::bench::run_registered(about, [&](const Collector& /*collector*/) {
+  const bench::About about{"bench_rtl", "Verilated circuits: the moments core, and the board beside it",
+                           "items_per_second"};
+  return bench::run_registered(about, [&](const Collector& /*collector*/) {
     std::printf(
         "\noriginal: 512 columns, 127 rows, binary build; default: 2048 columns, 1023 rows, grey and raw images; "
         "both run mode binary\n");
@@ -301,5 +296,8 @@ int run(int argc, char** argv) {
 }
 
 }  // namespace
+}  // namespace selfproj
 
-int main(int argc, char** argv) { return selfproj::bench::main_of("bench_rtl", argc, argv, run); }
+int main(int argc, char** argv) {
+  return selfproj::bench::main_of("bench_rtl", {argv + 1, argv + argc}, selfproj::run);
+}

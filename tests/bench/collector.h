@@ -6,9 +6,12 @@
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
+#include <cstddef>
+#include <cstdint>
 #include <cstdio>
 #include <exception>
 #include <map>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -105,11 +108,32 @@ int run_registered(const About& about, const Print& print) {
   return collector.failed() ? 1 : 0;
 }
 
-// Returns the exit status for main: run(argc, argv), or 1 with the reason in one line if it throws.
+// Ends the program with exit status 1 and this message unless results are right.
+inline void require(bool right, const std::string& otherwise) {
+  if (!right) {
+    throw std::runtime_error(otherwise);
+  }
+}
+
+// Registers a benchmark.
+template <typename Function>
+void add(const std::string& name, Function function) {
+  benchmark::RegisterBenchmark(name.c_str(), std::move(function));
+}
+
+// How many items an iteration has, and how many bytes an item.
+inline void set_counters(benchmark::State& state, std::int64_t items, std::size_t bytes_of_one) {
+  state.SetItemsProcessed(state.iterations() * items);
+  state.SetBytesProcessed(state.iterations() * items * static_cast<std::int64_t>(bytes_of_one));
+}
+
+// The main function of a benchmark with options of Google Benchmark. `run` compares results, registers benchmarks and
+// returns run_registered(). The exit status is 2 for an unknown option, and 1, with the reason in one line, if `run`
+// throws.
 template <typename Run>
-int main_of(const char* name, int argc, char** argv, const Run& run) {
+int main_of(const char* name, const std::vector<std::string>& options, const Run& run) {
   try {
-    return run(argc, argv);
+    return initialize(name, options) ? run() : 2;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "%s: %s\n", name, error.what());
     return 1;

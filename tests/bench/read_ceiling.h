@@ -106,11 +106,11 @@ inline void add_read_ceiling(std::span<const std::uint8_t> bytes) {
   const std::pair<const char*, Read> reads[] = {{"read/one_stream", read_one_stream},
                                                 {"read/four_streams", read_four_streams}};
   for (const auto& [name, read] : reads) {
-    benchmark::RegisterBenchmark(name, [bytes, read = read](benchmark::State& state) {
+    add(name, [bytes, read = read](benchmark::State& state) {
       for (auto _ : state) {
         benchmark::DoNotOptimize(read(bytes.data(), bytes.size()));
       }
-      state.SetBytesProcessed(state.iterations() * static_cast<std::int64_t>(bytes.size()));
+      set_counters(state, 1, bytes.size());
     });
   }
 }

@@ -10,6 +10,9 @@ import sys
 import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "hls" / "icsc"))
+import bench  # noqa: E402
+
 BITS = {
     "bool": 1,
     "Pixels": 32,
@@ -32,9 +35,8 @@ BITS = {
 
 
 def ports(shell):
-    text = (ROOT / "hls" / "shells" / shell).read_text()
     return [(direction, BITS[kind], name) for direction, kind, name in
-            re.findall(r"sc_core::sc_(in|out)<(\w+(?:<\w+>)?)> (\w+)\{", text)]
+            re.findall(r"sc_core::sc_(in|out)<(\w+(?:<\w+>)?)> (\w+)\{", bench.source(shell))]
 
 
 def outer_ports(file, parameters):
@@ -52,9 +54,9 @@ def outer_ports(file, parameters):
 
 def main():
     failed = 0
-    for name, shell, rtl in (("sp_column_moments_hls", "column_moments_shell.h", "moments/sp_column_moments.sv"),
-                             ("sp_column_runs_hls", "column_runs_shell.h", "moments/sp_column_runs.sv"),
-                             ("sp_median3x3_hls", "median3x3_shell.h", "gray/sp_median3x3.sv")):
+    for name, shell, rtl in (("sp_column_moments_hls", "column_moments", "moments/sp_column_moments.sv"),
+                             ("sp_column_runs_hls", "column_runs", "moments/sp_column_runs.sv"),
+                             ("sp_median3x3_hls", "median3x3", "gray/sp_median3x3.sv")):
         wrapper = ROOT / "hls" / "icsc" / f"{name}.sv"
         module = re.search(r"hls_\w+Shell", wrapper.read_text()).group()
         listed = ports(shell)

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <cstdlib>
 #include <memory>
 #include <vector>
 
@@ -14,22 +13,19 @@
 namespace selfproj::test {
 namespace {
 
-MomentsBench::Step moments_kernel() {
-  return [kernel = std::make_shared<hls::ColumnMomentsKernel>()](auto& video, const auto& setup, auto& payload) {
+template <typename Kernel>
+MomentsBench::Step kernel_of() {
+  return [kernel = std::make_shared<Kernel>()](auto& video, const auto& setup, auto& payload) {
     kernel->step(video, setup, payload);
   };
 }
+constexpr auto kMomentsKernel = kernel_of<hls::ColumnMomentsKernel>;
+constexpr auto kRunsKernel = kernel_of<hls::ColumnRunsKernel>;
 
 MomentsBench::Step moments_top() {
   return [](auto& video, const auto& setup, auto& payload) {
     column_moments_top(video, setup.columns, setup.rows, setup.mode, setup.threshold, setup.first_row, setup.last_row,
                        payload);
-  };
-}
-
-MomentsBench::Step runs_kernel() {
-  return [kernel = std::make_shared<hls::ColumnRunsKernel>()](auto& video, const auto& setup, auto& payload) {
-    kernel->step(video, setup, payload);
   };
 }
 
@@ -52,37 +48,25 @@ GrayKernelBench::Step gray_top() {
   };
 }
 
-TEST(HlsColumnMoments, RandomFrames) {
+// One of two kernels in turns, of which the second is that of the top function and keeps its state from case to case.
+void random_frames(MomentsBench::Step (*kernel)(), MomentsBench::Step (*top)(), bool runs) {
   std::uint64_t matched = 0;
   for_cases(200, [&](Random& random) {
-    // The kernel of the top function keeps its state from case to case.
-    MomentsBench bench(random.chance(50) ? moments_kernel() : moments_top());
-    play_moments_frames(bench, 40, random);
-    ASSERT_FALSE(HasFailure());
+    MomentsBench bench(random.chance(50) ? kernel() : top());
+    play_moments_frames(bench, 40, random, runs);
     matched += bench.matched();
   });
-  if (std::getenv("SELFPROJ_SEED") == nullptr) {
+  if (runs_all_cases()) {
     EXPECT_GT(matched, 20'000U) << "too little was compared";
   }
 }
+TEST(HlsColumnMoments, RandomFrames) { random_frames(kMomentsKernel, moments_top, false); }
+TEST(HlsColumnRuns, RandomFrames) { random_frames(kRunsKernel, runs_top, true); }
 
-TEST(HlsColumnRuns, RandomFrames) {
-  std::uint64_t matched = 0;
-  for_cases(200, [&](Random& random) {
-    MomentsBench bench(random.chance(50) ? runs_kernel() : runs_top());
-    play_moments_frames(bench, 40, random, true);
-    ASSERT_FALSE(HasFailure());
-    matched += bench.matched();
-  });
-  if (std::getenv("SELFPROJ_SEED") == nullptr) {
-    EXPECT_GT(matched, 20'000U) << "too little was compared";
-  }
-}
-
-// As HlsColumnMoments.LargestImage and TakesABeatEveryStep.
+// As HlsColumnMoments.LargestImage
 TEST(HlsColumnRuns, LargestImage) {
   Random random(1);
-  MomentsBench bench(runs_kernel());
+  MomentsBench bench(kRunsKernel());
   MomentsFrame frame = random_moments_frame(random, spec::kMaxColumns, spec::kMaxRows, Mode::grey, true);
   frame.threshold = 0;
   frame.window = {};
@@ -91,23 +75,6 @@ TEST(HlsColumnRuns, LargestImage) {
   bench.finish();
   EXPECT_EQ(bench.matched(), spec::kMaxColumns / 2U);
 }
-TEST(HlsColumnRuns, TakesABeatEveryStep) {
-  Random random(1);
-  for (const Mode mode : kModes) {
-    for (const int columns : {4, 8, 12, 64, 512}) {
-      for (const int rows : {2, 3, 16}) {
-        SCOPED_TRACE(::testing::Message() << columns << " x " << rows << ", mode " << static_cast<int>(mode));
-        MomentsBench bench(runs_kernel());
-        for (int frame = 0; frame < 4; ++frame) {
-          bench.play(random_moments_frame(random, columns, rows, mode, true), 0, random);
-          ASSERT_TRUE(bench.all_read());
-        }
-        bench.finish();
-      }
-    }
-  }
-}
-
 // All small sizes, one frame right behind the other.
 TEST(HlsColumnMoments, SmallSizes) {
   Random random(1);
@@ -115,7 +82,7 @@ TEST(HlsColumnMoments, SmallSizes) {
     for (int columns = 4; columns <= 32; columns += 4) {
       for (int rows = 1; rows <= 7; ++rows) {
         SCOPED_TRACE(::testing::Message() << columns << " x " << rows << ", mode " << static_cast<int>(mode));
-        MomentsBench bench(moments_kernel());
+        MomentsBench bench(kMomentsKernel());
         for (int frame = 0; frame < 5; ++frame) {
           bench.play(random_moments_frame(random, columns, rows, mode), 0, random);
         }
@@ -130,7 +97,7 @@ TEST(HlsColumnMoments, SmallSizes) {
 TEST(HlsColumnMoments, LargestImage) {
   Random random(1);
   for (const Mode mode : kModes) {
-    MomentsBench bench(moments_kernel());
+    MomentsBench bench(kMomentsKernel());
     MomentsFrame frame = random_moments_frame(random, spec::kMaxColumns, spec::kMaxRows, mode);
     frame.threshold = 0;
     std::fill(frame.pixels.begin(), frame.pixels.end(), std::uint8_t{255});
@@ -142,15 +109,15 @@ TEST(HlsColumnMoments, LargestImage) {
 
 // A beat in every step, without a wait between frames of one size and two rows or more. In steps, this is the promise
 // of the RTL.
-TEST(HlsColumnMoments, TakesABeatEveryStep) {
+void beat_every_step(MomentsBench::Step (*kernel)(), bool runs) {
   Random random(1);
   for (const Mode mode : kModes) {
     for (const int columns : {4, 8, 12, 64, 512, 2048}) {
       for (const int rows : {2, 3, 16}) {
         SCOPED_TRACE(::testing::Message() << columns << " x " << rows << ", mode " << static_cast<int>(mode));
-        MomentsBench bench(moments_kernel());
+        MomentsBench bench(kernel());
         for (int frame = 0; frame < 4; ++frame) {
-          bench.play(random_moments_frame(random, columns, rows, mode), 0, random);
+          bench.play(random_moments_frame(random, columns, rows, mode, runs), 0, random);
           ASSERT_TRUE(bench.all_read());
         }
         EXPECT_EQ(bench.steps(), static_cast<std::uint64_t>(4 * rows * columns / 4));
@@ -159,6 +126,8 @@ TEST(HlsColumnMoments, TakesABeatEveryStep) {
     }
   }
 }
+TEST(HlsColumnMoments, TakesABeatEveryStep) { beat_every_step(kMomentsKernel, false); }
+TEST(HlsColumnRuns, TakesABeatEveryStep) { beat_every_step(kRunsKernel, true); }
 
 TEST(HlsGrayDecoder, RandomSequences) {
   std::uint64_t pixels = 0;
@@ -168,7 +137,7 @@ TEST(HlsGrayDecoder, RandomSequences) {
     ASSERT_FALSE(HasFailure());
     pixels += bench.pixels();
   });
-  if (std::getenv("SELFPROJ_SEED") == nullptr) {
+  if (runs_all_cases()) {
     EXPECT_GT(pixels, 400'000U) << "too little was compared";
   }
 }

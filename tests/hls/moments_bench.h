@@ -136,8 +136,7 @@ class MomentsBench {
 
 // Plays `frames` frames of changing size, mode and threshold. Some of them break, and stray beats may follow. Gaps may
 // come anywhere.
-inline void play_moments_frames(MomentsBench& bench, int frames, Random& random,
-                                bool runs = false) {
+inline void play_moments_frames(MomentsBench& bench, int frames, Random& random, bool runs = false) {
   int columns = 4;
   int rows = 1;
   Mode mode = Mode::binary;

@@ -21,7 +21,7 @@ struct MomentsFrame {
   int rows = 1;
   Mode mode = Mode::binary;
   int threshold = 0;
-  std::vector<std::uint8_t> pixels;  // row by row
+  std::vector<std::uint8_t> pixels = {};  // row by row
   Select select = Select::all;
   int gap = 0;
   RowWindow window = {};

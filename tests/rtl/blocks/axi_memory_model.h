@@ -24,7 +24,7 @@ class AxiMemory {
   int answer_latency = 0;  // the latter, if it differs
   int write_pause = 0;     // clocks for which no address is taken after a write address
 
-  std::size_t most_unanswered = 0;  // bursts that were written but not answered
+  std::size_t max_unanswered = 0;  // bursts that were written but not answered
 
   // At the start: sets the base; nothing is requested, and the memory drives nothing. `dut` as below.
   template <typename Dut>
@@ -100,7 +100,7 @@ class AxiMemory {
         writes_.push_back({(dut.m_axi_awaddr_o - base) / 16U + i, i == dut.m_axi_awlen_o});
       }
       unanswered_.push_back(dut.m_axi_awaddr_o);
-      most_unanswered = std::max(most_unanswered, unanswered_.size());
+      max_unanswered = std::max(max_unanswered, unanswered_.size());
       aw_from_ = now + 1 + write_pause;
     }
     if (dut.m_axi_wvalid_o != 0 && dut.m_axi_wready_i != 0) {

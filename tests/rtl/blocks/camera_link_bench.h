@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <deque>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "tests/rtl/blocks/camera_beats.h"
@@ -86,7 +87,7 @@ class LinkCamera {
   struct Shape {
     int rows = 1;
     int columns = 4;               // a multiple of the taps
-    int most_gap = 1;              // most words between two lines
+    int max_gap = 1;               // of words between two lines
     int without_data = 0;          // percent of words of a line without data valid, before each group of pixels
     bool frame_ends_line = false;  // the last line ends with frame valid, while line valid stays
   };
@@ -112,7 +113,7 @@ class LinkCamera {
         }
       }
       const bool last = row + 1 == shape.rows;
-      for (int gap = random_.between(1, shape.most_gap); gap > 0; --gap) {
+      for (int gap = random_.between(1, shape.max_gap); gap > 0; --gap) {
         push(!last, last && (shape.frame_ends_line || random_.chance(50)), random_.chance(50));
       }
     }
@@ -163,25 +164,42 @@ class LinkCamera {
   std::deque<Sent> queue_;
 };
 
-// Checks beats against the frames that were sent: each comes whole, or ends early and never goes on. Only the frames of
-// `may_break` may end early or be missing. Returns how many are not whole.
-inline int expect_frames(const std::vector<Beat>& beats, const std::vector<Frame>& sent,
-                         const std::vector<bool>& may_break) {
-  std::size_t at = 0;
-  int broken = 0;
-  for (std::size_t number = 0; number < sent.size(); ++number) {
-    const Frame& frame = sent[number];
-    std::size_t same = 0;
-    while (same < frame.size() && at < beats.size() && beats[at] == frame[same]) {
-      ++at;
-      ++same;
+// What came out of the front end, beside the frames that were sent.
+class LinkOutputs {
+ public:
+  [[nodiscard]] const std::vector<Beat>& beats() const { return beats_; }
+  [[nodiscard]] int overruns() const { return overruns_; }
+  [[nodiscard]] int lost() const { return lost_; }
+  [[nodiscard]] int apart() const { return apart_; }
+  int expect_frames_sent() { return expect_frames(beats_, sent_, may_break_); }
+
+ protected:
+  // In a clock of the board. The counts do not count in a reset.
+  template <typename Dut>
+  void read_outputs(Dut& dut, bool counts) {
+    if (dut->m_valid_o) {
+      beats_.push_back(beat_of(dut));
     }
-    broken += same < frame.size() ? 1 : 0;
-    EXPECT_TRUE(same == frame.size() || may_break[number]) << "frame " << number << " ends after " << same << " beats";
+    if (counts) {
+      overruns_ += dut->overrun_o;
+      lost_ += dut->lost_o;
+      apart_ += dut->apart_o;
+    }
   }
-  EXPECT_EQ(at, beats.size()) << "a beat that belongs to no frame, or to another one";
-  return broken;
-}
+  void note_sent(Frame frame) {
+    sent_.push_back(std::move(frame));
+    may_break_.push_back(false);
+  }
+
+  std::vector<Frame> sent_;
+  std::vector<bool> may_break_;
+  std::vector<Beat> beats_;
+
+ private:
+  int overruns_ = 0;
+  int lost_ = 0;
+  int apart_ = 0;
+};
 
 }  // namespace selfproj::test
 

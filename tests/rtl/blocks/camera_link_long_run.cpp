@@ -99,7 +99,7 @@ class LvdsLanes {
 
 // Two links with their PLLs, and the board.
 template <typename Dut>
-class LvdsBench {
+class LvdsBench : public LinkOutputs {
  public:
   LvdsBench(std::uint64_t seed, int taps, int samples, std::int64_t bit, std::int64_t board)
       : random_(seed),
@@ -135,11 +135,10 @@ class LvdsBench {
   bool locked() { return (dut_->locked_o & wanted()) == wanted(); }
 
   void send(int rows, int columns) {
-    sent_.push_back(camera_.send({.rows = rows,
-                                  .columns = columns,
-                                  .most_gap = random_.chance(50) ? 1 : 6,
-                                  .without_data = random_.chance(50) ? 0 : 20}));
-    may_break_.push_back(false);
+    note_sent(camera_.send({.rows = rows,
+                            .columns = columns,
+                            .max_gap = random_.chance(50) ? 1 : 6,
+                            .without_data = random_.chance(50) ? 0 : 20}));
     for (LvdsLanes& lanes : links_) {
       lanes.queue.insert(lanes.queue.end(), camera_.queue().begin(), camera_.queue().end());
     }
@@ -176,11 +175,6 @@ class LvdsBench {
   void set_window(std::int64_t window) { window_ = window; }
 
   Random& random() { return random_; }
-  [[nodiscard]] int lost() const { return lost_; }
-  [[nodiscard]] int overruns() const { return overruns_; }
-  [[nodiscard]] int apart() const { return apart_; }
-  [[nodiscard]] std::size_t beats() const { return beats_.size(); }
-  int expect_frames_sent() { return expect_frames(beats_, sent_, may_break_); }
   // Frames that are under way while a link is not locked may end early.
   void watch_lock() { watching_ = true; }
 
@@ -228,14 +222,7 @@ class LvdsBench {
   void board() {
     dut_->clk_i = 0;
     dut_.eval();
-    if (dut_->m_valid_o) {
-      beats_.push_back(beat_of(dut_));
-    }
-    if (!dut_->rst_i) {
-      overruns_ += dut_->overrun_o;
-      lost_ += dut_->lost_o;
-      apart_ += dut_->apart_o;
-    }
+    read_outputs(dut_, !dut_->rst_i);
     dut_->clk_i = 1;
     dut_.eval();
     next_board_ += board_;
@@ -270,13 +257,7 @@ class LvdsBench {
   std::array<std::int64_t, 2> next_edge_{kNever, kNever};
   std::array<std::int64_t, 2> good_at_{};
   std::array<std::array<std::int64_t, kLanes>, 2> sampled_{};
-  std::vector<Frame> sent_;
-  std::vector<bool> may_break_;
-  std::vector<Beat> beats_;
   bool watching_ = false;
-  int overruns_ = 0;
-  int lost_ = 0;
-  int apart_ = 0;
 };
 
 constexpr std::int64_t kBoard = 8000;           // 125 MHz

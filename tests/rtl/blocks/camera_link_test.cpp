@@ -24,7 +24,7 @@ namespace {
 // A camera, its one or two links, and the board's side of the front end. Times are in thousandths of the camera's
 // clock.
 template <typename Dut>
-class CameraLinkBench {
+class CameraLinkBench : public LinkOutputs {
  public:
   static constexpr std::int64_t kWord = 1000;
 
@@ -52,8 +52,7 @@ class CameraLinkBench {
 
   // Queues a frame; its number is that of all frames before.
   void send(const LinkCamera::Shape& shape) {
-    sent_.push_back(camera_.send(shape));
-    may_break_.push_back(false);
+    note_sent(camera_.send(shape));
     hand_out();
   }
 
@@ -62,7 +61,7 @@ class CameraLinkBench {
     const int taps = taps_of();
     send({.rows = random_.between(1, 6),
           .columns = taps * random_.between(taps == 4 ? 20 : (3 + taps) / taps, 30),
-          .most_gap = random_.chance(50) ? 1 : 9,
+          .max_gap = random_.chance(50) ? 1 : 9,
           .without_data = random_.chance(50) ? 0 : without_data,
           .frame_ends_line = random_.chance(30)});
   }
@@ -87,10 +86,6 @@ class CameraLinkBench {
 
   [[nodiscard]] bool sending() const { return !links_[0].queue.empty(); }
   Random& random() { return random_; }
-  [[nodiscard]] const std::vector<Beat>& beats() const { return beats_; }
-  [[nodiscard]] int overruns() const { return overruns_; }
-  [[nodiscard]] int lost() const { return lost_; }
-  [[nodiscard]] int apart() const { return apart_; }
   void all_may_break() { std::fill(may_break_.begin(), may_break_.end(), true); }
   void may_break(std::size_t frame) { may_break_.at(frame) = true; }
   Frame& frame(std::size_t number) { return sent_.at(number); }  // as it is due
@@ -100,7 +95,6 @@ class CameraLinkBench {
     may_break_.clear();
     first_ = camera_.frames();
   }
-  int expect_frames_sent() { return expect_frames(beats_, sent_, may_break_); }
 
   // Makes the first line from this word on a line of one word.
   static void shorten_line(std::deque<LinkCamera::Sent>& words, std::size_t from) {
@@ -191,12 +185,7 @@ class CameraLinkBench {
     }
     dut_.eval();
     if (board && known_) {
-      if (dut_->m_valid_o) {
-        beats_.push_back(beat_of(dut_));
-      }
-      overruns_ += dut_->overrun_o;
-      lost_ += dut_->lost_o;
-      apart_ += dut_->apart_o;
+      read_outputs(dut_, true);
     }
     dut_->x_clk_i = rises[0] ? 1 : dut_->x_clk_i;
     dut_->y_clk_i = rises[1] ? 1 : dut_->y_clk_i;
@@ -212,13 +201,7 @@ class CameraLinkBench {
   Model<Dut> dut_;
   std::array<Link, 2> links_;
   std::int64_t next_board_ = 0;
-  std::vector<Frame> sent_;
-  std::vector<bool> may_break_;
   std::size_t first_ = 0;  // number of the first frame in sent_
-  std::vector<Beat> beats_;
-  int overruns_ = 0;
-  int lost_ = 0;
-  int apart_ = 0;
   bool known_ = false;
 };
 
@@ -287,7 +270,7 @@ void expect_overruns(int taps) {
     for (int frame = 0; frame < 30; ++frame) {
       bench.send({.rows = random.between(2, 7),
                   .columns = taps * random.between(taps == 4 ? 10 : 4, 30),
-                  .most_gap = random.chance(50) ? 2 : 60});
+                  .max_gap = random.chance(50) ? 2 : 60});
       bench.all_may_break();
     }
     bench.drain();
@@ -349,7 +332,7 @@ TEST(CameraLink, MediumNoticesLinksThatDoNotAgree) {
     bench.drain();
     const int kind = static_cast<int>(seed % 5);
     const int beats = kind < 3 ? 10 : 6;  // of a line
-    bench.send({.rows = 3, .columns = 4 * beats, .most_gap = kind < 3 ? 4 : 1});
+    bench.send({.rows = 3, .columns = 4 * beats, .max_gap = kind < 3 ? 4 : 1});
     const std::size_t link = kind < 3 ? random.chance(50) : static_cast<std::size_t>(kind - 3);
     std::deque<LinkCamera::Sent>& words = bench.words(link);
     const auto of_line = [link](const LinkCamera::Sent& sent) {
@@ -392,7 +375,7 @@ TEST(CameraLink, MediumNoticesLinksThatDoNotAgree) {
     if (random.chance(50)) {  // after that, a frame whose first line has one word on one link: a start and an end
       std::deque<LinkCamera::Sent>& more = bench.words(random.chance(50));
       const std::size_t before = more.size();
-      bench.send({.rows = 2, .columns = 96, .most_gap = 1});
+      bench.send({.rows = 2, .columns = 96, .max_gap = 1});
       bench.shorten_line(more, before);
       bench.frame(2).clear();
     }
@@ -411,7 +394,7 @@ TEST(CameraLink, AfterAResetTheNextFrameIsTheFirst) {
   for_cases(12, [&](Random& random, std::uint64_t seed) {
     CameraLinkBench<Vsp_camera_link_medium> bench(seed, 4, 8, random.between(400, 900), random.between(0, 900));
     for (int round = 0; round < 3; ++round) {
-      bench.send({.rows = 4, .columns = 60, .most_gap = 3});
+      bench.send({.rows = 4, .columns = 60, .max_gap = 3});
       bench.clocks(random.between(0, 60));
       bench.reset();
       bench.forget();

@@ -21,9 +21,7 @@ TEST(ColumnMomentsSmall, SmallSizes) { small_sizes<Vsp_column_moments_small>({Mo
 
 TEST(ColumnMoments, LargestImage) { large_size<Vsp_column_moments>(2048, 1023, kModes); }
 TEST(ColumnMoments, TallestImageOfOneGroup) { large_size<Vsp_column_moments>(4, 1023, kModes); }
-TEST(ColumnMoments, TallestImageOfTwoGroups) {
-  large_size<Vsp_column_moments>(8, 1023, kModes);
-}
+TEST(ColumnMoments, TallestImageOfTwoGroups) { large_size<Vsp_column_moments>(8, 1023, kModes); }
 TEST(ColumnMoments, OriginalImage) { large_size<Vsp_column_moments>(512, 96, kModes); }
 TEST(ColumnMomentsSmall, LargestImage) { large_size<Vsp_column_moments_small>(512, 127, {Mode::binary}); }
 TEST(ColumnMomentsSmall, TallestImageOfOneGroup) { large_size<Vsp_column_moments_small>(4, 127, {Mode::binary}); }
@@ -46,9 +44,7 @@ TEST(ColumnMoments, DelayIs10ClocksInBinaryAndGroupsAnd16InTheGreyModes) {
 }
 
 TEST(ColumnMoments, RandomFramesOfOneSize) {
-  for_cases(150, [&](Random& random) {
-    random_frames<Vsp_column_moments>(random, kModes, 64, 9, false);
-  });
+  for_cases(150, [&](Random& random) { random_frames<Vsp_column_moments>(random, kModes, 64, 9, false); });
 }
 TEST(ColumnMoments, RandomFramesOfChangingSizeAndMode) {
   for_cases(300, [&](Random& random) {

@@ -58,10 +58,10 @@ std::vector<bool> long_runs(Random& random, int rows) {
 
 // The tallest images: large sums and rows are kept, compared, divided and forwarded.
 template <typename Dut>
-void tall_runs(int cases, int most_rows, const std::vector<Mode>& modes) {
+void tall_runs(int cases, int max_rows, const std::vector<Mode>& modes) {
   for_cases(cases, [&](Random& random, std::uint64_t seed) {
     const int columns = 4 * random.between(1, 5);
-    const int rows = random.chance(50) ? most_rows : random.between(most_rows / 2, most_rows);
+    const int rows = random.chance(50) ? max_rows : random.between(max_rows / 2, max_rows);
     Frame frame = random_frame<Dut>(random, columns, rows, modes[seed % modes.size()]);
     frame.select = Select::strongest;
     frame.gap = random.between(0, 3);

@@ -133,13 +133,13 @@ class CutterBench {
     arriving_.resize(arriving_.size() + 4);
     store_little_endian(arriving_.data() + arriving_.size() - 4, word);
     if (cutter_->m_last_o) {
-      judge();
+      compare();
       datagrams_.push_back(arriving_);
       arriving_.clear();
     }
   }
 
-  void judge() {
+  void compare() {
     const auto keep = [this](std::span<const std::uint8_t> one) { due_.emplace_back(one.begin(), one.end()); };
     const std::optional<DatagramHeader> header = read_datagram_header(arriving_);
     ASSERT_TRUE(header.has_value());
@@ -182,8 +182,8 @@ class CutterBench {
   std::vector<Bytes> datagrams_;
 };
 
-inline Bytes random_packet(Random& random, int most_beats) {
-  return random.bytes(kBeatBytes * static_cast<std::size_t>(random.between(1, most_beats)));
+inline Bytes random_packet(Random& random, int max_beats) {
+  return random.bytes(kBeatBytes * static_cast<std::size_t>(random.between(1, max_beats)));
 }
 
 }  // namespace selfproj::test

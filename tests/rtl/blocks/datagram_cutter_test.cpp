@@ -26,7 +26,7 @@ using streams::Eagerness;
 
 // Sessions of random packets with stalls on both sides, and times without packets.
 template <typename Cutter>
-void expect_equals_model(std::size_t datagram_bytes, int most_beats, int cases) {
+void expect_equals_model(std::size_t datagram_bytes, int max_beats, int cases) {
   for_cases(cases, [&](Random& random, std::uint64_t seed) {
     CutterBench<Cutter> bench(datagram_bytes);
     bench.set_seed(seed);
@@ -36,7 +36,7 @@ void expect_equals_model(std::size_t datagram_bytes, int most_beats, int cases) 
       for (int i = 0; i < 1500; ++i) {
         eagerness.maybe_change(random);
         if (bench.waiting() < 3 && random.chance(10)) {
-          bench.queue(random_packet(random, most_beats));
+          bench.queue(random_packet(random, max_beats));
         }
         // Within a packet a short end is none.
         bench->enable_i = !bench.inside() || random.chance(90);
@@ -49,7 +49,7 @@ void expect_equals_model(std::size_t datagram_bytes, int most_beats, int cases) 
         bench.clock(100, 50);
       }
       bench.clock(0, 50);
-      bench.queue(random_packet(random, most_beats));
+      bench.queue(random_packet(random, max_beats));
       for (int i = 0; i < 20; ++i) {
         bench.clock(100, 50);
         ASSERT_FALSE(bench.took());

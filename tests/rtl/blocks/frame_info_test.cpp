@@ -16,7 +16,7 @@
 namespace selfproj::test {
 namespace {
 
-constexpr int kTakeDistance = 7;  // sp_frame_tracker: least number of clocks from one take-over to the next
+constexpr int kTakeDistance = 7;  // sp_frame_tracker: smallest number of clocks from one take-over to the next
 constexpr int kTrackerDelay = 2;  // from a frame's first beat at the video input to frame_start_i
 constexpr int kEncoderDelay = 7;  // from a change of the encoder's lines to encoder_i
 

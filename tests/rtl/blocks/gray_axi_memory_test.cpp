@@ -150,7 +150,7 @@ TEST(GrayAxiMemory, AnswersThatTakeLong) {
     EXPECT_LT(in_time, 128 * 16 + 64);
     ASSERT_FALSE(HasFailure());
   }
-  EXPECT_EQ(bench.memory().most_unanswered, 127U);
+  EXPECT_EQ(bench.memory().max_unanswered, 127U);
 }
 
 // The memory takes few write addresses, so the write FIFO fills up and the frame is given up.

@@ -296,10 +296,10 @@ class GrayBench {
 
   void check(std::int64_t now) {
     Dut& dut = dut_.dut();
-    ASSERT_NO_FATAL_FAILURE(codes_.check(
-        now, dut.codes_valid_o != 0,
-        {dut.codes_o, dut.codes_start_o != 0, dut.codes_line_start_o != 0, dut.codes_line_end_o != 0},
-        dut.codes_break_o != 0, dut.codes_status_o));
+    ASSERT_NO_FATAL_FAILURE(
+        codes_.check(now, dut.codes_valid_o != 0,
+                     {dut.codes_o, dut.codes_start_o != 0, dut.codes_line_start_o != 0, dut.codes_line_end_o != 0},
+                     dut.codes_break_o != 0, dut.codes_status_o));
     const auto last_row = due_now(last_rows_, now);
     if (codes_.empty()) {
       ASSERT_EQ(dut.abandoned_o, static_cast<std::uint32_t>(abandoned_settled(now))) << "clock " << now;
@@ -354,9 +354,9 @@ class GrayBench {
   PatternIndex patterns_;
   CodesDue codes_;
   std::deque<Answer> answers_;
-  std::deque<Answer> reads_;   // `late`: the frame's first word
-  std::deque<Answer> writes_;  // likewise
-  std::deque<Answer> busy_;    // likewise: busy
+  std::deque<Answer> reads_;      // `late`: the frame's first word
+  std::deque<Answer> writes_;     // likewise
+  std::deque<Answer> busy_;       // likewise: busy
   std::deque<Answer> last_rows_;  // likewise: codes of a last row
   std::deque<std::int64_t> ends_;
   std::uint64_t abandoned_ = 0;

@@ -71,8 +71,8 @@ class ReplayBench {
     ReplayBytes words = datagram;
     words.resize((datagram.size() + 3) / 4 * 4 + 4 * how.filling, 0xA5);
     const std::size_t bytes = how.bytes.value_or(datagram.size());
-    constexpr std::size_t kJudged = spec::kReplayHeaderBytes;  // first word behind the header
-    judged_ = false;
+    constexpr std::size_t kChecked = spec::kReplayHeaderBytes;  // first word behind the header
+    checked_ = false;
     for (std::size_t at = 0; at < words.size(); at += 4) {
       while (random_.chance(how.pauses)) {
         bus_clock();
@@ -85,15 +85,15 @@ class ReplayBench {
       replay_->s_from_i = how.from;
       bus_clock();
       replay_->s_valid_i = 0;
-      judge_next_ = at == kJudged;
+      check_next_ = at == kChecked;
     }
-    bus_clock();  // the judge's, if the datagram has one word behind its header
+    bus_clock();  // in which the receiver checks it, if the datagram has one word behind its header
     const bool may_send = how.from == replay_->host_i && replay_->enable_i != 0;
     if (std::optional<ReplayFrame> whole =
             model_.datagram({.came = words, .bytes = bytes, .damaged = how.damaged, .may_send = may_send})) {
       due_.push_back(*std::move(whole));
     }
-    judged_ = false;
+    checked_ = false;
     if (left_late_) {
       left_late_ = false;
       model_.left();
@@ -191,10 +191,10 @@ class ReplayBench {
   [[nodiscard]] const std::vector<ReplayFrame>& frames() const { return frames_; }
 
  private:
-  // Looks whether the frame has left. For a datagram that was judged before, it had not yet.
+  // Looks whether the frame has left. For a datagram that was checked before, it had not yet.
   void note_left() {
     if (replay_->frames_o != model_.counts().frames && !left_late_) {
-      if (judged_) {
+      if (checked_) {
         left_late_ = true;
       } else {
         model_.left();
@@ -225,7 +225,7 @@ class ReplayBench {
         [&] {
           if (rises.a && known_) {
             note_left();
-            judged_ = judged_ || std::exchange(judge_next_, false);
+            checked_ = checked_ || std::exchange(check_next_, false);
           }
           if (rises.b && known_) {
             take_beat();
@@ -262,8 +262,8 @@ class ReplayBench {
   ReplayModel model_;
   Model<Vsp_replay> replay_;
   bool known_ = false;
-  bool judge_next_ = false;  // the receiver judges the datagram in the next clock
-  bool judged_ = false;      // it has judged the datagram that comes
+  bool check_next_ = false;  // the receiver checks the datagram in the next clock
+  bool checked_ = false;     // it has checked the datagram that comes
   bool left_late_ = false;   // a frame has left after that
   std::vector<ReplayFrame> due_;
   std::vector<ReplayFrame> frames_;

@@ -135,7 +135,7 @@ TEST(AsyncFifo, FollowsItsReferenceForAnyTwoClocks) {
     Crossing written_there, fetched_there;
     Crossing free_there;  // two registers more
     Eagerness eagerness;
-    std::uint64_t most_waiting = 0;
+    std::uint64_t max_waiting = 0;
     for (int i = 0; i < 3000; ++i) {
       eagerness.maybe_change(random);
       if (i / 400 == 3) {  // long enough to fill it even with a slow writer's clock
@@ -185,9 +185,9 @@ TEST(AsyncFifo, FollowsItsReferenceForAnyTwoClocks) {
           output.reset();
         }
       }
-      most_waiting = std::max(most_waiting, written.size() - fetched);
+      max_waiting = std::max(max_waiting, written.size() - fetched);
     }
-    EXPECT_EQ(most_waiting, kDepth);  // it was full
+    EXPECT_EQ(max_waiting, kDepth);  // it was full
     EXPECT_GT(read, 20U);
   });
 }

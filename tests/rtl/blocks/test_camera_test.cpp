@@ -22,7 +22,8 @@ namespace {
 Frame beats_of(const std::vector<std::uint8_t>& pixels, int columns) {
   Frame frame;
   for (std::size_t at = 0; at < pixels.size(); at += 4) {
-    frame.push_back({load_little_endian<std::uint32_t>(pixels.data() + at), at == 0, (at + 4) % static_cast<std::size_t>(columns) == 0});
+    frame.push_back({load_little_endian<std::uint32_t>(pixels.data() + at), at == 0,
+                     (at + 4) % static_cast<std::size_t>(columns) == 0});
   }
   return frame;
 }

@@ -11,6 +11,7 @@
 
 #include "model/board.h"
 #include "model/column_moments.h"
+#include "sim/board/board_device.h"
 #include "tests/support/moments_frames.h"
 #include "tests/support/random_cases.h"
 
@@ -127,6 +128,21 @@ inline std::vector<VideoBeat> with_fault(Lines lines, Fault fault, int row, int 
     beats.insert(beats.end(), each.begin(), each.end());
   }
   return beats;
+}
+
+// The beats of the image, in this share of calls with a fault of any kind at any place.
+inline std::vector<VideoBeat> beats_with_faults(Random& random, const TestImage& image, int fault_percent) {
+  const Fault fault = random.chance(fault_percent) ? static_cast<Fault>(random.between(0, kFaults - 1)) : Fault::none;
+  return with_fault(lines_of(image), fault, random.between(0, image.rows - 1),
+                    random.between(0, image.columns / 4 - 1));
+}
+
+// Clocks of any periods and phase.
+inline BoardDeviceOptions random_board_clocks(Random& random, std::uint64_t seed) {
+  return {.seed = seed,
+          .video_period_ps = static_cast<std::uint64_t>(random.between(5000, 9000)),
+          .bus_period_ps = static_cast<std::uint64_t>(random.between(3000, 12000)),
+          .bus_phase_ps = static_cast<std::uint64_t>(random.between(0, 5000))};
 }
 
 }  // namespace selfproj::test

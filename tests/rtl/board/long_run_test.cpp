@@ -21,10 +21,10 @@ void count(const std::string& counter, int bits, std::uint64_t more) {
   const int size = bits > 32 ? 14 : 12;  // of those above it
   const std::uint64_t ones = (1ULL << size) - 1;
   InnerRegister low(counter + ".low_q");
-  InnerRegister told(counter + ".told_q");
+  InnerRegister shown(counter + ".told_q");
   InnerRegister upper(counter + ".upper_q");
-  const std::uint64_t ahead = (low.get() - told.get()) & 0xFFU;  // counts that do not show yet
-  const std::uint64_t value = (upper.get() << kLow | told.get()) + more;
+  const std::uint64_t ahead = (low.get() - shown.get()) & 0xFFU;  // counts that do not show yet
+  const std::uint64_t value = (upper.get() << kLow | shown.get()) + more;
   std::uint32_t full = 0;
   std::uint32_t below = 0;
   for (int k = 0; k < (bits - kLow) / size; ++k) {
@@ -32,7 +32,7 @@ void count(const std::string& counter, int bits, std::uint64_t more) {
     below |= (full | ~0U << k) == ~0U ? 1U << k : 0;
   }
   low.set((value + ahead) & 0xFFU);
-  told.set(value & 0xFFU);
+  shown.set(value & 0xFFU);
   upper.set(value >> kLow & ((1ULL << (bits - kLow)) - 1));
   InnerRegister(counter + ".go_q").set(ahead != 0 && ((value + ahead) & 0xFFU) == 0 ? 1 : 0);
   InnerRegister(counter + ".full_q").set(full);

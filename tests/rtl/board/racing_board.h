@@ -129,10 +129,7 @@ class RacingBoard {
  public:
   explicit RacingBoard(std::uint64_t seed)
       : random_(seed),
-        device_({.seed = seed,
-                 .video_period_ps = static_cast<std::uint64_t>(random_.between(5000, 9000)),
-                 .bus_period_ps = static_cast<std::uint64_t>(random_.between(3000, 12000)),
-                 .bus_phase_ps = static_cast<std::uint64_t>(random_.between(0, 5000))}),
+        device_(random_board_clocks(random_, seed)),
         model_([this](BoardPacket&& packet) { scoreboard_.expect(std::move(packet)); }) {
     Verilated::threadContextp(device_.model().contextp());
     request_.emplace("TOP.sp_board.u_bridge.request_o");
@@ -356,9 +353,7 @@ class RacingBoard {
     const bool fits = random_.chance(90);
     const int rows = fits ? settings.rows : random_.between(1, kRaceRows);
     const int columns = fits ? settings.columns : 4 * random_.between(1, kRaceColumns / 4);
-    const Fault fault = random_.chance(4) ? static_cast<Fault>(random_.between(0, kFaults - 1)) : Fault::none;
-    for (const VideoBeat& beat : with_fault(lines_of(random_image(random_, rows, columns)), fault,
-                                            random_.between(0, rows - 1), random_.between(0, columns / 4 - 1))) {
+    for (const VideoBeat& beat : beats_with_faults(random_, random_image(random_, rows, columns), 4)) {
       device_.send(beat);
     }
   }

@@ -32,11 +32,7 @@ void play_random_sequences(std::uint64_t seed, bool full_build, int fault_percen
                            const std::function<void(Scoreboard<Model>&, Random&)>& begin = {},
                            const std::function<void(Scoreboard<Model>&)>& end = {}) {
   Random random(seed);
-  Scoreboard<Model> board({.seed = seed,
-                           .video_period_ps = static_cast<std::uint64_t>(random.between(5000, 9000)),
-                           .bus_period_ps = static_cast<std::uint64_t>(random.between(3000, 12000)),
-                           .bus_phase_ps = static_cast<std::uint64_t>(random.between(0, 5000))},
-                          full_build);
+  Scoreboard<Model> board(random_board_clocks(random, seed), full_build);
   if (begin) {
     begin(board, random);
   }
@@ -66,15 +62,7 @@ void play_random_sequences(std::uint64_t seed, bool full_build, int fault_percen
     const bool spaced = random.chance(70);
     for (int i = random.between(1, 20); i > 0; --i) {
       const TestImage image = random_image(random, settings.rows, settings.columns);
-      const Fault fault =
-          random.chance(fault_percent) ? static_cast<Fault>(random.between(0, kFaults - 1)) : Fault::none;
-      for (const VideoBeat& beat : with_fault(lines_of(image), fault, random.between(0, settings.rows - 1),
-                                              random.between(0, settings.columns / 4 - 1))) {
-        board.device().send(beat);
-        if (fault_percent != 0 && random.chance(1)) {
-          board.device().gap(static_cast<std::uint32_t>(random.between(1, 250)));
-        }
-      }
+      board.send(random, image, fault_percent);
       if (spaced) {
         board.device().gap(static_cast<std::uint32_t>(random.between(0, random.chance(50) ? 12 : 120)));
       }

@@ -41,10 +41,7 @@ struct FrameCounts {
 template <class Model>
 void play_random_frames(std::uint64_t seed, const RandomFrames& limits, FrameCounts& counts) {
   Random random(seed);
-  Scoreboard<Model> board({.seed = seed,
-                           .video_period_ps = static_cast<std::uint64_t>(random.between(5000, 9000)),
-                           .bus_period_ps = static_cast<std::uint64_t>(random.between(3000, 12000)),
-                           .bus_phase_ps = static_cast<std::uint64_t>(random.between(0, 5000))});
+  Scoreboard<Model> board(random_board_clocks(random, seed));
   board.turn_encoder(random.between(4, 40));
   board.count_patterns_on_frames(random.between(0, 23));
   int last_rows = 1;
@@ -78,15 +75,7 @@ void play_random_frames(std::uint64_t seed, const RandomFrames& limits, FrameCou
       if (limits.also) {
         limits.also(image, settings);
       }
-      const Fault fault =
-          random.chance(limits.fault_percent) ? static_cast<Fault>(random.between(0, kFaults - 1)) : Fault::none;
-      for (const VideoBeat& beat : with_fault(lines_of(image), fault, random.between(0, settings.rows - 1),
-                                              random.between(0, settings.columns / 4 - 1))) {
-        board.device().send(beat);
-        if (limits.fault_percent != 0 && random.chance(1)) {
-          board.device().gap(static_cast<std::uint32_t>(random.between(1, 250)));
-        }
-      }
+      board.send(random, image, limits.fault_percent);
       if (spaced) {
         board.device().gap(static_cast<std::uint32_t>(random.between(0, 3 * settings.columns + 60)));
       }
@@ -115,6 +104,18 @@ void play_random_frames(std::uint64_t seed, const RandomFrames& limits, FrameCou
   for (const auto& [status, count] : board.by_status()) {
     counts.by_status[status] += count;
   }
+}
+
+// The same with many seeds: one in `min_delivered` frames must arrive, and losses must occur.
+template <class Model>
+FrameCounts play_all_random_frames(int cases, const RandomFrames& limits, std::uint64_t min_delivered = 2) {
+  FrameCounts counts;
+  for_cases(cases, [&](std::uint64_t seed) { play_random_frames<Model>(seed, limits, counts); });
+  if (runs_all_cases()) {
+    EXPECT_GT(counts.delivered, counts.frames / min_delivered) << "too little of the board was observed";
+    EXPECT_GT(counts.lost, 0U) << "there were no losses";
+  }
+  return counts;
 }
 
 }  // namespace selfproj::test

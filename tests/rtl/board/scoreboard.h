@@ -16,6 +16,7 @@
 #include "model/packet.h"
 #include "sim/board/board_device.h"
 #include "sim/board/packet_scoreboard.h"
+#include "tests/rtl/board/frames.h"
 
 namespace selfproj::test {
 
@@ -79,6 +80,16 @@ class Scoreboard {
     on_frame_ = false;
     pattern_ = 0;
     encoder_ = 0;
+  }
+
+  // Sends the image, in this share of calls with a fault; with faults, there may be pauses anywhere.
+  void send(Random& random, const TestImage& image, int fault_percent) {
+    for (const VideoBeat& beat : beats_with_faults(random, image, fault_percent)) {
+      device_.send(beat);
+      if (fault_percent != 0 && random.chance(1)) {
+        device_.gap(static_cast<std::uint32_t>(random.between(1, 250)));
+      }
+    }
   }
 
   // Runs until all beats that wait are in.
