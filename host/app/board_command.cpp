@@ -182,16 +182,16 @@ void add_trigger_command(CLI::App& board) {
 selfproj board trigger --device bar:/dev/xdma0_user --period 15120 --camera-delay 100
 )"},
                                    [options](Control& control) { set_trigger(control, *options); });
-  constexpr std::int64_t kMostClocks = (std::int64_t{1} << spec::kRegTriggerPeriodClocksBits) - 1;
-  constexpr std::int64_t kMostWidth = (std::int64_t{1} << spec::kRegTriggerWidthClocksBits) - 1;
+  constexpr std::int64_t kMaxClocks = (std::int64_t{1} << spec::kRegTriggerPeriodClocksBits) - 1;
+  constexpr std::int64_t kMaxWidth = (std::int64_t{1} << spec::kRegTriggerWidthClocksBits) - 1;
   command->add_option("--period", options->period, "Pixel clocks from one projector pulse to the next.")
-      ->transform(whole_number(1, kMostClocks))
+      ->transform(whole_number(1, kMaxClocks))
       ->type_name("N");
   command->add_option("--camera-delay", options->camera, "Pixel clocks from the projector's pulse to the camera's.")
-      ->transform(whole_number(0, kMostClocks))
+      ->transform(whole_number(0, kMaxClocks))
       ->type_name("N");
   command->add_option("--width", options->width, "Pixel clocks that a pulse lasts.")
-      ->transform(whole_number(0, kMostWidth))
+      ->transform(whole_number(0, kMaxWidth))
       ->type_name("N");
   command->add_option("--patterns", options->patterns, "Patterns that follow each other.")
       ->transform(whole_number(1, 1 << spec::kRegTriggerControlLastPatternBits))

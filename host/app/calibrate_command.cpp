@@ -67,7 +67,7 @@ std::string rig_yaml(const CalibrateOptions& options, CalibrationReport& report)
 
 // Heights and moves of plates, with the drawings of the rig as the place to start from.
 void apply_plates(const CalibrateOptions& options, CalibrateSettings& settings) {
-  constexpr std::size_t kLeastPlates = 3;
+  constexpr std::size_t kMinPlates = 3;
   if (options.plates.empty() && !options.moves.empty()) {
     throw UserError("--moves", "is for --plates");
   }
@@ -77,7 +77,7 @@ void apply_plates(const CalibrateOptions& options, CalibrateSettings& settings) 
   const std::vector<double> heights = ascending_lengths("--plates", options.plates);
   const std::vector<double> moves =
       options.moves.empty() ? std::vector<double>{0} : ascending_lengths("--moves", options.moves);
-  if (heights.size() < kLeastPlates) {
+  if (heights.size() < kMinPlates) {
     throw UserError("--plates", fmt::format("{} are too few; 3 or more heights are needed", heights.size()));
   }
   if (!options.moves.empty() && moves.size() < 2) {
@@ -98,8 +98,8 @@ void apply_plates(const CalibrateOptions& options, CalibrateSettings& settings) 
 
 // Checks the options and puts them into options.calibrate.
 void apply(CalibrateOptions& options) {
-  constexpr int kMostCorners = 200;
-  const FrameSize corners = size_of_text("--chessboard", options.chessboard, kMostCorners);
+  constexpr int kMaxCorners = 200;
+  const FrameSize corners = size_of_text("--chessboard", options.chessboard, kMaxCorners);
   if (corners.columns < 3 || corners.rows < 3) {
     throw UserError("--chessboard",
                     fmt::format("is {}; at least 3 inner corners are needed along both sides", options.chessboard));
@@ -176,7 +176,7 @@ void run_calibrate(CalibrateOptions options) {
   OutputFolder folder(options.out);
   std::vector<PoseReport> taken;
   if (!options.capture.camera.empty()) {
-    taken = take_guided_poses(options.capture, options.decode, options.calibrate, folder);
+    taken = capture_guided_poses(options.capture, options.decode, options.calibrate, folder);
   }
   const std::size_t parts = options.poses.size();
   std::vector<std::string> folders = options.poses;

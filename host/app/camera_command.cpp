@@ -43,8 +43,8 @@ constexpr std::array<const char*, kLensParameters> kNames{"fx", "fy", "cx", "cy"
 
 // Checks the options and fills the settings from them.
 void apply(CameraOptions& options) {
-  constexpr int kMostCorners = 200;
-  const FrameSize corners = size_of_text("--chessboard", options.chessboard, kMostCorners);
+  constexpr int kMaxCorners = 200;
+  const FrameSize corners = size_of_text("--chessboard", options.chessboard, kMaxCorners);
   if (corners.columns < 3 || corners.rows < 3) {
     throw UserError("--chessboard",
                     fmt::format("is {}; at least 3 inner corners are needed along both sides", options.chessboard));

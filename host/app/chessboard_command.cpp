@@ -25,12 +25,12 @@ struct ChessboardOptions {
 };
 
 void make_chessboard(const ChessboardOptions& options) {
-  constexpr int kMostCorners = 200;
-  constexpr int kLeastCorners = 3;
-  const FrameSize corners = size_of_text("--chessboard", options.chessboard, kMostCorners);
-  if (std::min(corners.columns, corners.rows) < kLeastCorners) {
+  constexpr int kMaxCorners = 200;
+  constexpr int kMinCorners = 3;
+  const FrameSize corners = size_of_text("--chessboard", options.chessboard, kMaxCorners);
+  if (std::min(corners.columns, corners.rows) < kMinCorners) {
     throw UserError("--chessboard", fmt::format("is {}; calibration needs {} inner corners along both sides",
-                                                options.chessboard, kLeastCorners));
+                                                options.chessboard, kMinCorners));
   }
   const auto paper = std::find_if(papers().begin(), papers().end(),
                                   [&](const Paper& candidate) { return candidate.name == options.paper; });

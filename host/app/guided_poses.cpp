@@ -20,7 +20,7 @@
 namespace selfproj {
 namespace {
 
-struct TakenPose {
+struct CapturedPose {
   PoseReport report;
   std::vector<std::string> images;  // as PNG
 };
@@ -32,8 +32,8 @@ void say(const std::string& text) {
 
 // Captures the chessboard under all patterns. Sets the size of the projector in `settings`, and keeps the settle time
 // in `options`.
-TakenPose take_pose(CaptureOptions& options, const DecodeSettings& decode, CalibrateSettings& settings,
-                    const std::string& name, const std::string& out) {
+CapturedPose capture_pose(CaptureOptions& options, const DecodeSettings& decode, CalibrateSettings& settings,
+                          const std::string& name, const std::string& out) {
   std::optional<GraySequence> gray;
   const Captured captured = capture_in_memory(options, out, [&](const CaptureSizes& sizes) {
     settings.projector_columns = sizes.projector_columns;
@@ -43,7 +43,7 @@ TakenPose take_pose(CaptureOptions& options, const DecodeSettings& decode, Calib
   });
   options.settle_ms = captured.record.settle.settle_ms;  // so that only the first capture measures it
   ImageSequence images = captured.sequence();
-  TakenPose pose{.report = observe_pose(name, decode_capture(name, images, *gray, decode), settings), .images = {}};
+  CapturedPose pose{.report = observe_pose(name, decode_capture(name, images, *gray, decode), settings), .images = {}};
   if (pose.report.reason.empty()) {
     for (const Image& image : captured.images) {
       pose.images.push_back(encode_png(image));
@@ -52,9 +52,9 @@ TakenPose take_pose(CaptureOptions& options, const DecodeSettings& decode, Calib
   return pose;
 }
 
-PoseAdvice advice_on(const std::vector<TakenPose>& taken, const Chessboard& chessboard) {
+PoseAdvice advice_on(const std::vector<CapturedPose>& taken, const Chessboard& chessboard) {
   PoseAdvice advice(chessboard);
-  for (const TakenPose& pose : taken) {
+  for (const CapturedPose& pose : taken) {
     advice.add(pose.report);
   }
   return advice;
@@ -62,11 +62,11 @@ PoseAdvice advice_on(const std::vector<TakenPose>& taken, const Chessboard& ches
 
 }  // namespace
 
-std::vector<PoseReport> take_guided_poses(const CaptureOptions& options, const DecodeSettings& decode,
-                                          CalibrateSettings& settings, OutputFolder& folder) {
+std::vector<PoseReport> capture_guided_poses(const CaptureOptions& options, const DecodeSettings& decode,
+                                             CalibrateSettings& settings, OutputFolder& folder) {
   folder.check("pose_01/image_0001.png");  // before the poses, which nobody wants to take twice
   CaptureOptions capture = options;
-  std::vector<TakenPose> taken;
+  std::vector<CapturedPose> taken;
   for (;;) {
     const PoseAdvice advice = advice_on(taken, settings.chessboard);
     if (advice.enough()) {
@@ -87,9 +87,9 @@ std::vector<PoseReport> take_guided_poses(const CaptureOptions& options, const D
       say(fmt::format("'{}' is not one of the answers.", line));
       continue;
     }
-    std::optional<TakenPose> pose;
+    std::optional<CapturedPose> pose;
     try {
-      pose = take_pose(capture, decode, settings, fmt::format("pose_{:02}", taken.size() + 1), folder.name());
+      pose = capture_pose(capture, decode, settings, fmt::format("pose_{:02}", taken.size() + 1), folder.name());
     } catch (const UserError& error) {
       if (taken.empty()) {
         throw;
@@ -111,7 +111,7 @@ std::vector<PoseReport> take_guided_poses(const CaptureOptions& options, const D
                                   taken.empty() ? "no pose was" : "only one pose was"));
   }
   std::vector<PoseReport> poses;
-  for (TakenPose& pose : taken) {
+  for (CapturedPose& pose : taken) {
     for (std::size_t i = 0; i < pose.images.size(); ++i) {
       folder.append(fmt::format("{}/image_{:04}.png", pose.report.name, i + 1), pose.images[i]);
     }

@@ -16,8 +16,8 @@ namespace selfproj {
 // cover. The images of each pose go into the folder, pose_01/image_0001.png and so on, so that `selfproj calibrate`
 // takes them again. `settings` are completed by the projector's size. Throws UserError, and CheckFailed at Ctrl-C, Esc,
 // and where no two poses were taken.
-std::vector<PoseReport> take_guided_poses(const CaptureOptions& options, const DecodeSettings& decode,
-                                          CalibrateSettings& settings, OutputFolder& folder);
+std::vector<PoseReport> capture_guided_poses(const CaptureOptions& options, const DecodeSettings& decode,
+                                             CalibrateSettings& settings, OutputFolder& folder);
 
 }  // namespace selfproj
 

@@ -96,7 +96,7 @@ std::string report_json(const HeightsOptions& options, const HeightFit& fit) {
   json["order"] = fit.rig.heights->order;
   json["order_heights"] = fit.rig.heights->order_heights;
   json["rms_mm"] = fit.rms_mm;
-  json["greatest_correction_mm"] = fit.correction_mm;
+  json["max_correction_mm"] = fit.correction_mm;
   json["open_by_tolerance_mm"] = fit.open_by_tolerance_mm;
   json["open_by_flatness_mm"] = fit.open_by_flatness_mm;
   json["open_by_noise_mm"] = fit.open_by_noise_mm;

@@ -121,7 +121,7 @@ void run_inspect(const InspectOptions& options) {
   Profile own;
   own.resize(profiler.columns());
   const auto receive = [&](const PacketView& packet) {
-    Measured* const slot = production ? &production->claim() : nullptr;
+    MeasuredFrame* const slot = production ? &production->claim() : nullptr;
     const ProfileView profile = slot != nullptr ? slot->profile.view() : own.view();
     const bool made = section.profile(packet, receiver.device(), profile);
     if (made && inspection) {

@@ -82,7 +82,7 @@ void match_device(const MatchCommand& options) {
     }
     list.add(pair, scanner);
     if (production) {
-      Measured& slot = production->claim();
+      MeasuredFrame& slot = production->claim();
       slot.header = stream.stream().header();
       slot.arrival_ns = receiver.device().arrival_ns();
       slot.depth.values = scanner.depth().values;

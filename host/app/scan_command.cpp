@@ -101,10 +101,10 @@ std::string scan_by_gray_codes(const ScanOptions& options, OutputFolder& folder)
     if (rig) {
       check_display(options, *rig, sizes);
     }
-    constexpr int kMostCodes = 1 << GrayDecoder::kMaxBits;
-    if (sizes.projector_rows > kMostCodes || sizes.projector_columns > kMostCodes) {
+    constexpr int kMaxCodes = 1 << GrayDecoder::kMaxBits;
+    if (sizes.projector_rows > kMaxCodes || sizes.projector_columns > kMaxCodes) {
       throw UserError("--display", fmt::format("has {}; Gray codes have at most {} lines and columns",
-                                               size_text(sizes.projector_rows, sizes.projector_columns), kMostCodes));
+                                               size_text(sizes.projector_rows, sizes.projector_columns), kMaxCodes));
     }
     const GraySequence gray(sizes.projector_columns, sizes.projector_rows);
     geometry.bits = gray.column_bits();

@@ -47,7 +47,7 @@ void make_sweep(const Rig& rig, OutputFolder& folder) {
 }
 
 template <class Scan>
-void take_folder(const Rig& rig, const StripesOptions& options, const std::vector<std::string>& files, Scan& scan) {
+void add_folder(const Rig& rig, const StripesOptions& options, const std::vector<std::string>& files, Scan& scan) {
   Progress progress("image", files.size());
   for (std::size_t i = 0; i < files.size(); ++i) {
     const Image image = read_image(files[i], channel_of(options.channel));
@@ -67,7 +67,7 @@ ProjectorPoints scanned(const Rig& rig, const StripesOptions& options) {
                                                 "without white and black",
                                                 files.size(), all, all - 2));
     }
-    take_folder(rig, options, files, scan);
+    add_folder(rig, options, files, scan);
     return scan.points();
   }
   LinePointScan scan(rig);
@@ -77,7 +77,7 @@ ProjectorPoints scanned(const Rig& rig, const StripesOptions& options) {
                                 "a column",
                                 files.size(), scan.count()));
   }
-  take_folder(rig, options, files, scan);
+  add_folder(rig, options, files, scan);
   return scan.points();
 }
 

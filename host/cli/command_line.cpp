@@ -38,16 +38,16 @@ struct RangeText {
   std::string in_error;
 };
 
-RangeText range_of(const std::string& least, const std::string& most) {
-  const std::string range = fmt::format("{} to {}", least, most);
+RangeText range_of(const std::string& min, const std::string& max) {
+  const std::string range = fmt::format("{} to {}", min, max);
   return {range, "from " + range};
 }
 
-CLI::Validator real_validator(const RangeText& range, double least, double most, bool least_is_allowed) {
+CLI::Validator real_validator(const RangeText& range, double min, double max, bool min_is_allowed) {
   return CLI::Validator(
       [=](std::string& text) {
         const std::optional<double> number = number_of_text<double>(text);
-        const bool good = number && *number <= most && (least_is_allowed ? *number >= least : *number > least);
+        const bool good = number && *number <= max && (min_is_allowed ? *number >= min : *number > min);
         return good ? std::string() : expected(text, "a number " + range.in_error);
       },
       range.in_help);
@@ -83,14 +83,13 @@ void add_old_name(CLI::App& command, const std::string& old_name, const std::str
       ->group("");
 }
 
-CLI::Validator whole_number(std::int64_t least, std::int64_t most) {
-  const RangeText range = most == kNoLimit
-                              ? RangeText{fmt::format("{} or more", least), fmt::format("of {} or more", least)}
-                              : range_of(std::to_string(least), std::to_string(most));
+CLI::Validator whole_number(std::int64_t min, std::int64_t max) {
+  const RangeText range = max == kNoLimit ? RangeText{fmt::format("{} or more", min), fmt::format("of {} or more", min)}
+                                          : range_of(std::to_string(min), std::to_string(max));
   return CLI::Validator(
       [=](std::string& text) {
         const std::optional<std::int64_t> number = number_of_text<std::int64_t>(text);
-        if (!number || *number < least || *number > most) {
+        if (!number || *number < min || *number > max) {
           return expected(text, "a whole number " + range.in_error);
         }
         text = std::to_string(*number);
@@ -99,12 +98,12 @@ CLI::Validator whole_number(std::int64_t least, std::int64_t most) {
       range.in_help);
 }
 
-CLI::Validator real_number(double least, double most) {
-  return real_validator(range_of(short_text(least), short_text(most)), least, most, true);
+CLI::Validator real_number(double min, double max) {
+  return real_validator(range_of(short_text(min), short_text(max)), min, max, true);
 }
 
-CLI::Validator number_above_zero(double most) {
-  return real_validator({"above 0", "above 0, at most " + short_text(most)}, 0, most, false);
+CLI::Validator number_above_zero(double max) {
+  return real_validator({"above 0", "above 0, at most " + short_text(max)}, 0, max, false);
 }
 
 CLI::Validator one_of(const std::vector<std::string>& names) {

@@ -37,13 +37,13 @@ void begin_group(CLI::App& command, const std::string& name);
 // Reads an option also by its old name, for one version and with a note on standard error. No help shows that name.
 void add_old_name(CLI::App& command, const std::string& old_name, const std::string& name);
 
-// Checks of option values, for Option::transform. Each value must be a decimal number, without a sign if the least
-// number is 0, without other text around it, and without overflow, infinity or NaN. They pass on the number without
+// Checks of option values, for Option::transform. Each value must be a decimal number, without a sign if the
+// minimum is 0, without other text around it, and without overflow, infinity or NaN. They pass on the number without
 // leading zeros, because CLI11 would read 010 as octal.
 constexpr std::int64_t kNoLimit = std::numeric_limits<std::int64_t>::max();
-CLI::Validator whole_number(std::int64_t least, std::int64_t most = kNoLimit);
-CLI::Validator real_number(double least, double most);
-CLI::Validator number_above_zero(double most = 1e6);
+CLI::Validator whole_number(std::int64_t min, std::int64_t max = kNoLimit);
+CLI::Validator real_number(double min, double max);
+CLI::Validator number_above_zero(double max = 1e6);
 
 // One of these names. For Option::check.
 CLI::Validator one_of(const std::vector<std::string>& names);

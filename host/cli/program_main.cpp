@@ -98,7 +98,7 @@ std::string explained(const CLI::App& program, const CLI::ParseError& error) {
 
 // With --check-usage as the first word, a command line is only parsed and not run. The tests of the documents use this.
 // The callbacks stay, because they own the variables into which the options are read.
-void take_check_usage(CLI::App& program, std::vector<std::string>& words) {
+void parse_check_usage(CLI::App& program, std::vector<std::string>& words) {
   if (!words.empty() && words.front() == "--check-usage") {
     words.erase(words.begin());
     program.parse_complete_callback([] { throw CLI::Success(); });
@@ -136,7 +136,7 @@ int run_commands(const CommandText& text, const std::function<void(CLI::App&)>& 
       fmt::print("{}", help_json(app));
       return 0;
     }
-    take_check_usage(app, words);
+    parse_check_usage(app, words);
     // A note is printed once, however often its file is read.
     note_sink() = [name, said = std::set<std::string>()](const std::string& line) mutable {
       if (said.insert(line).second) {

@@ -31,7 +31,7 @@ struct CutPart {
 };
 
 // A profile, or a depth image, with the header of its last frame. What is not measured is empty.
-struct Measured {
+struct MeasuredFrame {
   PacketHeader header;
   std::int64_t arrival_ns = 0;
   Profile profile;
@@ -47,7 +47,7 @@ class Cutter {
   virtual ~Cutter() = default;
 
   // Receives what was measured next, and returns the part that is then complete.
-  virtual std::optional<CutPart> add(Measured& measured) = 0;
+  virtual std::optional<CutPart> add(MeasuredFrame& measured) = 0;
 
   // No frame comes any more, or not for a long time: returns the part that is there so far.
   virtual std::optional<CutPart> finish() = 0;
@@ -70,7 +70,7 @@ class ProfileCutter final : public Cutter {
 
   // The profile of the next frame; `arrival_ns` is any clock that does not go back.
   std::optional<CutPart> add(const PacketHeader& header, const ProfileView& profile, std::int64_t arrival_ns);
-  std::optional<CutPart> add(Measured& measured) override {
+  std::optional<CutPart> add(MeasuredFrame& measured) override {
     return add(measured.header, measured.profile.view(), measured.arrival_ns);
   }
 
@@ -119,7 +119,7 @@ class DepthCutter final : public Cutter {
 
   // The next depth image. `header` is that of the last frame of it; `arrival_ns` is any clock that does not go back.
   std::optional<CutPart> add(const PacketHeader& header, const FloatImage& depth, std::int64_t arrival_ns);
-  std::optional<CutPart> add(Measured& measured) override {
+  std::optional<CutPart> add(MeasuredFrame& measured) override {
     return add(measured.header, measured.depth, measured.arrival_ns);
   }
   std::optional<CutPart> finish() override;

@@ -185,7 +185,7 @@ void LivePage::add_row(const ProfileView& profile) {
   }
 }
 
-void LivePage::measured(Measured& measured) {
+void LivePage::measured(MeasuredFrame& measured) {
   if (watchers_ == 0) {
     return;
   }

@@ -55,7 +55,7 @@ class LivePage {
   ~LivePage();
 
   // For the thread of the production: a profile or a depth image, and a part with the statistics up to it.
-  void measured(Measured& measured);
+  void measured(MeasuredFrame& measured);
   void part(const PartResult& result, const PlacedMaps& maps, const PartStatistics& statistics);
 
   // For the thread that takes packets: a raw image, and the row of the line in each column (empty for a scanner).

@@ -53,7 +53,7 @@ Production::Production(const ProductionOptions& options, const Rig& rig, const S
     classifier_.emplace(rig, section, *tolerance_, options.tolerance);
     cutter_ = std::make_unique<ProfileCutter>(rig);
   }
-  Measured empty;
+  MeasuredFrame empty;
   empty.profile.resize(rig.camera.columns);
   start(title, kQueuedProfiles, empty);
 }
@@ -65,16 +65,16 @@ Production::Production(const ProductionOptions& options, const Rig& rig, const F
     classifier_.emplace(rig, DepthGrid(rig).cells(reference_depth), *tolerance_, options.tolerance);
     cutter_ = std::make_unique<DepthCutter>(rig, patterns);
   }
-  Measured empty;
+  MeasuredFrame empty;
   empty.depth = empty.difference = FloatImage(rig.camera.rows, rig.camera.columns);
   start(title, kQueuedDepthImages, empty);
 }
 
-void Production::start(const std::string& title, std::size_t queued, const Measured& empty) {
+void Production::start(const std::string& title, std::size_t queued, const MeasuredFrame& empty) {
   slots_.resize(queued, empty);
-  free_ = moodycamel::ReaderWriterQueue<Measured*>(queued);
-  filled_ = moodycamel::ReaderWriterQueue<Measured*>(queued);
-  for (Measured& slot : slots_) {
+  free_ = moodycamel::ReaderWriterQueue<MeasuredFrame*>(queued);
+  filled_ = moodycamel::ReaderWriterQueue<MeasuredFrame*>(queued);
+  for (MeasuredFrame& slot : slots_) {
     free_.enqueue(&slot);
   }
   if (!options_.live.empty()) {
@@ -92,12 +92,12 @@ void Production::start(const std::string& title, std::size_t queued, const Measu
   thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
 }
 
-Measured& Production::claim() {
+MeasuredFrame& Production::claim() {
   for (;;) {
     if (failed_) {
       finish();
     }
-    if (Measured** const next = free_.peek()) {
+    if (MeasuredFrame** const next = free_.peek()) {
       claimed_ = *next;
       return *claimed_;
     }
@@ -120,8 +120,8 @@ void Production::run(const std::stop_token& stop) {
   try {
     for (bool end = false; !end;) {
       end = stop.stop_requested();  // what was published before is found below
-      while (Measured** const next = filled_.peek()) {
-        Measured* const slot = *next;
+      while (MeasuredFrame** const next = filled_.peek()) {
+        MeasuredFrame* const slot = *next;
         work(*slot);
         filled_.pop();
         free_.enqueue(slot);
@@ -144,7 +144,7 @@ void Production::run(const std::stop_token& stop) {
   }
 }
 
-void Production::work(Measured& measured) {
+void Production::work(MeasuredFrame& measured) {
   last_arrival_ns_ = measured.arrival_ns;
   if (cutter_) {
     classify(cutter_->add(measured));

@@ -77,7 +77,7 @@ class Production {
 
   // For the thread that receives packets. claim() gives the place for what is measured next, the same until publish()
   // passes it on. Throws what the thread of the production has thrown.
-  Measured& claim();
+  MeasuredFrame& claim();
   void publish() { free_.pop(), filled_.enqueue(claimed_); }
 
   // A packet that may belong to a raw image, which the page may show.
@@ -97,9 +97,9 @@ class Production {
 
  private:
   Production(const ProductionOptions& options, const Rig& rig);
-  void start(const std::string& title, std::size_t queued, const Measured& empty);
+  void start(const std::string& title, std::size_t queued, const MeasuredFrame& empty);
   void run(const std::stop_token& stop);
-  void work(Measured& measured);
+  void work(MeasuredFrame& measured);
   void look_at_the_clock();
   void classify(const std::optional<CutPart>& part);
   [[nodiscard]] PartCounts counts() const;
@@ -108,10 +108,10 @@ class Production {
   Rig rig_;
   std::optional<Tolerance> tolerance_;
 
-  std::vector<Measured> slots_;
-  moodycamel::ReaderWriterQueue<Measured*> free_;
-  moodycamel::ReaderWriterQueue<Measured*> filled_;
-  Measured* claimed_ = nullptr;
+  std::vector<MeasuredFrame> slots_;
+  moodycamel::ReaderWriterQueue<MeasuredFrame*> free_;
+  moodycamel::ReaderWriterQueue<MeasuredFrame*> filled_;
+  MeasuredFrame* claimed_ = nullptr;
 
   // Of the thread of the production:
   std::unique_ptr<Cutter> cutter_;

@@ -60,8 +60,8 @@ void finish(const Scanner& scanner, DepthRun& run) {
 // Reads the next 2 bits images and makes the words of one axis' code.
 class AxisDecoder {
  public:
-  AxisDecoder(ImageSequence& images, const ScannerSettings& settings, const ImageDone& done)
-      : images_(images), settings_(settings), done_(done) {}
+  AxisDecoder(ImageSequence& images, const ScannerSettings& settings, const OnImage& on_image)
+      : images_(images), settings_(settings), on_image_(on_image) {}
 
   std::vector<std::uint16_t> words(const Triangulation& triangulation, int bits) {
     const int rows = triangulation.rows();
@@ -71,8 +71,8 @@ class AxisDecoder {
       Image& image = pair_[next_ % 2];
       image = images_.read(next_);
       decoder.add_frame(image.view(), pattern);
-      if (done_) {
-        done_(next_ + 1, {});
+      if (on_image_) {
+        on_image_(next_ + 1, {});
       }
     }
     std::vector<std::uint16_t> words(triangulation.pixels());
@@ -87,14 +87,15 @@ class AxisDecoder {
  private:
   ImageSequence& images_;
   ScannerSettings settings_;
-  const ImageDone& done_;
+  const OnImage& on_image_;
   std::array<Image, 2> pair_;  // the decoder reads the positive when its negative comes
   std::size_t next_ = 0;
 };
 
 }  // namespace
 
-DepthRun depth_of_images(const DepthSetup& setup, ImageSequence& images, const TakeDepth& take, const ImageDone& done) {
+DepthRun depth_of_images(const DepthSetup& setup, ImageSequence& images, const OnDepth& on_depth,
+                         const OnImage& on_image) {
   DepthRun run;
   run.triangulation = make_triangulation(setup.geometry, source_of(images));
   const Triangulation& triangulation = *run.triangulation;
@@ -116,24 +117,24 @@ DepthRun depth_of_images(const DepthSetup& setup, ImageSequence& images, const T
         run.moved.push_back({number, scanner.foreground()});
         note += fmt::format(", {} pixels moved", scanner.foreground().pixels);
       }
-      take(number, scanner.depth());
+      on_depth(number, scanner.depth());
       ++run.depth_images;
     }
-    if (done) {
-      done(i + 1, note);
+    if (on_image) {
+      on_image(i + 1, note);
     }
   }
   finish(scanner, run);
   return run;
 }
 
-DepthRun depth_of_both_axes(const DepthSetup& setup, ImageSequence& images, const ImageDone& done) {
+DepthRun depth_of_both_axes(const DepthSetup& setup, ImageSequence& images, const OnImage& on_image) {
   DepthRun run;
   std::unique_ptr<LensTriangulation> triangulation = make_lens_triangulation(setup.geometry, source_of(images));
   std::vector<std::uint16_t> column_codes;
   std::vector<std::uint16_t> row_codes;
   {
-    AxisDecoder decoder(images, setup.scanner, done);
+    AxisDecoder decoder(images, setup.scanner, on_image);
     column_codes = decoder.words(*triangulation, setup.geometry.bits);
     row_codes = decoder.words(*triangulation, setup.geometry.row_bits);
   }

@@ -58,19 +58,19 @@ struct DepthRun {
 };
 
 // Receives each depth image with the number of its newest pair.
-using TakeDepth = std::function<void(std::size_t pair, const FloatImage& depth)>;
+using OnDepth = std::function<void(std::size_t pair, const FloatImage& depth)>;
 
 // Receives the number of images that are done, and a note on the newest depth image.
-using ImageDone = std::function<void(std::size_t images, const std::string& note)>;
+using OnImage = std::function<void(std::size_t images, const std::string& note)>;
 
 // One coded axis: images pos0 neg0 pos1 neg1 ..., and a depth image after every pair from the m-th on. Throws UserError
 // as make_triangulation, read_float_tiff and ImageSequence do, and for a background of another size.
-DepthRun depth_of_images(const DepthSetup& setup, ImageSequence& images, const TakeDepth& take,
-                         const ImageDone& done = {});
+DepthRun depth_of_images(const DepthSetup& setup, ImageSequence& images, const OnDepth& on_depth,
+                         const OnImage& on_image = {});
 
 // Both axes: one depth image from 2 bits images of the columns' code, followed by 2 row_bits images of the rows' code.
 // Throws UserError as make_lens_triangulation and ImageSequence do.
-DepthRun depth_of_both_axes(const DepthSetup& setup, ImageSequence& images, const ImageDone& done = {});
+DepthRun depth_of_both_axes(const DepthSetup& setup, ImageSequence& images, const OnImage& on_image = {});
 
 // Depth images from the code images of a device, or from its images, which are decoded here.
 class DepthStream {

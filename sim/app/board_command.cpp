@@ -85,10 +85,10 @@ void record(const BoardOptions& options, const PacketRecording& source) {
   if (options.seconds > 0 && options.rate > 0) {
     frames = std::min(frames, static_cast<std::uint64_t>(options.seconds * options.rate));
   }
-  constexpr double kMostBytes = 4e9;  // they are put together in memory
+  constexpr double kMaxBytes = 4e9;  // they are put together in memory
   const double bytes =
       static_cast<double>(source.bytes()) / static_cast<double>(source.frames()) * static_cast<double>(frames);
-  if (bytes > kMostBytes) {
+  if (bytes > kMaxBytes) {
     throw UserError("--record " + options.record, "would be larger than 4 GB; limit it with --count or --seconds");
   }
   const double clocks = clocks_per_frame(options);
@@ -219,10 +219,10 @@ void run_board(const BoardOptions& options) {
   if ((options.ring.empty() ? 0 : 1) + (options.record.empty() ? 0 : 1) + (options.udp.empty() ? 0 : 1) != 1) {
     throw UserError("--ring, --udp, --record", "give one of them");
   }
-  constexpr double kLeastRate = 1e-3;
-  if (options.rate != 0 && !(options.rate >= kLeastRate && options.rate <= 1e9)) {
+  constexpr double kMinRate = 1e-3;
+  if (options.rate != 0 && !(options.rate >= kMinRate && options.rate <= 1e9)) {
     throw UserError("--rate", fmt::format("is {}; 0 (as fast as it can) or a number from {} to 1e9 is needed",
-                                          options.rate, kLeastRate));
+                                          options.rate, kMinRate));
   }
   if (!(options.seconds >= 0) || options.seconds > 1e9) {
     throw UserError("--seconds", "a number from 0 to 1e9 is needed");

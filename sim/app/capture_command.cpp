@@ -112,7 +112,7 @@ std::string what_of(const CaptureOptions& options) {
 }
 
 void run_capture(const CaptureOptions& options) {
-  constexpr int kMostCorners = 200;
+  constexpr int kMaxCorners = 200;
   OutputFolder out(options.out);
   if (!options.chessboard.empty() && std::filesystem::exists(options.out)) {
     throw UserError(options.out, "exists already; poses need a new folder");
@@ -141,7 +141,7 @@ void run_capture(const CaptureOptions& options) {
     progress.emplace("image", files.size());
     capture_scene(actual, *scene, patterns, settings, out);
   } else {
-    const FrameSize corners = size_of_text("--chessboard", options.chessboard, kMostCorners);
+    const FrameSize corners = size_of_text("--chessboard", options.chessboard, kMaxCorners);
     const ChessboardShape shape{corners.columns, corners.rows, options.square_mm};
     const std::vector<ChessboardPlace> places = places_of(options, actual, shape);
     const ChessboardFlaws flaws = options.target_seed

@@ -42,9 +42,9 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kDefaultBits = 8;
-constexpr int kMostBits = 12;
-constexpr int kMostDepths = 256;  // 1 MB each
-constexpr int kMostFrames = 100'000;
+constexpr int kMaxBits = 12;
+constexpr int kMaxDepths = 256;  // 1 MB each
+constexpr int kMaxFrames = 100'000;
 constexpr const char* kPatternFile = "pattern.tiff";
 
 struct SceneOptions {
@@ -211,9 +211,9 @@ void render(const SceneOptions& options) {
   check_for_other_frames(options.out, options.first, count, quantized);
   const FrameMaker maker = rig.kind == RigKind::scanner ? whole_patterns(options, actual, *scene, render_with)
                                                         : light_section(options, actual, *scene, render_with);
-  if (!options.truth.empty() && maker.truth_rows > 1 && count > kMostDepths) {
+  if (!options.truth.empty() && maker.truth_rows > 1 && count > kMaxDepths) {
     throw UserError("--truth " + options.truth,
-                    fmt::format("takes at most {} frames of depth, not {}", kMostDepths, count));
+                    fmt::format("takes at most {} frames of depth, not {}", kMaxDepths, count));
   }
   if (!maker.pattern.values.empty()) {
     out.append(kPatternFile, encode_float_tiff(kPatternFile, maker.pattern));
@@ -284,11 +284,11 @@ void add_part_options(CLI::App& command, SceneOptions& options) {
   command.add_option("--rig", options.rig, "Built-in rig or YAML file.")->type_name("RIG")->default_str("the scene's");
   begin_group(command, "Frames");
   command.add_option("--first", options.first, "First frame, from 1.")
-      ->transform(whole_number(1, kMostFrames))
+      ->transform(whole_number(1, kMaxFrames))
       ->type_name("N")
       ->capture_default_str();
   command.add_option("--count", options.count, "Number of frames.")
-      ->transform(whole_number(1, kMostFrames))
+      ->transform(whole_number(1, kMaxFrames))
       ->type_name("N")
       ->default_str("all to the end of the scene");
 }
@@ -302,7 +302,7 @@ void add_light_options(CLI::App& command, SceneOptions& options) {
       ->allow_extra_args(false)
       ->default_str("a straight line on the plane; Gray codes with a scanner");
   command.add_option("--bits", options.bits, "With a scanner: bits of the Gray codes that are shown.")
-      ->transform(whole_number(1, kMostBits))
+      ->transform(whole_number(1, kMaxBits))
       ->type_name("M")
       ->default_str(std::to_string(kDefaultBits));
   add_error_source_option(
@@ -345,7 +345,7 @@ selfproj-sim scene render stairs --first 700 --count 2 --disturb gloss,defect-pi
           "--truth", options->truth,
           fmt::format("True heights in mm where the light falls, one row for each frame, NaN where unseen. With a "
                       "scanner: z in mm of what each pixel sees, frame below frame, up to {} frames.",
-                      kMostDepths))
+                      kMaxDepths))
       ->type_name("FILE.tiff");
   command->add_option("--out", options->out, "Folder for the frames.")->type_name("DIR")->required();
   command->callback([options] {

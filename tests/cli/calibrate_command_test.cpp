@@ -20,6 +20,7 @@
 #include "host/rig/rig.h"
 #include "host/structured_light/gray_sequence.h"
 #include "tests/cli/program.h"
+#include "tests/cli/refusal.h"
 #include "tests/support/chessboard_world.h"
 
 namespace selfproj::test {
@@ -66,9 +67,7 @@ class CalibrateCommand : public ::testing::Test {
   static std::vector<std::string> all_poses() { return {"pose_0", "pose_1", "pose_2", "pose_3", "pose_4"}; }
 
   static void expect_refused(const Outcome& outcome, const std::string& begin) {
-    EXPECT_EQ(outcome.status, 2) << outcome.out;
-    EXPECT_EQ(outcome.err.rfind("selfproj: " + begin, 0), 0U) << outcome.err;
-    EXPECT_EQ(outcome.err.find('\n'), outcome.err.size() - 1) << outcome.err;
+    expect_refusal(outcome, begin);
     EXPECT_FALSE(fs::exists(*folder_ / "out"));
   }
 

@@ -16,6 +16,7 @@
 
 #include "model/gray_decoder.h"
 #include "tests/cli/program.h"
+#include "tests/cli/refusal.h"
 #include "tests/support/random_cases.h"
 #include "tests/support/reference_gray.h"
 
@@ -56,12 +57,7 @@ class DecodeCommand : public ::testing::Test {
   void expect_refused(const std::vector<std::string>& arguments, const std::string& subject,
                       const std::string& reason) const {
     const std::vector<std::string> before = folder_.names();
-    const Outcome outcome = decode(arguments);
-    EXPECT_EQ(outcome.status, 2);
-    EXPECT_EQ(outcome.out, "");
-    EXPECT_EQ(outcome.err.rfind("selfproj-sim: " + subject, 0), 0U) << outcome.err;
-    EXPECT_NE(outcome.err.find(reason), std::string::npos) << outcome.err;
-    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+    expect_refusal(decode(arguments), subject, {reason});
     EXPECT_EQ(folder_.names(), before);
   }
 

@@ -22,6 +22,7 @@
 #include "host/structured_light/triangulation.h"
 #include "model/packet.h"
 #include "tests/cli/program.h"
+#include "tests/cli/refusal.h"
 #include "tests/host/structured_light/pinhole.h"
 
 namespace selfproj::test {
@@ -147,12 +148,7 @@ class DepthCommand : public ::testing::Test {
   void expect_refused(const std::vector<std::string>& arguments, const std::string& subject,
                       const std::string& reason) const {
     SCOPED_TRACE(subject);
-    const Outcome outcome = depth(arguments);
-    EXPECT_EQ(outcome.status, 2);
-    EXPECT_EQ(outcome.out, "");
-    EXPECT_EQ(outcome.err.rfind("selfproj: " + subject, 0), 0U) << outcome.err;
-    EXPECT_NE(outcome.err.find(reason), std::string::npos) << outcome.err;
-    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+    expect_refusal(depth(arguments), subject, {reason});
     EXPECT_FALSE(fs::exists(folder_ / "out"));
   }
 

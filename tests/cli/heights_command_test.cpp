@@ -12,6 +12,7 @@
 #include "host/rig/geometry.h"
 #include "host/rig/rig.h"
 #include "tests/cli/program.h"
+#include "tests/cli/refusal.h"
 
 namespace selfproj::test {
 namespace {
@@ -47,9 +48,7 @@ Outcome heights(const ScratchFolder& folder, std::vector<std::string> arguments)
 
 // One line that begins with this text, and nothing written.
 void expect_refused(const ScratchFolder& folder, const Outcome& outcome, const std::string& begin, int status = 2) {
-  EXPECT_EQ(outcome.status, status) << outcome.err;
-  EXPECT_EQ(outcome.err.rfind("selfproj: " + begin, 0), 0U) << outcome.err;
-  EXPECT_EQ(outcome.err.find('\n'), outcome.err.size() - 1) << outcome.err;
+  expect_refusal(outcome, begin, {}, status);
   EXPECT_FALSE(std::filesystem::exists(folder / "out"));
 }
 

@@ -24,6 +24,7 @@
 #include "model/packet.h"
 #include "model/packet_payload.h"
 #include "tests/cli/program.h"
+#include "tests/cli/refusal.h"
 #include "tests/host/light_section/seen_surface.h"
 
 namespace selfproj::test {
@@ -81,12 +82,7 @@ class MatchCommand : public ::testing::Test {
 
   // Expects status 2, one line on stderr that contains all of these texts, and nothing written.
   void refused(const std::vector<std::string>& arguments, const std::vector<std::string>& words) {
-    const Outcome outcome = run(arguments);
-    EXPECT_EQ(outcome.status, 2) << outcome.err;
-    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
-    for (const std::string& word : words) {
-      EXPECT_NE(outcome.err.find(word), std::string::npos) << word << " is not in: " << outcome.err;
-    }
+    expect_refusal(run(arguments), "", words);
     EXPECT_FALSE(fs::exists(folder_ / "out"));
   }
 

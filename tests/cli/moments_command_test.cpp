@@ -18,6 +18,7 @@
 #include "model/spec/generated/selfproj_spec.h"
 #include "tests/cli/program.h"
 #include "tests/cli/random_image.h"
+#include "tests/cli/refusal.h"
 #include "tests/support/random_cases.h"
 
 namespace selfproj::test {
@@ -90,12 +91,7 @@ class MomentsCommand : public ::testing::Test {
       if (existing) {
         write_text(folder_ / "out.csv", kOldText);
       }
-      const Outcome outcome = moments(arguments);
-      EXPECT_EQ(outcome.status, 2);
-      EXPECT_EQ(outcome.out, "");
-      EXPECT_EQ(outcome.err.rfind("selfproj-sim: " + subject + ": ", 0), 0U) << outcome.err;
-      EXPECT_NE(outcome.err.find(reason), std::string::npos) << outcome.err;
-      EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+      expect_refusal(moments(arguments), subject + ": ", {reason});
       if (existing) {
         EXPECT_EQ(table(), kOldText);
         fs::remove(folder_ / "out.csv");

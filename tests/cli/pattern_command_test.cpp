@@ -13,6 +13,7 @@
 #include "host/images/image_files.h"
 #include "host/light_section/reference_file.h"
 #include "tests/cli/program.h"
+#include "tests/cli/refusal.h"
 
 namespace selfproj::test {
 namespace {
@@ -26,9 +27,7 @@ const std::string kPlane = "y_mm,z_mm\n-80,1167\n80,1167\n";
 
 // Bad input: expects status 2, one line that begins with this text, and nothing written.
 void expect_pattern_refused(const ScratchFolder& folder, const Outcome& outcome, const std::string& begin) {
-  EXPECT_EQ(outcome.status, 2) << outcome.err;
-  EXPECT_EQ(outcome.err.rfind("selfproj: " + begin, 0), 0U) << outcome.err;
-  EXPECT_EQ(outcome.err.find('\n'), outcome.err.size() - 1) << outcome.err;
+  expect_refusal(outcome, begin);
   for (const std::string& name : folder.names()) {
     EXPECT_NE(name, "out");
     EXPECT_FALSE(name.starts_with("."));

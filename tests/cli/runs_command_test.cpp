@@ -17,6 +17,7 @@
 #include "model/packet_payload.h"
 #include "tests/cli/program.h"
 #include "tests/cli/random_image.h"
+#include "tests/cli/refusal.h"
 #include "tests/support/random_cases.h"
 
 namespace selfproj::test {
@@ -59,10 +60,7 @@ class RunsCommand : public ::testing::Test {
   }
   std::string table() const { return read_text(folder_ / "out.csv"); }
   void refused(const std::vector<std::string>& arguments, const std::string& reason) const {
-    const Outcome outcome = moments(arguments);
-    EXPECT_EQ(outcome.status, 2);
-    EXPECT_NE(outcome.err.find(reason), std::string::npos) << outcome.err;
-    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+    expect_refusal(moments(arguments), "", {reason});
   }
 
   ScratchFolder folder_;

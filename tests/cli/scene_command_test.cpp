@@ -25,6 +25,7 @@
 #include "sim/scene/scene.h"
 #include "sim/scene/scenes.h"
 #include "tests/cli/program.h"
+#include "tests/cli/refusal.h"
 
 namespace selfproj::test {
 namespace {
@@ -48,11 +49,7 @@ class SceneCommand : public ::testing::Test {
   // Expects status 2, one line that begins with `message`, and nothing written.
   void expect_refused(const std::vector<std::string>& arguments, const std::string& message) const {
     const std::vector<std::string> before = folder_.names();
-    const Outcome outcome = run(arguments);
-    EXPECT_EQ(outcome.status, 2);
-    EXPECT_EQ(outcome.out, "");
-    EXPECT_EQ(outcome.err.rfind("selfproj-sim: " + message, 0), 0U) << outcome.err;
-    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+    expect_refusal(run(arguments), message);
     EXPECT_EQ(folder_.names(), before);
   }
 
