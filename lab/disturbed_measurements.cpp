@@ -1,13 +1,10 @@
 #include "lab/disturbed_measurements.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <limits>
-#include <memory>
 #include <span>
 #include <string>
 #include <utility>

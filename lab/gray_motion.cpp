@@ -9,7 +9,6 @@
 #include <cstdint>
 #include <functional>
 #include <limits>
-#include <memory>
 #include <numbers>
 #include <opencv2/core/matx.hpp>
 #include <stdexcept>

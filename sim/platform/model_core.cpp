@@ -2,7 +2,6 @@
 // on average with one beat in every bus clock in which the sink is ready.
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
 #include <cstdint>
 #include <deque>
 #include <memory>

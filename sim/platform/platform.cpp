@@ -1,7 +1,5 @@
 #include "sim/platform/platform.h"
 
-#include <cstdint>
-#include <exception>
 #include <memory>
 #include <stdexcept>
 #include <systemc>

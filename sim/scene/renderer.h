@@ -2,7 +2,6 @@
 #ifndef SELFPROJ_SIM_SCENE_RENDERER_H
 #define SELFPROJ_SIM_SCENE_RENDERER_H
 
-#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>

@@ -4,7 +4,6 @@
 #include <cstddef>
 #include <memory>
 #include <numbers>
-#include <string>
 #include <utility>
 #include <vector>
 

@@ -5,7 +5,6 @@
 #include <limits>
 #include <memory>
 #include <numbers>
-#include <string>
 #include <vector>
 
 #include "sim/scene/scene.h"

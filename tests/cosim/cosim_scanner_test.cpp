@@ -233,7 +233,7 @@ TEST_F(CosimScanner, WhatIsWrongIsSaidInOneLine) {
       << wrong_rig.err;
   const Outcome no_scanner = plain({"cosim", "--scene", "stairs", "--bits", "8"});
   EXPECT_EQ(no_scanner.status, 2);
-  EXPECT_NE(no_scanner.err.find("go only with the scenes of a scanner"), std::string::npos) << no_scanner.err;
+  EXPECT_NE(no_scanner.err.find("--bits: does not go with scene stairs"), std::string::npos) << no_scanner.err;
 }
 
 #ifdef SELFPROJ_HAS_RTL_PLATFORM
