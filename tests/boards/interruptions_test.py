@@ -52,7 +52,7 @@ def number(text, words):
 
 def wrong_in(folder):
     before, after, reported = ((folder / f"{name}.txt").read_text(encoding="utf-8")
-                           for name in ("before", "after", "second"))
+                               for name in ("before", "after", "second"))
     compared = json.loads((folder / "compared.json").read_text(encoding="utf-8"))
     sent = field(after, "frames") - field(after, "lost_moments")
     got, lost = compared["packets"], number(reported, "lost in the network")
