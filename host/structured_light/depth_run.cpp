@@ -13,9 +13,7 @@
 #include <utility>
 #include <vector>
 
-#include "host/cli/progress.h"
 #include "host/files/numbers.h"
-#include "host/files/stop_signal.h"
 #include "host/files/user_error.h"
 #include "host/images/frame_options.h"
 #include "host/structured_light/fast_decoder.h"
