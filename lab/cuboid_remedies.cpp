@@ -63,7 +63,7 @@ double bad(const ErrorSpread& errors) {
 class MeasuredWorlds {
  public:
   MeasuredWorlds(const DisturbedCuboids& cuboids, const WorldFile& file, const CuboidRemedy& remedy,
-           std::map<std::string, std::vector<WayOfMeasuring>>& known)
+                 std::map<std::string, std::vector<WayOfMeasuring>>& known)
       : cuboids_(cuboids), file_(file), remedy_(remedy), known_(known) {}
 
   const std::vector<WayOfMeasuring>& with(double value, std::uint64_t seed) {

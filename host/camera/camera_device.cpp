@@ -92,9 +92,9 @@ class CameraDevice final : public TalliedDevice {
     constexpr std::uint64_t kSecond = 1'000'000'000;
     const auto time = static_cast<std::uint64_t>(image.time_ns - *first_ns_);
     board_.process(image.view, image.complete, image.number,
-                {.clock = time / kSecond * clock_hz_ + time % kSecond * clock_hz_ / kSecond,
-                 .encoder = 0,
-                 .pattern = static_cast<std::uint16_t>(image.number % patterns_)});
+                   {.clock = time / kSecond * clock_hz_ + time % kSecond * clock_hz_ / kSecond,
+                    .encoder = 0,
+                    .pattern = static_cast<std::uint16_t>(image.number % patterns_)});
   }
 
   std::unique_ptr<Camera> camera_;

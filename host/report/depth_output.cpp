@@ -16,9 +16,9 @@
 
 #include "host/driver/counters.h"
 #include "host/files/numbers.h"
-#include "host/images/image_files.h"
 #include "host/images/float_image.h"
 #include "host/images/frame_options.h"
+#include "host/images/image_files.h"
 #include "host/report/facts.h"
 #include "host/report/map_picture.h"
 #include "host/structured_light/point_cloud.h"

@@ -7,8 +7,8 @@
 #include "host/files/user_error.h"
 #include "host/light_section/differential_profile.h"
 #include "host/light_section/inspection.h"
-#include "host/light_section/reference.h"
 #include "host/light_section/pattern.h"
+#include "host/light_section/reference.h"
 #include "host/rig/geometry.h"
 #include "sim/scene/virtual_capture.h"
 
