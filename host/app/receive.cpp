@@ -227,6 +227,7 @@ void Receiver::run(const Handlers& handlers) {
   }
   show(now_ns());
   line.show("");
+  ended_ = device_->counters();
 }
 
 void Receiver::check(std::uint64_t more) const {

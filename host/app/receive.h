@@ -80,7 +80,8 @@ class Receiver {
   void run(const Handlers& handlers);
 
   [[nodiscard]] Device& device() { return *device_; }
-  [[nodiscard]] Counters counters() const { return device_->counters(); }
+  // After run() those of its end: what a ring loses later is left to its next reader, who is told of it.
+  [[nodiscard]] Counters counters() const { return ended_ ? *ended_ : device_->counters(); }
 
   // With --check, throws CheckFailed if the driver has counted a fault, `more` is not 0, or things are missing.
   void check(std::uint64_t more = 0) const;
@@ -94,6 +95,7 @@ class Receiver {
   std::unique_ptr<Control> control_;  // null: there are no registers
   bool ran_ = true;                   // the board ran before
   std::uint64_t done_ = 0;
+  std::optional<Counters> ended_;
 };
 
 // The counters of the driver that are shown while packets come.
