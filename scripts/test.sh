@@ -34,6 +34,7 @@ done
 
 passed=build/test
 mkdir -p "$passed"
+scripts/setup.sh tests
 
 # A hash of all that the steps depend on.
 state_of_all() {
