@@ -263,13 +263,14 @@ void DatagramAssembler::change_stream(Change change) {
 // Begins a session during which the receiver has listened from the start.
 void DatagramAssembler::restart(const DatagramHeader& first) {
   begin(first);
-  if (young(first, kYoung)) {
-    const Position start{.sequence = kBase, .packet = kBase};
-    go_on(start, first);
-    if (first.packet < kPackets) {  // these can still come
-      gap_open_ = false;
-      go_to({.sequence = first.sequence < kSequences ? kBase : next_sequence_, .packet = kBase});
-    }
+  if (!young(first, kYoung)) {
+    return;
+  }
+  if (first.packet >= kPackets) {
+    go_on({.sequence = kBase, .packet = kBase}, first);
+  } else {  // all packets before this one can still come
+    in_middle_ = false;
+    go_to({.sequence = kBase + (first.sequence < kSequences ? 0U : first.sequence), .packet = kBase});
   }
 }
 
