@@ -5,9 +5,9 @@
 #include <cstdio>
 #include <limits>
 
-#include "model/spec/generated/selfproj_spec.h"
+#include "selfproj/model/generated/selfproj_spec.h"
 
-namespace selfproj {
+namespace selfproj::capi {
 namespace {
 
 std::array<char, 1024>& last_error() {
@@ -54,7 +54,7 @@ void check_sides(std::int32_t rows, std::int32_t columns) {
   require(rows >= 1 && rows <= kMaxSide && columns >= 1 && columns <= kMaxSide, "rows or columns are not in 1..32768");
 }
 
-ImageView image_of(const selfproj_image* image) {
+model::ImageView image_of(const selfproj_image* image) {
   require(image != nullptr && image->pixels != nullptr, "image: null pointer");
   check_sides(image->rows, image->columns);
   const std::ptrdiff_t stride = image->stride;
@@ -62,20 +62,20 @@ ImageView image_of(const selfproj_image* image) {
   return {image->pixels, image->rows, image->columns, stride};
 }
 
-Mode mode_of(std::int32_t mode) {
+model::Mode mode_of(std::int32_t mode) {
   require(mode >= 0 && mode <= SELFPROJ_GREY_OVER, "unknown mode");
-  return static_cast<Mode>(mode);
+  return static_cast<model::Mode>(mode);
 }
 
-Select select_of(std::int32_t select) {
+model::Select select_of(std::int32_t select) {
   require(select == SELFPROJ_ALL || select == SELFPROJ_STRONGEST, "unknown select");
-  return static_cast<Select>(select);
+  return static_cast<model::Select>(select);
 }
 
-Measure measure_of(const selfproj_measure* measure) {
+model::Measure measure_of(const selfproj_measure* measure) {
   const selfproj_measure from = copy_of(measure, kOldestMeasure, "measure: null pointer, or size is not set");
   require(from.threshold >= 0 && from.threshold <= 255, "threshold is not in 0..255");
-  require(from.gap >= 0 && from.gap <= kMaxGap, "gap is not in 0..3");
+  require(from.gap >= 0 && from.gap <= model::kMaxGap, "gap is not in 0..3");
   require(
       from.first_row >= 0 && from.first_row <= spec::kMaxRows && from.last_row >= 0 && from.last_row <= spec::kMaxRows,
       "first_row or last_row are not in 0..1023");
@@ -86,15 +86,16 @@ Measure measure_of(const selfproj_measure* measure) {
           .window = {.first = from.first_row, .last = from.last_row}};
 }
 
-RunsView runs_of(Select select, const MomentsView& moments, std::uint8_t* runs, std::uint8_t* second) {
+model::RunsView runs_of(model::Select select, const model::MomentsView& moments, std::uint8_t* runs,
+                        std::uint8_t* second) {
   require(moments.m0 != nullptr && moments.m1 != nullptr && moments.n != nullptr, "null pointer");
-  require(select == Select::all || (runs != nullptr && second != nullptr), "null pointer");
+  require(select == model::Select::all || (runs != nullptr && second != nullptr), "null pointer");
   return {moments, runs, second};
 }
 
-PacketHeader header_of(const selfproj_header* header) {
+model::PacketHeader header_of(const selfproj_header* header) {
   const selfproj_header from = copy_of(header, kOldestHeader, "header: null pointer, or size is not set");
-  PacketHeader out;
+  model::PacketHeader out;
   each_field(from, out, []<typename Field>(const auto& value, Field& field) {
     require(value <= std::numeric_limits<Field>::max(), "header: a field does not fit its bits");
     field = static_cast<Field>(value);
@@ -102,7 +103,7 @@ PacketHeader header_of(const selfproj_header* header) {
   return out;
 }
 
-selfproj_header header_from(const PacketHeader& header) {
+selfproj_header header_from(const model::PacketHeader& header) {
   selfproj_header out{};
   out.size = sizeof out;
   each_field(out, header, [](auto& value, const auto& field) { value = field; });
@@ -114,7 +115,7 @@ void check_packet(const selfproj_packet* out) {
           "packet: null pointer, or size is not set");
 }
 
-void write_packet(const PacketView& packet, selfproj_packet* out) {
+void write_packet(const model::PacketView& packet, selfproj_packet* out) {
   check_packet(out);
   selfproj_packet value{};
   value.status = packet.status;
@@ -126,10 +127,10 @@ void write_packet(const PacketView& packet, selfproj_packet* out) {
   copy_to(value, out);
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::capi
 
 std::uint32_t selfproj_abi_version() { return SELFPROJ_ABI_VERSION; }
 
 std::uint32_t selfproj_spec_hash() { return selfproj::spec::kHash; }
 
-const char* selfproj_last_error() { return selfproj::last_error().data(); }
+const char* selfproj_last_error() { return selfproj::capi::last_error().data(); }

@@ -12,13 +12,13 @@
 #include <stdexcept>
 #include <type_traits>
 
-#include "capi/selfproj.h"
-#include "host/files/user_error.h"
-#include "model/column_moments.h"
-#include "model/column_runs.h"
-#include "model/packet.h"
+#include "selfproj.h"
+#include "selfproj/files/user_error.h"
+#include "selfproj/model/column_moments.h"
+#include "selfproj/model/column_runs.h"
+#include "selfproj/model/packet.h"
 
-namespace selfproj {
+namespace selfproj::capi {
 
 // Keeps the text for selfproj_last_error(), cut off if it is very long. Returns `result`.
 std::int32_t failed(std::int32_t result, const char* text) noexcept;
@@ -79,28 +79,29 @@ void check_sides(std::int32_t rows, std::int32_t columns);
 
 // Throws std::invalid_argument if the image is null, has a null pointer, a size below 1, more than 32768 rows or
 // columns, or rows that overlap.
-ImageView image_of(const selfproj_image* image);
+model::ImageView image_of(const selfproj_image* image);
 
 // Throw std::invalid_argument if the value is no mode, or no select.
-Mode mode_of(std::int32_t mode);
+model::Mode mode_of(std::int32_t mode);
 
-Select select_of(std::int32_t select);
+model::Select select_of(std::int32_t select);
 
 // Throws std::invalid_argument if the measure is null, or a field is out of range.
-Measure measure_of(const selfproj_measure* measure);
+model::Measure measure_of(const selfproj_measure* measure);
 
 // Arrays of the caller for what `select` says. Throws std::invalid_argument if one that is needed is null.
-RunsView runs_of(Select select, const MomentsView& moments, std::uint8_t* runs, std::uint8_t* second);
+model::RunsView runs_of(model::Select select, const model::MomentsView& moments, std::uint8_t* runs,
+                        std::uint8_t* second);
 
 // Throws std::invalid_argument if `header` is null or a field does not fit its bits. payload_size stays 0.
-PacketHeader header_of(const selfproj_header* header);
+model::PacketHeader header_of(const selfproj_header* header);
 
-selfproj_header header_from(const PacketHeader& header);
+selfproj_header header_from(const model::PacketHeader& header);
 
 // Fills the caller's packet, whose size must be set; throws std::invalid_argument if it is null or too small.
-void write_packet(const PacketView& packet, selfproj_packet* out);
+void write_packet(const model::PacketView& packet, selfproj_packet* out);
 void check_packet(const selfproj_packet* out);
 
-}  // namespace selfproj
+}  // namespace selfproj::capi
 
 #endif  // SELFPROJ_CAPI_CONVERT_H

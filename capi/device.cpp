@@ -1,5 +1,5 @@
 // Devices.
-#include "host/driver/device.h"
+#include "selfproj/driver/device.h"
 
 #include <chrono>
 #include <cstdint>
@@ -8,10 +8,10 @@
 #include "capi/convert.h"
 
 struct selfproj_device {  // NOLINT(readability-identifier-naming): a name of C
-  std::unique_ptr<selfproj::Device> device;
+  std::unique_ptr<selfproj::driver::Device> device;
 };
 
-namespace selfproj {
+namespace selfproj::capi {
 namespace {
 
 constexpr std::int64_t kMaxTimeout = 1'000'000'000'000'000'000;
@@ -19,17 +19,17 @@ constexpr std::uint32_t kOldestOptions = 16;
 constexpr std::uint32_t kOldestCounters = 160;
 static_assert(sizeof(selfproj_device_options) == kOldestOptions);
 static_assert(sizeof(selfproj_counters) == kOldestCounters);
-static_assert(sizeof(Counters) == kOldestCounters - 8, "a counter is missing here");
+static_assert(sizeof(driver::Counters) == kOldestCounters - 8, "a counter is missing here");
 
-Wait wait_of(std::int32_t wait) {
+driver::Wait wait_of(std::int32_t wait) {
   require(wait >= SELFPROJ_WAIT_POLL_THEN_BLOCK && wait <= SELFPROJ_WAIT_BLOCK, "options: unknown way to wait");
-  return wait == SELFPROJ_WAIT_POLL    ? Wait::polling
-         : wait == SELFPROJ_WAIT_BLOCK ? Wait::blocking
-                                       : Wait::polling_then_blocking;
+  return wait == SELFPROJ_WAIT_POLL    ? driver::Wait::polling
+         : wait == SELFPROJ_WAIT_BLOCK ? driver::Wait::blocking
+                                       : driver::Wait::polling_then_blocking;
 }
 
-DeviceOptions options_of(const selfproj_device_options* options) {
-  DeviceOptions out;
+driver::DeviceOptions options_of(const selfproj_device_options* options) {
+  driver::DeviceOptions out;
   if (options != nullptr) {
     const selfproj_device_options from = copy_of(options, kOldestOptions, "options: size is not set");
     out.wait = wait_of(from.wait);
@@ -40,14 +40,15 @@ DeviceOptions options_of(const selfproj_device_options* options) {
 }
 
 }  // namespace
-}  // namespace selfproj
+}  // namespace selfproj::capi
 
 using namespace selfproj;
+using namespace selfproj::capi;
 
 std::int32_t selfproj_device_open(const char* uri, const selfproj_device_options* options, selfproj_device** out) {
   return guarded([&] {
     require(uri != nullptr && out != nullptr, "null pointer");
-    *out = new selfproj_device{open_device(uri, options_of(options))};
+    *out = new selfproj_device{driver::open_device(uri, options_of(options))};
   });
 }
 
@@ -58,14 +59,14 @@ std::int32_t selfproj_device_next(selfproj_device* device, std::int64_t timeout_
     require(device != nullptr, "null pointer");
     require(timeout_ns >= 0 && timeout_ns <= kMaxTimeout, "timeout_ns is not in 0..10^18");
     check_packet(packet);
-    PacketView view;
+    model::PacketView view;
     switch (device->device->next(view, std::chrono::nanoseconds(timeout_ns))) {
-      case Next::packet:
+      case driver::Next::packet:
         write_packet(view, packet);
         return SELFPROJ_OK;
-      case Next::timeout:
+      case driver::Next::timeout:
         return SELFPROJ_TIMEOUT;
-      case Next::end:
+      case driver::Next::end:
         break;
     }
     return SELFPROJ_END;
@@ -83,7 +84,7 @@ std::int32_t selfproj_device_counters(const selfproj_device* device, selfproj_co
   return guarded([&] {
     require(device != nullptr, "null pointer");
     require(counters != nullptr && counters->size >= kOldestCounters, "counters: null pointer, or size is not set");
-    const Counters from = device->device->counters();
+    const driver::Counters from = device->device->counters();
     selfproj_counters value{};
     value.delivered = from.delivered;
     value.flagged = from.flagged;

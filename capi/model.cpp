@@ -3,10 +3,10 @@
 #include <cstdint>
 
 #include "capi/convert.h"
-#include "model/column_runs.h"
-#include "model/gray_decoder.h"
-#include "model/gray_match.h"
-#include "model/median3x3.h"
+#include "selfproj/model/column_runs.h"
+#include "selfproj/model/gray_decoder.h"
+#include "selfproj/model/gray_match.h"
+#include "selfproj/model/median3x3.h"
 
 namespace {
 
@@ -15,16 +15,17 @@ constexpr std::int64_t kMaxPixels = std::int64_t{1} << 26;
 }  // namespace
 
 struct selfproj_gray {  // NOLINT(readability-identifier-naming): a name of C
-  selfproj::GrayDecoder decoder;
+  selfproj::model::GrayDecoder decoder;
 };
 
 using namespace selfproj;
+using namespace selfproj::capi;
 
 std::int32_t selfproj_moments(const selfproj_image* image, const selfproj_measure* measure, std::uint32_t* m0,
                               std::uint32_t* m1, std::uint32_t* n, std::uint8_t* runs, std::uint8_t* second) {
   return guarded([&] {
-    const Measure how = measure_of(measure);
-    measure_columns(image_of(image), how, runs_of(how.select, {m0, m1, n}, runs, second));
+    const model::Measure how = measure_of(measure);
+    model::measure_columns(image_of(image), how, runs_of(how.select, {m0, m1, n}, runs, second));
   });
 }
 
@@ -34,7 +35,8 @@ std::int32_t selfproj_gray_create(std::int32_t rows, std::int32_t columns, std::
     require(out != nullptr, "null pointer");
     check_sides(rows, columns);
     require(std::int64_t{rows} * columns <= kMaxPixels, "more than 2^26 pixels");
-    *out = new selfproj_gray{GrayDecoder({.rows = rows, .columns = columns, .bits = bits, .threshold = threshold})};
+    *out =
+        new selfproj_gray{model::GrayDecoder({.rows = rows, .columns = columns, .bits = bits, .threshold = threshold})};
   });
 }
 
@@ -59,7 +61,7 @@ std::int32_t selfproj_median3x3(const std::uint16_t* codes, std::int32_t rows, s
                                 std::uint16_t* out) {
   return guarded([&] {
     check_sides(rows, columns);
-    median3x3(codes, rows, columns, out);
+    model::median3x3(codes, rows, columns, out);
   });
 }
 
@@ -67,6 +69,6 @@ std::int32_t selfproj_match(const std::uint16_t* codes, std::size_t count, std::
                             const std::uint16_t* table, std::uint16_t* lines) {
   return guarded([&] {
     require(codes != nullptr && table != nullptr && lines != nullptr, "null pointer");
-    GrayMatch::look_up(codes, count, bits, table, lines);
+    model::GrayMatch::look_up(codes, count, bits, table, lines);
   });
 }

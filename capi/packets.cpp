@@ -5,11 +5,11 @@
 #include <vector>
 
 #include "capi/convert.h"
-#include "model/board.h"
-#include "model/packet.h"
-#include "model/packet_payload.h"
+#include "selfproj/model/board.h"
+#include "selfproj/model/packet.h"
+#include "selfproj/model/packet_payload.h"
 
-namespace selfproj {
+namespace selfproj::capi {
 namespace {
 
 constexpr std::size_t kMaxPayloadBytes = std::size_t{1} << 24U;
@@ -28,18 +28,19 @@ void write_bytes(const std::vector<std::uint8_t>& packet, std::uint8_t* out, std
 }
 
 }  // namespace
-}  // namespace selfproj
+}  // namespace selfproj::capi
 
 using namespace selfproj;
+using namespace selfproj::capi;
 
 std::int32_t selfproj_payload_bytes(std::uint32_t kind, std::int32_t mode, std::int32_t columns, std::size_t* bytes) {
   return guarded([&] {
     require(bytes != nullptr, "null pointer");
     require(kind >= SELFPROJ_KIND_MOMENTS && kind <= SELFPROJ_KIND_IMAGE, "unknown kind");
     const int count = checked_columns(columns);
-    *bytes = kind == SELFPROJ_KIND_MOMENTS ? moments_payload_bytes(mode_of(mode), count)
-             : kind == SELFPROJ_KIND_CODES ? codes_line_payload_bytes(count)
-                                           : image_line_payload_bytes(count);
+    *bytes = kind == SELFPROJ_KIND_MOMENTS ? model::moments_payload_bytes(mode_of(mode), count)
+             : kind == SELFPROJ_KIND_CODES ? model::codes_line_payload_bytes(count)
+                                           : model::image_line_payload_bytes(count);
   });
 }
 
@@ -50,13 +51,15 @@ std::int32_t selfproj_pack_moments(std::int32_t select, std::int32_t mode, std::
   return guarded([&] {
     require(payload != nullptr, "null pointer");
     const int count = checked_columns(columns);
-    require(payload_bytes == moments_payload_bytes(mode_of(mode), count), "payload_bytes are not those of the columns");
+    require(payload_bytes == model::moments_payload_bytes(mode_of(mode), count),
+            "payload_bytes are not those of the columns");
     // The view is one of arrays that may be written; pack_columns only reads them.
-    const MomentsView moments{const_cast<std::uint32_t*>(m0), const_cast<std::uint32_t*>(m1),
-                              const_cast<std::uint32_t*>(n)};
-    const Select what = select_of(select);
-    pack_columns(what, mode_of(mode), count,
-                 runs_of(what, moments, const_cast<std::uint8_t*>(runs), const_cast<std::uint8_t*>(second)), payload);
+    const model::MomentsView moments{const_cast<std::uint32_t*>(m0), const_cast<std::uint32_t*>(m1),
+                                     const_cast<std::uint32_t*>(n)};
+    const model::Select what = select_of(select);
+    model::pack_columns(what, mode_of(mode), count,
+                        runs_of(what, moments, const_cast<std::uint8_t*>(runs), const_cast<std::uint8_t*>(second)),
+                        payload);
   });
 }
 
@@ -66,9 +69,10 @@ std::int32_t selfproj_unpack_moments(std::int32_t select, std::int32_t mode, std
   return guarded([&] {
     require(payload != nullptr, "null pointer");
     const int count = checked_columns(columns);
-    require(payload_bytes >= moments_payload_bytes(mode_of(mode), count), "payload_bytes are too few for the columns");
-    const Select what = select_of(select);
-    unpack_columns(what, mode_of(mode), count, payload, runs_of(what, {m0, m1, n}, runs, second));
+    require(payload_bytes >= model::moments_payload_bytes(mode_of(mode), count),
+            "payload_bytes are too few for the columns");
+    const model::Select what = select_of(select);
+    model::unpack_columns(what, mode_of(mode), count, payload, runs_of(what, {m0, m1, n}, runs, second));
   });
 }
 
@@ -77,8 +81,8 @@ std::int32_t selfproj_unpack_codes(std::int32_t columns, const std::uint8_t* pay
   return guarded([&] {
     require(payload != nullptr && codes != nullptr, "null pointer");
     const int count = checked_columns(columns);
-    require(payload_bytes >= codes_line_payload_bytes(count), "payload_bytes are too few for the columns");
-    unpack_codes(count, payload, codes);
+    require(payload_bytes >= model::codes_line_payload_bytes(count), "payload_bytes are too few for the columns");
+    model::unpack_codes(count, payload, codes);
   });
 }
 
@@ -89,7 +93,7 @@ std::int32_t selfproj_build_packet(const selfproj_header* header, const std::uin
     require(written != nullptr && (payload != nullptr || payload_bytes == 0), "null pointer");
     require(payload_bytes <= kMaxPayloadBytes, "more than 16 MiB of payload");
     std::vector<std::uint8_t> packet;
-    append_packet(header_of(header), {payload, payload_bytes}, status, packet);
+    model::append_packet(header_of(header), {payload, payload_bytes}, status, packet);
     write_bytes(packet, out, capacity, written);
   });
 }
@@ -99,12 +103,12 @@ std::int32_t selfproj_moments_packet(const selfproj_image* image, const selfproj
                                      std::size_t* written) {
   return guarded([&] {
     require(written != nullptr, "null pointer");
-    const Measure how = measure_of(measure);
-    const ImageView view = image_of(image);
+    const model::Measure how = measure_of(measure);
+    const model::ImageView view = image_of(image);
     require(view.columns % spec::kPixelsPerBeat == 0 && view.columns <= spec::kMaxColumns,
             "image: columns are not a multiple of 4 up to 2048");
     std::vector<std::uint8_t> packet;
-    append_moments_packet(view, how, header_of(header), packet);
+    model::append_moments_packet(view, how, header_of(header), packet);
     write_bytes(packet, out, capacity, written);
   });
 }
@@ -113,10 +117,10 @@ std::int32_t selfproj_parse_packet(const std::uint8_t* bytes, std::size_t count,
   return guarded([&] {
     check_packet(packet);
     require(bytes != nullptr || count == 0, "null pointer");
-    PacketView view;
-    const PacketError fault = parse_packet({bytes, count}, view);
-    if (fault != PacketError::none) {
-      return failed(SELFPROJ_BAD_INPUT, to_string(fault));
+    model::PacketView view;
+    const model::PacketError fault = model::parse_packet({bytes, count}, view);
+    if (fault != model::PacketError::none) {
+      return failed(SELFPROJ_BAD_INPUT, model::to_string(fault));
     }
     write_packet(view, packet);
     return SELFPROJ_OK;

@@ -1,5 +1,5 @@
 // Profiles of a light section.
-#include "host/light_section/profile.h"
+#include "selfproj/light_section/profile.h"
 
 #include <algorithm>
 #include <array>
@@ -10,20 +10,20 @@
 #include <vector>
 
 #include "capi/convert.h"
-#include "host/files/user_error.h"
-#include "host/light_section/differential_profile.h"
-#include "host/light_section/reference.h"
-#include "host/light_section/reference_file.h"
-#include "host/rig/rig.h"
-#include "model/packet_payload.h"
+#include "selfproj/files/user_error.h"
+#include "selfproj/light_section/differential_profile.h"
+#include "selfproj/light_section/reference.h"
+#include "selfproj/light_section/reference_file.h"
+#include "selfproj/model/packet_payload.h"
+#include "selfproj/rig/rig.h"
 
 struct selfproj_profiler {  // NOLINT(readability-identifier-naming): a name of C
-  selfproj::Rig rig;
-  selfproj::DifferentialProfiler profiler;
-  selfproj::Profile profile;  // room for one
+  selfproj::rig::Rig rig;
+  selfproj::light_section::DifferentialProfiler profiler;
+  selfproj::light_section::Profile profile;  // room for one
 };
 
-namespace selfproj {
+namespace selfproj::capi {
 namespace {
 
 constexpr std::size_t kOldestProfile = offsetof(selfproj_profile, validity) + sizeof(std::uint8_t*);
@@ -37,7 +37,7 @@ selfproj_profile profile_of(const selfproj_profiler* profiler, const selfproj_pr
 }
 
 // Copies the arrays that are wanted.
-void hand_out(const Profile& from, const selfproj_profile& to) {
+void hand_out(const light_section::Profile& from, const selfproj_profile& to) {
   const std::array<std::pair<const std::vector<float>*, float*>, 7> arrays{{{&from.centroid, to.centroid},
                                                                             {&from.x, to.x},
                                                                             {&from.y, to.y},
@@ -56,21 +56,23 @@ void hand_out(const Profile& from, const selfproj_profile& to) {
 }
 
 }  // namespace
-}  // namespace selfproj
+}  // namespace selfproj::capi
 
 using namespace selfproj;
+using namespace selfproj::capi;
 
 std::int32_t selfproj_profiler_create(const char* rig, const char* reference, selfproj_profiler** out) {
   return guarded([&] {
     require(rig != nullptr && out != nullptr, "null pointer");
-    const Rig loaded = load_any_rig(rig);
-    if (loaded.kind != RigKind::light_section) {
+    const rig::Rig loaded = rig::load_any_rig(rig);
+    if (loaded.kind != rig::RigKind::light_section) {
       throw UserError(rig, "is not a rig of kind light-section");
     }
-    const ReferenceProfile curve =
-        reference != nullptr ? load_reference(loaded, reference) : reference_of_plane(loaded);
-    auto made =
-        std::make_unique<selfproj_profiler>(selfproj_profiler{loaded, DifferentialProfiler(loaded, curve), Profile{}});
+    const light_section::ReferenceProfile curve = reference != nullptr
+                                                      ? light_section::load_reference(loaded, reference)
+                                                      : light_section::reference_of_plane(loaded);
+    auto made = std::make_unique<selfproj_profiler>(
+        selfproj_profiler{loaded, light_section::DifferentialProfiler(loaded, curve), light_section::Profile{}});
     made->profile.resize(loaded.camera.columns);
     *out = made.release();
   });
@@ -96,14 +98,16 @@ std::int32_t selfproj_profile_of_packet(selfproj_profiler* profiler, const selfp
     if (header.kind != SELFPROJ_KIND_MOMENTS || packet->status != 0) {
       return failed(SELFPROJ_BAD_INPUT, "the packet has no moments of a good frame");
     }
-    const RigCamera& camera = profiler->rig.camera;
+    const rig::RigCamera& camera = profiler->rig.camera;
     if (header.columns != static_cast<std::uint32_t>(camera.columns) ||
         header.rows != static_cast<std::uint32_t>(camera.rows)) {
       return failed(SELFPROJ_BAD_INPUT, "the packet is of a frame of another size than the rig's camera");
     }
-    const Mode mode = mode_of(static_cast<std::int32_t>(std::min<std::uint32_t>(header.mode, SELFPROJ_GREY_OVER + 1)));
-    require(packet->payload_bytes >= moments_payload_bytes(mode, camera.columns), "packet: the payload is too short");
-    const Select select = select_of(static_cast<std::int32_t>(std::min<std::uint32_t>(header.select, 2)));
+    const model::Mode mode =
+        mode_of(static_cast<std::int32_t>(std::min<std::uint32_t>(header.mode, SELFPROJ_GREY_OVER + 1)));
+    require(packet->payload_bytes >= model::moments_payload_bytes(mode, camera.columns),
+            "packet: the payload is too short");
+    const model::Select select = select_of(static_cast<std::int32_t>(std::min<std::uint32_t>(header.select, 2)));
     profiler->profiler.profile(select, mode, packet->payload, profiler->profile.view());
     hand_out(profiler->profile, wanted);
     return SELFPROJ_OK;
@@ -116,9 +120,9 @@ std::int32_t selfproj_profile_of_moments(selfproj_profiler* profiler, const std:
     const selfproj_profile wanted = profile_of(profiler, out);
     require(m0 != nullptr && m1 != nullptr && n != nullptr, "null pointer");
     // The view is one of arrays that may be written; profile only reads them.
-    profiler->profiler.profile(
-        MomentsView{const_cast<std::uint32_t*>(m0), const_cast<std::uint32_t*>(m1), const_cast<std::uint32_t*>(n)},
-        profiler->profile.view());
+    profiler->profiler.profile(model::MomentsView{const_cast<std::uint32_t*>(m0), const_cast<std::uint32_t*>(m1),
+                                                  const_cast<std::uint32_t*>(n)},
+                               profiler->profile.view());
     hand_out(profiler->profile, wanted);
   });
 }

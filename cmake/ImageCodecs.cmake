@@ -9,7 +9,6 @@ if(NOT header MATCHES "SONAME +([^ \n]+)")
 endif()
 set_property(GLOBAL PROPERTY SELFPROJ_IMAGE_CODECS "${CMAKE_MATCH_1}")  # such as libopencv_imgcodecs.so.406
 add_library(selfproj_image_codecs STATIC "${PROJECT_SOURCE_DIR}/host/images/image_codecs.cpp")
-target_include_directories(selfproj_image_codecs PRIVATE "${PROJECT_SOURCE_DIR}")
 target_compile_definitions(selfproj_image_codecs PRIVATE SELFPROJ_IMAGE_CODECS="${CMAKE_MATCH_1}")
 target_link_libraries(selfproj_image_codecs PUBLIC opencv::imgproc ${CMAKE_DL_LIBS} PRIVATE selfproj_warnings)
 selfproj_for_shared_libraries(selfproj_image_codecs)

@@ -3,39 +3,6 @@
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
-# The headers that a user may include; those that they include come along. They are installed below
-# include/selfproj/ by the paths that they have here: "model/packet.h" becomes "selfproj/model/packet.h".
-set(selfproj_headers_for_users
-  model/board.h
-  model/column_moments.h
-  model/column_runs.h
-  model/gray_decoder.h
-  model/gray_match.h
-  model/median3x3.h
-  model/packet.h
-  model/packet_payload.h
-  model/pixel_clock.h
-  host/driver/counters.h
-  host/driver/device.h
-  host/driver/image_assembler.h
-  host/driver/packet_reader.h
-  host/files/user_error.h
-  host/light_section/differential_profile.h
-  host/light_section/fast_moments.h
-  host/light_section/inspection.h
-  host/light_section/profile.h
-  host/light_section/reference.h
-  host/light_section/reference_file.h
-  host/rig/calibration_file.h
-  host/rig/rig.h
-  host/rig/calibration.h
-  host/structured_light/depth_geometry.h
-  host/structured_light/fast_decoder.h
-  host/structured_light/gray_sequence.h
-  host/structured_light/point_cloud.h
-  host/structured_light/scanner.h
-  host/structured_light/triangulation.h)
-
 # The libraries, in two sets, so that model and driver need nothing else.
 set(selfproj_core selfproj_warnings selfproj_model selfproj_files selfproj_driver selfproj_c)
 set(selfproj_vision selfproj_image_codecs selfproj_io selfproj_rig selfproj_light_section selfproj_structured_light)
@@ -64,13 +31,7 @@ export(TARGETS ${selfproj_core} ${selfproj_vision} selfproj_calibration NAMESPAC
 install(FILES host/driver/selfproj.lua DESTINATION ${CMAKE_INSTALL_DATADIR}/selfproj COMPONENT programs)
 install(FILES capi/dpi/selfproj_dpi_pkg.sv capi/dpi/selfproj_dpi.c DESTINATION ${CMAKE_INSTALL_DATADIR}/selfproj/dpi
   COMPONENT development)
-install(FILES capi/selfproj.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT development)
-install(CODE "
-  set(headers \"${selfproj_headers_for_users}\")
-  set(source \"${PROJECT_SOURCE_DIR}\")
-  set(staged \"${PROJECT_BINARY_DIR}/installed_headers\")
-  set(include \"${CMAKE_INSTALL_INCLUDEDIR}\")
-  include(\"${PROJECT_SOURCE_DIR}/cmake/install/headers.cmake\")" COMPONENT development)
+install(DIRECTORY include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT development)
 
 configure_package_config_file(cmake/install/selfprojConfig.cmake.in "${PROJECT_BINARY_DIR}/selfprojConfig.cmake"
   INSTALL_DESTINATION ${selfproj_cmake_dir} NO_SET_AND_CHECK_MACRO)

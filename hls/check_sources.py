@@ -21,7 +21,7 @@ FOLDER = pathlib.Path(__file__).resolve().parent
 
 DEFINED = {"SELFPROJ_HLS_VENDOR_TYPES"}
 UNDEFINED = {"SELFPROJ_HLS_LATE_MEMORY", "SELFPROJ_HLS_VENDOR_AXIS"}
-HEADERS = re.compile(r'"(hls/[\w/]+\.h|model/spec/generated/selfproj_spec\.h)"|'
+HEADERS = re.compile(r'"(hls/[\w/]+\.h|selfproj/model/generated/selfproj_spec\.h)"|'
                      r"<(cstdint|cstddef|ap_int\.h|hls_stream\.h|ap_axi_sdata\.h)>")
 SHELL_HEADERS = re.compile(HEADERS.pattern + "|<systemc>")
 WORDS = [

@@ -1,4 +1,5 @@
-// Column moments of a stream of frames, 4 pixels a step, as model/column_moments.h specifies them, for HLS tools.
+// Column moments of a stream of frames, 4 pixels a step, as include/selfproj/model/column_moments.h specifies them, for
+// HLS tools.
 //
 // Three layers:
 //   moments_arithmetic.h  operations on one pixel, one sum, one word; the SystemC shell uses them, too
@@ -24,7 +25,7 @@
 #include "hls/moments_streams.h"
 #include "hls/recent.h"
 #include "hls/types.h"
-#include "model/spec/generated/selfproj_spec.h"
+#include "selfproj/model/generated/selfproj_spec.h"
 
 // clang-tidy, in this file:
 //   unnecessary-value-param: small integers are passed by value, which suits hardware compilers best

@@ -1,5 +1,5 @@
-// The strongest run of every column of a stream of frames, 4 pixels a step, as model/column_runs.h specifies it, for
-// HLS tools.
+// The strongest run of every column of a stream of frames, 4 pixels a step, as include/selfproj/model/column_runs.h
+// specifies it, for HLS tools.
 //
 // The layers are those of column_moments.h; the pure functions of the runs are in runs_arithmetic.h, the kernel of the
 // streams is in moments_streams.h. A step is a clock: the tool pipelines it with an initiation interval of 1.
@@ -14,7 +14,7 @@
 #include "hls/recent.h"
 #include "hls/runs_arithmetic.h"
 #include "hls/types.h"
-#include "model/spec/generated/selfproj_spec.h"
+#include "selfproj/model/generated/selfproj_spec.h"
 
 // clang-tidy, in this file:
 //   unnecessary-value-param: small integers are passed by value, which suits hardware compilers best

@@ -1,4 +1,5 @@
-// Gray-code decoder, 4 pixels a step, as model/gray_decoder.h and model/median3x3.h specify it, for HLS tools.
+// Gray-code decoder, 4 pixels a step, as include/selfproj/model/gray_decoder.h and include/selfproj/model/median3x3.h
+// specify it, for HLS tools.
 //
 // Three layers, as in column_moments.h:
 //   pure functions     binarization, state and code of one pixel
@@ -10,7 +11,7 @@
 
 #include "hls/median3x3.h"
 #include "hls/types.h"
-#include "model/spec/generated/selfproj_spec.h"
+#include "selfproj/model/generated/selfproj_spec.h"
 
 // clang-tidy, in this file:
 //   unnecessary-value-param: small integers are passed by value, which suits hardware compilers best

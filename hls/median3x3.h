@@ -1,5 +1,5 @@
-// 3 x 3 lower median of the measurable codes of a stream of code images, 4 codes a step, as model/median3x3.h specifies
-// it, for HLS tools.
+// 3 x 3 lower median of the measurable codes of a stream of code images, 4 codes a step, as
+// include/selfproj/model/median3x3.h specifies it, for HLS tools.
 //
 // The output is a line and a step behind the input. A line leaves while the next one comes. The last line follows at
 // once, a beat in each step. Without the median, codes pass unchanged in the same steps.
@@ -8,7 +8,7 @@
 
 #include "hls/recent.h"
 #include "hls/types.h"
-#include "model/spec/generated/selfproj_spec.h"
+#include "selfproj/model/generated/selfproj_spec.h"
 
 // clang-tidy, in this file:
 //   unnecessary-value-param: small integers are passed by value, which suits hardware compilers best

@@ -5,7 +5,7 @@
 
 #include "hls/moments_arithmetic.h"
 #include "hls/types.h"
-#include "model/spec/generated/selfproj_spec.h"
+#include "selfproj/model/generated/selfproj_spec.h"
 
 // clang-tidy, in this file:
 //   unnecessary-value-param: small integers are passed by value, which suits hardware compilers best

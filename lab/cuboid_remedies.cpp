@@ -17,7 +17,7 @@
 #include "lab/structured_light.h"
 #include "sim/scene/random.h"
 
-namespace selfproj {
+namespace selfproj::lab {
 namespace {
 
 struct CuboidRemedy {
@@ -43,12 +43,12 @@ constexpr std::array<CuboidRemedy, 13> kCuboidRemedies{
      {"", "{:g} of 8 neighbours within 10 mm", &CuboidSettings::neighbours, {3, 5, 7}}}};
 
 // The world of a seed.
-World drawn_world(const WorldFile& file, const std::string& disturbance, std::uint64_t seed) {
-  World world = world_of(file, disturbance.empty() ? std::vector<std::string>{} : std::vector{disturbance});
+sim::World drawn_world(const sim::WorldFile& file, const std::string& disturbance, std::uint64_t seed) {
+  sim::World world = sim::world_of(file, disturbance.empty() ? std::vector<std::string>{} : std::vector{disturbance});
   world.seed = seed;
   if (world.second_line && seed > 1) {
-    SecondLine& line = *world.second_line;
-    line.min_rows += (line.max_rows - line.min_rows) * EvenNumbers(seed).next();
+    sim::SecondLine& line = *world.second_line;
+    line.min_rows += (line.max_rows - line.min_rows) * sim::EvenNumbers(seed).next();
     line.max_rows = line.min_rows;
   }
   return world;
@@ -62,7 +62,7 @@ double bad(const ErrorSpread& errors) {
 // Measurements of the cuboids, of which none is made twice.
 class MeasuredWorlds {
  public:
-  MeasuredWorlds(const DisturbedCuboids& cuboids, const WorldFile& file, const CuboidRemedy& remedy,
+  MeasuredWorlds(const DisturbedCuboids& cuboids, const sim::WorldFile& file, const CuboidRemedy& remedy,
                  std::map<std::string, std::vector<WayOfMeasuring>>& known)
       : cuboids_(cuboids), file_(file), remedy_(remedy), known_(known) {}
 
@@ -73,7 +73,7 @@ class MeasuredWorlds {
     std::vector<WayOfMeasuring>& ways =
         known_[fmt::format("{} {} {} {}", remedy_.disturbance, as_it_is ? "" : remedy_.what, value, seed)];
     if (ways.empty()) {
-      const World world = drawn_world(file_, remedy_.disturbance, seed);
+      const sim::World world = drawn_world(file_, remedy_.disturbance, seed);
       ways = cuboids_.measure(world, settings, static_cast<std::int64_t>(seed));
     }
     return ways;
@@ -81,7 +81,7 @@ class MeasuredWorlds {
 
  private:
   const DisturbedCuboids& cuboids_;
-  const WorldFile& file_;
+  const sim::WorldFile& file_;
   const CuboidRemedy& remedy_;
   std::map<std::string, std::vector<WayOfMeasuring>>& known_;
 };
@@ -96,7 +96,7 @@ std::string share_of(double share) {
 
 }  // namespace
 
-std::vector<TriedRemedy> try_cuboid_remedies(const DisturbedCuboids& cuboids, const WorldFile& file, int seeds,
+std::vector<TriedRemedy> try_cuboid_remedies(const DisturbedCuboids& cuboids, const sim::WorldFile& file, int seeds,
                                              const std::function<void(std::size_t, std::size_t)>& progress) {
   std::vector<TriedRemedy> tried;
   std::map<std::string, std::vector<WayOfMeasuring>> known;
@@ -140,8 +140,8 @@ std::vector<TriedRemedy> try_cuboid_remedies(const DisturbedCuboids& cuboids, co
   return tried;
 }
 
-ReportTable remedies_table(const std::vector<TriedRemedy>& tried, int seeds) {
-  ReportTable table{
+report::ReportTable remedies_table(const std::vector<TriedRemedy>& tried, int seeds) {
+  report::ReportTable table{
       "B4: what helps",
       {"disturbance", "remedy", "way", "false, without", "with", "no point, without", "with", "RMS, mm, without",
        "with"},
@@ -178,4 +178,4 @@ std::string remedies_data(const std::vector<TriedRemedy>& tried) {
   return data.dump();
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::lab

@@ -12,7 +12,7 @@
 #include "lab/evaluation.h"
 #include "sim/scene/world.h"
 
-namespace selfproj {
+namespace selfproj::lab {
 
 // A remedy with the setting that was best on seed 1, and the errors without and with it on other seeds together.
 struct TriedRemedy {
@@ -23,13 +23,13 @@ struct TriedRemedy {
 // Each remedy has a few settings. That which leaves the fewest false and missing points on seed 1 is measured on seeds
 // 2 .. 1 + seeds: noise and a camera's faults are drawn anew, and the place of a second reflection. `progress` gets the
 // number of measurements done and of all.
-std::vector<TriedRemedy> try_cuboid_remedies(const DisturbedCuboids& cuboids, const WorldFile& file, int seeds,
+std::vector<TriedRemedy> try_cuboid_remedies(const DisturbedCuboids& cuboids, const sim::WorldFile& file, int seeds,
                                              const std::function<void(std::size_t, std::size_t)>& progress);
 
 // What is tried, as a table, and as JSON.
-ReportTable remedies_table(const std::vector<TriedRemedy>& tried, int seeds);
+report::ReportTable remedies_table(const std::vector<TriedRemedy>& tried, int seeds);
 std::string remedies_data(const std::vector<TriedRemedy>& tried);
 
-}  // namespace selfproj
+}  // namespace selfproj::lab
 
 #endif  // SELFPROJ_LAB_CUBOID_REMEDIES_H

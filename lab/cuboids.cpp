@@ -18,23 +18,23 @@
 #include "host/report/map_picture.h"
 #include "host/report/report.h"
 #include "host/structured_light/match_table.h"
-#include "host/structured_light/scanner.h"
 #include "host/structured_light/self_reference.h"
 #include "host/structured_light/self_scanner.h"
-#include "host/structured_light/triangulation.h"
 #include "lab/structured_light.h"
+#include "selfproj/structured_light/scanner.h"
+#include "selfproj/structured_light/triangulation.h"
 #include "sim/scene/optics.h"
 #include "sim/scene/pattern_renderer.h"
 #include "sim/scene/scene.h"
 #include "sim/scene/scenes.h"
 #include "sim/scene/virtual_capture.h"
 
-namespace selfproj {
+namespace selfproj::lab {
 namespace {
 
 // Marks the pixels with a step (neighbours more than 1 mm apart in z, or the edge of a shadow) within `reach` pixels
 // along rows and columns.
-std::vector<std::uint8_t> steps_within(const FloatImage& z, int reach) {
+std::vector<std::uint8_t> steps_within(const images::FloatImage& z, int reach) {
   const auto at = [&](int r, int c) {
     return static_cast<std::size_t>(r) * static_cast<std::size_t>(z.columns) + static_cast<std::size_t>(c);
   };
@@ -70,13 +70,14 @@ std::vector<std::uint8_t> steps_within(const FloatImage& z, int reach) {
 
 }  // namespace
 
-MatchShares match_shares(const Rig& rig, const SelfReference& reference, const MatchSettings& settings,
-                         const FloatImage& true_z, const FloatImage& reference_z) {
-  const MatchSearch search(rig, reference, settings);
+MatchShares match_shares(const rig::Rig& rig, const structured_light::SelfReference& reference,
+                         const structured_light::MatchSettings& settings, const images::FloatImage& true_z,
+                         const images::FloatImage& reference_z) {
+  const structured_light::MatchSearch search(rig, reference, settings);
   const LinePlanes planes(rig);
   const int codes = 1 << reference.stripes.bits;
   const std::vector<std::uint8_t> near = steps_within(reference_z, codes * reference.stripes.width);
-  std::vector<Match> matches;
+  std::vector<structured_light::Match> matches;
   MatchShares shares;
   std::size_t wrong = 0;
   std::size_t missing = 0;
@@ -88,19 +89,20 @@ MatchShares match_shares(const Rig& rig, const SelfReference& reference, const M
     if (std::isnan(true_z.values[i]) || !search.can_find(row, column)) {
       continue;
     }
-    const PixelPoint light = planes.light(i, static_cast<double>(true_z.values[i]));
+    const sim::PixelPoint light = planes.light(i, static_cast<double>(true_z.values[i]));
     const auto line = static_cast<int>(std::lround(light.row));
     const auto across = static_cast<int>(std::lround(light.column));
     if (line < 0 || line >= rig.projector.lines || across < 0 || across >= rig.projector.columns) {
       continue;
     }
     const int cell = reference.cell(line, across);
-    const int n = cell_of_row(row, rig.camera.rows, reference.stripes.width) - cell;
+    const int n = structured_light::cell_of_row(row, rig.camera.rows, reference.stripes.width) - cell;
     if (n < -settings.e || n >= codes - settings.e) {
       continue;
     }
     search.find(row, column, matches);
-    const Match& match = matches[static_cast<std::size_t>(code_of_cell(reference.stripes, cell))];
+    const structured_light::Match& match =
+        matches[static_cast<std::size_t>(structured_light::code_of_cell(reference.stripes, cell))];
     const bool is_wrong = match.candidates > 0 && std::abs(match.line - light.row) > match.half_width + 1;
     ++shares.pixels;
     missing += match.candidates == 0 ? 1 : 0;
@@ -118,31 +120,33 @@ MatchShares match_shares(const Rig& rig, const SelfReference& reference, const M
 
 namespace {
 
-Face face_of(const Rig& rig, const Point3& p) {
+Face face_of(const rig::Rig& rig, const sim::Point3& p) {
   const double height = rig.plane_z_mm - p.z;
   const auto is = [&](double wanted) { return std::abs(height - wanted) < 0.05; };
-  const auto in = [&](const Box& box) { return p.x > box.x0 && p.x < box.x1 && p.y > box.y0 && p.y < box.y1; };
+  const auto in = [&](const sim::Box& box) { return p.x > box.x0 && p.x < box.x1 && p.y > box.y0 && p.y < box.y1; };
   if (is(0)) {
     return Face::plane;
   }
-  if (in(Cuboids::kLowPart.box)) {
-    return is(Cuboids::kLow) ? Face::low : is(Cuboids::kLow - Cuboids::kLetterDepth) ? Face::letter : Face::none;
+  if (in(sim::Cuboids::kLowPart.box)) {
+    return is(sim::Cuboids::kLow)                                ? Face::low
+           : is(sim::Cuboids::kLow - sim::Cuboids::kLetterDepth) ? Face::letter
+                                                                 : Face::none;
   }
-  if (in(Cuboids::kHighPart.box)) {
+  if (in(sim::Cuboids::kHighPart.box)) {
     constexpr std::array<Face, 3> kBlocks{Face::block_3, Face::block_6, Face::block_9};
     for (std::size_t i = 0; i < kBlocks.size(); ++i) {
-      if (is(Cuboids::kHigh + Cuboids::kBlockHeights.at(i))) {
+      if (is(sim::Cuboids::kHigh + sim::Cuboids::kBlockHeights.at(i))) {
         return kBlocks.at(i);
       }
     }
-    return is(Cuboids::kHigh) ? Face::high : Face::none;
+    return is(sim::Cuboids::kHigh) ? Face::high : Face::none;
   }
   return Face::none;
 }
 
 }  // namespace
 
-std::vector<Face> face_interiors(const Rig& rig, const FloatImage& truth) {
+std::vector<Face> face_interiors(const rig::Rig& rig, const images::FloatImage& truth) {
   constexpr int kMargin = 3;
   std::vector<Face> all(truth.values.size());
   for (std::size_t i = 0; i < all.size(); ++i) {
@@ -169,8 +173,8 @@ std::vector<Face> face_interiors(const Rig& rig, const FloatImage& truth) {
   return inner;
 }
 
-CuboidFigures cuboid_figures(const Rig& rig, const std::vector<Face>& faces, const FloatImage& depth,
-                             const FloatImage& difference, const FloatImage& truth,
+CuboidFigures cuboid_figures(const rig::Rig& rig, const std::vector<Face>& faces, const images::FloatImage& depth,
+                             const images::FloatImage& difference, const images::FloatImage& truth,
                              const std::function<double(std::size_t pixel)>& code_width) {
   CuboidFigures figures;
   std::array<std::size_t, kFaceNames.size()> widths{};  // number of known widths of each face
@@ -217,8 +221,8 @@ struct Stage {
   explicit Stage(const CuboidsOptions& experiment)
       : options(experiment),
         rig(experiment.rig),
-        reference_scene(make_scene("cuboids", rig)),
-        part_scene(make_scene("cuboids-marked", rig)),
+        reference_scene(sim::make_scene("cuboids", rig)),
+        part_scene(sim::make_scene("cuboids-marked", rig)),
         reference(rig, *reference_scene, options.render),
         part(rig, *part_scene, options.render),
         truth(rig.camera.rows, rig.camera.columns),
@@ -232,12 +236,12 @@ struct Stage {
   }
 
   const CuboidsOptions& options;
-  const Rig& rig;
-  std::unique_ptr<Scene> reference_scene, part_scene;
-  PatternRenderer reference, part;
-  FloatImage truth;        // z of the part, mm
-  FloatImage lit;          // the same, NaN outside the projector's light
-  FloatImage reference_z;  // z of the reference, mm
+  const rig::Rig& rig;
+  std::unique_ptr<sim::Scene> reference_scene, part_scene;
+  sim::PatternRenderer reference, part;
+  images::FloatImage truth;        // z of the part, mm
+  images::FloatImage lit;          // the same, NaN outside the projector's light
+  images::FloatImage reference_z;  // z of the reference, mm
   LinePlanes planes;
   std::vector<Face> faces;
 };
@@ -245,16 +249,17 @@ struct Stage {
 // The results of a method.
 struct Method {
   std::string name;
-  FloatImage depth, difference;
+  images::FloatImage depth, difference;
   CuboidFigures figures;
 };
 
 // The width in z of the cell whose match is the true one for a pixel; NaN if there is no match.
-double width_of_match(const Stage& stage, const MatchSearch& search, std::size_t pixel, std::vector<Match>& matches) {
-  const PixelPoint light = stage.planes.light(pixel, static_cast<double>(stage.truth.values[pixel]));
+double width_of_match(const Stage& stage, const structured_light::MatchSearch& search, std::size_t pixel,
+                      std::vector<structured_light::Match>& matches) {
+  const sim::PixelPoint light = stage.planes.light(pixel, static_cast<double>(stage.truth.values[pixel]));
   const int columns = stage.rig.camera.columns;
   search.find(static_cast<int>(pixel) / columns, static_cast<int>(pixel) % columns, matches);
-  for (const Match& match : matches) {
+  for (const structured_light::Match& match : matches) {
     if (match.candidates > 0 && std::abs(match.line - light.row) <= match.half_width + 0.5) {
       return stage.planes.z(pixel, match.line - match.half_width) -
              stage.planes.z(pixel, match.line + match.half_width);
@@ -263,30 +268,32 @@ double width_of_match(const Stage& stage, const MatchSearch& search, std::size_t
   return std::numeric_limits<double>::quiet_NaN();
 }
 
-Method measure_self_projected(const Stage& stage, const SelfReference& reference, const std::function<void()>& done,
-                              ReportPage& page) {
-  const Rig& rig = stage.rig;
+Method measure_self_projected(const Stage& stage, const structured_light::SelfReference& reference,
+                              const std::function<void()>& done, report::ReportPage& page) {
+  const rig::Rig& rig = stage.rig;
   const int bits = reference.stripes.bits;
-  const MatchSettings settings{.e = stage.options.e};
-  const MatchTable table(rig, reference, settings);
-  SelfScanner scanner(rig, reference, table, rig.measure.code_threshold);
+  const structured_light::MatchSettings settings{.e = stage.options.e};
+  const structured_light::MatchTable table(rig, reference, settings);
+  structured_light::SelfScanner scanner(rig, reference, table, rig.measure.code_threshold);
   const int finest = 2 * bits - 2;
   page.pictures.push_back(
-      {"Finest self-projected pattern", encode_png(pattern_image(self_projected_pattern(reference, finest))), ""});
+      {"Finest self-projected pattern",
+       images::encode_png(sim::pattern_image(structured_light::self_projected_pattern(reference, finest))), ""});
   scan_cycle(
-      stage.part, 0, bits, [&](int i) { return self_projected_pattern(reference, i); },
-      [&](int i, const ImageView& image) {
+      stage.part, 0, bits, [&](int i) { return structured_light::self_projected_pattern(reference, i); },
+      [&](int i, const model::ImageView& image) {
         if (i == finest) {
           page.pictures.push_back(
               {"Camera image, finest stripes",
-               encode_png({image.rows, image.columns, {image.pixels, image.pixels + rig.camera.pixels()}}), ""});
+               images::encode_png({image.rows, image.columns, {image.pixels, image.pixels + rig.camera.pixels()}}),
+               ""});
         }
         done();
       },
       scanner);
   Method method{fmt::format("self-projected, {} bits", bits), scanner.depth(), scanner.difference(), {}};
-  const MatchSearch search(rig, reference, settings);
-  std::vector<Match> matches;
+  const structured_light::MatchSearch search(rig, reference, settings);
+  std::vector<structured_light::Match> matches;
   method.figures = cuboid_figures(rig, stage.faces, method.depth, method.difference, stage.truth,
                                   [&](std::size_t i) { return width_of_match(stage, search, i, matches); });
   return method;
@@ -294,13 +301,13 @@ Method measure_self_projected(const Stage& stage, const SelfReference& reference
 
 // Measures with codes of `bits` bits over the central lines, with the median.
 Method measure_conventional(const Stage& stage, int bits, const std::function<void()>& done) {
-  const Rig& rig = stage.rig;
-  const PlaneTriangulation triangulation(rig, bits, {}, kCodedLines);
-  const auto depth_of = [&](const PatternRenderer& renderer, int first) {
-    Scanner scanner(triangulation, {.threshold = rig.measure.code_threshold});
+  const rig::Rig& rig = stage.rig;
+  const structured_light::PlaneTriangulation triangulation(rig, bits, {}, kCodedLines);
+  const auto depth_of = [&](const sim::PatternRenderer& renderer, int first) {
+    structured_light::Scanner scanner(triangulation, {.threshold = rig.measure.code_threshold});
     scan_cycle(
-        renderer, first, bits, [&](int i) { return gray_pattern(rig, bits, kCodedLines, i); },
-        [&](int /*i*/, const ImageView& /*image*/) { done(); }, scanner);
+        renderer, first, bits, [&](int i) { return structured_light::gray_pattern(rig, bits, kCodedLines, i); },
+        [&](int /*i*/, const model::ImageView& /*image*/) { done(); }, scanner);
     return scanner.depth();
   };
   Method method;
@@ -317,14 +324,15 @@ Method measure_conventional(const Stage& stage, int bits, const std::function<vo
 
 // --- tables ---
 
-ReportTable heights_table(const std::vector<Method>& methods) {
-  ReportTable table{"B4: mean heights of the faces' interiors, mm",
-                    {"", "low cuboid", "high cuboid", "letter", "block 3", "block 6", "block 9"},
-                    {{"true", "25", "109", "2", "3", "6", "9"},
-                     {"published, self-projected 4 bits", "25.83", "108.55", "2.70 or less", "2.78", "5.38", "9.28"},
-                     {"published, conventional 8 bits", "within 0.56", "within 1.41", "–", "–", "–", "–"}},
-                    "Over the plane; letter and blocks: difference from the reference. Interiors are 3 pixels and more "
-                    "from the faces' edges. Camera noise on."};
+report::ReportTable heights_table(const std::vector<Method>& methods) {
+  report::ReportTable table{
+      "B4: mean heights of the faces' interiors, mm",
+      {"", "low cuboid", "high cuboid", "letter", "block 3", "block 6", "block 9"},
+      {{"true", "25", "109", "2", "3", "6", "9"},
+       {"published, self-projected 4 bits", "25.83", "108.55", "2.70 or less", "2.78", "5.38", "9.28"},
+       {"published, conventional 8 bits", "within 0.56", "within 1.41", "–", "–", "–", "–"}},
+      "Over the plane; letter and blocks: difference from the reference. Interiors are 3 pixels and more "
+      "from the faces' edges. Camera noise on."};
   for (const Method& method : methods) {
     const CuboidFigures& f = method.figures;
     table.rows.push_back({method.name, figure_text(f[Face::low].height), figure_text(f[Face::high].height),
@@ -334,11 +342,11 @@ ReportTable heights_table(const std::vector<Method>& methods) {
   return table;
 }
 
-ReportTable errors_table(const std::vector<Method>& methods) {
-  ReportTable table{"B4: error of z per pixel, mm: RMS / largest / one code's width in z",
-                    {"", "plane", "low cuboid", "high cuboid", "letter", "block 3", "block 6", "block 9"},
-                    {},
-                    "Over the same pixels."};
+report::ReportTable errors_table(const std::vector<Method>& methods) {
+  report::ReportTable table{"B4: error of z per pixel, mm: RMS / largest / one code's width in z",
+                            {"", "plane", "low cuboid", "high cuboid", "letter", "block 3", "block 6", "block 9"},
+                            {},
+                            "Over the same pixels."};
   for (const Method& method : methods) {
     table.rows.push_back({method.name});
     for (const Face face :
@@ -352,8 +360,8 @@ ReportTable errors_table(const std::vector<Method>& methods) {
 }
 
 // What RMS and mean do not show: single pixels that are far off, on the plane above all.
-ReportTable spread_table(const std::vector<Method>& methods) {
-  ReportTable table{
+report::ReportTable spread_table(const std::vector<Method>& methods) {
+  report::ReportTable table{
       "B4: error of z per pixel, mm: median / 99 % / 99.9 % / largest, and the share that is more than 10 mm off",
       {""},
       {},
@@ -373,8 +381,8 @@ ReportTable spread_table(const std::vector<Method>& methods) {
   return table;
 }
 
-ReportTable valid_table(const std::vector<Method>& methods) {
-  ReportTable table{"B4: share of the interiors' pixels that have a depth, %", {""}, {}};
+report::ReportTable valid_table(const std::vector<Method>& methods) {
+  report::ReportTable table{"B4: share of the interiors' pixels that have a depth, %", {""}, {}};
   for (const char* name : kFaceNames) {
     table.header.emplace_back(name);
   }
@@ -389,25 +397,28 @@ ReportTable valid_table(const std::vector<Method>& methods) {
 }
 
 // Both codes and both searches. If the one in use fails what the project asks of it, this is added to `not_reached`.
-ReportTable shares_table(const Stage& stage, const SelfReference& reference, std::vector<std::string>& not_reached) {
-  ReportTable table{"B4: wrong matches of true codes",
-                    {"", "pixels", "wrong", "none", "16 cells or more from steps", "of these wrong"},
-                    {},
-                    "Of the pixels in the projector's light whose true place is in the window. Printed: along Xp at "
-                    "constant Yp, window of 48 lines."};
-  for (const StripeCode code : {StripeCode::cyclic, StripeCode::reflected}) {
+report::ReportTable shares_table(const Stage& stage, const structured_light::SelfReference& reference,
+                                 std::vector<std::string>& not_reached) {
+  report::ReportTable table{
+      "B4: wrong matches of true codes",
+      {"", "pixels", "wrong", "none", "16 cells or more from steps", "of these wrong"},
+      {},
+      "Of the pixels in the projector's light whose true place is in the window. Printed: along Xp at "
+      "constant Yp, window of 48 lines."};
+  for (const structured_light::StripeCode code :
+       {structured_light::StripeCode::cyclic, structured_light::StripeCode::reflected}) {
     for (const bool printed : {false, true}) {
-      SelfReference variant = reference;
+      structured_light::SelfReference variant = reference;
       variant.stripes.code = code;
-      const MatchSettings settings{
+      const structured_light::MatchSettings settings{
           .e = stage.options.e, .printed_direction = printed, .printed_window = printed, .line_width = 3};
       const MatchShares s = match_shares(stage.rig, variant, settings, stage.lit, stage.reference_z);
-      table.rows.push_back({fmt::format("{} code, {} search", code == StripeCode::cyclic ? "cyclic" : "reflected",
-                                        printed ? "printed" : "corrected"),
-                            std::to_string(s.pixels), fmt::format("{:.3f} %", 100 * s.wrong),
-                            fmt::format("{:.2f} %", 100 * s.none), std::to_string(s.far),
-                            fmt::format("{:.3f} %", 100 * s.far_wrong)});
-      if (code == StripeCode::cyclic && !printed && s.far_wrong > 0) {
+      table.rows.push_back(
+          {fmt::format("{} code, {} search", code == structured_light::StripeCode::cyclic ? "cyclic" : "reflected",
+                       printed ? "printed" : "corrected"),
+           std::to_string(s.pixels), fmt::format("{:.3f} %", 100 * s.wrong), fmt::format("{:.2f} %", 100 * s.none),
+           std::to_string(s.far), fmt::format("{:.3f} %", 100 * s.far_wrong)});
+      if (code == structured_light::StripeCode::cyclic && !printed && s.far_wrong > 0) {
         not_reached.emplace_back("matches 16 cells or more from steps are wrong");
       }
     }
@@ -415,8 +426,8 @@ ReportTable shares_table(const Stage& stage, const SelfReference& reference, std
   return table;
 }
 
-ReportTable scan_table(const SelfReference& reference, const LinePlanes& planes, const FloatImage& reference_z,
-                       ScanMethod scan) {
+report::ReportTable scan_table(const structured_light::SelfReference& reference, const LinePlanes& planes,
+                               const images::FloatImage& reference_z, sim::ScanMethod scan) {
   double square = 0;
   double most = 0;
   std::size_t count = 0;
@@ -424,7 +435,7 @@ ReportTable scan_table(const SelfReference& reference, const LinePlanes& planes,
   for (std::size_t i = 0; i < reference_z.values.size(); ++i) {
     lit += std::isnan(reference_z.values[i]) ? 0U : 1U;
     if (reference.measurable(i) && !std::isnan(reference_z.values[i])) {
-      const PixelPoint truth = planes.light(i, static_cast<double>(reference_z.values[i]));
+      const sim::PixelPoint truth = planes.light(i, static_cast<double>(reference_z.values[i]));
       const double error = static_cast<double>(reference.points.line.values[i]) - truth.row;
       // Beyond this it is another surface, because at edges the truth is that of the pixel's centre.
       if (std::abs(error) < 8) {
@@ -436,7 +447,7 @@ ReportTable scan_table(const SelfReference& reference, const LinePlanes& planes,
   }
   return {
       fmt::format("Scan of the reference: {}",
-                  scan == ScanMethod::gray_codes ? "Gray codes, 42 images" : "lines, 1792 images"),
+                  scan == sim::ScanMethod::gray_codes ? "Gray codes, 42 images" : "lines, 1792 images"),
       {"", "lit pixels measured", "line, RMS", "line, largest"},
       {{"X_R against the truth", fmt::format("{:.1f} %", 100 * static_cast<double>(count) / static_cast<double>(lit)),
         figure_text(std::sqrt(square / static_cast<double>(count)), 3), figure_text(most)}}};
@@ -448,13 +459,14 @@ void check_figures(const CuboidFigures& f, std::vector<std::string>& not_reached
       not_reached.push_back(fmt::format("{} is {:.2f} mm; {} ± {} mm is wanted", what, value, truth, bound));
     }
   };
-  wanted("the low cuboid's height", f[Face::low].height, Cuboids::kLow, 0.83);
-  wanted("the high cuboid's height", f[Face::high].height, Cuboids::kHigh, 0.45);
-  wanted("the letter's depth", -f[Face::letter].difference, Cuboids::kLetterDepth, 0.70);
+  wanted("the low cuboid's height", f[Face::low].height, sim::Cuboids::kLow, 0.83);
+  wanted("the high cuboid's height", f[Face::high].height, sim::Cuboids::kHigh, 0.45);
+  wanted("the letter's depth", -f[Face::letter].difference, sim::Cuboids::kLetterDepth, 0.70);
   constexpr std::array<double, 3> kBounds{0.22, 0.62, 0.28};  // for the published 2.78, 5.38, 9.28
   for (std::size_t i = 0; i < kBounds.size(); ++i) {
     const auto block = static_cast<std::size_t>(Face::block_3) + i;
-    wanted(kFaceNames.at(block), f[static_cast<Face>(block)].difference, Cuboids::kBlockHeights.at(i), kBounds.at(i));
+    wanted(kFaceNames.at(block), f[static_cast<Face>(block)].difference, sim::Cuboids::kBlockHeights.at(i),
+           kBounds.at(i));
   }
 }
 
@@ -463,14 +475,14 @@ void check_figures(const CuboidFigures& f, std::vector<std::string>& not_reached
 enum class Axis { x, y };
 
 // Height over the plane along the middle row (y) or column (x).
-ReportPlot profile(const Rig& rig, const std::string& name, const FloatImage& depth, const FloatImage& truth,
-                   Axis axis) {
+report::ReportPlot profile(const rig::Rig& rig, const std::string& name, const images::FloatImage& depth,
+                           const images::FloatImage& truth, Axis axis) {
   const bool along_row = axis == Axis::y;
-  ReportPlot plot{fmt::format("{}: profile through the centre, {}", name, along_row ? "along y" : "along x"),
-                  along_row ? "column" : "row",
-                  "height, mm",
-                  {{{}, {}, "a", "measured"}, {{}, {}, "b", "truth"}},
-                  1};
+  report::ReportPlot plot{fmt::format("{}: profile through the centre, {}", name, along_row ? "along y" : "along x"),
+                          along_row ? "column" : "row",
+                          "height, mm",
+                          {{{}, {}, "a", "measured"}, {{}, {}, "b", "truth"}},
+                          1};
   const int count = along_row ? depth.columns : depth.rows;
   for (int i = 0; i < count; ++i) {
     const int r = along_row ? depth.rows / 2 : i;
@@ -484,32 +496,34 @@ ReportPlot profile(const Rig& rig, const std::string& name, const FloatImage& de
   return plot;
 }
 
-FloatImage height_of(const Rig& rig, const FloatImage& depth) {
-  FloatImage height = depth;
+images::FloatImage height_of(const rig::Rig& rig, const images::FloatImage& depth) {
+  images::FloatImage height = depth;
   for (float& value : height.values) {
     value = static_cast<float>(rig.plane_z_mm) - value;
   }
   return height;
 }
 
-void add_pictures(const Stage& stage, const std::vector<Method>& methods, ReportPage& page) {
-  const Rig& rig = stage.rig;
+void add_pictures(const Stage& stage, const std::vector<Method>& methods, report::ReportPage& page) {
+  const rig::Rig& rig = stage.rig;
   const double pixel = rig.plane_z_mm * rig.camera.pixel_pitch_mm / rig.camera.focal_length_mm;
-  const MapPitch pitch{pixel, pixel};
-  const MapScale height_colours{ColourMap::sequential, 0, 125};
+  const report::MapPitch pitch{pixel, pixel};
+  const report::MapScale height_colours{report::ColourMap::sequential, 0, 125};
   for (const Method& method : methods) {
-    page.pictures.push_back({method.name + ": height",
-                             labelled_map_png(height_of(rig, method.depth), height_colours, pitch, "height, mm"), ""});
+    page.pictures.push_back(
+        {method.name + ": height",
+         report::labelled_map_png(height_of(rig, method.depth), height_colours, pitch, "height, mm"), ""});
     page.pictures.push_back(
         {method.name + ": difference from the reference",
-         labelled_map_png(method.difference, {ColourMap::diverging, -12, 12}, pitch, "difference, mm"), ""});
+         report::labelled_map_png(method.difference, {report::ColourMap::diverging, -12, 12}, pitch, "difference, mm"),
+         ""});
     page.plots.push_back(profile(rig, method.name, method.depth, stage.truth, Axis::y));
     page.plots.push_back(profile(rig, method.name, method.depth, stage.truth, Axis::x));
   }
 }
 
 std::size_t all_images(const CuboidsOptions& options) {
-  int all = scan_images(options.rig, options.scan) + 2 * options.stripes.bits;
+  int all = sim::scan_images(options.rig, options.scan) + 2 * options.stripes.bits;
   for (const int bits : options.conventional_bits) {
     all += 4 * bits;  // the reference and the part
   }
@@ -519,14 +533,15 @@ std::size_t all_images(const CuboidsOptions& options) {
 }  // namespace
 
 StructuredLightResult run_cuboids(const CuboidsOptions& options, const ProgressOfImages& progress) {
-  const Rig& rig = options.rig;
+  const rig::Rig& rig = options.rig;
   const std::size_t all = all_images(options);
   std::size_t done = 0;
   const auto count = [&] { progress(++done, all); };
 
   const Stage stage(options);
-  const ProjectorPoints points = scan_points(rig, *stage.reference_scene, options.render, options.scan, count);
-  const SelfReference reference = make_self_reference(rig, points, options.stripes);
+  const structured_light::ProjectorPoints points =
+      sim::scan_points(rig, *stage.reference_scene, options.render, options.scan, count);
+  const structured_light::SelfReference reference = structured_light::make_self_reference(rig, points, options.stripes);
   StructuredLightResult result;
   std::vector<Method> methods;
   methods.push_back(measure_self_projected(stage, reference, count, result.page));
@@ -555,4 +570,4 @@ StructuredLightResult run_cuboids(const CuboidsOptions& options, const ProgressO
   return result;
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::lab

@@ -9,20 +9,20 @@
 #include <functional>
 #include <vector>
 
-#include "host/images/float_image.h"
-#include "host/rig/rig.h"
 #include "host/structured_light/match_table.h"
 #include "host/structured_light/self_reference.h"
 #include "lab/evaluation.h"
 #include "lab/structured_light.h"
+#include "selfproj/images/float_image.h"
+#include "selfproj/rig/rig.h"
 #include "sim/scene/optics.h"
 #include "sim/scene/renderer.h"
 #include "sim/scene/virtual_capture.h"
 
-namespace selfproj {
+namespace selfproj::lab {
 
 // The point that a pixel (row by row, from 0) sees at depth z, mm.
-inline Point3 point_of_pixel(const Rig& rig, std::size_t pixel, double z) {
+inline sim::Point3 point_of_pixel(const rig::Rig& rig, std::size_t pixel, double z) {
   const auto columns = static_cast<std::size_t>(rig.camera.columns);
   const double scale = z * rig.camera.pixel_pitch_mm / rig.camera.focal_length_mm;
   const std::size_t row = pixel / columns;
@@ -33,26 +33,26 @@ inline Point3 point_of_pixel(const Rig& rig, std::size_t pixel, double z) {
 // The planes of light of the projector's lines (4.8). The rig must outlive them.
 class LinePlanes {
  public:
-  explicit LinePlanes(const Rig& rig) : rig_(&rig), projector_(Pinhole::of_projector(rig.projector)) {}
+  explicit LinePlanes(const rig::Rig& rig) : rig_(&rig), projector_(sim::Pinhole::of_projector(rig.projector)) {}
 
   // The depth, mm, at which the pixel's ray meets the plane of a line (from 0, with a fraction).
   [[nodiscard]] double z(std::size_t pixel, double line) const {
     const double middle = 0.5 * (rig_->projector.columns - 1);
-    const Point3 up = projector_.ray({line, middle});
-    const Point3 c = projector_.centre();
-    const Point3 ray = point_of_pixel(*rig_, pixel, 1);
+    const sim::Point3 up = projector_.ray({line, middle});
+    const sim::Point3 c = projector_.centre();
+    const sim::Point3 ray = point_of_pixel(*rig_, pixel, 1);
     // The plane of the line contains the projector's centre, the direction `up` and y. Its normal is (up.z, 0, -up.x).
     return (up.z * c.x - up.x * c.z) / (up.z * ray.x - up.x);
   }
 
   // The projector's point (line, column) that lights what a pixel sees at depth z.
-  [[nodiscard]] PixelPoint light(std::size_t pixel, double z) const {
+  [[nodiscard]] sim::PixelPoint light(std::size_t pixel, double z) const {
     return projector_.project(point_of_pixel(*rig_, pixel, z));
   }
 
  private:
-  const Rig* rig_;
-  Pinhole projector_;
+  const rig::Rig* rig_;
+  sim::Pinhole projector_;
 };
 
 // How often the neighbourhood search (4.19, 4.20) is wrong, measured against the truth.
@@ -68,8 +68,9 @@ struct MatchShares {
 
 // `true_z` and `reference_z` are the depths of the scene and of its reference, mm, NaN outside the projector's light.
 // Shares are 0..1, NaN if there are no pixels.
-MatchShares match_shares(const Rig& rig, const SelfReference& reference, const MatchSettings& settings,
-                         const FloatImage& true_z, const FloatImage& reference_z);
+MatchShares match_shares(const rig::Rig& rig, const structured_light::SelfReference& reference,
+                         const structured_light::MatchSettings& settings, const images::FloatImage& true_z,
+                         const images::FloatImage& reference_z);
 
 // The faces of B4's cuboids, and how a depth image of each compares with the truth.
 enum class Face : std::uint8_t { plane, low, letter, high, block_3, block_6, block_9, none };
@@ -80,7 +81,7 @@ inline constexpr std::array<const char*, 7> kFaceNames{"plane",   "low cuboid", 
 
 // The face of `cuboids-marked` that each pixel sees, from the true z (mm, NaN: none). It is `none` within less than 3
 // pixels of another face or of a pixel without one.
-std::vector<Face> face_interiors(const Rig& rig, const FloatImage& truth);
+std::vector<Face> face_interiors(const rig::Rig& rig, const images::FloatImage& truth);
 
 // A method's findings on one face, over the pixels with a depth and a difference; mm, NaN if there are none.
 struct FaceFigures {
@@ -108,24 +109,24 @@ class CuboidFigures {
 
 // `depth` and `truth` are z in mm; `difference` is from the reference. `code_width` is called for every pixel with a
 // depth. It returns the width of the pixel's code in z, mm, or NaN if that is unknown.
-CuboidFigures cuboid_figures(const Rig& rig, const std::vector<Face>& faces, const FloatImage& depth,
-                             const FloatImage& difference, const FloatImage& truth,
+CuboidFigures cuboid_figures(const rig::Rig& rig, const std::vector<Face>& faces, const images::FloatImage& depth,
+                             const images::FloatImage& difference, const images::FloatImage& truth,
                              const std::function<double(std::size_t pixel)>& code_width);
 
 // Experiment B4 in simulation: cuboids of different heights under self-projected structured light, compared with the
 // conventional method.
 struct CuboidsOptions {
-  Rig rig;
-  RenderOptions render;
-  ScanMethod scan = ScanMethod::lines;
+  rig::Rig rig;
+  sim::RenderOptions render;
+  sim::ScanMethod scan = sim::ScanMethod::lines;
   int e = 8;  // e of (4.20)
-  Stripes stripes;
+  structured_light::Stripes stripes;
   std::vector<int> conventional_bits{8, 7, 6, 5, 4};  // the numbers of bits for the conventional method
 };
 
 // Scans the reference, `cuboids`, and measures `cuboids-marked` under the patterns made from the scan.
 StructuredLightResult run_cuboids(const CuboidsOptions& options, const ProgressOfImages& progress);
 
-}  // namespace selfproj
+}  // namespace selfproj::lab
 
 #endif  // SELFPROJ_LAB_CUBOIDS_H

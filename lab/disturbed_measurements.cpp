@@ -12,21 +12,21 @@
 
 #include "host/images/frame_options.h"
 #include "host/images/image_files.h"
-#include "host/light_section/differential_profile.h"
 #include "host/light_section/pattern.h"
-#include "host/light_section/profile.h"
-#include "host/light_section/reference.h"
-#include "host/structured_light/foreground.h"
 #include "host/structured_light/match_table.h"
-#include "host/structured_light/scanner.h"
 #include "host/structured_light/self_reference.h"
 #include "host/structured_light/self_scanner.h"
-#include "host/structured_light/triangulation.h"
 #include "lab/cuboids.h"
 #include "lab/structured_light.h"
-#include "model/column_moments.h"
-#include "model/column_runs.h"
-#include "model/packet_payload.h"
+#include "selfproj/light_section/differential_profile.h"
+#include "selfproj/light_section/profile.h"
+#include "selfproj/light_section/reference.h"
+#include "selfproj/model/column_moments.h"
+#include "selfproj/model/column_runs.h"
+#include "selfproj/model/packet_payload.h"
+#include "selfproj/structured_light/foreground.h"
+#include "selfproj/structured_light/scanner.h"
+#include "selfproj/structured_light/triangulation.h"
 #include "sim/cosim/light_section.h"
 #include "sim/scene/parallel.h"
 #include "sim/scene/pattern_renderer.h"
@@ -34,7 +34,7 @@
 #include "sim/scene/scenes.h"
 #include "sim/scene/virtual_capture.h"
 
-namespace selfproj {
+namespace selfproj::lab {
 namespace {
 
 constexpr float kNotCompared = std::numeric_limits<float>::quiet_NaN();
@@ -43,29 +43,29 @@ constexpr double kReachOnPart = 63;  // mm along the belt from the part's middle
 
 // Whether the surface is level around a place: within 0.7 mm (three columns) across the belt, and within 1.4 mm along
 // it, because the light sheet may meet the surface there.
-bool is_level(const Scene& scene, double x, double y, double t) {
+bool is_level(const sim::Scene& scene, double x, double y, double t) {
   constexpr double kAcross = 0.7;
   constexpr double kAlong = 1.4;
   constexpr double kStep = 0.05;  // mm
-  const HeightRange range = scene.range({x - kAlong, x + kAlong, y - kAcross, y + kAcross}, t, t);
+  const sim::HeightRange range = scene.range({x - kAlong, x + kAlong, y - kAcross, y + kAcross}, t, t);
   return range.high - range.low <= kStep;
 }
 
 // Each mode with all lit pixels of a column, then each with the strongest run.
-std::vector<Measure> all_settings(int threshold) {
-  std::vector<Measure> settings;
-  for (const Select select : {Select::all, Select::strongest}) {
-    for (const Mode mode : kAllModes) {
+std::vector<model::Measure> all_settings(int threshold) {
+  std::vector<model::Measure> settings;
+  for (const model::Select select : {model::Select::all, model::Select::strongest}) {
+    for (const model::Mode mode : sim::kAllModes) {
       settings.push_back({.mode = mode, .threshold = threshold, .select = select});
     }
   }
   return settings;
 }
 
-std::string name_of(const Measure& measure) {
-  const auto* const name =
-      std::find_if(kModes.begin(), kModes.end(), [&](const auto& entry) { return entry.second == measure.mode; });
-  return std::string(name->first) + (measure.select == Select::strongest ? ", strongest run" : "");
+std::string name_of(const model::Measure& measure) {
+  const auto* const name = std::find_if(images::kModes.begin(), images::kModes.end(),
+                                        [&](const auto& entry) { return entry.second == measure.mode; });
+  return std::string(name->first) + (measure.select == model::Select::strongest ? ", strongest run" : "");
 }
 
 // A rendered frame, and the profile measured in it. The moments pass through a packet's payload, as on the way to the
@@ -73,53 +73,56 @@ std::string name_of(const Measure& measure) {
 // strength.
 class ColumnsOfFrame {
  public:
-  explicit ColumnsOfFrame(const Rig& rig) : camera_(rig.camera), pixels_(rig.camera.pixels()) {
-    runs_.resize(Select::strongest, rig.camera.columns);
-    payload_.resize(moments_payload_bytes(Mode::grey, rig.camera.columns));
+  explicit ColumnsOfFrame(const rig::Rig& rig) : camera_(rig.camera), pixels_(rig.camera.pixels()) {
+    runs_.resize(model::Select::strongest, rig.camera.columns);
+    payload_.resize(model::moments_payload_bytes(model::Mode::grey, rig.camera.columns));
     profile_.resize(rig.camera.columns);
   }
-  void take(const LineRenderer& renderer, int frame) { renderer.render(frame, std::span(pixels_)); }
+  void take(const sim::LineRenderer& renderer, int frame) { renderer.render(frame, std::span(pixels_)); }
 
   // Valid until the next call.
-  const Profile& measured(const Measure& measure, const DifferentialProfiler& profiler) {
-    measure_columns({pixels_.data(), camera_.rows, camera_.columns, camera_.columns}, measure, runs_.view());
-    if (measure.select == Select::strongest) {
-      pack_runs(measure.mode, camera_.columns, runs_.view(), payload_.data());
+  const light_section::Profile& measured(const model::Measure& measure,
+                                         const light_section::DifferentialProfiler& profiler) {
+    model::measure_columns({pixels_.data(), camera_.rows, camera_.columns, camera_.columns}, measure, runs_.view());
+    if (measure.select == model::Select::strongest) {
+      model::pack_runs(measure.mode, camera_.columns, runs_.view(), payload_.data());
     } else {
-      pack_moments(measure.mode, camera_.columns, runs_.moments.view(), payload_.data());
+      model::pack_moments(measure.mode, camera_.columns, runs_.moments.view(), payload_.data());
     }
     profiler.profile(measure.select, measure.mode, payload_.data(), profile_.view());
     return profile_;
   }
 
  private:
-  RigCamera camera_;
+  rig::RigCamera camera_;
   std::vector<std::uint8_t> pixels_;
-  Runs runs_;
+  model::Runs runs_;
   std::vector<std::uint8_t> payload_;
-  Profile profile_;
+  light_section::Profile profile_;
 };
 
 // The mean centroids of the good part under its own pattern, for each of the settings. They are means over `count`
 // frames in the middle of its travel, with noise of their own. NaN unless a column has a valid line in more than half
 // of the frames.
-std::vector<std::vector<double>> centroids_of_reference(const Rig& rig, const Scene& good, const FloatImage& pattern,
-                                                        const RenderOptions& options, const ReferenceProfile& known,
-                                                        const std::vector<Measure>& settings, int count) {
-  Rig scanned = rig;
+std::vector<std::vector<double>> centroids_of_reference(const rig::Rig& rig, const sim::Scene& good,
+                                                        const images::FloatImage& pattern,
+                                                        const sim::RenderOptions& options,
+                                                        const light_section::ReferenceProfile& known,
+                                                        const std::vector<model::Measure>& settings, int count) {
+  rig::Rig scanned = rig;
   scanned.imaging.seed += 1000;
-  const LineRenderer renderer(scanned, good, pattern, options);
-  const DifferentialProfiler profiler(rig, known);
+  const sim::LineRenderer renderer(scanned, good, pattern, options);
+  const light_section::DifferentialProfiler profiler(rig, known);
   const auto columns = static_cast<std::size_t>(rig.camera.columns);
   std::vector<ColumnsOfFrame> frames(static_cast<std::size_t>(count), ColumnsOfFrame(rig));
   const int first = good.frames() / 2 - count / 2;
-  parallel_for(count, 0, [&](int i) { frames[static_cast<std::size_t>(i)].take(renderer, first + i); });
+  sim::parallel_for(count, 0, [&](int i) { frames[static_cast<std::size_t>(i)].take(renderer, first + i); });
   std::vector<std::vector<double>> result;
-  for (const Measure& measure : settings) {
+  for (const model::Measure& measure : settings) {
     std::vector<double> sums(columns, 0.0);
     std::vector<int> counts(columns, 0);
     for (ColumnsOfFrame& frame : frames) {
-      const Profile& profile = frame.measured(measure, profiler);
+      const light_section::Profile& profile = frame.measured(measure, profiler);
       for (std::size_t c = 0; c < columns; ++c) {
         if (!std::isnan(profile.z[c])) {
           sums[c] += static_cast<double>(profile.centroid[c]);
@@ -136,19 +139,20 @@ std::vector<std::vector<double>> centroids_of_reference(const Rig& rig, const Sc
 }
 
 // The depths that have at least `least` neighbours within 10 mm; NaN elsewhere.
-std::vector<float> with_neighbours(const FloatImage& depth, int least) {
+std::vector<float> with_neighbours(const images::FloatImage& depth, int least) {
   if (least == 0) {
     return depth.values;
   }
   const std::vector<float> nowhere(depth.values.size(), -1e6F);  // so that every point differs from it
-  SteadyFilter filter(depth.rows, depth.columns, {.max_change_mm = kSameDepth, .min_neighbours = least});
+  structured_light::SteadyFilter filter(depth.rows, depth.columns,
+                                        {.max_change_mm = kSameDepth, .min_neighbours = least});
   filter.apply(depth.values.data(), nowhere.data(), kSameDepth);
   return {filter.kept(), filter.kept() + depth.values.size()};
 }
 
 // The means of depths that differ by 10 mm at most; NaN elsewhere.
-FloatImage agreeing(const FloatImage& a, const FloatImage& b) {
-  FloatImage mean(a.rows, a.columns);
+images::FloatImage agreeing(const images::FloatImage& a, const images::FloatImage& b) {
+  images::FloatImage mean(a.rows, a.columns);
   std::transform(a.values.begin(), a.values.end(), b.values.begin(), mean.values.begin(), [](float z0, float z1) {
     return std::abs(z0 - z1) <= kSameDepth ? 0.5F * (z0 + z1) : std::numeric_limits<float>::quiet_NaN();
   });
@@ -156,60 +160,62 @@ FloatImage agreeing(const FloatImage& a, const FloatImage& b) {
 }
 
 // A cycle of each method, which begins at frame `first`, with its stripes shifted as CuboidSettings::shift says.
-FloatImage self_projected_depth(const PatternRenderer& renderer, SelfReference reference, const DepthLimits& limits,
-                                int first, int shift) {
+images::FloatImage self_projected_depth(const sim::PatternRenderer& renderer, structured_light::SelfReference reference,
+                                        const structured_light::DepthLimits& limits, int first, int shift) {
   constexpr int kBelow = 8;  // e of (4.20), as in B4
   for (float& row : reference.row.values) {
     row += static_cast<float>(shift);
   }
-  const Rig& rig = renderer.rig();
-  const MatchTable table(rig, reference, MatchSettings{.e = kBelow});
-  SelfScanner scanner(rig, reference, table, rig.measure.code_threshold, limits);
+  const rig::Rig& rig = renderer.rig();
+  const structured_light::MatchTable table(rig, reference, structured_light::MatchSettings{.e = kBelow});
+  structured_light::SelfScanner scanner(rig, reference, table, rig.measure.code_threshold, limits);
   scan_cycle(
-      renderer, first, reference.stripes.bits, [&](int i) { return self_projected_pattern(reference, i); },
-      [](int /*i*/, const ImageView& /*image*/) {}, scanner);
+      renderer, first, reference.stripes.bits,
+      [&](int i) { return structured_light::self_projected_pattern(reference, i); },
+      [](int /*i*/, const model::ImageView& /*image*/) {}, scanner);
   return scanner.depth();
 }
 
-FloatImage conventional_depth(const PatternRenderer& renderer, const DepthLimits& limits, int first, int shift) {
+images::FloatImage conventional_depth(const sim::PatternRenderer& renderer, const structured_light::DepthLimits& limits,
+                                      int first, int shift) {
   constexpr int kBits = 8;
   const int coded = std::min(kCodedLines, renderer.rig().projector.lines);
-  Rig shifted = renderer.rig();
+  rig::Rig shifted = renderer.rig();
   shifted.projector.center_xp_mm += shift * shifted.projector.line_pitch_mm;
-  const PlaneTriangulation triangulation(shifted, kBits, limits, coded);
-  Scanner scanner(triangulation, {.threshold = shifted.measure.code_threshold});
+  const structured_light::PlaneTriangulation triangulation(shifted, kBits, limits, coded);
+  structured_light::Scanner scanner(triangulation, {.threshold = shifted.measure.code_threshold});
   scan_cycle(
       renderer, first, kBits,
       [&](int i) {
-        const FloatImage pattern = gray_pattern(shifted, kBits, coded, i);
-        FloatImage moved(pattern.rows, pattern.columns);
+        const images::FloatImage pattern = structured_light::gray_pattern(shifted, kBits, coded, i);
+        images::FloatImage moved(pattern.rows, pattern.columns);
         for (int l = std::max(0, shift); l < std::min(pattern.rows, pattern.rows + shift); ++l) {
           std::copy_n(pattern.row(l - shift), pattern.columns, moved.row(l));
         }
         return moved;
       },
-      [](int /*i*/, const ImageView& /*image*/) {}, scanner);
+      [](int /*i*/, const model::ImageView& /*image*/) {}, scanner);
   return scanner.depth();
 }
 
 }  // namespace
 
-DisturbedStairs::DisturbedStairs(const Rig& rig, int every, int reference_frames)
+DisturbedStairs::DisturbedStairs(const rig::Rig& rig, int every, int reference_frames)
     : rig_(rig),
       reference_frames_(reference_frames),
-      part_(make_scene("stairs-marked", rig)),
-      good_(make_scene("stairs", rig)) {
-  pattern_ = draw_pattern(rig, pattern_of_curve(rig, curve_of_scene(rig, *good_)));
-  const auto& belt = dynamic_cast<const ConveyedScene&>(*part_);
+      part_(sim::make_scene("stairs-marked", rig)),
+      good_(sim::make_scene("stairs", rig)) {
+  pattern_ = light_section::draw_pattern(rig, light_section::pattern_of_curve(rig, sim::curve_of_scene(rig, *good_)));
+  const auto& belt = dynamic_cast<const sim::ConveyedScene&>(*part_);
   const auto time_of = [&](int frame) { return frame / rig_.camera.frame_rate_hz; };
   for (int frame = every / 2; frame < part_->frames(); frame += every) {
     if (std::abs(belt.position(time_of(frame))) < kReachOnPart) {
       frames_.push_back(frame);
     }
   }
-  truth_ = FloatImage(static_cast<int>(frames_.size()), rig.camera.columns);
-  const LineRenderer ideal(rig, *part_, pattern_);
-  parallel_for(truth_.rows, 0, [&](int i) {
+  truth_ = images::FloatImage(static_cast<int>(frames_.size()), rig.camera.columns);
+  const sim::LineRenderer ideal(rig, *part_, pattern_);
+  sim::parallel_for(truth_.rows, 0, [&](int i) {
     const std::span<float> row{truth_.row(i), static_cast<std::size_t>(truth_.columns)};
     const int frame = frames_[static_cast<std::size_t>(i)];
     ideal.truth(frame, row);
@@ -223,27 +229,28 @@ DisturbedStairs::DisturbedStairs(const Rig& rig, int every, int reference_frames
   });
 }
 
-std::vector<WayOfMeasuring> DisturbedStairs::measure(const World& world, std::int64_t noise_seed) const {
-  Rig rig = rig_;
+std::vector<WayOfMeasuring> DisturbedStairs::measure(const sim::World& world, std::int64_t noise_seed) const {
+  rig::Rig rig = rig_;
   rig.imaging.seed = noise_seed;
-  RenderOptions options;
+  sim::RenderOptions options;
   options.world = world;
-  const ReferenceProfile known = reference_of_curve(rig, curve_of_scene(rig, *good_));
-  const std::vector<Measure> settings = all_settings(rig.measure.threshold);
+  const light_section::ReferenceProfile known =
+      light_section::reference_of_curve(rig, sim::curve_of_scene(rig, *good_));
+  const std::vector<model::Measure> settings = all_settings(rig.measure.threshold);
   const auto centroids = centroids_of_reference(rig, *good_, pattern_, options, known, settings, reference_frames_);
-  std::vector<DifferentialProfiler> profilers;
+  std::vector<light_section::DifferentialProfiler> profilers;
   std::vector<WayOfMeasuring> ways;
   for (std::size_t w = 0; w < settings.size(); ++w) {
-    profilers.emplace_back(rig, without_residual(rig, known, centroids[w]));
+    profilers.emplace_back(rig, light_section::without_residual(rig, known, centroids[w]));
     ways.push_back({name_of(settings[w]), {}});
   }
-  const LineRenderer renderer(rig, *part_, pattern_, options);
+  const sim::LineRenderer renderer(rig, *part_, pattern_, options);
   std::vector<std::vector<ErrorSpread>> by_frame(frames_.size(), std::vector<ErrorSpread>(ways.size()));
-  parallel_for(static_cast<int>(frames_.size()), 0, [&](int i) {
+  sim::parallel_for(static_cast<int>(frames_.size()), 0, [&](int i) {
     ColumnsOfFrame columns(rig);
     columns.take(renderer, frames_[static_cast<std::size_t>(i)]);
     for (std::size_t w = 0; w < settings.size(); ++w) {
-      const Profile& profile = columns.measured(settings[w], profilers[w]);
+      const light_section::Profile& profile = columns.measured(settings[w], profilers[w]);
       for (int column = 0; column < rig.camera.columns; ++column) {
         const auto height = static_cast<double>(truth_.row(i)[column]);
         if (!std::isnan(height)) {
@@ -261,11 +268,11 @@ std::vector<WayOfMeasuring> DisturbedStairs::measure(const World& world, std::in
   return ways;
 }
 
-int DisturbedStairs::half_of_the_line(const World& world) const {
-  RenderOptions options;
+int DisturbedStairs::half_of_the_line(const sim::World& world) const {
+  sim::RenderOptions options;
   options.world = world;
   std::vector<std::uint8_t> pixels(rig_.camera.pixels());
-  LineRenderer(rig_, *good_, pattern_, options).render(good_->frames() / 2, std::span(pixels));
+  sim::LineRenderer(rig_, *good_, pattern_, options).render(good_->frames() / 2, std::span(pixels));
   const auto columns = static_cast<std::size_t>(rig_.camera.columns);
   std::vector<std::uint8_t> brightest(columns, 0);
   for (std::size_t i = 0; i < pixels.size(); ++i) {
@@ -276,7 +283,7 @@ int DisturbedStairs::half_of_the_line(const World& world) const {
   return *middle / 2;
 }
 
-Rig coarser_rig(Rig rig, int factor) {
+rig::Rig coarser_rig(rig::Rig rig, int factor) {
   rig.camera.rows /= factor;
   rig.camera.columns /= factor;
   rig.camera.pixel_pitch_mm *= factor;
@@ -287,12 +294,12 @@ Rig coarser_rig(Rig rig, int factor) {
   return rig;
 }
 
-DisturbedCuboids::DisturbedCuboids(const Rig& rig)
+DisturbedCuboids::DisturbedCuboids(const rig::Rig& rig)
     : rig_(rig),
-      part_(make_scene("cuboids-marked", rig)),
-      good_(make_scene("cuboids", rig)),
+      part_(sim::make_scene("cuboids-marked", rig)),
+      good_(sim::make_scene("cuboids", rig)),
       truth_(rig.camera.rows, rig.camera.columns) {
-  const PatternRenderer ideal(rig, *part_);
+  const sim::PatternRenderer ideal(rig, *part_);
   ideal.lit_depth(0, truth_.values);
   const std::vector<Face> faces = face_interiors(rig, truth_);
   for (std::size_t i = 0; i < faces.size(); ++i) {
@@ -300,24 +307,24 @@ DisturbedCuboids::DisturbedCuboids(const Rig& rig)
   }
 }
 
-std::vector<WayOfMeasuring> DisturbedCuboids::measure(const World& world, const CuboidSettings& settings,
+std::vector<WayOfMeasuring> DisturbedCuboids::measure(const sim::World& world, const CuboidSettings& settings,
                                                       std::int64_t noise_seed) const {
-  Rig rig = rig_;
+  rig::Rig rig = rig_;
   rig.imaging.seed = noise_seed;
   rig.measure.code_threshold =
       settings.threshold > 0 ? static_cast<int>(settings.threshold) : rig.measure.code_threshold;
-  RenderOptions options;
+  sim::RenderOptions options;
   options.world = world;
   if (settings.exposure != 1) {
-    options.world.saturation = world.saturation.value_or(Saturation{});
+    options.world.saturation = world.saturation.value_or(sim::Saturation{});
     options.world.saturation->exposure *= settings.exposure;
   }
-  DepthLimits limits;
+  structured_light::DepthLimits limits;
   if (settings.highest > 0) {
     constexpr double kBelowPlane = 15;  // mm
     limits = {rig.plane_z_mm - settings.highest, rig.plane_z_mm + kBelowPlane};
   }
-  const auto errors_of = [&](const FloatImage& depth) {
+  const auto errors_of = [&](const images::FloatImage& depth) {
     const std::vector<float> kept = with_neighbours(depth, static_cast<int>(settings.neighbours));
     ErrorSpread errors;
     for (std::size_t i = 0; i < truth_.values.size(); ++i) {
@@ -327,12 +334,12 @@ std::vector<WayOfMeasuring> DisturbedCuboids::measure(const World& world, const 
     }
     return errors;
   };
-  const SelfReference reference =
-      make_self_reference(rig, scan_points(rig, *good_, options, ScanMethod::gray_codes, [] {}),
-                          Stripes{.width = static_cast<int>(settings.width)});
-  const PatternRenderer renderer(rig, *part_, options);
-  FloatImage self = self_projected_depth(renderer, reference, limits, 0, 0);
-  FloatImage conventional = conventional_depth(renderer, limits, 0, 0);
+  const structured_light::SelfReference reference = structured_light::make_self_reference(
+      rig, sim::scan_points(rig, *good_, options, sim::ScanMethod::gray_codes, [] {}),
+      structured_light::Stripes{.width = static_cast<int>(settings.width)});
+  const sim::PatternRenderer renderer(rig, *part_, options);
+  images::FloatImage self = self_projected_depth(renderer, reference, limits, 0, 0);
+  images::FloatImage conventional = conventional_depth(renderer, limits, 0, 0);
   if (const int shift = static_cast<int>(settings.shift); shift != 0) {
     constexpr int kSecond = 64;  // its first frame, with other noise
     self = agreeing(self, self_projected_depth(renderer, reference, limits, kSecond, shift));
@@ -341,4 +348,4 @@ std::vector<WayOfMeasuring> DisturbedCuboids::measure(const World& world, const 
   return {{"self-projected, 4 bits", errors_of(self)}, {"conventional, 8 bits", errors_of(conventional)}};
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::lab

@@ -7,13 +7,13 @@
 #include <string>
 #include <vector>
 
-#include "host/images/float_image.h"
-#include "host/rig/rig.h"
 #include "lab/evaluation.h"
+#include "selfproj/images/float_image.h"
+#include "selfproj/rig/rig.h"
 #include "sim/scene/scene.h"
 #include "sim/scene/world.h"
 
-namespace selfproj {
+namespace selfproj::lab {
 
 // The errors of one way to measure.
 struct WayOfMeasuring {
@@ -26,29 +26,29 @@ struct WayOfMeasuring {
 class DisturbedStairs {
  public:
   // Takes every `every`-th frame in which the line lies on the part, and this many of the good part.
-  DisturbedStairs(const Rig& rig, int every, int reference_frames);
+  DisturbedStairs(const rig::Rig& rig, int every, int reference_frames);
 
   // Each mode, first with all lit pixels of a column, then with its strongest run. `noise_seed` is that of the frames'
   // noise.
-  [[nodiscard]] std::vector<WayOfMeasuring> measure(const World& world, std::int64_t noise_seed = 1) const;
+  [[nodiscard]] std::vector<WayOfMeasuring> measure(const sim::World& world, std::int64_t noise_seed = 1) const;
 
   // Half of the grey value that the line has at its brightest, in the median over the columns of a frame of the good
   // part: a threshold above a reflection that is less than half as bright.
-  [[nodiscard]] int half_of_the_line(const World& world) const;
+  [[nodiscard]] int half_of_the_line(const sim::World& world) const;
 
-  [[nodiscard]] const Rig& rig() const { return rig_; }
+  [[nodiscard]] const rig::Rig& rig() const { return rig_; }
 
  private:
-  Rig rig_;
+  rig::Rig rig_;
   int reference_frames_;
-  std::unique_ptr<Scene> part_, good_;
-  FloatImage pattern_;
+  std::unique_ptr<sim::Scene> part_, good_;
+  images::FloatImage pattern_;
   std::vector<int> frames_;
-  FloatImage truth_;  // height, mm; rows are frames_; NaN where nothing is compared
+  images::FloatImage truth_;  // height, mm; rows are frames_; NaN where nothing is compared
 };
 
 // The scanner's rig with so many times fewer pixels along each side of camera and projector.
-Rig coarser_rig(Rig rig, int factor);
+rig::Rig coarser_rig(rig::Rig rig, int factor);
 
 // How the cuboids are measured.
 struct CuboidSettings {
@@ -67,17 +67,17 @@ struct CuboidSettings {
 // conventional bits. The interiors of all faces count, the plane as well.
 class DisturbedCuboids {
  public:
-  explicit DisturbedCuboids(const Rig& rig);
+  explicit DisturbedCuboids(const rig::Rig& rig);
   // `noise_seed` is that of the images' noise.
-  [[nodiscard]] std::vector<WayOfMeasuring> measure(const World& world, const CuboidSettings& settings = {},
+  [[nodiscard]] std::vector<WayOfMeasuring> measure(const sim::World& world, const CuboidSettings& settings = {},
                                                     std::int64_t noise_seed = 1) const;
 
  private:
-  Rig rig_;
-  std::unique_ptr<Scene> part_, good_;
-  FloatImage truth_;  // z, mm; NaN where nothing is compared
+  rig::Rig rig_;
+  std::unique_ptr<sim::Scene> part_, good_;
+  images::FloatImage truth_;  // z, mm; NaN where nothing is compared
 };
 
-}  // namespace selfproj
+}  // namespace selfproj::lab
 
 #endif  // SELFPROJ_LAB_DISTURBED_MEASUREMENTS_H

@@ -8,9 +8,9 @@
 #include <stdexcept>
 #include <vector>
 
-#include "host/images/float_image.h"
+#include "selfproj/images/float_image.h"
 
-namespace selfproj {
+namespace selfproj::lab {
 namespace {
 
 bool is_step(float a, float b, double min_step) {
@@ -46,7 +46,7 @@ double median_of(std::vector<double>& values) {
 
 }  // namespace
 
-Mask near_steps(const FloatImage& truth, double min_step, int columns, int rows) {
+Mask near_steps(const images::FloatImage& truth, double min_step, int columns, int rows) {
   Mask along_rows(truth.values.size(), 0);
   Mask along_columns(truth.values.size(), 0);
   const auto width = static_cast<std::size_t>(truth.columns);
@@ -75,7 +75,7 @@ Mask near_steps(const FloatImage& truth, double min_step, int columns, int rows)
   return result;
 }
 
-Mask around_steps(const FloatImage& truth, double min_step, int columns, int rows) {
+Mask around_steps(const images::FloatImage& truth, double min_step, int columns, int rows) {
   Mask result = near_steps(truth, min_step, 1, 1);
   const auto width = static_cast<std::size_t>(truth.columns);
   for (int r = 0; r < truth.rows; ++r) {
@@ -87,8 +87,8 @@ Mask around_steps(const FloatImage& truth, double min_step, int columns, int row
   return result;
 }
 
-HeightErrors height_errors(const FloatImage& height, const FloatImage& x, const FloatImage& y, const Mask& left_out,
-                           const TrueHeight& truth) {
+HeightErrors height_errors(const images::FloatImage& height, const images::FloatImage& x, const images::FloatImage& y,
+                           const Mask& left_out, const TrueHeight& truth) {
   const std::size_t size = height.values.size();
   if (x.values.size() != size || y.values.size() != size || left_out.size() != size) {
     throw std::invalid_argument("maps of different sizes");
@@ -119,7 +119,7 @@ HeightErrors height_errors(const FloatImage& height, const FloatImage& x, const 
   return result;
 }
 
-RegionValues values_in(const FloatImage& map, const Mask& mask, std::uint8_t label) {
+RegionValues values_in(const images::FloatImage& map, const Mask& mask, std::uint8_t label) {
   if (mask.size() != map.values.size()) {
     throw std::invalid_argument("a mask of another size");
   }
@@ -138,11 +138,12 @@ RegionValues values_in(const FloatImage& map, const Mask& mask, std::uint8_t lab
   return result;
 }
 
-double depth_of(const FloatImage& difference, const Mask& mask, std::uint8_t region, std::uint8_t surroundings) {
+double depth_of(const images::FloatImage& difference, const Mask& mask, std::uint8_t region,
+                std::uint8_t surroundings) {
   return values_in(difference, mask, surroundings).median - values_in(difference, mask, region).median;
 }
 
-CentroidRange centroid_range(const FloatImage& centroid, const Mask& left_out, int first_row, int rows) {
+CentroidRange centroid_range(const images::FloatImage& centroid, const Mask& left_out, int first_row, int rows) {
   if (left_out.size() != centroid.values.size()) {
     throw std::invalid_argument("a mask of another size");
   }
@@ -174,4 +175,4 @@ CentroidRange centroid_range(const FloatImage& centroid, const Mask& left_out, i
   return result;
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::lab

@@ -10,9 +10,9 @@
 #include <limits>
 #include <vector>
 
-#include "host/images/float_image.h"
+#include "selfproj/images/float_image.h"
 
-namespace selfproj {
+namespace selfproj::lab {
 
 class ErrorSpread {
  public:
@@ -81,11 +81,11 @@ using TrueHeight = std::function<double(int frame, double x, double y)>;
 // value. There a line of finite width lies on two heights at the same time. A step is where two neighbours, along a row
 // or along a column, differ by more than `min_step`, or only one of them has a value. An entry beside a step is within
 // 1 of it.
-Mask near_steps(const FloatImage& truth, double min_step, int columns, int rows);
+Mask near_steps(const images::FloatImage& truth, double min_step, int columns, int rows);
 
 // The same within a rectangle: 1 for the entries that are within `columns` >= 1 columns and `rows` >= 1 rows of a step,
 // those beside its corners as well. Hidden rigs are judged like this (lab/scripts/hidden_rig_figures.py).
-Mask around_steps(const FloatImage& truth, double min_step, int columns, int rows);
+Mask around_steps(const images::FloatImage& truth, double min_step, int columns, int rows);
 
 struct HeightErrors {
   std::int64_t points = 0;    // points compared
@@ -102,8 +102,8 @@ struct HeightErrors {
 };
 
 // Compares each point's height with the truth at its own x and y. Throws std::invalid_argument if the sizes differ.
-HeightErrors height_errors(const FloatImage& height, const FloatImage& x, const FloatImage& y, const Mask& left_out,
-                           const TrueHeight& truth);
+HeightErrors height_errors(const images::FloatImage& height, const images::FloatImage& x, const images::FloatImage& y,
+                           const Mask& left_out, const TrueHeight& truth);
 
 // The values of a map where the mask is `label`.
 struct RegionValues {
@@ -111,11 +111,11 @@ struct RegionValues {
   double mean = 0;
   double median = 0;
 };
-RegionValues values_in(const FloatImage& map, const Mask& mask, std::uint8_t label);
+RegionValues values_in(const images::FloatImage& map, const Mask& mask, std::uint8_t label);
 
 // How far a region lies below its surroundings in the map `difference` (positive towards the camera). It is the
 // difference of the medians, so that points at the edges do not count. NaN if either is empty.
-double depth_of(const FloatImage& difference, const Mask& mask, std::uint8_t region, std::uint8_t surroundings);
+double depth_of(const images::FloatImage& difference, const Mask& mask, std::uint8_t region, std::uint8_t surroundings);
 
 // max - min of the centroids C in each row (frame), over entries where `left_out` is 0. Rows with fewer than two do not
 // count. If no row counts, all values are 0.
@@ -123,8 +123,8 @@ struct CentroidRange {
   double greatest = 0;  // over the rows
   double median = 0;
 };
-CentroidRange centroid_range(const FloatImage& centroid, const Mask& left_out, int first_row, int rows);
+CentroidRange centroid_range(const images::FloatImage& centroid, const Mask& left_out, int first_row, int rows);
 
-}  // namespace selfproj
+}  // namespace selfproj::lab
 
 #endif  // SELFPROJ_LAB_EVALUATION_H

@@ -13,11 +13,8 @@
 #include "host/cli/progress.h"
 #include "host/files/output_folder.h"
 #include "host/files/results_file.h"
-#include "host/files/user_error.h"
-#include "host/images/float_image.h"
 #include "host/report/inspection_output.h"
 #include "host/report/report.h"
-#include "host/rig/rig.h"
 #include "lab/cuboid_remedies.h"
 #include "lab/cuboids.h"
 #include "lab/disturbed_measurements.h"
@@ -27,9 +24,12 @@
 #include "lab/robustness.h"
 #include "lab/section_experiment.h"
 #include "lab/structured_light.h"
+#include "selfproj/files/user_error.h"
+#include "selfproj/images/float_image.h"
+#include "selfproj/rig/rig.h"
 #include "sim/scene/renderer.h"
 
-namespace selfproj {
+namespace selfproj::lab {
 namespace {
 
 // The number of characters that a text takes on a terminal: its code points.
@@ -38,7 +38,7 @@ std::size_t width_of(const std::string& text) {
       std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; }));
 }
 
-void print(const ReportTable& table) {
+void print(const report::ReportTable& table) {
   std::vector<std::vector<std::string>> rows = {table.header};
   rows.insert(rows.end(), table.rows.begin(), table.rows.end());
   std::vector<std::size_t> widths(table.header.size(), 0);
@@ -59,9 +59,9 @@ void print(const ReportTable& table) {
   fmt::print("\n");
 }
 
-nlohmann::ordered_json json_of(const std::vector<ReportTable>& tables) {
+nlohmann::ordered_json json_of(const std::vector<report::ReportTable>& tables) {
   nlohmann::ordered_json all = nlohmann::ordered_json::array();
-  for (const ReportTable& table : tables) {
+  for (const report::ReportTable& table : tables) {
     all.push_back({{"title", table.title}, {"header", table.header}, {"rows", table.rows}, {"note", table.note}});
   }
   return all;
@@ -69,11 +69,11 @@ nlohmann::ordered_json json_of(const std::vector<ReportTable>& tables) {
 
 // The tables and what is not reached, as results/experiment_NAME.json; with --sources, --gray-scan and --pool-seed
 // under a different name.
-void keep_results(const ExperimentOptions& options, const std::vector<ReportTable>& tables,
+void keep_results(const ExperimentOptions& options, const std::vector<report::ReportTable>& tables,
                   const std::vector<std::string>& not_reached) {
-  write_results(
+  files::write_results(
       "experiment_" + options.name + (options.null_test ? "_null_test" : "") + (options.sources ? "_sources" : "") +
-          (options.scan == ScanMethod::gray_codes ? "_gray_scan" : "") + (options.pool_seed > 0 ? "_drawn" : ""),
+          (options.scan == sim::ScanMethod::gray_codes ? "_gray_scan" : "") + (options.pool_seed > 0 ? "_drawn" : ""),
       "Experiment " + options.name + " in simulation", {{"tables", json_of(tables)}, {"not_reached", not_reached}});
 }
 
@@ -90,12 +90,12 @@ class ShownProgress {
 
  private:
   std::string what_;
-  std::optional<Progress> progress_;
+  std::optional<cli::Progress> progress_;
 };
 
 // Copies the options that B4, B7 and B8 have in common.
 template <class Options>
-Options structured_light_options(const ExperimentOptions& options, const Rig& rig) {
+Options structured_light_options(const ExperimentOptions& options, const rig::Rig& rig) {
   Options experiment;
   experiment.rig = rig;
   experiment.render = options.render();
@@ -109,9 +109,10 @@ bool is_gray_motion(const ExperimentOptions& options) {
 }
 
 // Both functions return what was not reached.
-std::vector<std::string> run_structured_light(const ExperimentOptions& options, std::optional<OutputFolder>& folder) {
-  const Rig rig = load_rig(options.rig.empty() ? "scanner" : options.rig);
-  if (rig.kind != RigKind::scanner) {
+std::vector<std::string> run_structured_light(const ExperimentOptions& options,
+                                              std::optional<files::OutputFolder>& folder) {
+  const rig::Rig rig = rig::load_rig(options.rig.empty() ? "scanner" : options.rig);
+  if (rig.kind != rig::RigKind::scanner) {
     throw UserError("--rig", fmt::format("{} is not a rig of kind scanner", options.rig));
   }
   if (!rig.is_pinholes()) {  // the conventional scanner beside it codes the central lines only
@@ -132,28 +133,29 @@ std::vector<std::string> run_structured_light(const ExperimentOptions& options, 
                  ? run_cuboids(structured_light_options<CuboidsOptions>(options, rig), std::ref(progress))
                  : run_moving(options.name, structured_light_options<MovingOptions>(options, rig), std::ref(progress));
   }
-  for (const ReportTable& table : result.tables) {
+  for (const report::ReportTable& table : result.tables) {
     print(table);
   }
   keep_results(options, result.tables, result.not_reached);
   if (folder) {
     if (!result.depth.values.empty()) {
-      folder->append("depth.tiff", encode_float_tiff("depth.tiff", result.depth));
-      folder->append("difference.tiff", encode_float_tiff("difference.tiff", result.difference));
-      folder->append("truth.tiff", encode_float_tiff("truth.tiff", result.truth));
+      folder->append("depth.tiff", images::encode_float_tiff("depth.tiff", result.depth));
+      folder->append("difference.tiff", images::encode_float_tiff("difference.tiff", result.difference));
+      folder->append("truth.tiff", images::encode_float_tiff("truth.tiff", result.truth));
     }
     if (!result.series.empty()) {
       folder->append("series.csv", result.series);
     }
-    folder->append("report.html", page_html(result.page));
+    folder->append("report.html", report::page_html(result.page));
     folder->commit();
   }
   return result.not_reached;
 }
 
-std::vector<std::string> run_light_section(const ExperimentOptions& options, std::optional<OutputFolder>& folder) {
+std::vector<std::string> run_light_section(const ExperimentOptions& options,
+                                           std::optional<files::OutputFolder>& folder) {
   SectionOptions experiment;
-  experiment.rig = load_rig(options.rig.empty() ? "light-section" : options.rig);
+  experiment.rig = rig::load_rig(options.rig.empty() ? "light-section" : options.rig);
   experiment.route = options.null_test ? Route::null_test : Route::learned;
   experiment.perturbed_rig_seed = options.perturbed_rig_seed;
   experiment.residual = options.residual;
@@ -165,17 +167,17 @@ std::vector<std::string> run_light_section(const ExperimentOptions& options, std
     ShownProgress progress("image");
     result = run_section_experiment(options.name, experiment, std::ref(progress));
   }
-  for (const ReportTable& table : result.tables) {
+  for (const report::ReportTable& table : result.tables) {
     print(table);
   }
   keep_results(options, result.tables, result.not_reached);
   if (folder) {
-    ReportParts parts;
+    report::ReportParts parts;
     parts.title = "Experiment " + result.name;
     parts.tables = result.tables;
     parts.settings = result.conditions;
     parts.camera = result.measurement.camera;
-    write_inspection(result.measurement.by_mode[0], *folder, parts);
+    report::write_inspection(result.measurement.by_mode[0], *folder, parts);
     folder->commit();
   }
   return result.not_reached;
@@ -194,19 +196,19 @@ void conclude(const std::string& name, const std::vector<std::string>& not_reach
 
 // Prints the tables of a page, keeps figures and further JSON as results/NAME.json, and writes the page.
 void keep_study(const std::string& name, const std::string& title, nlohmann::ordered_json figures,
-                const std::string& data, const ReportPage& page, std::optional<OutputFolder>& folder) {
-  for (const ReportTable& table : page.tables) {
+                const std::string& data, const report::ReportPage& page, std::optional<files::OutputFolder>& folder) {
+  for (const report::ReportTable& table : page.tables) {
     print(table);
   }
   figures.update(nlohmann::ordered_json::parse(data));
-  write_results(name, title, figures);
+  files::write_results(name, title, figures);
   if (folder) {
-    folder->append("report.html", page_html(page));
+    folder->append("report.html", report::page_html(page));
     folder->commit();
   }
 }
 
-std::vector<std::string> run_worlds(const ExperimentOptions& options, std::optional<OutputFolder>& folder) {
+std::vector<std::string> run_worlds(const ExperimentOptions& options, std::optional<files::OutputFolder>& folder) {
   RobustnessOptions experiment;
   experiment.world = options.parameters;
   experiment.every = options.every.value_or(experiment.every);
@@ -224,14 +226,14 @@ std::vector<std::string> run_worlds(const ExperimentOptions& options, std::optio
   return result.not_reached;
 }
 
-std::vector<std::string> run_remedies(const ExperimentOptions& options, std::optional<OutputFolder>& folder) {
-  const DisturbedCuboids cuboids(coarser_rig(load_rig("scanner"), options.coarser));
+std::vector<std::string> run_remedies(const ExperimentOptions& options, std::optional<files::OutputFolder>& folder) {
+  const DisturbedCuboids cuboids(coarser_rig(rig::load_rig("scanner"), options.coarser));
   std::vector<TriedRemedy> tried;
   {
     ShownProgress progress("world");
     tried = try_cuboid_remedies(cuboids, options.parameters, options.seeds, std::ref(progress));
   }
-  ReportPage page;
+  report::ReportPage page;
   page.title = "Experiment remedies";
   page.subtitle = "What helps B4 in a world that is not ideal";
   page.tables = {remedies_table(tried, options.seeds)};
@@ -240,7 +242,7 @@ std::vector<std::string> run_remedies(const ExperimentOptions& options, std::opt
   return {};
 }
 
-std::vector<std::string> run_parts(const ExperimentOptions& options, std::optional<OutputFolder>& folder) {
+std::vector<std::string> run_parts(const ExperimentOptions& options, std::optional<files::OutputFolder>& folder) {
   PartDetectionOptions experiment;
   experiment.render = options.render();
   experiment.parts = options.parts;
@@ -263,7 +265,7 @@ std::vector<std::string> run_parts(const ExperimentOptions& options, std::option
 
 void run_experiment(const ExperimentOptions& options) {
   const bool structured_light = options.name.starts_with('B');
-  std::optional<OutputFolder> folder;
+  std::optional<files::OutputFolder> folder;
   if (!options.out.empty()) {
     folder.emplace(options.out);
   }
@@ -274,4 +276,4 @@ void run_experiment(const ExperimentOptions& options) {
                                                       : run_light_section(options, folder));
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::lab

@@ -11,7 +11,7 @@
 #include "sim/scene/virtual_capture.h"
 #include "sim/scene/world.h"
 
-namespace selfproj {
+namespace selfproj::lab {
 
 // The options of an experiment.
 struct ExperimentOptions {
@@ -19,10 +19,10 @@ struct ExperimentOptions {
   std::string rig = {};               // built-in or a file; empty: that of the experiment
   std::string out = {};               // folder for the report and the files behind it; empty: none
   std::vector<std::string> off = {};  // names of kErrorSources
-  World world = {};                   // disturbances of the images
+  sim::World world = {};              // disturbances of the images
 
-  [[nodiscard]] RenderOptions render() const {
-    RenderOptions result = options_without(off);
+  [[nodiscard]] sim::RenderOptions render() const {
+    sim::RenderOptions result = sim::options_without(off);
     result.world = world;
     return result;
   }
@@ -30,7 +30,7 @@ struct ExperimentOptions {
   // For robustness, and but for the next two remedies:
   int cameras = 40;
   int strengths = 5;
-  WorldFile parameters = {};  // of the disturbances
+  sim::WorldFile parameters = {};  // of the disturbances
   int coarser = 1;
 
   int seeds = 2;  // for remedies: on which each is measured
@@ -55,7 +55,7 @@ struct ExperimentOptions {
   std::uint64_t pool_seed = 0;  // GrayMotionOptions::pool_seed
 
   // For B4, B7 and B8:
-  ScanMethod scan = ScanMethod::lines;
+  sim::ScanMethod scan = sim::ScanMethod::lines;
   std::optional<int> e = {};  // e of (4.20); nothing: that of the experiment
 };
 
@@ -63,6 +63,6 @@ struct ExperimentOptions {
 // if a goal of the project is not reached.
 void run_experiment(const ExperimentOptions& options);
 
-}  // namespace selfproj
+}  // namespace selfproj::lab
 
 #endif  // SELFPROJ_LAB_EXPERIMENT_H

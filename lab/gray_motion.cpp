@@ -16,20 +16,20 @@
 #include <utility>
 #include <vector>
 
-#include "host/images/float_image.h"
 #include "host/report/report.h"
-#include "host/rig/calibration.h"
-#include "host/rig/rig.h"
-#include "host/structured_light/triangulation.h"
 #include "lab/structured_light.h"
-#include "model/gray_decoder.h"
+#include "selfproj/images/float_image.h"
+#include "selfproj/model/gray_decoder.h"
+#include "selfproj/rig/calibration.h"
+#include "selfproj/rig/rig.h"
+#include "selfproj/structured_light/triangulation.h"
 #include "sim/cosim/motion_analysis.h"
 #include "sim/cosim/wave_dispersion.h"
 #include "sim/scene/random.h"
 #include "sim/scene/ring_wave.h"
 #include "sim/scene/scenes.h"
 
-namespace selfproj {
+namespace selfproj::lab {
 namespace {
 
 constexpr double kNoCrest = std::numeric_limits<double>::quiet_NaN();
@@ -40,23 +40,24 @@ constexpr double kMaxOff = 0.05;      // greatest relative error of the speed of
 
 // What is measured in one pool, either in the host's depth images or in the true ones.
 struct WaveSeen {
-  BasinWaves waves{pool_basin(), kShortestWave, kGrayCycle / 2};
+  sim::BasinWaves waves{sim::pool_basin(), kShortestWave, kGrayCycle / 2};
   std::vector<double> crest;
 
-  void take(const Seen& seen, const FloatImage& depth, const FloatImage& background, const RingMeans& rings) {
-    waves.add(seen.t, seen.triangulation, depth, background, kMaxWave);
-    crest.push_back(is_open_wave(seen.t - PoolWave::kImpact)
-                        ? foremost_crest(rings, rings.means(depth, background, kMaxWave), kMinWave)
+  void take(const Seen& seen, const images::FloatImage& depth, const images::FloatImage& background,
+            const sim::RingMeans& rings) {
+    waves.add(seen.t, seen.triangulation, depth, background, sim::kMaxWave);
+    crest.push_back(sim::is_open_wave(seen.t - sim::PoolWave::kImpact)
+                        ? sim::foremost_crest(rings, rings.means(depth, background, sim::kMaxWave), sim::kMinWave)
                         : kNoCrest);
   }
 };
 
 // Returns the depth z of the water at rest, mm: the median depth of the borders between codes in the basin.
-float level_of(const Triangulation& triangulation, const FloatImage& borders) {
-  constexpr Basin kPool = pool_basin();
+float level_of(const structured_light::Triangulation& triangulation, const images::FloatImage& borders) {
+  constexpr sim::Basin kPool = sim::pool_basin();
   std::vector<float> depths;
   for (std::size_t i = 0; i < borders.values.size(); ++i) {
-    const Point3f p = triangulation.point(i, borders.values[i]);
+    const structured_light::Point3f p = triangulation.point(i, borders.values[i]);
     const auto x = static_cast<double>(p.x);
     const auto y = static_cast<double>(p.y);
     if (x > kPool.x0 && x < kPool.x1 && y > kPool.y0 && y < kPool.y1) {  // not if NaN
@@ -74,19 +75,21 @@ float level_of(const Triangulation& triangulation, const FloatImage& borders) {
 // Depths rounded to whole codes, as if all bits were taken at once and without noise.
 class WholeCodes {
  public:
-  explicit WholeCodes(const Rig& rig) : matrix_(depth_matrices(rig, kGrayBits, rig.projector.lines).projector) {}
+  explicit WholeCodes(const rig::Rig& rig)
+      : matrix_(rig::depth_matrices(rig, kGrayBits, rig.projector.lines).projector) {}
 
-  [[nodiscard]] FloatImage of(const Triangulation& triangulation, const FloatImage& depth) const {
+  [[nodiscard]] images::FloatImage of(const structured_light::Triangulation& triangulation,
+                                      const images::FloatImage& depth) const {
     std::vector<std::uint16_t> words(depth.values.size(), 0);
     for (std::size_t i = 0; i < words.size(); ++i) {
-      const Point3f p = triangulation.point(i, depth.values[i]);
+      const structured_light::Point3f p = triangulation.point(i, depth.values[i]);
       const cv::Matx<double, 2, 1> line = matrix_ * cv::Vec4d(p.x, p.y, p.z, 1);
       const double code = line(0) / line(1);
       if (code >= 0 && code < 1 << kGrayBits) {  // not if NaN
-        words[i] = static_cast<std::uint16_t>(static_cast<int>(code) | GrayDecoder::kMeasurable);
+        words[i] = static_cast<std::uint16_t>(static_cast<int>(code) | model::GrayDecoder::kMeasurable);
       }
     }
-    FloatImage rounded(depth.rows, depth.columns);
+    images::FloatImage rounded(depth.rows, depth.columns);
     triangulation.depth(words.data(), rounded.values.data());
     return rounded;
   }
@@ -98,8 +101,8 @@ class WholeCodes {
 struct PoolSeen {
   std::vector<double> t;
   WaveSeen measured, truth;
-  BasinWaves borders{pool_basin(), kShortestWave, 1};
-  BasinWaves rounded{pool_basin(), kShortestWave, kGrayCycle / 2};
+  sim::BasinWaves borders{sim::pool_basin(), kShortestWave, 1};
+  sim::BasinWaves rounded{sim::pool_basin(), kShortestWave, kGrayCycle / 2};
 };
 
 constexpr double kCmPerMm = 0.1;
@@ -114,40 +117,41 @@ struct PoolShot {
   bool truth;
 };
 
-PoolSeen observe_pool(const GrayMotionOptions& options, PoolDrop drop, const PoolShot& how,
+PoolSeen observe_pool(const GrayMotionOptions& options, sim::PoolDrop drop, const PoolShot& how,
                       const std::function<void()>& done) {
   drop.after = kAfter;
-  const auto pool = make_pool(options.rig, drop.depth);
-  const auto waves = make_waves(options.rig, drop);
-  const int first = static_cast<int>(std::lround((PoolWave::kImpact + kWaveFrom) * options.rig.camera.frame_rate_hz));
+  const auto pool = sim::make_pool(options.rig, drop.depth);
+  const auto waves = sim::make_waves(options.rig, drop);
+  const int first =
+      static_cast<int>(std::lround((sim::PoolWave::kImpact + sim::kWaveFrom) * options.rig.camera.frame_rate_hz));
   PoolSeen found;
   const WholeCodes whole(options.rig);
-  FloatImage at_rest, rounded_at_rest;
-  observe(
-      options, {*waves, *pool, first - kGrayCycle, how.frames, how.noise_seed, how.truth}, done, [&](const Seen& seen) {
-        const RingMeans rings = pool_rings(seen.triangulation, drop.x, drop.y);
-        found.t.push_back(seen.t);
-        found.measured.take(seen, seen.depth, seen.background, rings);
-        if (at_rest.values.empty()) {
-          at_rest =
-              FloatImage(seen.depth.rows, seen.depth.columns, level_of(seen.triangulation, seen.background_borders));
-          rounded_at_rest = whole.of(seen.triangulation, seen.true_background);
-        }
-        if (seen.borders != nullptr) {
-          found.borders.add(seen.t, seen.triangulation, *seen.borders, at_rest, kMaxWave);
-        }
-        if (how.truth) {
-          found.rounded.add(seen.t, seen.triangulation, whole.of(seen.triangulation, seen.truth), rounded_at_rest,
-                            kMaxWave);
-          found.truth.take(seen, seen.truth, seen.true_background, rings);
-        }
-      });
+  images::FloatImage at_rest, rounded_at_rest;
+  observe(options, {*waves, *pool, first - kGrayCycle, how.frames, how.noise_seed, how.truth}, done,
+          [&](const Seen& seen) {
+            const sim::RingMeans rings = sim::pool_rings(seen.triangulation, drop.x, drop.y);
+            found.t.push_back(seen.t);
+            found.measured.take(seen, seen.depth, seen.background, rings);
+            if (at_rest.values.empty()) {
+              at_rest = images::FloatImage(seen.depth.rows, seen.depth.columns,
+                                           level_of(seen.triangulation, seen.background_borders));
+              rounded_at_rest = whole.of(seen.triangulation, seen.true_background);
+            }
+            if (seen.borders != nullptr) {
+              found.borders.add(seen.t, seen.triangulation, *seen.borders, at_rest, sim::kMaxWave);
+            }
+            if (how.truth) {
+              found.rounded.add(seen.t, seen.triangulation, whole.of(seen.triangulation, seen.truth), rounded_at_rest,
+                                sim::kMaxWave);
+              found.truth.take(seen, seen.truth, seen.true_background, rings);
+            }
+          });
   return found;
 }
 
 struct NamedDrop {
   std::string name;
-  PoolDrop drop;
+  sim::PoolDrop drop;
 };
 
 // Returns pool i of those in addition to the pool of the thesis. If `first_seed` is 0, two of them have other depths,
@@ -155,7 +159,7 @@ struct NamedDrop {
 NamedDrop other_pool(int i, std::uint64_t first_seed) {
   constexpr std::array<double, 2> kOtherDepths{20, 40};
   if (first_seed == 0 && i < static_cast<int>(kOtherDepths.size())) {
-    PoolDrop drop;
+    sim::PoolDrop drop;
     drop.depth = kOtherDepths.at(static_cast<std::size_t>(i));
     return {fmt::format("{:g} mm deep", drop.depth), drop};
   }
@@ -164,21 +168,22 @@ NamedDrop other_pool(int i, std::uint64_t first_seed) {
   return {fmt::format("drawn by seed {}", seed), drawn_drop(seed)};
 }
 
-ReportTable lengths_table(const WaveDispersion& measured, const WaveDispersion& in_truth) {
+report::ReportTable lengths_table(const sim::WaveDispersion& measured, const sim::WaveDispersion& in_truth) {
   constexpr std::array<double, 7> kLengths{500, 240, 160, 120, 95, 75, 60};
-  ReportTable table{
+  report::ReportTable table{
       "B2: phase speed by wavelength",
       {"waves of, mm", "standing waves", "mean length, mm", "measured, cm/s", "in the true depths, cm/s",
        "by theory, cm/s"},
       {},
       "The frequency of each wave is fitted freely. By theory: Airy's waves of the mean length in 3 cm of water."};
   for (std::size_t i = 0; i + 1 < kLengths.size(); ++i) {
-    const WaveSpeed seen = measured.speed(kLengths.at(i), kLengths.at(i + 1));
-    const WaveSpeed truth = in_truth.speed(kLengths.at(i), kLengths.at(i + 1));
+    const sim::WaveSpeed seen = measured.speed(kLengths.at(i), kLengths.at(i + 1));
+    const sim::WaveSpeed truth = in_truth.speed(kLengths.at(i), kLengths.at(i + 1));
     const double k = 2 * std::numbers::pi / seen.length;
     table.rows.push_back({fmt::format("{:g} to {:g}", kLengths.at(i + 1), kLengths.at(i)), std::to_string(seen.waves),
                           figure_text(seen.length, 0), cm_text(seen.speed, seen.deviation),
-                          cm_text(truth.speed, truth.deviation), cm_text(RingWave::omega(k, PoolWave::kDepth) / k)});
+                          cm_text(truth.speed, truth.deviation),
+                          cm_text(sim::RingWave::omega(k, sim::PoolWave::kDepth) / k)});
   }
   return table;
 }
@@ -190,7 +195,7 @@ StructuredLightResult run_waves(const GrayMotionOptions& options, const Progress
   std::size_t done = 0;
   const auto count = [&] { progress(++done, images_of(1 + options.pools, frames)); };
   StructuredLightResult result;
-  ReportTable others{
+  report::ReportTable others{
       "B2: speed of long waves in other pools",
       {"pool", "depth, mm", "measured, mm", "√(g h), cm/s", "measured, cm/s", "off, %", "standing waves", "misfit",
        "off by whole codes, %", "foremost crest, cm/s"},
@@ -198,7 +203,7 @@ StructuredLightResult run_waves(const GrayMotionOptions& options, const Progress
       "Depth, place of the impact and crater are drawn by seeds, with noise of its own in each pool. "
       "Misfit: the residual with the theory's frequencies, divided by that with a freely fitted frequency "
       "for each wave."};
-  const auto judge = [&](const std::string& name, double true_speed, const LongWaves& waves) {
+  const auto judge = [&](const std::string& name, double true_speed, const sim::LongWaves& waves) {
     const double off = waves.speed / true_speed - 1;
     if (!(std::abs(off) <= kMaxOff)) {
       result.not_reached.push_back(fmt::format("{}: long waves are measured at {} cm/s, within {:g} % of {} wanted",
@@ -206,25 +211,25 @@ StructuredLightResult run_waves(const GrayMotionOptions& options, const Progress
     }
     return figure_text(100 * off, 1);
   };
-  const auto speed_of = [](const PoolDrop& drop) { return std::sqrt(kStandardGravity * drop.depth); };
+  const auto speed_of = [](const sim::PoolDrop& drop) { return std::sqrt(sim::kStandardGravity * drop.depth); };
   const PoolSeen pool = observe_pool(options, {}, {frames, options.rig.imaging.seed, true}, count);
-  const WaveDispersion measured(pool.borders);
-  const LongWaves by_codes = WaveDispersion(pool.measured.waves).long_waves();
-  const LongWaves rounded = WaveDispersion(pool.rounded).long_waves();
-  const WaveDispersion in_truth(pool.truth.waves);
-  const LongWaves found = measured.long_waves();
-  const LongWaves truth = in_truth.long_waves();
+  const sim::WaveDispersion measured(pool.borders);
+  const sim::LongWaves by_codes = sim::WaveDispersion(pool.measured.waves).long_waves();
+  const sim::LongWaves rounded = sim::WaveDispersion(pool.rounded).long_waves();
+  const sim::WaveDispersion in_truth(pool.truth.waves);
+  const sim::LongWaves found = measured.long_waves();
+  const sim::LongWaves truth = in_truth.long_waves();
   judge("3 cm of water", speed_of({}), found);
-  const auto row_of = [&](const std::string& name, const PoolDrop& drop, const PoolSeen& seen) {
-    const LongWaves waves = WaveDispersion(seen.borders).long_waves();
-    const LongWaves whole_codes = WaveDispersion(seen.measured.waves).long_waves();
+  const auto row_of = [&](const std::string& name, const sim::PoolDrop& drop, const PoolSeen& seen) {
+    const sim::LongWaves waves = sim::WaveDispersion(seen.borders).long_waves();
+    const sim::LongWaves whole_codes = sim::WaveDispersion(seen.measured.waves).long_waves();
     others.rows.push_back({name, figure_text(drop.depth, 1),
                            fmt::format("{} ± {}", figure_text(waves.depth, 1),
                                        figure_text(2 * waves.depth * waves.deviation / waves.speed, 1)),
                            cm_text(speed_of(drop)), cm_text(waves.speed, waves.deviation),
                            judge(name, speed_of(drop), waves), std::to_string(waves.waves), figure_text(waves.misfit),
                            figure_text(100 * (whole_codes.speed / speed_of(drop) - 1), 1),
-                           cm_text(crest_speed(seen.t, seen.measured.crest))});
+                           cm_text(sim::crest_speed(seen.t, seen.measured.crest))});
   };
   for (int i = 0; i < options.pools; ++i) {
     const auto [name, drop] = other_pool(i, options.pool_seed);
@@ -236,8 +241,8 @@ StructuredLightResult run_waves(const GrayMotionOptions& options, const Progress
        {{"long waves, √(g h), by the depth that all standing waves give", "54", cm_text(found.speed, found.deviation),
          cm_text(by_codes.speed, by_codes.deviation), cm_text(truth.speed, truth.deviation),
          cm_text(rounded.speed, rounded.deviation)},
-        {"foremost crest", "54", "–", cm_text(crest_speed(pool.t, pool.measured.crest)),
-         cm_text(crest_speed(pool.t, pool.truth.crest)), "–"}},
+        {"foremost crest", "54", "–", cm_text(sim::crest_speed(pool.t, pool.measured.crest)),
+         cm_text(sim::crest_speed(pool.t, pool.truth.crest)), "–"}},
        fmt::format("Published: √(g h) = {} cm/s, which the thesis states and does not measure. Water 3 cm deep "
                    "disperses: only waves much longer than that run so fast, and the crests that are seen are short.",
                    cm_text(speed_of({})))},
@@ -261,23 +266,24 @@ constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 // How well a filter follows the fist on a path.
 class Following {
  public:
-  Following(const Rig& rig, const SteadySettings& settings)
+  Following(const rig::Rig& rig, const structured_light::SteadySettings& settings)
       : settings_(settings), filter_(rig.camera.rows, rig.camera.columns, settings) {}
 
   void take(const Seen& seen) {
     const float* kept = seen.depth.values.data();
     if (filter_.is_on()) {
-      filter_.apply(seen.depth.values.data(), seen.background.values.data(), kMovedMm);
+      filter_.apply(seen.depth.values.data(), seen.background.values.data(), sim::kMovedMm);
       filter_.remember(seen.depth.values.data());
       kept = filter_.kept();
     }
-    const Foreground found = foreground_of(seen.triangulation, kept, seen.background.values.data(), kMovedMm);
-    const Foreground truth =
-        foreground_of(seen.triangulation, seen.truth.values.data(), seen.true_background.values.data(), kMovedMm);
+    const structured_light::Foreground found =
+        structured_light::foreground_of(seen.triangulation, kept, seen.background.values.data(), sim::kMovedMm);
+    const structured_light::Foreground truth = structured_light::foreground_of(
+        seen.triangulation, seen.truth.values.data(), seen.true_background.values.data(), sim::kMovedMm);
     for (std::size_t i = 0; i < seen.truth.values.size(); ++i) {
       const double rise = static_cast<double>(seen.background.values[i]) - static_cast<double>(kept[i]);
       const double off = std::abs(static_cast<double>(kept[i]) - static_cast<double>(seen.truth.values[i]));
-      wrong_ += std::abs(rise) > kMovedMm && off > kWrongMm ? 1 : 0;
+      wrong_ += std::abs(rise) > sim::kMovedMm && off > kWrongMm ? 1 : 0;
     }
     ++images_;
     pixels_ += static_cast<double>(found.pixels);
@@ -292,7 +298,7 @@ class Following {
     }
   }
 
-  [[nodiscard]] const SteadySettings& settings() const { return settings_; }
+  [[nodiscard]] const structured_light::SteadySettings& settings() const { return settings_; }
   [[nodiscard]] double squares() const { return squares_; }
   [[nodiscard]] double points() const { return points_; }
   [[nodiscard]] double rms() const { return std::sqrt(squares_ / points_); }
@@ -301,11 +307,11 @@ class Following {
   [[nodiscard]] double true_pixels() const { return true_pixels_ / images_; }
   [[nodiscard]] double wrong() const { return wrong_ / images_; }
   [[nodiscard]] double images() const { return images_; }
-  [[nodiscard]] double frequency() const { return fit_sine(t_, x_, 1, 8).frequency; }
+  [[nodiscard]] double frequency() const { return sim::fit_sine(t_, x_, 1, 8).frequency; }
 
  private:
-  SteadySettings settings_;
-  SteadyFilter filter_;
+  structured_light::SteadySettings settings_;
+  structured_light::SteadyFilter filter_;
   double images_ = 0, points_ = 0;
   double squares_ = 0, most_ = 0, pixels_ = 0, true_pixels_ = 0, wrong_ = 0;
   std::vector<double> t_, x_;
@@ -314,7 +320,7 @@ class Following {
 constexpr std::array<float, 4> kChanges{std::numeric_limits<float>::infinity(), 20, 10, 5};
 constexpr std::array<int, 4> kNeighbours{0, 4, 6, 8};
 
-std::string change_text(const SteadySettings& s) {
+std::string change_text(const structured_light::SteadySettings& s) {
   return std::isinf(s.max_change_mm) ? "any" : fmt::format("{:g}", s.max_change_mm);
 }
 
@@ -329,20 +335,20 @@ std::size_t best_of(const std::vector<Following>& filters) {
 }
 
 StructuredLightResult run_fist(const GrayMotionOptions& options, const ProgressOfImages& progress) {
-  const Rig& rig = options.rig;
+  const rig::Rig& rig = options.rig;
   const int frames = options.frames > 0 ? options.frames : 300;  // a turn at 3.5 Hz and a cycle
   std::size_t done = 0;
   const std::size_t all = images_of(1 + options.paths, frames);
   const auto count = [&] { progress(++done, all); };
-  const auto desk = make_scene("desk", rig);
+  const auto desk = sim::make_scene("desk", rig);
 
   std::vector<Following> filters;
   for (const float change : kChanges) {
     for (const int neighbours : kNeighbours) {
-      filters.emplace_back(rig, SteadySettings{change, neighbours});
+      filters.emplace_back(rig, structured_light::SteadySettings{change, neighbours});
     }
   }
-  const auto path = make_fist(rig, {});
+  const auto path = sim::make_fist(rig, {});
   observe(options, {*path, *desk, 0, frames, rig.imaging.seed}, count, [&](const Seen& seen) {
     for (Following& filter : filters) {
       filter.take(seen);
@@ -350,33 +356,35 @@ StructuredLightResult run_fist(const GrayMotionOptions& options, const ProgressO
   });
   const std::size_t best = best_of(filters);
   StructuredLightResult result;
-  ReportTable tuned{"B1: filters on the path of the thesis, on which one is chosen",
-                    {"change, mm", "neighbours", "centroid, RMS, mm", "largest, mm", "pixels", "wrong", "chosen"},
-                    {},
-                    fmt::format("What differs from the background by more than {:g} mm, has changed by no more than "
-                                "`change` since the depth image before, and has so many neighbours of which the same "
-                                "holds. Pixels for each depth image; in truth {:.0f}. Wrong: more than {:g} mm off. "
-                                "Chosen: the least RMS among those that keep at least half of the true pixels.",
-                                kMovedMm, filters[0].true_pixels(), kWrongMm)};
+  report::ReportTable tuned{
+      "B1: filters on the path of the thesis, on which one is chosen",
+      {"change, mm", "neighbours", "centroid, RMS, mm", "largest, mm", "pixels", "wrong", "chosen"},
+      {},
+      fmt::format("What differs from the background by more than {:g} mm, has changed by no more than "
+                  "`change` since the depth image before, and has so many neighbours of which the same "
+                  "holds. Pixels for each depth image; in truth {:.0f}. Wrong: more than {:g} mm off. "
+                  "Chosen: the least RMS among those that keep at least half of the true pixels.",
+                  sim::kMovedMm, filters[0].true_pixels(), kWrongMm)};
   for (std::size_t i = 0; i < filters.size(); ++i) {
     const Following& f = filters[i];
     tuned.rows.push_back({change_text(f.settings()), std::to_string(f.settings().min_neighbours),
                           figure_text(f.rms(), 1), figure_text(f.most(), 0), figure_text(f.pixels(), 0),
                           figure_text(f.wrong(), 0), i == best ? "yes" : ""});
   }
-  ReportTable others{"B1: the chosen filter on paths on which it was not chosen",
-                     {"path", "true Hz", "measured Hz", "centroid, RMS, mm", "largest, mm", "pixels", "in truth",
-                      "wrong", "RMS without the filter"},
-                     {},
-                     "Paths, and the camera's noise, are drawn by seeds: place, size, slant, direction, speed and "
-                     "phase of the circle."};
+  report::ReportTable others{
+      "B1: the chosen filter on paths on which it was not chosen",
+      {"path", "true Hz", "measured Hz", "centroid, RMS, mm", "largest, mm", "pixels", "in truth", "wrong",
+       "RMS without the filter"},
+      {},
+      "Paths, and the camera's noise, are drawn by seeds: place, size, slant, direction, speed and "
+      "phase of the circle."};
   std::array<double, 4> pooled{};  // squares and points, with and without
   for (int k = 1; k <= options.paths; ++k) {
-    const FistPath drawn = drawn_path(static_cast<std::uint64_t>(k));
-    const auto scene = make_fist(rig, drawn);
+    const sim::FistPath drawn = drawn_path(static_cast<std::uint64_t>(k));
+    const auto scene = sim::make_fist(rig, drawn);
     std::vector<Following> two;
     two.emplace_back(rig, filters[best].settings());
-    two.emplace_back(rig, SteadySettings{});
+    two.emplace_back(rig, structured_light::SteadySettings{});
     observe(options, {*scene, *desk, 0, frames, rig.imaging.seed + 100 * k}, count, [&](const Seen& seen) {
       two[0].take(seen);
       two[1].take(seen);
@@ -400,32 +408,32 @@ StructuredLightResult run_fist(const GrayMotionOptions& options, const ProgressO
 
 StructuredLightResult run_keys(const GrayMotionOptions& options, const ProgressOfImages& progress) {
   const int frames = options.frames > 0 ? options.frames : 1016;  // five taps and a cycle
-  const Rig& rig = options.rig;
-  const auto keyboard = make_scene("keyboard", rig);
+  const rig::Rig& rig = options.rig;
+  const auto keyboard = sim::make_scene("keyboard", rig);
   // The second set differs in all that can differ. It was written down before anything was measured with it.
-  const std::array<Taps, 2> sets{{{}, {.frequency = {3.6, 6.4}, .stroke = {13, 7}, .phase = {1.1, 4.4}}}};
+  const std::array<sim::Taps, 2> sets{{{}, {.frequency = {3.6, 6.4}, .stroke = {13, 7}, .phase = {1.1, 4.4}}}};
   std::size_t done = 0;
   StructuredLightResult result;
-  ReportTable table{"B3: depth at the two keys",
-                    {"taps, key", "true Hz", "measured Hz", "true amplitude, mm", "measured, mm", "z RMS, mm",
-                     "depth images with a depth, %"},
-                    {},
-                    "At pixels (220, 247) and (249, 224) of what moved. Amplitude: half a stroke."};
+  report::ReportTable table{"B3: depth at the two keys",
+                            {"taps, key", "true Hz", "measured Hz", "true amplitude, mm", "measured, mm", "z RMS, mm",
+                             "depth images with a depth, %"},
+                            {},
+                            "At pixels (220, 247) and (249, 224) of what moved. Amplitude: half a stroke."};
   for (std::size_t set = 0; set < sets.size(); ++set) {
-    const Taps& taps = sets.at(set);
-    const auto scene = make_keys(rig, taps);
+    const sim::Taps& taps = sets.at(set);
+    const auto scene = sim::make_keys(rig, taps);
     std::vector<double> t;
     std::array<std::vector<double>, 2> z, truth;
-    SteadyFilter filter(rig.camera.rows, rig.camera.columns, kSteady);
+    structured_light::SteadyFilter filter(rig.camera.rows, rig.camera.columns, sim::kSteady);
     observe(
         options, {*scene, *keyboard, 0, frames, rig.imaging.seed + static_cast<std::int64_t>(set)},
         [&] { progress(++done, images_of(2, frames)); },
         [&](const Seen& seen) {
-          filter.apply(seen.depth.values.data(), seen.background.values.data(), kMovedMm);
+          filter.apply(seen.depth.values.data(), seen.background.values.data(), sim::kMovedMm);
           filter.remember(seen.depth.values.data());
           t.push_back(seen.t);
           for (std::size_t key = 0; key < 2; ++key) {
-            const KeyTaps::Pixel pixel = (key == 0 ? KeyTaps::kFirst : KeyTaps::kSecond).of(rig.camera);
+            const sim::KeyTaps::Pixel pixel = (key == 0 ? sim::KeyTaps::kFirst : sim::KeyTaps::kSecond).of(rig.camera);
             const auto at = static_cast<std::size_t>(pixel.row) * static_cast<std::size_t>(rig.camera.columns) +
                             static_cast<std::size_t>(pixel.column);
             z.at(key).push_back(static_cast<double>(filter.kept()[at]));
@@ -434,7 +442,7 @@ StructuredLightResult run_keys(const GrayMotionOptions& options, const ProgressO
         });
     for (std::size_t key = 0; key < 2; ++key) {
       const std::string name = fmt::format("{}, key {}", set == 0 ? "of the thesis" : "second set", key + 1);
-      const SineFit fit = fit_sine(t, z.at(key), 2, 9);
+      const sim::SineFit fit = sim::fit_sine(t, z.at(key), 2, 9);
       double squares = 0;
       double points = 0;
       for (std::size_t i = 0; i < t.size(); ++i) {
@@ -476,9 +484,9 @@ StructuredLightResult run_gray_motion(const std::string& name, const GrayMotionO
   return result;
 }
 
-FistPath drawn_path(std::uint64_t seed) {
-  EvenNumbers random(seed);
-  FistPath path;
+sim::FistPath drawn_path(std::uint64_t seed) {
+  sim::EvenNumbers random(seed);
+  sim::FistPath path;
   path.x = 5 + random.within(15);
   path.y = random.within(15);
   path.height = 135 + random.within(10);
@@ -490,9 +498,9 @@ FistPath drawn_path(std::uint64_t seed) {
   return path;
 }
 
-PoolDrop drawn_drop(std::uint64_t seed) {
-  EvenNumbers random(seed);
-  PoolDrop drop;
+sim::PoolDrop drawn_drop(std::uint64_t seed) {
+  sim::EvenNumbers random(seed);
+  sim::PoolDrop drop;
   drop.depth = 30 + random.within(15);
   drop.x += random.within(30);
   drop.y += random.within(40);
@@ -501,4 +509,4 @@ PoolDrop drawn_drop(std::uint64_t seed) {
   return drop;
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::lab

@@ -7,7 +7,7 @@
 #include "lab/structured_light.h"
 #include "sim/scene/scenes.h"
 
-namespace selfproj {
+namespace selfproj::lab {
 
 // Returns the tables of B2, and which pools do not reach the goal: the speed of long waves must be within 5 % of
 // sqrt(g depth).
@@ -26,11 +26,11 @@ StructuredLightResult run_gray_motion(const std::string& name, const GrayMotionO
                                       const ProgressOfImages& progress);
 
 // A path drawn by a seed, on which camera and projector see the fist all the way.
-FistPath drawn_path(std::uint64_t seed);
+sim::FistPath drawn_path(std::uint64_t seed);
 
 // A drop drawn by a seed: water 15 to 45 mm deep, another place, another crater.
-PoolDrop drawn_drop(std::uint64_t seed);
+sim::PoolDrop drawn_drop(std::uint64_t seed);
 
-}  // namespace selfproj
+}  // namespace selfproj::lab
 
 #endif  // SELFPROJ_LAB_GRAY_MOTION_H

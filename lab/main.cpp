@@ -12,13 +12,13 @@
 #include "sim/cosim/render_options.h"
 #include "sim/scene/virtual_capture.h"
 
-namespace selfproj {
+namespace selfproj::lab {
 namespace {
 
 void add_experiment_command(CLI::App& app) {
   auto options = std::make_shared<ExperimentOptions>();
-  auto world = std::make_shared<WorldOptions>();
-  CLI::App* command = add_command(
+  auto world = std::make_shared<sim::WorldOptions>();
+  CLI::App* command = cli::add_command(
       app, {.name = "experiment",
             .purpose = "Repeats an experiment of the thesis in simulation, and compares it with the published figures.",
             .details = "The experiments are\n"
@@ -56,20 +56,21 @@ selfproj-lab experiment parts --out detection
   names.insert(names.end(), {"robustness", "remedies", "parts"});
   std::vector<std::string> thesis_and_parts = thesis;
   thesis_and_parts.emplace_back("parts");
-  OptionFamilies families(*command);
+  sim::OptionFamilies families(*command);
   const auto number = [&](const char* name, auto& value, std::int64_t min, std::int64_t max, const char* text) {
-    return command->add_option(name, value, text)->transform(whole_number(min, max))->type_name("N");
+    return command->add_option(name, value, text)->transform(cli::whole_number(min, max))->type_name("N");
   };
-  command->add_option("NAME", options->name, "Name of the experiment.")->required()->check(one_of(names));
+  command->add_option("NAME", options->name, "Name of the experiment.")->required()->check(cli::one_of(names));
   families.begin("A1 to B8", thesis);
   command->add_option("--rig", options->rig, "Built-in rig or YAML file.")
       ->type_name("RIG")
       ->default_str("that of the experiment");
   families.begin("A1 to B8, parts", thesis_and_parts);
-  add_error_source_option(*command, "--off", options->off, "Sources of error to switch off, with commas between them.");
-  add_disturb_option(*command, *world);
+  sim::add_error_source_option(*command, "--off", options->off,
+                               "Sources of error to switch off, with commas between them.");
+  sim::add_disturb_option(*command, *world);
   families.begin("All experiments", names);
-  add_world_file_option(*command, *world);
+  sim::add_world_file_option(*command, *world);
   families.begin("A1, A2", {"A1", "A2"});
   command->add_flag_callback(
       "--no-residual", [options] { options->residual = false; },
@@ -82,10 +83,10 @@ selfproj-lab experiment parts --out detection
   command->add_flag("--null-test", options->null_test,
                     "Only measure with a rig that is known perfectly and a good part whose shape is known. Otherwise "
                     "the rig is calibrated from images and the good part is scanned, and the null test stands beside.");
-  accept_old_name(
-      *command, "--real-rig-seed",
-      number("--perturbed-rig-seed", options->perturbed_rig_seed, 0, kNoLimit, "Seed of the rig that takes the images.")
-          ->capture_default_str());
+  sim::accept_old_name(*command, "--real-rig-seed",
+                       number("--perturbed-rig-seed", options->perturbed_rig_seed, 0, cli::kNoLimit,
+                              "Seed of the rig that takes the images.")
+                           ->capture_default_str());
   families.begin("B1", {"B1"});
   number("--paths", options->paths, 1, 1000, "Paths of the fist on which its filter was not chosen.")
       ->capture_default_str();
@@ -96,9 +97,10 @@ selfproj-lab experiment parts --out detection
       ->default_str("pools of 20 and 40 mm first, then seeds from 1 on");
   families.begin("B4, B7, B8", {"B4", "B7", "B8"});
   command->add_flag_callback(
-      "--gray-scan", [options] { options->scan = ScanMethod::gray_codes; },
+      "--gray-scan", [options] { options->scan = sim::ScanMethod::gray_codes; },
       "Scan the reference by Gray codes, not line by line.");
-  number("--e", options->e, 0, (1 << Stripes{}.bits) - 1, "Codes that are searched below the reference.")
+  number("--e", options->e, 0, (1 << structured_light::Stripes{}.bits) - 1,
+         "Codes that are searched below the reference.")
       ->type_name("E")
       ->default_str("8 for B4, 0 for B7 and B8");
   families.begin("robustness", {"robustness"});
@@ -116,21 +118,21 @@ selfproj-lab experiment parts --out detection
   number("--parts-seed", options->parts_seed, 1, 100'000,
          "Seed of these parts. The tolerance is learned from parts of the seed before.")
       ->capture_default_str();
-  begin_group(*command, "Output");
+  cli::begin_group(*command, "Output");
   command->add_option("--out", options->out, "Folder for images, tables and report.")->type_name("DIR");
   command->callback([options, world, families] {
     families.check(options->name, "experiment " + options->name);
     options->world = world->world();
-    options->parameters = load_world(world->file);
+    options->parameters = sim::load_world(world->file);
     run_experiment(*options);
   });
 }
 
 }  // namespace
-}  // namespace selfproj
+}  // namespace selfproj::lab
 
 int main(int argc, char** argv) {
-  return selfproj::program_main(
+  return selfproj::cli::program_main(
       {.name = "selfproj-lab",
        .purpose = "Repeats the experiments of the thesis in simulation, and measures beyond them.",
        .details = "The exit status is 0 for success, 1 for a figure that is not reached and 2 for bad usage or input.",
@@ -138,5 +140,5 @@ int main(int argc, char** argv) {
 # A null test of A1 on every 50th frame, as a quick look.
 selfproj-lab experiment A1 --null-test --every 50 --out mountain
 )"},
-      selfproj::add_experiment_command, argc, argv);
+      selfproj::lab::add_experiment_command, argc, argv);
 }

@@ -16,17 +16,17 @@
 #include <utility>
 #include <vector>
 
-#include "host/images/float_image.h"
 #include "host/report/map_picture.h"
 #include "host/report/report.h"
 #include "host/structured_light/match_table.h"
 #include "host/structured_light/self_reference.h"
 #include "lab/structured_light.h"
+#include "selfproj/images/float_image.h"
 #include "sim/scene/pattern_renderer.h"
 #include "sim/scene/scene.h"
 #include "sim/scene/scenes.h"
 
-namespace selfproj {
+namespace selfproj::lab {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -44,7 +44,8 @@ double quantile(std::vector<float>& values, double share) {
 // thing: with e = 0, noise that moves a code down by one matches single rows of the background at the other end of the
 // window. The extent goes from the first to the last row (column) with at least a quarter as many pixels as the fullest
 // one, so that single pixels do not count.
-std::pair<double, double> extent(const FloatImage& difference, const Thing& thing, const FloatImage& true_difference) {
+std::pair<double, double> extent(const images::FloatImage& difference, const Thing& thing,
+                                 const images::FloatImage& true_difference) {
   constexpr int kAround = 30;  // pixels around the true extent in which the thing is looked for
   int row_0 = difference.rows;
   int row_1 = 0;
@@ -90,8 +91,8 @@ std::pair<double, double> extent(const FloatImage& difference, const Thing& thin
 
 }  // namespace
 
-ThingFigures figures_of(const Thing& thing, const FloatImage& depth, const FloatImage& difference,
-                        const FloatImage& truth, const FloatImage& true_difference) {
+ThingFigures figures_of(const Thing& thing, const images::FloatImage& depth, const images::FloatImage& difference,
+                        const images::FloatImage& truth, const images::FloatImage& true_difference) {
   ThingFigures f;
   std::vector<float> heights;
   std::vector<float> true_heights;
@@ -146,17 +147,17 @@ std::vector<std::string> ThingSummary::cells() const {
 namespace {
 
 // A scene that stands still as it was at one time.
-class Frozen final : public WrappedScene {
+class Frozen final : public sim::WrappedScene {
  public:
-  Frozen(const Scene& scene, double time) : WrappedScene(scene), time_(time) {}
+  Frozen(const sim::Scene& scene, double time) : sim::WrappedScene(scene), time_(time) {}
   [[nodiscard]] double height(double x, double y, double /*t*/) const override {
-    return WrappedScene::height(x, y, time_);
+    return sim::WrappedScene::height(x, y, time_);
   }
-  [[nodiscard]] HeightRange range(const Box& box, double /*t0*/, double /*t1*/) const override {
-    return WrappedScene::range(box, time_, time_);
+  [[nodiscard]] sim::HeightRange range(const sim::Box& box, double /*t0*/, double /*t1*/) const override {
+    return sim::WrappedScene::range(box, time_, time_);
   }
   [[nodiscard]] double speed() const override { return 0; }
-  [[nodiscard]] Bodies bodies(double /*t*/) const override { return WrappedScene::bodies(time_); }
+  [[nodiscard]] sim::Bodies bodies(double /*t*/) const override { return sim::WrappedScene::bodies(time_); }
   [[nodiscard]] double body_speed() const override { return 0; }
 
  private:
@@ -204,7 +205,7 @@ struct Plan {
   [[nodiscard]] bool is_shown(std::size_t i) const { return static_cast<int>(i) % still_every == still_every / 2; }
 };
 
-Plan plan_of(const MovingOptions& options, const Scene& scene) {
+Plan plan_of(const MovingOptions& options, const sim::Scene& scene) {
   const int most = (scene.frames() - options.first - kStart) / 2;
   if (options.first < 0 || options.pairs < 0 || options.strips < 1 || most < std::max(options.pairs, 1)) {
     throw std::invalid_argument("moving things: the scene has not so many frames");
@@ -218,9 +219,9 @@ Plan plan_of(const MovingOptions& options, const Scene& scene) {
 struct Setting {
   const MovingOptions& options;
   const MovingExperiment& experiment;
-  const Scene& scene;
-  const PatternRenderer& renderer;
-  const FloatImage& background_z;  // true z of the still surface
+  const sim::Scene& scene;
+  const sim::PatternRenderer& renderer;
+  const images::FloatImage& background_z;  // true z of the still surface
   std::vector<Thing> things;
   Plan plan;
   std::function<void()> count;
@@ -233,15 +234,15 @@ struct Observation {
   std::vector<Instant> moving;
   std::vector<Instant> moving_then;  // those of them that were also measured at rest
   std::vector<Instant> at_rest;
-  std::vector<ReportPicture> strip;
-  FloatImage depth, difference, truth;  // those of the last picture
+  std::vector<report::ReportPicture> strip;
+  images::FloatImage depth, difference, truth;  // those of the last picture
 };
 
-Instant look(const Setting& setting, const DepthStream& stream, const PatternRenderer& of, int frame,
-             FloatImage& truth) {
+Instant look(const Setting& setting, const DepthStream& stream, const sim::PatternRenderer& of, int frame,
+             images::FloatImage& truth) {
   of.lit_depth(frame, truth.values);
-  const FloatImage true_difference = minus(setting.background_z, truth);
-  const FloatImage difference = stream.difference();
+  const images::FloatImage true_difference = minus(setting.background_z, truth);
+  const images::FloatImage difference = stream.difference();
   Instant instant{frame, {}};
   for (const Thing& thing : setting.things) {
     instant.things.push_back(figures_of(thing, stream.depth(), difference, truth, true_difference));
@@ -249,23 +250,23 @@ Instant look(const Setting& setting, const DepthStream& stream, const PatternRen
   return instant;
 }
 
-ReportPicture still_of(const Setting& setting, const Observation& seen) {
-  const RigCamera& camera = setting.options.rig.camera;
+report::ReportPicture still_of(const Setting& setting, const Observation& seen) {
+  const rig::RigCamera& camera = setting.options.rig.camera;
   const double pixel = setting.options.rig.plane_z_mm * camera.pixel_pitch_mm / camera.focal_length_mm;
   const double most = setting.experiment.max_difference;
   return {fmt::format("{}, t = {:.3f} s", seen.method, seen.moving.back().frame / camera.frame_rate_hz),
-          labelled_map_png(seen.difference, {ColourMap::diverging, -most, most}, {pixel, pixel},
-                           "difference from the reference, mm"),
+          report::labelled_map_png(seen.difference, {report::ColourMap::diverging, -most, most}, {pixel, pixel},
+                                   "difference from the reference, mm"),
           ""};
 }
 
 Observation observe(const Setting& setting, DepthStream& stream, const std::string& method) {
   const MovingOptions& options = setting.options;
-  const Rig& rig = options.rig;
+  const rig::Rig& rig = options.rig;
   Observation seen;
   seen.method = method;
   seen.window = 2 * stream.bits();
-  FloatImage truth(rig.camera.rows, rig.camera.columns);
+  images::FloatImage truth(rig.camera.rows, rig.camera.columns);
   play(
       setting.renderer, stream, options.first, setting.plan.frames(),
       [&](int frame) {
@@ -286,7 +287,7 @@ Observation observe(const Setting& setting, DepthStream& stream, const std::stri
       setting.count);
   for (const Instant& then : seen.moving_then) {
     const Frozen frozen(setting.scene, then.frame / rig.camera.frame_rate_hz);
-    const PatternRenderer still(rig, frozen, options.render);
+    const sim::PatternRenderer still(rig, frozen, options.render);
     play(
         still, stream, 0, seen.window,
         [&](int frame) {
@@ -307,7 +308,8 @@ ThingSummary summary_of(const std::vector<Instant>& instants, std::size_t thing)
   return summary;
 }
 
-void add_rows(const Setting& setting, const Observation& seen, ReportTable& errors, ReportTable& motion) {
+void add_rows(const Setting& setting, const Observation& seen, report::ReportTable& errors,
+              report::ReportTable& motion) {
   for (std::size_t k = 0; k < setting.things.size(); ++k) {
     const std::string name = setting.things[k].name + ", " + seen.method;
     errors.rows.push_back({name});
@@ -323,7 +325,8 @@ void add_rows(const Setting& setting, const Observation& seen, ReportTable& erro
 }
 
 // Height and size of a thing over time, beside the truth.
-void add_plots(const Setting& setting, const Observation& seen, std::size_t thing, std::vector<ReportPlot>& plots) {
+void add_plots(const Setting& setting, const Observation& seen, std::size_t thing,
+               std::vector<report::ReportPlot>& plots) {
   struct Quantity {
     const char* title;
     const char* label;
@@ -336,11 +339,11 @@ void add_plots(const Setting& setting, const Observation& seen, std::size_t thin
       {"size along y", "columns", &ThingFigures::columns, &ThingFigures::true_columns},
   }};
   for (const Quantity& quantity : kQuantities) {
-    ReportPlot plot{fmt::format("{}, {}: {}", setting.things[thing].name, seen.method, quantity.title),
-                    "time, s",
-                    quantity.label,
-                    {{{}, {}, "a", "measured"}, {{}, {}, "b", "truth"}},
-                    1};
+    report::ReportPlot plot{fmt::format("{}, {}: {}", setting.things[thing].name, seen.method, quantity.title),
+                            "time, s",
+                            quantity.label,
+                            {{{}, {}, "a", "measured"}, {{}, {}, "b", "truth"}},
+                            1};
     for (const Instant& instant : seen.moving) {
       const ThingFigures& f = instant.things[thing];
       const double t = instant.frame / setting.options.rig.camera.frame_rate_hz;
@@ -369,7 +372,7 @@ void add_series(const Setting& setting, const Observation& seen, std::string& se
 // Makes tables, series, plots and film strip from the measurements.
 void report(const Setting& setting, std::vector<Observation>& seen, StructuredLightResult& result) {
   const std::string name = setting.experiment.name;
-  ReportTable errors{
+  report::ReportTable errors{
       fmt::format("{}: every depth image against the truth in the middle of its window", name),
       {"", "depth images", "valid, %", "z RMS, mm", "worst image", "height, mean error", "largest", "rows, mean error",
        "columns", "largest, px"},
@@ -377,10 +380,10 @@ void report(const Setting& setting, std::vector<Observation>& seen, StructuredLi
       "Pixels that truly show the object in the projector's light. Height: the 95th of 100 parts of the differences "
       "from the reference. Size: rows and columns that hold at least a quarter as many of its pixels as the fullest "
       "one, within 30 pixels of the true one."};
-  ReportTable motion{fmt::format("{}: what motion adds", name),
-                     {"", "window, ms", "z RMS moving, mm", "z RMS at rest, mm", "added, mm"},
-                     {},
-                     "Over the same instants. Added: root of the difference of the squares."};
+  report::ReportTable motion{fmt::format("{}: what motion adds", name),
+                             {"", "window, ms", "z RMS moving, mm", "z RMS at rest, mm", "added, mm"},
+                             {},
+                             "Over the same instants. Added: root of the difference of the squares."};
   result.series =
       "thing,method,frame,time_s,valid,z_rms_mm,height_mm,true_height_mm,rows,true_rows,columns,true_columns\n";
   for (Observation& o : seen) {
@@ -395,7 +398,7 @@ void report(const Setting& setting, std::vector<Observation>& seen, StructuredLi
   result.page.title = "Experiment " + name;
   result.page.subtitle = setting.experiment.subtitle;
   result.page.tables = result.tables;
-  const Rig& rig = setting.options.rig;
+  const rig::Rig& rig = setting.options.rig;
   result.page.settings = {
       {"e", "e", static_cast<std::int64_t>(setting.options.e)},
       {"threshold", "threshold of the binarization", static_cast<std::int64_t>(rig.measure.code_threshold)},
@@ -406,22 +409,22 @@ void report(const Setting& setting, std::vector<Observation>& seen, StructuredLi
 
 StructuredLightResult run_moving(const std::string& name, const MovingOptions& options,
                                  const ProgressOfImages& progress) {
-  const Rig& rig = options.rig;
+  const rig::Rig& rig = options.rig;
   const MovingExperiment& experiment = kExperiments.at(name == "B7" ? 0 : 1);
-  const auto background = make_scene(find_scene(experiment.scene).reference_name(), rig);
-  const auto scene = make_scene(experiment.scene, rig);
+  const auto background = sim::make_scene(sim::find_scene(experiment.scene).reference_name(), rig);
+  const auto scene = sim::make_scene(experiment.scene, rig);
   const Plan plan = plan_of(options, *scene);
-  const int all = scan_images(rig, options.scan) + 2 * kConventionalBits + 2 * plan.frames() +
-                  plan.stills() * 2 * (Stripes{}.bits + kConventionalBits);
+  const int all = sim::scan_images(rig, options.scan) + 2 * kConventionalBits + 2 * plan.frames() +
+                  plan.stills() * 2 * (structured_light::Stripes{}.bits + kConventionalBits);
   std::size_t done = 0;
   const auto count = [&] { progress(++done, static_cast<std::size_t>(all)); };
 
-  const SelfReference reference =
-      make_self_reference(rig, scan_points(rig, *background, options.render, options.scan, count), {});
-  const MatchTable table(rig, reference, {.e = options.e});
-  const PatternRenderer background_renderer(rig, *background, options.render);
-  const PatternRenderer renderer(rig, *scene, options.render);
-  FloatImage background_z(rig.camera.rows, rig.camera.columns);
+  const structured_light::SelfReference reference = structured_light::make_self_reference(
+      rig, sim::scan_points(rig, *background, options.render, options.scan, count), {});
+  const structured_light::MatchTable table(rig, reference, {.e = options.e});
+  const sim::PatternRenderer background_renderer(rig, *background, options.render);
+  const sim::PatternRenderer renderer(rig, *scene, options.render);
+  images::FloatImage background_z(rig.camera.rows, rig.camera.columns);
   background_renderer.depth(0, background_z.values);
   const Setting setting{options, experiment, *scene, renderer, background_z, experiment.things(rig.camera.columns),
                         plan,    count};
@@ -446,4 +449,4 @@ StructuredLightResult run_moving(const std::string& name, const MovingOptions& o
   return result;
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::lab

@@ -7,13 +7,13 @@
 #include <string>
 #include <vector>
 
-#include "host/images/float_image.h"
-#include "host/rig/rig.h"
 #include "lab/structured_light.h"
+#include "selfproj/images/float_image.h"
+#include "selfproj/rig/rig.h"
 #include "sim/scene/renderer.h"
 #include "sim/scene/virtual_capture.h"
 
-namespace selfproj {
+namespace selfproj::lab {
 
 // The thing to measure: whatever moves in these columns of the image.
 struct Thing {
@@ -37,8 +37,8 @@ struct ThingFigures {
 
 // `depth` and `truth` are z in mm, NaN if there is none; differences from the reference are in mm, positive towards the
 // camera. A pixel shows the thing if its true difference is more than 1 mm.
-ThingFigures figures_of(const Thing& thing, const FloatImage& depth, const FloatImage& difference,
-                        const FloatImage& truth, const FloatImage& true_difference);
+ThingFigures figures_of(const Thing& thing, const images::FloatImage& depth, const images::FloatImage& difference,
+                        const images::FloatImage& truth, const images::FloatImage& true_difference);
 
 // Summarizes all depth images of a thing by one method.
 class ThingSummary {
@@ -66,12 +66,12 @@ class ThingSummary {
 // at their position in the middle of a window of 2m frames, where m is the number of bits. The difference is the error
 // from motion.
 struct MovingOptions {
-  Rig rig;
-  RenderOptions render;
-  ScanMethod scan = ScanMethod::lines;  // how the reference is scanned
-  int e = 0;                            // e of (4.20) in the thesis: cells below the reference that are searched
-  int first = 0;                        // first frame
-  int pairs = 0;                        // depth images by each method; 0: all of the scene from `first` on
+  rig::Rig rig;
+  sim::RenderOptions render;
+  sim::ScanMethod scan = sim::ScanMethod::lines;  // how the reference is scanned
+  int e = 0;        // e of (4.20) in the thesis: cells below the reference that are searched
+  int first = 0;    // first frame
+  int pairs = 0;    // depth images by each method; 0: all of the scene from `first` on
   int strips = 10;  // pictures by each method, or a few more; at these instants things are also measured at rest
 };
 
@@ -80,6 +80,6 @@ struct MovingOptions {
 StructuredLightResult run_moving(const std::string& name, const MovingOptions& options,
                                  const ProgressOfImages& progress);
 
-}  // namespace selfproj
+}  // namespace selfproj::lab
 
 #endif  // SELFPROJ_LAB_MOVING_THINGS_H

@@ -16,20 +16,20 @@
 #include <vector>
 
 #include "host/files/stop_signal.h"
-#include "host/files/user_error.h"
-#include "host/light_section/differential_profile.h"
 #include "host/production/classifier.h"
 #include "host/production/cutter.h"
 #include "host/production/learn.h"
 #include "host/production/part_reference.h"
 #include "host/production/tolerance.h"
-#include "host/rig/rig.h"
 #include "lab/learned_rig.h"
 #include "lab/planted_parts.h"
+#include "selfproj/files/user_error.h"
+#include "selfproj/light_section/differential_profile.h"
+#include "selfproj/rig/rig.h"
 #include "sim/cosim/light_section.h"
 #include "sim/scene/perturbed_rig.h"
 
-namespace selfproj {
+namespace selfproj::lab {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -68,31 +68,32 @@ double from_edges(const PlantedDefect& defect) {
 }
 
 // `middle` is where the host has the middle of the part across: its y is that of the camera.
-double distance(const Defect& found, double middle, const PlantedDefect& planted) {
+double distance(const production::Defect& found, double middle, const PlantedDefect& planted) {
   return std::hypot(found.along_mm - planted.along, found.across_mm - middle - planted.across);
 }
 
 // What was found of what was planted.
 class Tally {
  public:
-  Tally(double edge_mm, const Tolerance& tolerance)
+  Tally(double edge_mm, const production::Tolerance& tolerance)
       : edge_mm_(edge_mm), middle_(0.5 * (tolerance.left_mm + tolerance.right_mm)) {}
 
-  void add(const DrawnPart& part, const PartResult& result) {
+  void add(const DrawnPart& part, const production::PartResult& result) {
     ++of_.parts;
-    of_.inconclusive += result.verdict == Verdict::inconclusive ? 1 : 0;
+    of_.inconclusive += result.verdict == production::Verdict::inconclusive ? 1 : 0;
     for (std::size_t i = 0; i < part.defects.size(); ++i) {
       const PlantedDefect& planted = part.defects[i];
-      const auto at = std::find_if(result.defects.begin(), result.defects.end(), [&](const Defect& found) {
+      const auto at = std::find_if(result.defects.begin(), result.defects.end(), [&](const production::Defect& found) {
         return distance(found, middle_, planted) <= planted.size / 2 + kNear;
       });
       count(planted, at != result.defects.end() ? &*at : nullptr, i == 0);
     }
-    const auto wrong = std::count_if(result.defects.begin(), result.defects.end(), [&](const Defect& found) {
-      return std::none_of(part.defects.begin(), part.defects.end(), [&](const PlantedDefect& planted) {
-        return distance(found, middle_, planted) <= planted.size / 2 + 2 * kNear;
-      });
-    });
+    const auto wrong =
+        std::count_if(result.defects.begin(), result.defects.end(), [&](const production::Defect& found) {
+          return std::none_of(part.defects.begin(), part.defects.end(), [&](const PlantedDefect& planted) {
+            return distance(found, middle_, planted) <= planted.size / 2 + 2 * kNear;
+          });
+        });
     of_.false_defects += static_cast<std::uint64_t>(wrong);
     of_.false_parts += wrong > 0 ? 1 : 0;
   }
@@ -110,7 +111,7 @@ class Tally {
   }
 
  private:
-  void count(const PlantedDefect& planted, const Defect* found, bool of_goal) {
+  void count(const PlantedDefect& planted, const production::Defect* found, bool of_goal) {
     const bool judged = from_edges(planted) >= edge_mm_;
     if (of_goal) {
       (judged ? of_.goal : of_.goal_at_edges).add(found != nullptr);
@@ -140,11 +141,12 @@ class Tally {
 // How often good parts would have been called bad, had the smallest area and the band been others.
 class FalseAlarms {
  public:
-  FalseAlarms(const Rig& rig, const SectionReference& section, const Tolerance& tolerance) {
+  FalseAlarms(const rig::Rig& rig, const production::SectionReference& section,
+              const production::Tolerance& tolerance) {
     for (const double area : kAreas) {
-      Tolerance open = tolerance;
+      production::Tolerance open = tolerance;
       open.min_defect_mm2 = area;
-      for (ToleranceRegion& region : open.regions) {
+      for (production::ToleranceRegion& region : open.regions) {
         region.low_mm = -1e6;
         region.high_mm = 1e6;
       }
@@ -152,12 +154,12 @@ class FalseAlarms {
     }
   }
 
-  void add(const CutPart& part) {
+  void add(const production::CutPart& part) {
     ++parts_;
     for (std::size_t a = 0; a < kAreas.size(); ++a) {
-      const PartResult result = classifiers_[a].classify(part, maps_);
+      const production::PartResult result = classifiers_[a].classify(part, maps_);
       double furthest = 0;
-      for (const RegionFigures& region : result.regions) {
+      for (const production::RegionFigures& region : result.regions) {
         furthest = std::max({furthest, region.highest_mm, -region.lowest_mm});
       }
       for (std::size_t b = 0; b < kBands.size(); ++b) {
@@ -170,8 +172,8 @@ class FalseAlarms {
   [[nodiscard]] std::uint64_t beyond(std::size_t area, std::size_t band) const { return beyond_.at(area).at(band); }
 
  private:
-  std::vector<Classifier> classifiers_;
-  PlacedMaps maps_;
+  std::vector<production::Classifier> classifiers_;
+  production::PlacedMaps maps_;
   std::uint64_t parts_ = 0;
   std::array<std::array<std::uint64_t, kBands.size()>, kAreas.size()> beyond_{};
 };
@@ -179,7 +181,7 @@ class FalseAlarms {
 class Detection {
  public:
   Detection(const PartDetectionOptions& options, const std::function<void(std::size_t, std::size_t)>& progress)
-      : options_(options), progress_(progress), drawn_(rig_of_planted_parts(load_rig("light-section"))) {
+      : options_(options), progress_(progress), drawn_(rig_of_planted_parts(rig::load_rig("light-section"))) {
     all_ = options.learn_parts + options.parts + options.good_parts;
     if (!options.null_test) {
       all_ += static_cast<std::size_t>(learning_images(drawn_, learning_)) +
@@ -189,29 +191,29 @@ class Detection {
   }
 
   PartDetectionResult run() {
-    const DifferentialProfiler profiler(setup_->rig, setup_->references[0]);
-    const SectionReference section = section_of(setup_->rig, setup_->references[0], profiler);
-    const LearnOptions learn;
-    Learner learner(setup_->rig, section, learn);
+    const light_section::DifferentialProfiler profiler(setup_->rig, setup_->references[0]);
+    const production::SectionReference section = production::section_of(setup_->rig, setup_->references[0], profiler);
+    const production::LearnOptions learn;
+    production::Learner learner(setup_->rig, section, learn);
     parts_of(options_.seed - 1, 0, options_.learn_parts, false,
-             [&](const DrawnPart&, CutPart&& part) { learner.add(std::move(part)); });
-    tolerance_ = parse_tolerance(to_yaml(learner.learn("the good parts")), "the tolerance");
-    const Classifier classifier(setup_->rig, section, tolerance_, "the tolerance");
-    PlacedMaps maps;
+             [&](const DrawnPart&, production::CutPart&& part) { learner.add(std::move(part)); });
+    tolerance_ = production::parse_tolerance(production::to_yaml(learner.learn("the good parts")), "the tolerance");
+    const production::Classifier classifier(setup_->rig, section, tolerance_, "the tolerance");
+    production::PlacedMaps maps;
     tally_.emplace(learn.edge_mm, tolerance_);
     good_.emplace(learn.edge_mm, tolerance_);
     alarms_.emplace(setup_->rig, section, tolerance_);
-    const auto take_planted = [&](const DrawnPart& drawn, CutPart&& part) {
+    const auto take_planted = [&](const DrawnPart& drawn, production::CutPart&& part) {
       tally_->add(drawn, classifier.classify(part, maps));
     };
-    const auto take_good = [&](const DrawnPart& drawn, CutPart&& part) {
+    const auto take_good = [&](const DrawnPart& drawn, production::CutPart&& part) {
       good_->add(drawn, classifier.classify(part, maps));
       alarms_->add(part);
     };
     // A share of each at a time, so that a run that is stopped has both.
     constexpr std::uint64_t kShares = 50;
-    const StopSignal stop;
-    for (std::uint64_t i = 0; i < kShares && !StopSignal::came(); ++i) {
+    const files::StopSignal stop;
+    for (std::uint64_t i = 0; i < kShares && !files::StopSignal::came(); ++i) {
       const auto share = [&](std::uint64_t of, std::uint64_t k) { return of * k / kShares; };
       const std::uint64_t first = share(options_.parts, i);
       parts_of(options_.seed, first, share(options_.parts, i + 1) - first, true, take_planted);
@@ -222,16 +224,16 @@ class Detection {
   }
 
  private:
-  using Take = std::function<void(const DrawnPart&, CutPart&&)>;
+  using Take = std::function<void(const DrawnPart&, production::CutPart&&)>;
 
   void set_up() {
     make_setup();
     // Light falls only where parts pass.
-    const RigProjector& projector = drawn_.projector;
+    const rig::RigProjector& projector = drawn_.projector;
     const double distance = drawn_.plane_z_mm - projector.z_mm;
     const double half =
         (PlantedPart::kTreadWidth + kBesideParts) / distance * projector.focal_length_mm / projector.column_pitch_mm;
-    FloatImage& pattern = setup_->pattern;
+    images::FloatImage& pattern = setup_->pattern;
     for (int column = 0; column < pattern.columns; ++column) {
       for (int line = 0; line < pattern.rows && std::abs(column - 0.5 * (pattern.columns - 1)) > half; ++line) {
         pattern.row(line)[column] = 0;
@@ -241,16 +243,16 @@ class Detection {
 
   void make_setup() {
     const auto one_more = [this] { progress_(++done_, all_); };
-    const MakeScene good = [](const Rig& rig) {
+    const MakeScene good = [](const rig::Rig& rig) {
       return std::make_unique<PlantedPart>(rig, PartPose{}, std::vector<PlantedDefect>{});
     };
     if (options_.null_test) {
-      setup_.emplace(self_projection(drawn_, drawn_, *good(drawn_), options_.render, true));
+      setup_.emplace(sim::self_projection(drawn_, drawn_, *good(drawn_), options_.render, true));
       return;
     }
-    const PerturbedRig actual = hidden_rig(drawn_, options_.perturbed_rig_seed);
+    const sim::PerturbedRig actual = sim::hidden_rig(drawn_, options_.perturbed_rig_seed);
     learning_.seed = options_.perturbed_rig_seed;
-    Rig learned = learn_rig(actual, options_.render, learning_, one_more).rig;
+    rig::Rig learned = learn_rig(actual, options_.render, learning_, one_more).rig;
     learned.parts = drawn_.parts;
     setup_.emplace(scanned_projection(learned, actual, good, {options_.render, learning_.every_line, true}, one_more));
   }
@@ -259,22 +261,23 @@ class Detection {
   void parts_of(std::uint64_t seed, std::uint64_t first, std::uint64_t count, bool planted, const Take& take) {
     constexpr std::uint64_t kAtOnce = 8;
     PlantedParts belt(*setup_, options_.render);
-    for (std::uint64_t begin = 0; begin < count && !StopSignal::came(); begin += kAtOnce) {
+    for (std::uint64_t begin = 0; begin < count && !files::StopSignal::came(); begin += kAtOnce) {
       std::vector<DrawnPart> drawn;
       for (std::uint64_t i = begin; i < std::min(count, begin + kAtOnce); ++i) {
         drawn.push_back(draw_part(drawn_, seed, first + i, planted));
       }
       std::size_t came = 0;
-      ProfileCutter cutter(setup_->rig);
-      const auto take_part = [&](std::optional<CutPart> part) {
+      production::ProfileCutter cutter(setup_->rig);
+      const auto take_part = [&](std::optional<production::CutPart> part) {
         if (part && came < drawn.size()) {
           take(drawn[came], std::move(*part));
         }
         came += part ? 1 : 0;
       };
-      belt.pass(drawn, options_.threads, [&](const PacketHeader& header, const ProfileView& profile) {
-        take_part(cutter.add(header, profile, 0));
-      });
+      belt.pass(drawn, options_.threads,
+                [&](const model::PacketHeader& header, const light_section::ProfileView& profile) {
+                  take_part(cutter.add(header, profile, 0));
+                });
       take_part(cutter.finish());
       if (came != drawn.size()) {
         throw CheckFailed(fmt::format("{} parts were cut out of {}", came, drawn.size()));
@@ -285,18 +288,18 @@ class Detection {
   }
 
   PartDetectionResult result() const;
-  [[nodiscard]] ReportTable detection_table() const;
-  [[nodiscard]] ReportTable alarm_table() const;
-  [[nodiscard]] ReportTable summary_table(const PartDetectionResult& result) const;
+  [[nodiscard]] report::ReportTable detection_table() const;
+  [[nodiscard]] report::ReportTable alarm_table() const;
+  [[nodiscard]] report::ReportTable summary_table(const PartDetectionResult& result) const;
   [[nodiscard]] Json data(const PartDetectionResult& result) const;
-  [[nodiscard]] std::vector<ReportPlot> plots() const;
+  [[nodiscard]] std::vector<report::ReportPlot> plots() const;
 
   const PartDetectionOptions& options_;
   const std::function<void(std::size_t, std::size_t)>& progress_;
-  Rig drawn_;
+  rig::Rig drawn_;
   LearningSettings learning_;
-  std::optional<LightSection> setup_;
-  Tolerance tolerance_;
+  std::optional<sim::LightSection> setup_;
+  production::Tolerance tolerance_;
   std::optional<Tally> tally_;  // parts with planted defects
   std::optional<Tally> good_;   // parts without
   std::optional<FalseAlarms> alarms_;
@@ -308,11 +311,11 @@ std::string percent(const DetectionCount& count) {
   return count.planted == 0 ? "–" : fmt::format("{:.1f} % of {}", 100 * count.share(), count.planted);
 }
 
-ReportTable Detection::detection_table() const {
-  ReportTable table{"Defects found, by size across and depth, mm",
-                    {"size"},
-                    {},
-                    "Defects that lie wholly on the surface that is judged."};
+report::ReportTable Detection::detection_table() const {
+  report::ReportTable table{"Defects found, by size across and depth, mm",
+                            {"size"},
+                            {},
+                            "Defects that lie wholly on the surface that is judged."};
   for (std::size_t depth = 0; depth < kDepths.size(); ++depth) {
     table.header.push_back(bin_text(kDepths, depth, kMinDepth));
   }
@@ -325,11 +328,11 @@ ReportTable Detection::detection_table() const {
   return table;
 }
 
-ReportTable Detection::alarm_table() const {
-  ReportTable table{"Good parts with a false alarm, had the smallest area and the band been these",
-                    {"smallest area, mm²"},
-                    {},
-                    fmt::format("Of {} good parts; a band of ±0.05 mm is “0.05”.", alarms_->parts())};
+report::ReportTable Detection::alarm_table() const {
+  report::ReportTable table{"Good parts with a false alarm, had the smallest area and the band been these",
+                            {"smallest area, mm²"},
+                            {},
+                            fmt::format("Of {} good parts; a band of ±0.05 mm is “0.05”.", alarms_->parts())};
   for (const double band : kBands) {
     table.header.push_back(fmt::format("±{:g} mm", band));
   }
@@ -344,7 +347,7 @@ ReportTable Detection::alarm_table() const {
   return table;
 }
 
-ReportTable Detection::summary_table(const PartDetectionResult& result) const {
+report::ReportTable Detection::summary_table(const PartDetectionResult& result) const {
   const auto [mean, spread] = tally_->depth_error();
   return {
       "Planted defects and false alarms",
@@ -361,10 +364,10 @@ ReportTable Detection::summary_table(const PartDetectionResult& result) const {
       ""};
 }
 
-std::vector<ReportPlot> Detection::plots() const {
-  ReportPlot plot{"Defects found", "size, mm", "found, %", {}, 1};
+std::vector<report::ReportPlot> Detection::plots() const {
+  report::ReportPlot plot{"Defects found", "size, mm", "found, %", {}, 1};
   for (std::size_t depth = 0; depth < kDepths.size(); ++depth) {
-    ReportTrace trace{{}, {}, depth % 2 == 0 ? "a" : "b", bin_text(kDepths, depth, kMinDepth) + " mm deep"};
+    report::ReportTrace trace{{}, {}, depth % 2 == 0 ? "a" : "b", bin_text(kDepths, depth, kMinDepth) + " mm deep"};
     for (std::size_t size = 0; size < kSizes.size(); ++size) {
       const DetectionCount& cell = tally_->cell(size, depth);
       trace.x.push_back(std::sqrt((size == 0 ? kMinSize : kSizes.at(size - 1)) * kSizes.at(size)));
@@ -396,7 +399,7 @@ Json Detection::data(const PartDetectionResult& result) const {
   const auto [mean, spread] = tally_->depth_error();
   json["depth_error_mm"] = {{"mean", mean}, {"spread", spread}};
   json["learn_parts"] = options_.learn_parts;
-  for (const ToleranceRegion& region : tolerance_.regions) {
+  for (const production::ToleranceRegion& region : tolerance_.regions) {
     json["bands"].push_back({{"region", region.name}, {"low_mm", region.low_mm}, {"high_mm", region.high_mm}});
   }
   for (std::size_t size = 0; size < kSizes.size(); ++size) {
@@ -442,4 +445,4 @@ PartDetectionResult run_part_detection(const PartDetectionOptions& options,
   return Detection(options, progress).run();
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::lab

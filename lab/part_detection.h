@@ -11,10 +11,10 @@
 #include "host/report/report.h"
 #include "sim/scene/renderer.h"
 
-namespace selfproj {
+namespace selfproj::lab {
 
 struct PartDetectionOptions {
-  RenderOptions render;
+  sim::RenderOptions render;
   std::uint64_t parts = 2000;            // with planted defects
   std::uint64_t good_parts = 1000;       // without, for the false alarms
   std::uint64_t learn_parts = 30;        // from which the tolerance is learned; other parts, of another seed
@@ -45,10 +45,10 @@ struct PartDetectionResult {
   std::uint64_t false_defects = 0;  // where none was planted, on all parts
   std::uint64_t false_parts = 0;    // parts with such a defect
   std::uint64_t inconclusive = 0;
-  std::vector<ReportTable> tables;
+  std::vector<report::ReportTable> tables;
   std::vector<std::string> not_reached;  // one line for each goal that is not reached
   std::string data;                      // all figures as numbers, JSON
-  ReportPage page;
+  report::ReportPage page;
 };
 
 // The goals.
@@ -59,6 +59,6 @@ inline constexpr double kMaxFalseParts = 0.001;
 PartDetectionResult run_part_detection(const PartDetectionOptions& options,
                                        const std::function<void(std::size_t, std::size_t)>& progress);
 
-}  // namespace selfproj
+}  // namespace selfproj::lab
 
 #endif  // SELFPROJ_LAB_PART_DETECTION_H

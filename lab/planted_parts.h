@@ -8,14 +8,14 @@
 #include <functional>
 #include <vector>
 
-#include "host/light_section/profile.h"
-#include "host/rig/rig.h"
-#include "model/packet.h"
+#include "selfproj/light_section/profile.h"
+#include "selfproj/model/packet.h"
+#include "selfproj/rig/rig.h"
 #include "sim/cosim/light_section.h"
 #include "sim/scene/renderer.h"
 #include "sim/scene/scene.h"
 
-namespace selfproj {
+namespace selfproj::lab {
 
 // A round place with a flat bottom and a vertical wall, mm: a dent, or, with a negative depth, a bump.
 struct PlantedDefect {
@@ -33,16 +33,16 @@ struct PartPose {
   double turn_deg = 0;
 };
 
-class PlantedPart : public ConveyedScene {
+class PlantedPart : public sim::ConveyedScene {
  public:
   static constexpr double kLength = 16;  // along the belt
   static constexpr double kTreadWidth = 22;
   static constexpr std::array<double, 2> kTreads = {12, 20};  // heights
 
-  PlantedPart(const Rig& rig, const PartPose& pose, std::vector<PlantedDefect> defects);
+  PlantedPart(const rig::Rig& rig, const PartPose& pose, std::vector<PlantedDefect> defects);
 
   [[nodiscard]] double part_height(double x, double y) const override;
-  [[nodiscard]] HeightRange part_range(const Box& box) const override;
+  [[nodiscard]] sim::HeightRange part_range(const sim::Box& box) const override;
 
  private:
   [[nodiscard]] static double tread_height(double w) { return w < 0 ? kTreads[0] : kTreads[1]; }
@@ -70,17 +70,17 @@ struct DrawnPart {
 
 // Part `number` of this seed. A planted part has the goal's defect on one tread, and one of any size and depth on the
 // other; both anywhere, half of them bumps.
-DrawnPart draw_part(const Rig& rig, std::uint64_t seed, std::uint64_t number, bool planted);
+DrawnPart draw_part(const rig::Rig& rig, std::uint64_t seed, std::uint64_t number, bool planted);
 
 // The rig of such parts: a belt that moves 0.25 mm a frame, and the section `parts`.
-Rig rig_of_planted_parts(Rig rig);
+rig::Rig rig_of_planted_parts(rig::Rig rig);
 
 // Appends parts to one stream of frames.
 class PlantedParts {
  public:
-  using Take = std::function<void(const PacketHeader&, const ProfileView&)>;
+  using Take = std::function<void(const model::PacketHeader&, const light_section::ProfileView&)>;
 
-  PlantedParts(const LightSection& setup, const RenderOptions& options) : setup_(setup), options_(options) {}
+  PlantedParts(const sim::LightSection& setup, const sim::RenderOptions& options) : setup_(setup), options_(options) {}
 
   // Passes the profiles of these parts on in the order of the belt, with bare belt before and behind each. What lies
   // between two parts, further than the shadow of the first one reaches, is left out. Works with
@@ -88,13 +88,13 @@ class PlantedParts {
   void pass(const std::vector<DrawnPart>& parts, int threads, const Take& take);
 
  private:
-  [[nodiscard]] std::vector<Profile> profiles_of(const DrawnPart& part) const;
+  [[nodiscard]] std::vector<light_section::Profile> profiles_of(const DrawnPart& part) const;
 
-  const LightSection& setup_;
-  RenderOptions options_;
+  const sim::LightSection& setup_;
+  sim::RenderOptions options_;
   std::uint64_t sequence_ = 0;
 };
 
-}  // namespace selfproj
+}  // namespace selfproj::lab
 
 #endif  // SELFPROJ_LAB_PLANTED_PARTS_H

@@ -14,11 +14,11 @@
 #include <utility>
 #include <vector>
 
-#include "host/rig/rig.h"
 #include "lab/disturbed_measurements.h"
 #include "lab/structured_light.h"
+#include "selfproj/rig/rig.h"
 
-namespace selfproj {
+namespace selfproj::lab {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -97,8 +97,8 @@ class Robustness {
   Robustness(const RobustnessOptions& options, const std::function<void(std::size_t, std::size_t)>& progress)
       : options_(options),
         progress_(progress),
-        stairs_(load_rig("light-section"), options.every, options.reference_frames),
-        cuboids_(coarser_rig(load_rig("scanner"), options.coarser)) {
+        stairs_(rig::load_rig("light-section"), options.every, options.reference_frames),
+        cuboids_(coarser_rig(rig::load_rig("scanner"), options.coarser)) {
     all_ = 2 * (1 + kCurves.size() * options.strengths + options.world.presets.size()) +
            options.world.presets.size() * (1 + kCurves.size() + 2 * static_cast<std::size_t>(options.cameras)) +
            2 * kRemedies.size();
@@ -106,9 +106,9 @@ class Robustness {
 
   RobustnessResult run() {
     curves(
-        "A2", [this](const World& world) { return stairs_.measure(world); }, kFalseMm);
+        "A2", [this](const sim::World& world) { return stairs_.measure(world); }, kFalseMm);
     curves(
-        "B4", [this](const World& world) { return cuboids_.measure(world); }, kFalseCodeMm);
+        "B4", [this](const sim::World& world) { return cuboids_.measure(world); }, kFalseCodeMm);
     met_first();
     false_points();
     what_helps();
@@ -121,15 +121,17 @@ class Robustness {
   }
 
  private:
-  using Measure = std::function<std::vector<WayOfMeasuring>(const World&)>;
+  using Measure = std::function<std::vector<WayOfMeasuring>(const sim::World&)>;
 
-  std::vector<WayOfMeasuring> counted(const Measure& measure, const World& world) {
+  std::vector<WayOfMeasuring> counted(const Measure& measure, const sim::World& world) {
     std::vector<WayOfMeasuring> ways = measure(world);
     progress_(++done_, all_);
     return ways;
   }
 
-  [[nodiscard]] World with(const std::vector<std::string>& names) const { return world_of(options_.world, names); }
+  [[nodiscard]] sim::World with(const std::vector<std::string>& names) const {
+    return sim::world_of(options_.world, names);
+  }
 
   // The strengths that are measured, ascending.
   [[nodiscard]] std::vector<double> strengths_of(const Curve& curve) const {
@@ -140,7 +142,7 @@ class Robustness {
   }
 
   // One row for a document: all figures of the first way, and of each other one its share of false points.
-  static void summarize(ReportTable& summary, const std::string& name, const std::string& strength,
+  static void summarize(report::ReportTable& summary, const std::string& name, const std::string& strength,
                         const std::vector<WayOfMeasuring>& ways, double most) {
     if (summary.header.empty()) {
       summary.header = {"disturbance", "strength"};
@@ -160,10 +162,10 @@ class Robustness {
   // Every disturbance over its strength, a table and a plot of false points and of missing ones for each.
   void curves(const std::string& experiment, const Measure& measure, double most) {
     const bool codes = experiment == "B4";
-    ReportTable table{fmt::format("{}: each disturbance alone", experiment),
-                      {"disturbance", "strength", "way"},
-                      {},
-                      fmt::format("False: points more than {} mm off, of all points.", most)};
+    report::ReportTable table{fmt::format("{}: each disturbance alone", experiment),
+                              {"disturbance", "strength", "way"},
+                              {},
+                              fmt::format("False: points more than {} mm off, of all points.", most)};
     table.header.insert(table.header.end(), kCellNames.begin(), kCellNames.end());
     const auto add = [&](const std::string& name, const std::string& strength,
                          const std::vector<WayOfMeasuring>& ways) {
@@ -176,13 +178,14 @@ class Robustness {
       }
       data_["curves"].push_back(row);
     };
-    ReportTable summary{fmt::format("{}: each disturbance alone, at its default strength", experiment),
-                        {},
-                        {},
-                        fmt::format("{}. False: more than {} mm off, of all points.",
-                                    codes ? "4 self-projected bits, reference scanned by Gray codes in the same world"
-                                          : "Mode grey-over with all lit pixels, then the others",
-                                    most)};
+    report::ReportTable summary{
+        fmt::format("{}: each disturbance alone, at its default strength", experiment),
+        {},
+        {},
+        fmt::format("{}. False: more than {} mm off, of all points.",
+                    codes ? "4 self-projected bits, reference scanned by Gray codes in the same world"
+                          : "Mode grey-over with all lit pixels, then the others",
+                    most)};
     const auto ideal = counted(measure, {});
     add("none", "–", ideal);
     summarize(summary, "none", "–", ideal, most);
@@ -192,16 +195,16 @@ class Robustness {
       summarize(summary, "gloss", preset, ways, most);
     }
     for (const Curve& curve : kCurves) {
-      const WorldSwitch& entry = find_world_switch(curve.name);
-      ReportPlot wrong{fmt::format("{}: {}", experiment, curve.name),
-                       entry.strength,
-                       fmt::format("points more than {} mm off, %", most),
-                       {},
-                       1};
+      const sim::WorldSwitch& entry = sim::find_world_switch(curve.name);
+      report::ReportPlot wrong{fmt::format("{}: {}", experiment, curve.name),
+                               entry.strength,
+                               fmt::format("points more than {} mm off, %", most),
+                               {},
+                               1};
       for (const double strength : strengths_of(curve)) {
         const auto ways = counted(measure, with({fmt::format("{}={}", curve.name, strength)}));
         add(curve.name, fmt::format("{:g}", strength), ways);
-        World world = with({curve.name});
+        sim::World world = with({curve.name});
         if (entry.parameter(world) == strength) {
           summarize(summary, curve.name, fmt::format("{:g}", strength), ways, most);
         }
@@ -221,19 +224,20 @@ class Robustness {
 
   // With each preset of gloss, each disturbance at its default: what costs most in A2, mode grey-over.
   void met_first() {
-    ReportTable table{"A2, grey-over: the disturbances with each preset, the worst first",
-                      {"surface", "alone, bad", "first", "second", "third"},
-                      {},
-                      "Each disturbance at its default strength: points more than 0.3 mm off, and RMS where there are "
-                      "none. Columns without a point count as off."};
-    const Measure measure = [this](const World& world) { return stairs_.measure(world); };
+    report::ReportTable table{
+        "A2, grey-over: the disturbances with each preset, the worst first",
+        {"surface", "alone, bad", "first", "second", "third"},
+        {},
+        "Each disturbance at its default strength: points more than 0.3 mm off, and RMS where there are "
+        "none. Columns without a point count as off."};
+    const Measure measure = [this](const sim::World& world) { return stairs_.measure(world); };
     for (const auto& [preset, gloss] : options_.world.presets) {
       const std::string on = "gloss=" + preset;
       struct Found {
         std::string name;
         double bad, rms;
       };
-      const auto found_with = [&](const std::string& name, const World& world) {
+      const auto found_with = [&](const std::string& name, const sim::World& world) {
         const ErrorSpread errors = counted(measure, world)[0].errors;
         return Found{name, errors.missing() + (1 - errors.missing()) * errors.beyond(kFalseMm), errors.rms()};
       };
@@ -259,7 +263,7 @@ class Robustness {
 
   // Defect pixels and a second reflection together, with many cameras.
   void false_points() {
-    ReportTable table{
+    report::ReportTable table{
         "A2: hot pixels (10 in 100,000) and a second reflection of 30 %",
         {"surface", "way", "points", "false", "without a point", "RMS, mm", "99 %, mm", "largest, mm"},
         {},
@@ -269,15 +273,16 @@ class Robustness {
                     options_.cameras)};
     const std::string binary = "binary, strongest run";
     for (const auto& [preset, gloss] : options_.world.presets) {
-      Rig above = stairs_.rig();
+      rig::Rig above = stairs_.rig();
       above.measure.threshold = stairs_.half_of_the_line(with({"gloss=" + preset}));
       const DisturbedStairs stairs_above(above, options_.every, options_.reference_frames);
       std::vector<WayOfMeasuring> sum;
       for (int camera = 1; camera <= options_.cameras; ++camera) {
-        World world = with({"gloss=" + preset, "defect-pixels", "second-line"});
+        sim::World world = with({"gloss=" + preset, "defect-pixels", "second-line"});
         world.seed = static_cast<std::uint64_t>(camera);
-        auto ways = counted([&](const World& with) { return stairs_.measure(with, camera); }, world);
-        for (const auto& way : counted([&](const World& with) { return stairs_above.measure(with, camera); }, world)) {
+        auto ways = counted([&](const sim::World& with) { return stairs_.measure(with, camera); }, world);
+        for (const auto& way :
+             counted([&](const sim::World& with) { return stairs_above.measure(with, camera); }, world)) {
           if (way.name == binary) {
             ways.push_back({way.name + ", half of the line", way.errors});
           }
@@ -311,17 +316,17 @@ class Robustness {
 
   // Each remedy, with the figures without and with it.
   void what_helps() {
-    ReportTable table{
+    report::ReportTable table{
         "A2: what helps",
         {"disturbance", "remedy", "false, without", "with", "no point, without", "with", "RMS, mm, without", "with"},
         {},
         "Disturbances at their defaults, on an evenly scattering surface, mode grey-over."};
     for (const Remedy& remedy : kRemedies) {
       const auto errors = [&](const DisturbedStairs& stairs, const char* disturbance, const std::string& way) {
-        const auto ways = counted([&](const World& world) { return stairs.measure(world); }, with({disturbance}));
+        const auto ways = counted([&](const sim::World& world) { return stairs.measure(world); }, with({disturbance}));
         return std::find_if(ways.begin(), ways.end(), [&](const auto& entry) { return entry.name == way; })->errors;
       };
-      Rig rig = stairs_.rig();
+      rig::Rig rig = stairs_.rig();
       rig.measure.threshold = remedy.threshold > 0 ? remedy.threshold : rig.measure.threshold;
       const ErrorSpread before = errors(stairs_, remedy.disturbance, "grey-over");
       std::optional<DisturbedStairs> other;
@@ -358,4 +363,4 @@ RobustnessResult run_robustness(const RobustnessOptions& options,
   return Robustness(options, progress).run();
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::lab

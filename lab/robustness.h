@@ -10,10 +10,10 @@
 #include "host/report/report.h"
 #include "sim/scene/world.h"
 
-namespace selfproj {
+namespace selfproj::lab {
 
 struct RobustnessOptions {
-  WorldFile world;            // the parameters of the disturbances
+  sim::WorldFile world;       // the parameters of the disturbances
   int every = 70;             // A2 takes only every n-th frame
   int reference_frames = 16;  // of the good part, for its residual
   int cameras = 40;           // with their own defect pixels, for the share of false points
@@ -22,11 +22,12 @@ struct RobustnessOptions {
 };
 
 struct RobustnessResult {
-  std::vector<ReportTable> tables;
-  std::vector<ReportTable> curves;       // the same over the strength of each disturbance; `data` has them as numbers
+  std::vector<report::ReportTable> tables;
+  std::vector<report::ReportTable>
+      curves;                            // the same over the strength of each disturbance; `data` has them as numbers
   std::vector<std::string> not_reached;  // one line for each bound of the false points that does not hold
   std::string data;                      // all figures as numbers, JSON
-  ReportPage page;
+  report::ReportPage page;
 };
 
 // A point that is off by more than this is false, mm.
@@ -41,6 +42,6 @@ inline constexpr double kMaxFalse = 1e-4;
 RobustnessResult run_robustness(const RobustnessOptions& options,
                                 const std::function<void(std::size_t, std::size_t)>& progress);
 
-}  // namespace selfproj
+}  // namespace selfproj::lab
 
 #endif  // SELFPROJ_LAB_ROBUSTNESS_H

@@ -15,19 +15,19 @@
 #include <utility>
 #include <vector>
 
-#include "host/files/user_error.h"
-#include "host/images/float_image.h"
-#include "host/light_section/inspection.h"
 #include "host/report/report.h"
-#include "host/rig/rig.h"
 #include "lab/section_measurement.h"
+#include "selfproj/files/user_error.h"
+#include "selfproj/images/float_image.h"
+#include "selfproj/light_section/inspection.h"
+#include "selfproj/rig/rig.h"
 #include "sim/scene/optics.h"
 #include "sim/scene/parallel.h"
 #include "sim/scene/perturbed_rig.h"
 #include "sim/scene/scene.h"
 #include "sim/scene/scenes.h"
 
-namespace selfproj {
+namespace selfproj::lab {
 namespace {
 
 constexpr double kTreadWidth = 35;  // mm
@@ -41,15 +41,15 @@ constexpr double kFrameStep = 0.05;  // the same from one frame to the next (the
 constexpr std::uint8_t kTread = 1;   // labels of regions: tread + kTread, mark + kMark
 constexpr std::uint8_t kMark = 11;
 
-const ConveyedScene& conveyed(const Scene& scene) { return dynamic_cast<const ConveyedScene&>(scene); }
+const sim::ConveyedScene& conveyed(const sim::Scene& scene) { return dynamic_cast<const sim::ConveyedScene&>(scene); }
 
 // How far from x = 0 the middle row looks, at the plane and at this height: 0 for a rig that leans nowhere.
-double lean_of(const PerturbedRig& actual, double height) {
-  const RigCamera& camera = actual.rig.camera;
+double lean_of(const sim::PerturbedRig& actual, double height) {
+  const rig::RigCamera& camera = actual.rig.camera;
   double most = 0;
   for (const int column : {0, camera.columns / 2, camera.columns - 1}) {
     for (const double z : {actual.rig.plane_z_mm, actual.rig.plane_z_mm - height}) {
-      const PixelPoint middle{0.5 * (camera.rows - 1), static_cast<double>(column)};
+      const sim::PixelPoint middle{0.5 * (camera.rows - 1), static_cast<double>(column)};
       most = std::max(most, std::abs(actual.camera.point_at(middle, z).x));
     }
   }
@@ -58,11 +58,11 @@ double lean_of(const PerturbedRig& actual, double height) {
 
 // Labels the points on plain parts of the treads, and those in the middle of the marks' strokes, farther from their
 // edges than the line is wide.
-Mask tread_regions(const FloatImage& x, const FloatImage& y, const Measurement& m, const Rig& rig, const Scene& scene,
-                   std::size_t treads) {
+Mask tread_regions(const images::FloatImage& x, const images::FloatImage& y, const Measurement& m, const rig::Rig& rig,
+                   const sim::Scene& scene, std::size_t treads) {
   constexpr double kMargin = 2;    // mm from a tread's edge, and from a mark
   constexpr double kInside = 0.6;  // mm from a stroke's centre line; half a stroke is 1.5
-  constexpr std::array<Mark, 3> kMarks = {Mark::circle, Mark::cross, Mark::triangle_down};
+  constexpr std::array<sim::Mark, 3> kMarks = {sim::Mark::circle, sim::Mark::cross, sim::Mark::triangle_down};
   Mask mask(x.values.size(), 0);
   for (int r = 0; r < x.rows; ++r) {
     const double position = conveyed(scene).position(m.frames[static_cast<std::size_t>(r)] / rig.camera.frame_rate_hz);
@@ -74,12 +74,12 @@ Mask tread_regions(const FloatImage& x, const FloatImage& y, const Measurement& 
         if (!(std::abs(across) < kTreadWidth / 2 - kMargin) || !(std::abs(x_part) < kHalfLength - kMargin)) {
           continue;  // also true without a point
         }
-        const double distance = distance_from_mark(kMarks.at(i), across, -x_part);
+        const double distance = sim::distance_from_mark(kMarks.at(i), across, -x_part);
         auto& label =
             mask[static_cast<std::size_t>(r) * static_cast<std::size_t>(x.columns) + static_cast<std::size_t>(c)];
         if (distance <= kInside) {
           label = static_cast<std::uint8_t>(kMark + i);
-        } else if (distance >= kMarkStroke / 2 + kMargin) {
+        } else if (distance >= sim::kMarkStroke / 2 + kMargin) {
           label = static_cast<std::uint8_t>(kTread + i);
         }
       }
@@ -89,10 +89,10 @@ Mask tread_regions(const FloatImage& x, const FloatImage& y, const Measurement& 
 }
 
 // Adds the points that have a step within `reach` mm along x.
-void add_steps_along_x(Mask& mask, const Measurement& m, const LineRenderer& renderer, double reach) {
+void add_steps_along_x(Mask& mask, const Measurement& m, const sim::LineRenderer& renderer, double reach) {
   constexpr int kSamples = 9;  // samples on each side
-  const FloatImage& x = m.true_x;
-  const FloatImage& y = m.true_y;
+  const images::FloatImage& x = m.true_x;
+  const images::FloatImage& y = m.true_y;
   for (std::size_t i = 0; i < mask.size(); ++i) {
     if (mask[i] != 0 || std::isnan(x.values[i])) {
       continue;
@@ -107,8 +107,8 @@ void add_steps_along_x(Mask& mask, const Measurement& m, const LineRenderer& ren
   }
 }
 
-FloatImage rows_of(const FloatImage& map, int first, int count) {
-  FloatImage result(count, map.columns);
+images::FloatImage rows_of(const images::FloatImage& map, int first, int count) {
+  images::FloatImage result(count, map.columns);
   std::copy(map.row(first), map.row(first) + static_cast<std::ptrdiff_t>(count) * map.columns, result.values.begin());
   return result;
 }
@@ -120,8 +120,8 @@ Mask rows_of(const Mask& mask, int columns, int first, int count) {
 
 // The surface that the light sheet meets in the measured frames and in those up to `reach` frames before and after
 // them; NaN in all others. Rows are the scene's frames.
-FloatImage truth_around(const Measurement& m, const LineRenderer& renderer, int frames, int reach) {
-  FloatImage truth(frames, m.truth.columns, std::numeric_limits<float>::quiet_NaN());
+images::FloatImage truth_around(const Measurement& m, const sim::LineRenderer& renderer, int frames, int reach) {
+  images::FloatImage truth(frames, m.truth.columns, std::numeric_limits<float>::quiet_NaN());
   std::vector<int> wanted;
   for (const int frame : m.frames) {
     for (int i = std::max({0, frame - reach, wanted.empty() ? 0 : wanted.back() + 1});
@@ -129,7 +129,7 @@ FloatImage truth_around(const Measurement& m, const LineRenderer& renderer, int 
       wanted.push_back(i);
     }
   }
-  parallel_for(static_cast<int>(wanted.size()), 0, [&](int i) {
+  sim::parallel_for(static_cast<int>(wanted.size()), 0, [&](int i) {
     const int frame = wanted[static_cast<std::size_t>(i)];
     renderer.truth(frame, {truth.row(frame), static_cast<std::size_t>(truth.columns)});
   });
@@ -139,14 +139,14 @@ FloatImage truth_around(const Measurement& m, const LineRenderer& renderer, int 
 // The points near a height step. First, as hidden rigs are judged: a step from one column or frame to the next in the
 // surface that the light sheet meets (`truth`), within so many columns, and within `reach` mm along x. Besides, along
 // x: smaller jumps from frame to frame, such as the end of a shadow, and steps of the surface itself.
-Mask points_near_steps(const Measurement& m, const LineRenderer& renderer, const FloatImage& truth, double frame_mm,
-                       int columns, double reach) {
+Mask points_near_steps(const Measurement& m, const sim::LineRenderer& renderer, const images::FloatImage& truth,
+                       double frame_mm, int columns, double reach) {
   const int frames = static_cast<int>(std::ceil(reach / frame_mm));
   Mask mask;
   for (const int frame : m.frames) {
     const int first = std::max(0, frame - frames);
     const int count = std::min(truth.rows, frame + frames + 1) - first;
-    const FloatImage rows = rows_of(truth, first, count);
+    const images::FloatImage rows = rows_of(truth, first, count);
     const Mask jumps = rows_of(near_steps(rows, kFrameStep, 0, frames), truth.columns, frame - first, 1);
     const Mask around = rows_of(around_steps(rows, kColumnStep, columns, frames), truth.columns, frame - first, 1);
     std::transform(jumps.begin(), jumps.end(), around.begin(), std::back_inserter(mask), std::bit_or<>());
@@ -161,7 +161,7 @@ struct FramesOnPart {
   int count = 0;
 
   // `edge`: mm at each end of the part that do not count.
-  FramesOnPart(const Measurement& m, const Rig& rig, const Scene& scene, double edge) {
+  FramesOnPart(const Measurement& m, const rig::Rig& rig, const sim::Scene& scene, double edge) {
     for (std::size_t k = 0; k < m.frames.size(); ++k) {
       if (std::abs(conveyed(scene).position(m.frames[k] / rig.camera.frame_rate_hz)) < kHalfLength - edge) {
         first = count == 0 ? static_cast<int>(k) : first;
@@ -169,14 +169,15 @@ struct FramesOnPart {
       }
     }
   }
-  [[nodiscard]] FloatImage of(const FloatImage& map) const { return rows_of(map, first, count); }
+  [[nodiscard]] images::FloatImage of(const images::FloatImage& map) const { return rows_of(map, first, count); }
   [[nodiscard]] Mask of(const Mask& mask, int columns) const { return rows_of(mask, columns, first, count); }
 };
 
 // How far the points of marks are from their places, as SectionFigures::mark_place says.
-double mark_place(const Inspection& inspection, const Measurement& m, const Mask& regions, std::size_t treads) {
-  const FloatImage x = inspection.x();
-  const FloatImage y = inspection.y();
+double mark_place(const light_section::Inspection& inspection, const Measurement& m, const Mask& regions,
+                  std::size_t treads) {
+  const images::FloatImage x = inspection.x();
+  const images::FloatImage y = inspection.y();
   std::vector<std::array<double, 3>> sums(treads);  // of x and y, measured less true, and their number
   for (std::size_t i = 0; i < regions.size(); ++i) {
     if (regions[i] >= kMark && !std::isnan(x.values[i])) {
@@ -202,12 +203,12 @@ double mark_place(const Inspection& inspection, const Measurement& m, const Mask
 }
 
 // Adds the mean heights of the treads, and depths and places of their marks.
-void measure_treads(const Measurement& m, const Inspection& inspection, const Rig& rig, const Scene& scene,
-                    std::size_t treads, SectionFigures& figures) {
+void measure_treads(const Measurement& m, const light_section::Inspection& inspection, const rig::Rig& rig,
+                    const sim::Scene& scene, std::size_t treads, SectionFigures& figures) {
   const Mask regions = tread_regions(m.true_x, m.true_y, m, rig, scene, treads);
   figures.mark_place = mark_place(inspection, m, regions, treads);
-  const FloatImage height = inspection.height();
-  const FloatImage difference = inspection.difference();
+  const images::FloatImage height = inspection.height();
+  const images::FloatImage difference = inspection.difference();
   for (std::size_t i = 0; i < treads; ++i) {
     const auto tread = static_cast<std::uint8_t>(kTread + i);
     figures.steps.push_back(values_in(height, regions, tread).mean);
@@ -217,14 +218,15 @@ void measure_treads(const Measurement& m, const Inspection& inspection, const Ri
 
 }  // namespace
 
-MethodFigures section_figures(const Measurement& m, const LightSection& setup, const Scene& scene, std::size_t treads,
-                              const RenderOptions& render) {
-  const Rig& rig = setup.rig;
-  const LineRenderer renderer(setup.actual, scene, setup.pattern, render.ideal_world());  // needed for its truth
+MethodFigures section_figures(const Measurement& m, const sim::LightSection& setup, const sim::Scene& scene,
+                              std::size_t treads, const sim::RenderOptions& render) {
+  const rig::Rig& rig = setup.rig;
+  const sim::LineRenderer renderer(setup.actual, scene, setup.pattern, render.ideal_world());  // needed for its truth
   const double column_mm = m.by_mode[0].column_spacing_mm();
   const double frame_mm = rig.conveyor.speed_mm_per_s / rig.camera.frame_rate_hz;
   const double reach = kStepColumns * column_mm;
-  const FloatImage truth = truth_around(m, renderer, scene.frames(), static_cast<int>(std::ceil(reach / frame_mm)));
+  const images::FloatImage truth =
+      truth_around(m, renderer, scene.frames(), static_cast<int>(std::ceil(reach / frame_mm)));
   const auto within = [&](int columns) {
     return points_near_steps(m, renderer, truth, frame_mm, columns, columns * column_mm);
   };
@@ -235,11 +237,11 @@ MethodFigures section_figures(const Measurement& m, const LightSection& setup, c
   const FramesOnPart on_part(m, rig, scene, reach + lean_of(setup.actual, kHighest));
   MethodFigures result;
   result.rows = rig.camera.rows;
-  for (std::size_t mode = 0; mode < kAllModes.size(); ++mode) {
-    const Inspection& inspection = m.by_mode[mode];
-    const FloatImage height = on_part.of(inspection.height());
-    const FloatImage x = on_part.of(m.true_x);
-    const FloatImage y = on_part.of(m.true_y);
+  for (std::size_t mode = 0; mode < sim::kAllModes.size(); ++mode) {
+    const light_section::Inspection& inspection = m.by_mode[mode];
+    const images::FloatImage height = on_part.of(inspection.height());
+    const images::FloatImage x = on_part.of(m.true_x);
+    const images::FloatImage y = on_part.of(m.true_y);
     const auto true_height = [&](int row, double px, double py) {
       return renderer.true_height(m.frames[static_cast<std::size_t>(on_part.first + row)], px, py);
     };
@@ -305,8 +307,9 @@ const Published& published(const std::string& name) {
 }
 
 // Adds a row of a table: a name, the published figure, and the measured one in each mode.
-void add_rows(ReportTable& table, const MethodFigures& figures, const MethodFigures* null_test, const Published& what,
-              const char* range, const char* error, const std::vector<const char*>& steps, const char* depth) {
+void add_rows(report::ReportTable& table, const MethodFigures& figures, const MethodFigures* null_test,
+              const Published& what, const char* range, const char* error, const std::vector<const char*>& steps,
+              const char* depth) {
   const auto row = [&](std::string name, const std::string& from_thesis, const auto& value) {
     std::vector<std::string> cells = {std::move(name), from_thesis};
     for (const SectionFigures& f : figures.modes) {
@@ -342,9 +345,9 @@ void add_rows(ReportTable& table, const MethodFigures& figures, const MethodFigu
       [](const auto& f) { return fmt::format("{:.2f} %", 100 * f.errors.missing_share()); });
 }
 
-ReportTable table_of(const std::string& title, const SectionOptions& options, const MethodFigures& figures) {
+report::ReportTable table_of(const std::string& title, const SectionOptions& options, const MethodFigures& figures) {
   const bool learned = options.route == Route::learned;
-  ReportTable table{
+  report::ReportTable table{
       fmt::format("{}, {} ({} × {} px)", title, learned ? "rig calibrated from images, good part scanned" : "null test",
                   figures.rows, options.rig.camera.columns),
       {"", "published", "grey-over", "grey", "binary"},
@@ -368,7 +371,7 @@ std::vector<Source> sources_of(const SectionOptions& as_it_is) {
     sources.push_back({name, as_it_is});
     return sources.back().options;
   };
-  for (const auto& [name, flag] : kErrorSources) {
+  for (const auto& [name, flag] : sim::kErrorSources) {
     add(name).render.*flag = false;
   }
   SectionOptions& noiseless = add("both noises");
@@ -378,8 +381,8 @@ std::vector<Source> sources_of(const SectionOptions& as_it_is) {
   thin.rig.imaging.white = 255;
   SectionOptions& ideal = add("noises, blurs, line's width");
   ideal = sources[sources.size() - 2].options;
-  for (const auto& [name, flag] : kErrorSources) {
-    ideal.render.*flag = flag == &RenderOptions::quantization;
+  for (const auto& [name, flag] : sim::kErrorSources) {
+    ideal.render.*flag = flag == &sim::RenderOptions::quantization;
   }
   SectionOptions& residual = add(as_it_is.residual ? "removal of the residual" : "the residual");
   residual.residual = !as_it_is.residual;
@@ -392,8 +395,8 @@ class Course {
   Course(const Published& what, const SectionOptions& options,
          const std::function<void(std::size_t, std::size_t)>& progress)
       : what_(what),
-        scene_(make_scene(what.scene, options.rig)),
-        reference_(make_scene(what.reference, options.rig)),
+        scene_(sim::make_scene(what.scene, options.rig)),
+        reference_(sim::make_scene(what.reference, options.rig)),
         sources_(options.sources ? sources_of(options) : std::vector<Source>()),
         progress_(progress) {
     const auto frames = static_cast<std::size_t>((scene_->frames() + options.every - 1) / options.every);
@@ -406,19 +409,19 @@ class Course {
 
   // By a rig that is known perfectly, and the good part's true shape.
   MethodFigures self_projected_null(const SectionOptions& options, Measurement& measurement) {
-    return figures_of(self_projection(options.rig, options.rig, *reference_, options.render, options.residual), options,
-                      measurement);
+    return figures_of(sim::self_projection(options.rig, options.rig, *reference_, options.render, options.residual),
+                      options, measurement);
   }
 
   MethodFigures conventional_null(const SectionOptions& options) {
-    const Rig rig = with_rows(options.rig);
+    const rig::Rig rig = with_rows(options.rig);
     Measurement unused;
     return figures_of(straight_line(rig, rig, *reference_, options.render, what_.height / 2), options, unused);
   }
 
   // By a rig that is learned from images, and a scan of the good part.
   MethodFigures self_projected_learned(const SectionOptions& options, SectionResult& result) {
-    const PerturbedRig actual = hidden_rig(options.rig, options.perturbed_rig_seed);
+    const sim::PerturbedRig actual = sim::hidden_rig(options.rig, options.perturbed_rig_seed);
     const LearnedRig learned = learn(actual, options);
     result.checked_mm = learned.checked_mm;
     return figures_of(
@@ -429,7 +432,7 @@ class Course {
 
   // The straight line needs more rows of the image, for which rig and camera are learned anew.
   MethodFigures conventional_learned(const SectionOptions& options) {
-    const PerturbedRig actual = hidden_rig(with_rows(options.rig), options.perturbed_rig_seed);
+    const sim::PerturbedRig actual = sim::hidden_rig(with_rows(options.rig), options.perturbed_rig_seed);
     Measurement unused;
     return figures_of(straight_line(learn(actual, options).rig, actual, *reference_, options.render, what_.height / 2),
                       options, unused);
@@ -438,18 +441,18 @@ class Course {
   [[nodiscard]] const std::vector<Source>& sources() const { return sources_; }
 
  private:
-  [[nodiscard]] Rig with_rows(Rig rig) const {
+  [[nodiscard]] rig::Rig with_rows(rig::Rig rig) const {
     rig.camera.rows = what_.conventional_rows;
     return rig;
   }
 
-  LearnedRig learn(const PerturbedRig& actual, const SectionOptions& options) {
+  LearnedRig learn(const sim::PerturbedRig& actual, const SectionOptions& options) {
     LearningSettings settings = options.learning;
     settings.seed = options.perturbed_rig_seed;
     return learn_rig(actual, options.render, settings, [this] { one_more(); });
   }
 
-  MethodFigures figures_of(const LightSection& setup, const SectionOptions& options, Measurement& measurement) {
+  MethodFigures figures_of(const sim::LightSection& setup, const SectionOptions& options, Measurement& measurement) {
     const std::size_t before = done_;
     measurement = measure(setup, *scene_, options.render, options.every, options.threads, [&](std::size_t done) {
       done_ = before + done;
@@ -461,14 +464,15 @@ class Course {
   void one_more() { progress_(++done_, all_); }
 
   const Published& what_;
-  std::unique_ptr<Scene> scene_, reference_;
+  std::unique_ptr<sim::Scene> scene_, reference_;
   std::vector<Source> sources_;
   const std::function<void(std::size_t, std::size_t)>& progress_;
   std::size_t done_ = 0, all_ = 0;
 };
 
-ReportTable self_projected_table(const SectionOptions& options, const SectionResult& result, const Published& what) {
-  ReportTable table = table_of("Self-projected", options, result.self_projected);
+report::ReportTable self_projected_table(const SectionOptions& options, const SectionResult& result,
+                                         const Published& what) {
+  report::ReportTable table = table_of("Self-projected", options, result.self_projected);
   add_rows(table, result.self_projected, options.route == Route::learned ? &result.null_self_projected : nullptr, what,
            what.range, what.error, what.steps, what.depth);
   table.note = fmt::format(
@@ -479,21 +483,23 @@ ReportTable self_projected_table(const SectionOptions& options, const SectionRes
   return table;
 }
 
-ReportTable conventional_table(const SectionOptions& options, const SectionResult& result, const Published& what) {
-  ReportTable table = table_of("Conventional, straight line", options, result.conventional);
+report::ReportTable conventional_table(const SectionOptions& options, const SectionResult& result,
+                                       const Published& what) {
+  report::ReportTable table = table_of("Conventional, straight line", options, result.conventional);
   add_rows(table, result.conventional, options.route == Route::learned ? &result.null_conventional : nullptr, what,
            what.range_conventional, what.error_conventional, {}, "–");
   return table;
 }
 
 // One row for each source; the figures of source k are figures[k].
-ReportTable sources_table(const std::vector<Source>& sources, const std::vector<MethodFigures>& figures) {
-  ReportTable table = {"Sources of error, self-projected, null tests",
-                       {"mm; switched off", "grey-over: largest", "RMS", "beyond 2", "beyond 1", "grey: largest", "RMS",
-                        "binary: largest", "RMS"},
-                       {},
-                       "Height errors as above. “Beyond 2”, “beyond 1”: the largest where only points within 2 columns "
-                       "or 1 of a step are left out."};
+report::ReportTable sources_table(const std::vector<Source>& sources, const std::vector<MethodFigures>& figures) {
+  report::ReportTable table = {
+      "Sources of error, self-projected, null tests",
+      {"mm; switched off", "grey-over: largest", "RMS", "beyond 2", "beyond 1", "grey: largest", "RMS",
+       "binary: largest", "RMS"},
+      {},
+      "Height errors as above. “Beyond 2”, “beyond 1”: the largest where only points within 2 columns "
+      "or 1 of a step are left out."};
   for (std::size_t k = 0; k < sources.size(); ++k) {
     std::vector<double> values;
     for (const SectionFigures& f : figures[k].modes) {
@@ -512,11 +518,12 @@ ReportTable sources_table(const std::vector<Source>& sources, const std::vector<
   return table;
 }
 
-std::vector<Fact> conditions_of(const SectionOptions& options, const Published& what, const SectionResult& result) {
-  const RigImaging& imaging = options.rig.imaging;
+std::vector<report::Fact> conditions_of(const SectionOptions& options, const Published& what,
+                                        const SectionResult& result) {
+  const rig::RigImaging& imaging = options.rig.imaging;
   const double noise = std::sqrt(imaging.read_noise * imaging.read_noise +
                                  (imaging.ambient - imaging.dark) / imaging.electrons_per_grey);
-  std::vector<Fact> facts{
+  std::vector<report::Fact> facts{
       {"experiment", "experiment", std::string(what.name)},
       {"scene", "scene", std::string(what.scene)},
       {"reference", "reference", std::string(what.reference)},
@@ -563,7 +570,7 @@ void check(const SectionFigures& f, const Bounds& bounds, const Published& what,
     hold(std::abs(f.steps[i] - what.treads[i]) <= bounds.tread_mm,
          fmt::format("the step of {:g} mm is measured as {:.3f} mm, within {} wanted", what.treads[i], f.steps[i],
                      bounds.tread_mm));
-    hold(std::abs(f.mark_depth[i] - kMarkDepth) <= 0.1,
+    hold(std::abs(f.mark_depth[i] - sim::kMarkDepth) <= 0.1,
          fmt::format("a mark's depth is {:.3f} mm, 1 +- 0.1 wanted", f.mark_depth[i]));
   }
   hold(f.mark_place <= bounds.place_mm,
@@ -604,4 +611,4 @@ SectionResult run_section_experiment(const std::string& name, const SectionOptio
   return result;
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::lab

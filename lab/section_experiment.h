@@ -10,14 +10,14 @@
 #include <vector>
 
 #include "host/report/report.h"
-#include "host/rig/rig.h"
 #include "lab/evaluation.h"
 #include "lab/learned_rig.h"
 #include "lab/section_measurement.h"
+#include "selfproj/rig/rig.h"
 #include "sim/scene/renderer.h"
 #include "sim/scene/scene.h"
 
-namespace selfproj {
+namespace selfproj::lab {
 
 inline constexpr int kStepColumns = 3;  // columns left out on each side of a height step or part edge
 
@@ -38,14 +38,14 @@ struct SectionFigures {
 // Self-projection or the straight line, in each of kAllModes.
 struct MethodFigures {
   int rows = 0;  // rows of the camera image
-  std::array<SectionFigures, kAllModes.size()> modes;
+  std::array<SectionFigures, sim::kAllModes.size()> modes;
 };
 
 // Heights are compared with those of the points where the columns' viewing planes, the light sheet and the surface
 // truly meet, by the rig that takes the images. `scene` must be on the conveyor (ConveyedScene). `treads` is the number
 // of treads side by side, 0..3.
-MethodFigures section_figures(const Measurement& measurement, const LightSection& setup, const Scene& scene,
-                              std::size_t treads, const RenderOptions& render);
+MethodFigures section_figures(const Measurement& measurement, const sim::LightSection& setup, const sim::Scene& scene,
+                              std::size_t treads, const sim::RenderOptions& render);
 
 // Experiments A1 and A2 in simulation, with published and measured figures side by side.
 
@@ -54,8 +54,8 @@ MethodFigures section_figures(const Measurement& measurement, const LightSection
 enum class Route { learned, null_test };
 
 struct SectionOptions {
-  Rig rig;  // as drawn
-  RenderOptions render;
+  rig::Rig rig;  // as drawn
+  sim::RenderOptions render;
   Route route = Route::learned;          // learned: null tests are made as well
   std::uint64_t perturbed_rig_seed = 1;  // of the rig that takes the images on route learned (hidden_rig)
   LearningSettings learning;             // its targets' flaws are drawn by perturbed_rig_seed
@@ -71,11 +71,11 @@ struct SectionResult {
   MethodFigures conventional;
   MethodFigures null_self_projected;  // by null tests, if the route is another
   MethodFigures null_conventional;
-  Measurement measurement;               // self-projected, by the route
-  double checked_mm = 0;                 // LearnedRig::checked_mm
-  std::vector<ReportTable> tables;       // published and measured figures; sources of error
-  std::vector<std::string> not_reached;  // one line for each figure of the project's own that was not reached
-  std::vector<Fact> conditions;          // conditions of the measurement: line peak, ambient light, noise, ...
+  Measurement measurement;                  // self-projected, by the route
+  double checked_mm = 0;                    // LearnedRig::checked_mm
+  std::vector<report::ReportTable> tables;  // published and measured figures; sources of error
+  std::vector<std::string> not_reached;     // one line for each figure of the project's own that was not reached
+  std::vector<report::Fact> conditions;     // conditions of the measurement: line peak, ambient light, noise, ...
 };
 
 // Runs A1 or A2: both methods over all frames. `progress` gets the number of images and frames done and of all. Throws
@@ -83,6 +83,6 @@ struct SectionResult {
 SectionResult run_section_experiment(const std::string& name, const SectionOptions& options,
                                      const std::function<void(std::size_t, std::size_t)>& progress);
 
-}  // namespace selfproj
+}  // namespace selfproj::lab
 
 #endif  // SELFPROJ_LAB_SECTION_EXPERIMENT_H

@@ -11,26 +11,26 @@
 #include <span>
 #include <vector>
 
-#include "host/files/user_error.h"
-#include "host/light_section/differential_profile.h"
-#include "host/light_section/inspection.h"
 #include "host/light_section/pattern.h"
-#include "host/light_section/profile.h"
-#include "host/light_section/reference.h"
 #include "host/rig/geometry.h"
-#include "host/rig/optics.h"
-#include "host/rig/rig.h"
-#include "model/column_moments.h"
-#include "model/packet.h"
+#include "selfproj/files/user_error.h"
+#include "selfproj/light_section/differential_profile.h"
+#include "selfproj/light_section/inspection.h"
+#include "selfproj/light_section/profile.h"
+#include "selfproj/light_section/reference.h"
+#include "selfproj/model/column_moments.h"
+#include "selfproj/model/packet.h"
+#include "selfproj/rig/optics.h"
+#include "selfproj/rig/rig.h"
 #include "sim/scene/parallel.h"
 #include "sim/scene/renderer.h"
 #include "sim/scene/scene.h"
 #include "sim/scene/virtual_capture.h"
 
-namespace selfproj {
+namespace selfproj::lab {
 namespace {
 
-ImageView view_of(const Rig& rig, const std::vector<std::uint8_t>& pixels) {
+model::ImageView view_of(const rig::Rig& rig, const std::vector<std::uint8_t>& pixels) {
   return {pixels.data(), rig.camera.rows, rig.camera.columns, rig.camera.columns};
 }
 
@@ -38,7 +38,7 @@ ImageView view_of(const Rig& rig, const std::vector<std::uint8_t>& pixels) {
 // which M1 of 255 white rows is still below 2^31. The unit does not affect the centroid.
 constexpr int kFine = 256;
 
-void fine_moments(const Rig& rig, const std::vector<float>& values, Mode mode, Moments& moments) {
+void fine_moments(const rig::Rig& rig, const std::vector<float>& values, model::Mode mode, model::Moments& moments) {
   std::fill(moments.m0.begin(), moments.m0.end(), 0U);
   std::fill(moments.m1.begin(), moments.m1.end(), 0U);
   std::fill(moments.n.begin(), moments.n.end(), 0U);
@@ -49,7 +49,7 @@ void fine_moments(const Rig& rig, const std::vector<float>& values, Mode mode, M
     if (value <= threshold) {
       continue;
     }
-    const float weight = mode == Mode::binary ? 1.0F : mode == Mode::grey ? value : value - threshold;
+    const float weight = mode == model::Mode::binary ? 1.0F : mode == model::Mode::grey ? value : value - threshold;
     const auto units = static_cast<std::uint32_t>(std::lround(weight * kFine));
     moments.m0[i % columns] += units;
     moments.m1[i % columns] += units * static_cast<std::uint32_t>(i / columns + 1);
@@ -61,11 +61,11 @@ void fine_moments(const Rig& rig, const std::vector<float>& values, Mode mode, M
 struct FrameResult {
   std::vector<std::uint8_t> pixels;
   std::vector<float> values;  // used instead if nothing is quantized
-  std::array<Moments, kAllModes.size()> moments;
-  std::array<Profile, kAllModes.size()> profiles;
+  std::array<model::Moments, sim::kAllModes.size()> moments;
+  std::array<light_section::Profile, sim::kAllModes.size()> profiles;
 };
 
-double line_peak(const Image& image) {
+double line_peak(const images::Image& image) {
   std::vector<std::uint8_t> peaks(static_cast<std::size_t>(image.columns), 0);
   for (std::size_t i = 0; i < image.pixels.size(); ++i) {
     auto& peak = peaks[i % peaks.size()];
@@ -76,11 +76,11 @@ double line_peak(const Image& image) {
 }
 
 // The projector line that lights what the middle of the camera's image sees at depth z.
-double line_in_middle(const Rig& rig, double z) {
+double line_in_middle(const rig::Rig& rig, double z) {
   if (rig.is_pinholes()) {
-    return line_on_middle(rig.projector, z);
+    return rig::line_on_middle(rig.projector, z);
   }
-  const RigOptics optics(rig);
+  const rig::RigOptics optics(rig);
   const auto ray = optics.ray({0.5 * (rig.camera.rows - 1), 0.5 * (rig.camera.columns - 1)});
   const auto light = ray ? optics.lit_by({(*ray)[0] * z, (*ray)[1] * z, z}) : std::nullopt;
   if (!light) {
@@ -91,20 +91,21 @@ double line_in_middle(const Rig& rig, double z) {
 
 }  // namespace
 
-LightSection straight_line(const Rig& rig, const PerturbedRig& actual, const Scene& reference,
-                           const RenderOptions& options, double middle_height) {
+sim::LightSection straight_line(const rig::Rig& rig, const sim::PerturbedRig& actual, const sim::Scene& reference,
+                                const sim::RenderOptions& options, double middle_height) {
   const double line = line_in_middle(rig, rig.plane_z_mm - middle_height);
-  LightSection result{rig, actual, draw_straight_line(rig, line), {}};
-  const auto centroids = scan_centroids(rig, actual, reference, result.pattern, options, kAllModes);
-  for (std::size_t m = 0; m < kAllModes.size(); ++m) {
-    result.references[m] = reference_of_straight_line(rig, line, centroids[m]);
+  sim::LightSection result{rig, actual, light_section::draw_straight_line(rig, line), {}};
+  const auto centroids = sim::scan_centroids(rig, actual, reference, result.pattern, options, sim::kAllModes);
+  for (std::size_t m = 0; m < sim::kAllModes.size(); ++m) {
+    result.references[m] = light_section::reference_of_straight_line(rig, line, centroids[m]);
   }
   return result;
 }
 
 // Fills row `row` of the true maps by frame `number`.
-void add_truth(const LineRenderer& ideal, int number, int row, Measurement& result) {
-  std::vector<Point3> points(static_cast<std::size_t>(result.truth.columns), {kUnknown, kUnknown, kUnknown});
+void add_truth(const sim::LineRenderer& ideal, int number, int row, Measurement& result) {
+  std::vector<sim::Point3> points(static_cast<std::size_t>(result.truth.columns),
+                                  {rig::kUnknown, rig::kUnknown, rig::kUnknown});
   ideal.truth(number, {result.truth.row(row), points.size()}, points);
   for (std::size_t c = 0; c < points.size(); ++c) {
     result.true_x.row(row)[c] = static_cast<float>(points[c].x);
@@ -112,37 +113,37 @@ void add_truth(const LineRenderer& ideal, int number, int row, Measurement& resu
   }
 }
 
-Measurement measure(const LightSection& setup, const Scene& scene, const RenderOptions& options, int every, int threads,
-                    const std::function<void(std::size_t)>& progress) {
-  const Rig& rig = setup.rig;
+Measurement measure(const sim::LightSection& setup, const sim::Scene& scene, const sim::RenderOptions& options,
+                    int every, int threads, const std::function<void(std::size_t)>& progress) {
+  const rig::Rig& rig = setup.rig;
   Measurement result;
   for (int frame = 0; frame < scene.frames(); frame += every) {
     result.frames.push_back(frame);
   }
   const int count = static_cast<int>(result.frames.size());
-  InspectionOptions inspection;
+  light_section::InspectionOptions inspection;
   inspection.expected_frames = inspection.max_frames = result.frames.size();
-  std::vector<DifferentialProfiler> profilers;
-  for (const ReferenceProfile& reference : setup.references) {
+  std::vector<light_section::DifferentialProfiler> profilers;
+  for (const light_section::ReferenceProfile& reference : setup.references) {
     profilers.emplace_back(rig, reference);
     result.by_mode.emplace_back(rig, rig.camera.columns, inspection);
   }
-  const LineRenderer renderer(setup.actual, scene, setup.pattern, options);
-  const LineRenderer ideal(setup.actual, scene, setup.pattern, options.ideal_world());
-  result.truth = result.true_x = result.true_y = FloatImage(count, rig.camera.columns);
+  const sim::LineRenderer renderer(setup.actual, scene, setup.pattern, options);
+  const sim::LineRenderer ideal(setup.actual, scene, setup.pattern, options.ideal_world());
+  result.truth = result.true_x = result.true_y = images::FloatImage(count, rig.camera.columns);
 
   constexpr int kBatch = 64;
   std::vector<FrameResult> batch(kBatch);
   for (FrameResult& frame : batch) {
     frame.pixels.resize(rig.camera.pixels());
-    for (std::size_t m = 0; m < kAllModes.size(); ++m) {
+    for (std::size_t m = 0; m < sim::kAllModes.size(); ++m) {
       frame.moments[m].resize(rig.camera.columns);
       frame.profiles[m].resize(rig.camera.columns);
     }
   }
   for (int begin = 0; begin < count; begin += kBatch) {
     const int size = std::min(kBatch, count - begin);
-    parallel_for(size, threads, [&](int i) {
+    sim::parallel_for(size, threads, [&](int i) {
       FrameResult& frame = batch[static_cast<std::size_t>(i)];
       const int number = result.frames[static_cast<std::size_t>(begin + i)];
       renderer.render(number, std::span(frame.pixels));
@@ -151,11 +152,12 @@ Measurement measure(const LightSection& setup, const Scene& scene, const RenderO
         renderer.render(number, std::span(frame.values));
       }
       add_truth(ideal, number, begin + i, result);
-      for (std::size_t m = 0; m < kAllModes.size(); ++m) {
+      for (std::size_t m = 0; m < sim::kAllModes.size(); ++m) {
         if (options.quantization) {
-          column_moments(view_of(rig, frame.pixels), kAllModes[m], rig.measure.threshold, frame.moments[m].view());
+          model::column_moments(view_of(rig, frame.pixels), sim::kAllModes[m], rig.measure.threshold,
+                                frame.moments[m].view());
         } else {
-          fine_moments(rig, frame.values, kAllModes[m], frame.moments[m]);
+          fine_moments(rig, frame.values, sim::kAllModes[m], frame.moments[m]);
         }
         profilers[m].profile(frame.moments[m].view(), frame.profiles[m].view());
       }
@@ -164,7 +166,7 @@ Measurement measure(const LightSection& setup, const Scene& scene, const RenderO
       FrameResult& frame = batch[static_cast<std::size_t>(i)];
       const int number = result.frames[static_cast<std::size_t>(begin + i)];
       const double time = number / rig.camera.frame_rate_hz;
-      PacketHeader header;
+      model::PacketHeader header;
       header.kind = spec::kKindMoments;
       header.sequence = static_cast<std::uint64_t>(number);
       header.time_stamp = static_cast<std::uint64_t>(std::llround(time * rig.pixel_clock_hz()));
@@ -173,8 +175,8 @@ Measurement measure(const LightSection& setup, const Scene& scene, const RenderO
       header.columns = static_cast<std::uint16_t>(rig.camera.columns);
       header.rows = static_cast<std::uint16_t>(rig.camera.rows);
       header.threshold = static_cast<std::uint8_t>(rig.measure.threshold);
-      for (std::size_t m = 0; m < kAllModes.size(); ++m) {
-        header.mode = static_cast<std::uint8_t>(kAllModes[m]);
+      for (std::size_t m = 0; m < sim::kAllModes.size(); ++m) {
+        header.mode = static_cast<std::uint8_t>(sim::kAllModes[m]);
         result.by_mode[m].add(header, frame.moments[m].view(), frame.profiles[m].view());
       }
       if (begin + i == count / 2) {
@@ -189,4 +191,4 @@ Measurement measure(const LightSection& setup, const Scene& scene, const RenderO
   return result;
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::lab

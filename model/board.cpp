@@ -1,13 +1,13 @@
-#include "model/board.h"
+#include "selfproj/model/board.h"
 
 #include <algorithm>
 #include <cstddef>
 #include <utility>
 #include <vector>
 
-#include "model/median3x3.h"
+#include "selfproj/model/median3x3.h"
 
-namespace selfproj {
+namespace selfproj::model {
 
 void BoardModel::beat(const BoardInputs& inputs, const VideoBeat& beat) {
   idle(inputs.clock - 1);
@@ -223,4 +223,4 @@ void append_moments_packet(const ImageView& image, const Measure& measure, Packe
   append_packet(header, payload, 0, out);
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::model

@@ -1,9 +1,9 @@
-#include "model/column_moments.h"
+#include "selfproj/model/column_moments.h"
 
 #include <stdexcept>
 #include <string>
 
-namespace selfproj {
+namespace selfproj::model {
 
 void column_moments(const ImageView& image, Mode mode, int threshold, const MomentsView& out, const RowWindow& window) {
   check_column_moments(image, mode, threshold, out);
@@ -48,4 +48,4 @@ void Moments::resize(int columns) {
 
 MomentsView Moments::view() { return {m0.data(), m1.data(), n.data()}; }
 
-}  // namespace selfproj
+}  // namespace selfproj::model

@@ -1,9 +1,9 @@
-#include "model/column_runs.h"
+#include "selfproj/model/column_runs.h"
 
 #include <algorithm>
 #include <stdexcept>
 
-namespace selfproj {
+namespace selfproj::model {
 namespace {
 
 struct Run {
@@ -76,4 +76,4 @@ void check_column_runs(const ImageView& image, const Measure& measure, const Run
   }
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::model

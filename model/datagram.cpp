@@ -6,7 +6,7 @@
 #include <cstring>
 #include <span>
 
-namespace selfproj {
+namespace selfproj::model {
 
 void DatagramCutter::packet(std::span<const std::uint8_t> packet, const Sink& sink) {
   for (std::size_t offset = 0; offset < packet.size(); offset += piece_) {
@@ -28,4 +28,4 @@ void DatagramCutter::idle(const Sink& sink) {
   sink({datagram_.data(), spec::kDatagramHeaderBytes});
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::model

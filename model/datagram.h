@@ -10,11 +10,11 @@
 #include <span>
 #include <vector>
 
-#include "model/little_endian.h"
 #include "model/spec/generated/datagram_format.h"
-#include "model/spec/generated/selfproj_spec.h"
+#include "selfproj/model/generated/selfproj_spec.h"
+#include "selfproj/model/little_endian.h"
 
-namespace selfproj {
+namespace selfproj::model {
 
 struct DatagramHeader {
   std::uint16_t session = 0;
@@ -105,6 +105,6 @@ class DatagramCutter {
   std::vector<std::uint8_t> datagram_;
 };
 
-}  // namespace selfproj
+}  // namespace selfproj::model
 
 #endif  // SELFPROJ_MODEL_DATAGRAM_H

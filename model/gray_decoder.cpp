@@ -1,4 +1,4 @@
-#include "model/gray_decoder.h"
+#include "selfproj/model/gray_decoder.h"
 
 #include <algorithm>
 #include <bit>
@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <string>
 
-namespace selfproj {
+namespace selfproj::model {
 namespace {
 
 void check_settings(const GraySettings& settings) {
@@ -106,4 +106,4 @@ bool GrayDecoder::add_frame(const ImageView& image, int pattern, bool good, std:
   return due;
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::model

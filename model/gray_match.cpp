@@ -1,8 +1,8 @@
-#include "model/gray_match.h"
+#include "selfproj/model/gray_match.h"
 
 #include <stdexcept>
 
-namespace selfproj {
+namespace selfproj::model {
 
 void GrayMatch::look_up(const std::uint16_t* words, std::size_t count, int bits, const std::uint16_t* table,
                         std::uint16_t* lines) {
@@ -16,4 +16,4 @@ void GrayMatch::look_up(const std::uint16_t* words, std::size_t count, int bits,
   }
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::model

@@ -1,13 +1,13 @@
-#include "model/median3x3.h"
+#include "selfproj/model/median3x3.h"
 
 #include <algorithm>
 #include <array>
 #include <cstddef>
 #include <stdexcept>
 
-#include "model/gray_decoder.h"
+#include "selfproj/model/gray_decoder.h"
 
-namespace selfproj {
+namespace selfproj::model {
 void median3x3(const std::uint16_t* codes, int rows, int columns, std::uint16_t* out) {
   if (rows < 1 || columns < 1) {
     throw std::invalid_argument("median3x3: rows or columns are less than 1");
@@ -41,4 +41,4 @@ void median3x3(const std::uint16_t* codes, int rows, int columns, std::uint16_t*
   }
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::model

@@ -1,4 +1,4 @@
-#include "model/packet.h"
+#include "selfproj/model/packet.h"
 
 #include <algorithm>
 #include <array>
@@ -7,9 +7,9 @@
 #include <stdexcept>
 
 #include "model/cpu_clones.h"
-#include "model/little_endian.h"
+#include "selfproj/model/little_endian.h"
 
-namespace selfproj {
+namespace selfproj::model {
 namespace {
 
 constexpr std::size_t kBeatBytes = spec::kPacketBeatBytes;
@@ -381,4 +381,4 @@ void seal_packet(std::span<std::uint8_t> packet) {
   store_little_endian(trailer_of(packet) + spec::kTrailerCheck, check);
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::model

@@ -1,12 +1,12 @@
-#include "model/packet_payload.h"
+#include "selfproj/model/packet_payload.h"
 
 #include <algorithm>
 #include <stdexcept>
 
-#include "model/little_endian.h"
-#include "model/spec/generated/selfproj_spec.h"
+#include "selfproj/model/generated/selfproj_spec.h"
+#include "selfproj/model/little_endian.h"
 
-namespace selfproj {
+namespace selfproj::model {
 namespace {
 
 constexpr std::size_t kBinaryBytes = spec::kBinaryWordBits / 8;
@@ -169,4 +169,4 @@ void unpack_codes(int columns, const std::uint8_t* payload, std::uint16_t* codes
   }
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::model

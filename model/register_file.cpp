@@ -6,7 +6,7 @@
 
 #include "model/spec/generated/register_table.h"
 
-namespace selfproj {
+namespace selfproj::model {
 namespace {
 
 constexpr std::uint32_t bits_of(std::uint32_t word, int lsb, int bits) {
@@ -191,4 +191,4 @@ BoardSettings RegisterFile::settings() const {
   };
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::model

@@ -5,10 +5,10 @@
 #include <array>
 #include <cstdint>
 
-#include "model/board.h"
-#include "model/spec/generated/selfproj_spec.h"
+#include "selfproj/model/board.h"
+#include "selfproj/model/generated/selfproj_spec.h"
 
-namespace selfproj {
+namespace selfproj::model {
 
 // What a build of the board can do: the register `capability`.
 struct BoardBuild {
@@ -82,6 +82,6 @@ class RegisterFile {
 // Whether a build has the register. Some exist only with the Gray-code decoder.
 bool has_register(const BoardBuild& build, std::uint32_t address);
 
-}  // namespace selfproj
+}  // namespace selfproj::model
 
 #endif  // SELFPROJ_MODEL_REGISTER_FILE_H

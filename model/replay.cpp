@@ -5,9 +5,9 @@
 #include <optional>
 #include <utility>
 
-#include "model/little_endian.h"
+#include "selfproj/model/little_endian.h"
 
-namespace selfproj {
+namespace selfproj::model {
 namespace {
 
 constexpr std::uint32_t kHalfRange = 0x8000'0000U;
@@ -101,4 +101,4 @@ ReplayCounts ReplayModel::counts() const {
           .ignored = ignored_};
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::model

@@ -10,7 +10,7 @@
 
 #include "model/datagram.h"
 
-namespace selfproj {
+namespace selfproj::model {
 
 struct ReplayHeader {
   std::uint16_t session = 0;
@@ -99,6 +99,6 @@ class ReplayModel {
   std::uint32_t ignored_ = 0;
 };
 
-}  // namespace selfproj
+}  // namespace selfproj::model
 
 #endif  // SELFPROJ_MODEL_REPLAY_H

@@ -5,9 +5,9 @@
 #include <stdexcept>
 #include <vector>
 
-#include "model/spec/generated/selfproj_spec.h"
+#include "selfproj/model/generated/selfproj_spec.h"
 
-namespace selfproj {
+namespace selfproj::model {
 
 namespace {
 
@@ -63,4 +63,4 @@ std::vector<std::uint8_t> test_camera_pattern(int columns, int rows, int bits, i
   return pixels;
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::model

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace selfproj {
+namespace selfproj::model {
 
 // Frame `frame` of a run: rows · columns pixels, row by row. Throws std::invalid_argument unless columns is a multiple
 // of 8 and there are five rows or more.
@@ -16,6 +16,6 @@ std::vector<std::uint8_t> test_camera_frame(int columns, int rows, std::uint32_t
 // cannot be measured. Throws as above, and std::invalid_argument if bits or index is out of range.
 std::vector<std::uint8_t> test_camera_pattern(int columns, int rows, int bits, int index);
 
-}  // namespace selfproj
+}  // namespace selfproj::model
 
 #endif  // SELFPROJ_MODEL_TEST_CAMERA_H

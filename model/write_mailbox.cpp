@@ -6,7 +6,7 @@
 #include "model/register_file.h"
 #include "model/spec/generated/register_table.h"
 
-namespace selfproj {
+namespace selfproj::model {
 namespace {
 
 constexpr std::uint32_t kAddressMask = (1U << spec::kLinkAddressBytesBits) - 1;
@@ -91,4 +91,4 @@ bool WriteMailbox::refuses(std::uint32_t address, std::uint32_t data) {
   return true;
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::model

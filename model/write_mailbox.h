@@ -10,7 +10,7 @@
 #include "model/replay.h"
 #include "model/spec/generated/register_table.h"
 
-namespace selfproj {
+namespace selfproj::model {
 
 // Where a build can take its video from.
 struct VideoBuild {
@@ -54,6 +54,6 @@ class WriteMailbox {
   bool refused_ = false;
 };
 
-}  // namespace selfproj
+}  // namespace selfproj::model
 
 #endif  // SELFPROJ_MODEL_WRITE_MAILBOX_H

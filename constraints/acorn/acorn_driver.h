@@ -16,21 +16,24 @@
 #include "host/driver/litepcie_interface.h"
 #include "litepcie.h"  // of LitePCIe's driver, with the places of registers in this core
 
-namespace selfproj {
+namespace selfproj::sim {
 
 // What this project says of the driver is what the driver says of itself.
-static_assert(litepcie::kAccess == LITEPCIE_IOCTL_REG && litepcie::kDmaWriter == LITEPCIE_IOCTL_DMA_WRITER &&
-              litepcie::kBuffers == LITEPCIE_IOCTL_MMAP_DMA_INFO && litepcie::kLock == LITEPCIE_IOCTL_LOCK &&
-              litepcie::kRead == LITEPCIE_IOCTL_MMAP_DMA_WRITER_UPDATE);
-static_assert(offsetof(litepcie::Access, write) == offsetof(litepcie_ioctl_reg, is_write) &&
-              offsetof(litepcie::DmaWriter, sw_count) == offsetof(litepcie_ioctl_dma_writer, sw_count) &&
-              offsetof(litepcie::Lock, writer_request) == offsetof(litepcie_ioctl_lock, dma_writer_request) &&
-              offsetof(litepcie::Lock, writer_release) == offsetof(litepcie_ioctl_lock, dma_writer_release) &&
-              offsetof(litepcie::Lock, writer_status) == offsetof(litepcie_ioctl_lock, dma_writer_status) &&
-              offsetof(litepcie::Buffers, rx_offset) == offsetof(litepcie_ioctl_mmap_dma_info, dma_rx_buf_offset) &&
-              offsetof(litepcie::Buffers, rx_bytes) == offsetof(litepcie_ioctl_mmap_dma_info, dma_rx_buf_size) &&
-              offsetof(litepcie::Buffers, rx_count) == offsetof(litepcie_ioctl_mmap_dma_info, dma_rx_buf_count));
-static_assert(litepcie::kLoopStatus == CSR_PCIE_DMA0_BASE + PCIE_DMA_WRITER_TABLE_LOOP_STATUS_OFFSET);
+static_assert(driver::litepcie::kAccess == LITEPCIE_IOCTL_REG &&
+              driver::litepcie::kDmaWriter == LITEPCIE_IOCTL_DMA_WRITER &&
+              driver::litepcie::kBuffers == LITEPCIE_IOCTL_MMAP_DMA_INFO &&
+              driver::litepcie::kLock == LITEPCIE_IOCTL_LOCK &&
+              driver::litepcie::kRead == LITEPCIE_IOCTL_MMAP_DMA_WRITER_UPDATE);
+static_assert(
+    offsetof(driver::litepcie::Access, write) == offsetof(litepcie_ioctl_reg, is_write) &&
+    offsetof(driver::litepcie::DmaWriter, sw_count) == offsetof(litepcie_ioctl_dma_writer, sw_count) &&
+    offsetof(driver::litepcie::Lock, writer_request) == offsetof(litepcie_ioctl_lock, dma_writer_request) &&
+    offsetof(driver::litepcie::Lock, writer_release) == offsetof(litepcie_ioctl_lock, dma_writer_release) &&
+    offsetof(driver::litepcie::Lock, writer_status) == offsetof(litepcie_ioctl_lock, dma_writer_status) &&
+    offsetof(driver::litepcie::Buffers, rx_offset) == offsetof(litepcie_ioctl_mmap_dma_info, dma_rx_buf_offset) &&
+    offsetof(driver::litepcie::Buffers, rx_bytes) == offsetof(litepcie_ioctl_mmap_dma_info, dma_rx_buf_size) &&
+    offsetof(driver::litepcie::Buffers, rx_count) == offsetof(litepcie_ioctl_mmap_dma_info, dma_rx_buf_count));
+static_assert(driver::litepcie::kLoopStatus == CSR_PCIE_DMA0_BASE + PCIE_DMA_WRITER_TABLE_LOOP_STATUS_OFFSET);
 
 // Any number of ports may have the one driver.
 class AcornDriver {
@@ -119,19 +122,19 @@ class AcornPort final : public DevicePort {
   int control(unsigned long request, void* argument) override {
     driver_.serve_interrupts();
     switch (request) {
-      case litepcie::kBuffers:
-        *static_cast<litepcie::Buffers*>(argument) = {.rx_offset = AcornDriver::kBuffers * AcornDriver::kBytes,
-                                                      .rx_bytes = AcornDriver::kBytes,
-                                                      .rx_count = AcornDriver::kBuffers};
+      case driver::litepcie::kBuffers:
+        *static_cast<driver::litepcie::Buffers*>(argument) = {.rx_offset = AcornDriver::kBuffers * AcornDriver::kBytes,
+                                                              .rx_bytes = AcornDriver::kBytes,
+                                                              .rx_count = AcornDriver::kBuffers};
         return 0;
-      case litepcie::kLock:
-        static_cast<litepcie::Lock*>(argument)->writer_status = 1;
+      case driver::litepcie::kLock:
+        static_cast<driver::litepcie::Lock*>(argument)->writer_status = 1;
         return 0;
-      case litepcie::kDmaWriter:
-        driver_.enable(static_cast<litepcie::DmaWriter*>(argument)->enable != 0);
+      case driver::litepcie::kDmaWriter:
+        driver_.enable(static_cast<driver::litepcie::DmaWriter*>(argument)->enable != 0);
         return 0;
-      case litepcie::kAccess: {
-        auto& access = *static_cast<litepcie::Access*>(argument);
+      case driver::litepcie::kAccess: {
+        auto& access = *static_cast<driver::litepcie::Access*>(argument);
         if (access.write != 0) {
           driver_.write(access.address, access.value);
         } else {
@@ -139,7 +142,7 @@ class AcornPort final : public DevicePort {
         }
         return 0;
       }
-      case litepcie::kRead:
+      case driver::litepcie::kRead:
         return 0;
       default:
         return ENOTTY;
@@ -161,6 +164,6 @@ class AcornPort final : public DevicePort {
   AcornDriver& driver_;
 };
 
-}  // namespace selfproj
+}  // namespace selfproj::sim
 
 #endif  // SELFPROJ_CONSTRAINTS_ACORN_ACORN_DRIVER_H

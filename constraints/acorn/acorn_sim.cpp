@@ -29,11 +29,11 @@
 #include "constraints/common/scoreboard.h"
 #include "host/driver/boards.h"
 #include "host/driver/control.h"
-#include "host/driver/counters.h"
-#include "host/driver/device.h"
 #include "host/driver/litepcie.h"
+#include "selfproj/driver/counters.h"
+#include "selfproj/driver/device.h"
 
-namespace selfproj {
+namespace selfproj::sim {
 namespace {
 
 constexpr const char* kUri = "litepcie:simulated";
@@ -197,17 +197,17 @@ int run(const std::vector<std::string>& words) {
 }
 
 }  // namespace
-}  // namespace selfproj
+}  // namespace selfproj::sim
 
 // Called by pcie_s7.svh in every clock.
 extern "C" void pcie_host_clock(svBit taken, svBit last, const svBitVecVal* keep, const svBitVecVal* sent, svBit given,
                                 svBit interrupt, svBit* ready, svBit* valid, svBit* is_read, svBitVecVal* offered) {
-  const selfproj::PcieHost::To to = selfproj::g_host->clock({.taken = taken != 0,
-                                                             .last = last != 0,
-                                                             .keep = static_cast<std::uint16_t>(*keep),
-                                                             .beat = {sent[0], sent[1], sent[2], sent[3]},
-                                                             .given = given != 0,
-                                                             .interrupt = interrupt != 0});
+  const selfproj::sim::PcieHost::To to = selfproj::sim::g_host->clock({.taken = taken != 0,
+                                                                       .last = last != 0,
+                                                                       .keep = static_cast<std::uint16_t>(*keep),
+                                                                       .beat = {sent[0], sent[1], sent[2], sent[3]},
+                                                                       .given = given != 0,
+                                                                       .interrupt = interrupt != 0});
   *ready = to.ready ? 1 : 0;
   *valid = to.valid ? 1 : 0;
   *is_read = to.read ? 1 : 0;
@@ -218,7 +218,7 @@ extern "C" void pcie_host_clock(svBit taken, svBit last, const svBitVecVal* keep
 
 int main(int argc, char** argv) {
   try {
-    return selfproj::run({argv + 1, argv + argc});
+    return selfproj::sim::run({argv + 1, argv + argc});
   } catch (const std::exception& error) {
     std::fprintf(stderr, "acorn_sim: %s\n", error.what());
     return 2;

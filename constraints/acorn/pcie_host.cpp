@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-namespace selfproj {
+namespace selfproj::sim {
 namespace {
 
 // The first word of a packet: format and type
@@ -88,4 +88,4 @@ void PcieHost::store(const std::vector<std::uint32_t>& words) {
   }
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::sim

@@ -12,7 +12,7 @@
 #include <span>
 #include <vector>
 
-namespace selfproj {
+namespace selfproj::sim {
 
 class PcieHost {
  public:
@@ -74,6 +74,6 @@ class PcieHost {
   std::uint64_t strangers_ = 0;
 };
 
-}  // namespace selfproj
+}  // namespace selfproj::sim
 
 #endif  // SELFPROJ_CONSTRAINTS_ACORN_PCIE_HOST_H

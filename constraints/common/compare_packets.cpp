@@ -28,13 +28,13 @@
 #include "constraints/common/scoreboard.h"
 #include "host/files/input_file.h"
 #include "host/images/image_files.h"
-#include "model/packet.h"
+#include "selfproj/model/packet.h"
 
-namespace selfproj {
+namespace selfproj::sim {
 namespace {
 
 using Bytes = std::span<const std::uint8_t>;
-using Matches = std::function<bool(const PacketView&)>;
+using Matches = std::function<bool(const model::PacketView&)>;
 
 // Patterns in turn, from the first packet's frame on.
 class CodesScoreboard {
@@ -43,7 +43,7 @@ class CodesScoreboard {
       : columns_(columns),
         rows_(rows),
         bits_(bits),
-        model_([this](BoardPacket&& packet) { expected_.expect(std::move(packet)); }) {
+        model_([this](model::BoardPacket&& packet) { expected_.expect(std::move(packet)); }) {
     settings_.columns = columns;
     settings_.rows = rows;
     settings_.threshold = kThreshold;
@@ -52,8 +52,8 @@ class CodesScoreboard {
   }
 
   // Whether the packet is that of the models. Packets come in the order of their frames.
-  bool matches(const PacketView& packet) {
-    const PacketHeader& header = packet.header;
+  bool matches(const model::PacketView& packet) {
+    const model::PacketHeader& header = packet.header;
     if (!begun_) {
       begun_ = true;
       first_ = frames_ = header.sequence;
@@ -66,7 +66,7 @@ class CodesScoreboard {
       model_.write(settings_);
       expected_.clear();
       const auto pattern = static_cast<int>((frames_ - first_) % static_cast<std::uint64_t>(2 * bits_));
-      show_frame(model_, test_camera_pattern(columns_, rows_, bits_, pattern), columns_,
+      show_frame(model_, model::test_camera_pattern(columns_, rows_, bits_, pattern), columns_,
                  {.clock = (frames_ + 1) * kFrameClocks, .pattern = static_cast<std::uint16_t>(pattern)});
     }
     return expected_.has(packet, header.sequence == first_);
@@ -79,9 +79,9 @@ class CodesScoreboard {
   int columns_;
   int rows_;
   int bits_;
-  BoardSettings settings_;
+  model::BoardSettings settings_;
   FramePackets expected_;
-  BoardModel model_;
+  model::BoardModel model_;
   bool begun_ = false;
   std::uint64_t first_ = 0;   // frame of the first packet, which has pattern 0
   std::uint64_t frames_ = 0;  // the next one
@@ -92,14 +92,14 @@ class ReplayScoreboard {
   explicit ReplayScoreboard(std::vector<std::string> images) : images_(std::move(images)) {}
 
   // Whether the packet is that of the models.
-  bool matches(const PacketView& packet) {
+  bool matches(const model::PacketView& packet) {
     const std::uint64_t number = packet.header.sequence;
     if (number >= images_.size()) {
       return false;
     }
     if (frame_ != number || !expected_.settings_of(packet.header)) {
       frame_ = number;
-      const Image image = read_image(images_[number], std::nullopt);
+      const images::Image image = images::read_image(images_[number], std::nullopt);
       expected_.expect(image.pixels, image.columns, image.rows, packet.header);
     }
     return expected_.has(packet, number == 0);
@@ -112,14 +112,14 @@ class ReplayScoreboard {
 };
 
 // Reads the packet at bytes[at], and moves `at` behind it. Returns false if there is none.
-bool next_packet(Bytes bytes, std::size_t& at, PacketView& packet) {
-  const bool there = at < bytes.size() && parse_packet(bytes.subspan(at), packet) == PacketError::none;
+bool next_packet(Bytes bytes, std::size_t& at, model::PacketView& packet) {
+  const bool there = at < bytes.size() && model::parse_packet(bytes.subspan(at), packet) == model::PacketError::none;
   at += there ? packet.size : 0;
   return there;
 }
 
 void find_first_frame(Bytes bytes, CameraScoreboard& scoreboard) {
-  PacketView packet;
+  model::PacketView packet;
   for (std::size_t at = 0; next_packet(bytes, at, packet);) {
     if (packet.header.kind == spec::kKindMoments) {
       static_cast<void>(scoreboard.find_frame(packet));  // otherwise no packet will be equal
@@ -130,7 +130,7 @@ void find_first_frame(Bytes bytes, CameraScoreboard& scoreboard) {
 
 template <class Scoreboard>
 Matches matches_of(std::shared_ptr<Scoreboard> scoreboard) {
-  return [scoreboard = std::move(scoreboard)](const PacketView& packet) { return scoreboard->matches(packet); };
+  return [scoreboard = std::move(scoreboard)](const model::PacketView& packet) { return scoreboard->matches(packet); };
 }
 
 // The comparison that the words behind FILE name.
@@ -163,16 +163,16 @@ int run(const std::vector<std::string>& words) {
   std::vector<std::string> images;
   std::string counts = "{";
   if (replay) {
-    images = image_arguments({words.begin() + 2, words.end()});
+    images = images::image_arguments({words.begin() + 2, words.end()});
     counts += "\"images\": " + std::to_string(images.size()) + ", ";
   }
-  const std::string text = words.empty() ? "" : read_input(words[0], std::size_t{1} << 32U);
+  const std::string text = words.empty() ? "" : files::read_input(words[0], std::size_t{1} << 32U);
   const Bytes bytes(reinterpret_cast<const std::uint8_t*>(text.data()), text.size());
   const Matches matches = replay ? matches_of(std::make_shared<ReplayScoreboard>(std::move(images)))
                                  : matches_of({words.begin() + (words.empty() ? 0 : 1), words.end()}, bytes);
   std::uint64_t packets = 0;
   std::uint64_t equal = 0;
-  PacketView packet;
+  model::PacketView packet;
   std::size_t at = 0;
   while (next_packet(bytes, at, packet)) {
     ++packets;
@@ -184,11 +184,11 @@ int run(const std::vector<std::string>& words) {
 }
 
 }  // namespace
-}  // namespace selfproj
+}  // namespace selfproj::sim
 
 int main(int argc, char** argv) {
   try {
-    return selfproj::run({argv + 1, argv + argc});
+    return selfproj::sim::run({argv + 1, argv + argc});
   } catch (const std::exception& error) {
     std::fprintf(stderr, "compare_packets: %s\n", error.what());
     return 2;

@@ -9,27 +9,27 @@
 #include <span>
 #include <utility>
 
-#include "model/board.h"
-#include "model/packet.h"
 #include "model/test_camera.h"
+#include "selfproj/model/board.h"
+#include "selfproj/model/packet.h"
 
-namespace selfproj {
+namespace selfproj::sim {
 
 // A frame of the camera through the models. Its first beat comes at inputs.clock.
-void show_frame(BoardModel& model, std::span<const std::uint8_t> pixels, int columns, BoardInputs inputs);
+void show_frame(model::BoardModel& model, std::span<const std::uint8_t> pixels, int columns, model::BoardInputs inputs);
 
 // The packets that a board sends of a frame, with the settings of a packet that came.
 class FramePackets {
  public:
   // Of `pixels`, rows · columns of them, with the mode, threshold and stream of `header`.
-  void expect(std::span<const std::uint8_t> pixels, int columns, int rows, const PacketHeader& header);
+  void expect(std::span<const std::uint8_t> pixels, int columns, int rows, const model::PacketHeader& header);
 
   // A packet of another model of the board.
-  void expect(BoardPacket&& packet);
+  void expect(model::BoardPacket&& packet);
   void clear() { expected_.clear(); }
 
   // Whether what is expected is of the settings of this packet.
-  [[nodiscard]] bool settings_of(const PacketHeader& header) const {
+  [[nodiscard]] bool settings_of(const model::PacketHeader& header) const {
     const bool moments = header.kind == spec::kKindMoments;
     return !moments || (header.mode == mode_ && header.threshold == threshold_);
   }
@@ -37,12 +37,12 @@ class FramePackets {
   // Whether the packet is one of them, byte by byte. What the models do not know is taken from the packet: which frame
   // of the board it is, when it was, and what was lost before it. `may_stray`: a board that is started within a frame
   // gets the rest of it as stray beats before its first frame.
-  [[nodiscard]] bool has(const PacketView& packet, bool may_stray) const;
+  [[nodiscard]] bool has(const model::PacketView& packet, bool may_stray) const;
 
  private:
   std::uint8_t mode_ = 0;
   std::uint8_t threshold_ = 0;
-  std::map<std::pair<std::uint8_t, std::uint16_t>, BoardPacket> expected_;
+  std::map<std::pair<std::uint8_t, std::uint16_t>, model::BoardPacket> expected_;
 };
 
 // Compares packets of a board that looks at the test camera with the models, byte by byte. Which frame a packet is of
@@ -56,7 +56,7 @@ class CameraScoreboard {
 
   // Finds a frame that has the moments of this packet: with grey moments it shows the same picture, with binary ones
   // lines in the same places. The frames of all packets are then counted from there. Returns false if there is none.
-  bool find_frame(const PacketView& moments) {
+  bool find_frame(const model::PacketView& moments) {
     const auto rows = static_cast<std::uint32_t>(rows_);
     const std::uint32_t pictures = std::lcm(rows - 3, kBrightnesses);
     for (first_frame_ = 0; first_frame_ < pictures; ++first_frame_) {
@@ -70,7 +70,7 @@ class CameraScoreboard {
   }
 
   // Whether the packet is that of the models.
-  bool matches(const PacketView& packet) {
+  bool matches(const model::PacketView& packet) {
     const std::uint64_t time_stamp = packet.header.time_stamp;
     const std::uint64_t phase = time_stamp % frame_clocks_;
     if (time_stamp != time_stamp_ || !expected_.settings_of(packet.header)) {
@@ -88,9 +88,9 @@ class CameraScoreboard {
  private:
   static constexpr std::uint32_t kBrightnesses = 64;  // after so many frames the line is as bright again
 
-  void expect(const PacketHeader& header) {
+  void expect(const model::PacketHeader& header) {
     const auto frame = static_cast<std::uint32_t>(header.time_stamp / frame_clocks_ + first_frame_);
-    expected_.expect(test_camera_frame(columns_, rows_, frame), columns_, rows_, header);
+    expected_.expect(model::test_camera_frame(columns_, rows_, frame), columns_, rows_, header);
   }
 
   int columns_;
@@ -103,6 +103,6 @@ class CameraScoreboard {
   FramePackets expected_;
 };
 
-}  // namespace selfproj
+}  // namespace selfproj::sim
 
 #endif  // SELFPROJ_CONSTRAINTS_COMMON_SCOREBOARD_H

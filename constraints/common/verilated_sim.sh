@@ -29,7 +29,7 @@ cmake "-DVERILATOR=$verilator" "-DFOLDER=$PWD/$folder/model" "-DPREFIX=$prefix" 
 if grep -m 5 '^%Warning' "$folder/build.log" >&2; then exit 1; fi
 
 # With -O1 compiling and a run of a test take the least together; -Os runs 1.6 times as long.
-compile=("${CXX:-c++}" -std=c++20 -O1 -w -I. -I"$folder/model" -I"$include" -I"$include/vltstd" -DVM_COVERAGE=0 -DVM_SC=0
+compile=("${CXX:-c++}" -std=c++20 -O1 -w -I. -Iinclude -I"$folder/model" -I"$include" -I"$include/vltstd" -DVM_COVERAGE=0 -DVM_SC=0
   -DVM_TRACE=1 -DVM_TRACE_FST=1 -DVM_TRACE_VCD=0)
 objects=()
 jobs=()

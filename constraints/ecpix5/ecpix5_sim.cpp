@@ -36,7 +36,7 @@
 #include "constraints/ecpix5/ethernet.h"
 #include "model/spec/generated/datagram_format.h"
 
-namespace selfproj {
+namespace selfproj::sim {
 namespace {
 
 std::atomic<bool> g_stop = false;
@@ -267,11 +267,11 @@ int run(const std::vector<std::string>& words) {
 }
 
 }  // namespace
-}  // namespace selfproj
+}  // namespace selfproj::sim
 
 int main(int argc, char** argv) {
   try {
-    return selfproj::run({argv + 1, argv + argc});
+    return selfproj::sim::run({argv + 1, argv + argc});
   } catch (const std::exception& error) {
     std::fprintf(stderr, "ecpix5_sim: %s\n", error.what());
     return 2;

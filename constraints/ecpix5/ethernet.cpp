@@ -19,7 +19,7 @@
 #include <stdexcept>
 #include <string>
 
-namespace selfproj {
+namespace selfproj::sim {
 namespace {
 
 constexpr std::size_t kShortest = 60;
@@ -119,4 +119,4 @@ bool Tap::send(const EthernetFrame& frame) {
   return write(file_, frame.data(), frame.size()) == static_cast<ssize_t>(frame.size());
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::sim

@@ -13,7 +13,7 @@
 #include <utility>
 #include <vector>
 
-namespace selfproj {
+namespace selfproj::sim {
 
 using EthernetFrame = std::vector<std::uint8_t>;  // from the address of the receiver on, without the check
 
@@ -145,6 +145,6 @@ class Tap {
   int file_ = -1;
 };
 
-}  // namespace selfproj
+}  // namespace selfproj::sim
 
 #endif  // SELFPROJ_CONSTRAINTS_ECPIX5_ETHERNET_H

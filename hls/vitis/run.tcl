@@ -9,7 +9,7 @@ if {![llength $words]} { error "usage: vitis_hls -f hls/vitis/run.tcl KERNEL ?PA
 set name [lindex $words 0]
 set part [expr {[llength $words] > 1 ? [lindex $words 1] : "xc7k325tffg900-2"}]
 set root [file normalize [file join [file dirname [info script]] .. ..]]
-set flags "-std=c++14 -I$root -DSELFPROJ_HLS_VENDOR_TYPES -Wno-unknown-pragmas"
+set flags "-std=c++14 -I$root -I$root/include -DSELFPROJ_HLS_VENDOR_TYPES -Wno-unknown-pragmas"
 file mkdir [file join $root build vitis]
 cd [file join $root build vitis]
 

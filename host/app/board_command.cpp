@@ -23,28 +23,28 @@
 #include "host/driver/etherbone.h"
 #include "host/driver/replay_sender.h"
 #include "host/files/numbers.h"
-#include "host/files/user_error.h"
 #include "host/images/frame_options.h"
 #include "host/images/image_files.h"
 #include "host/images/prepared_images.h"
+#include "selfproj/files/user_error.h"
 
-namespace selfproj {
+namespace selfproj::app {
 namespace {
 
 void print_boards(const std::vector<std::string>& hosts) {
-  const std::vector<BoardPlace> boards = list_boards("/dev", hosts);
+  const std::vector<driver::BoardPlace> boards = driver::list_boards("/dev", hosts);
   if (boards.empty()) {
     fmt::print("no file of board registers in /dev\n");
   }
-  for (const BoardPlace& board : boards) {
+  for (const driver::BoardPlace& board : boards) {
     fmt::print("{:28} {}\n", board.uri, board.problem.empty() ? "a board of this specification" : board.problem);
   }
 }
 
 std::string yes(bool there) { return there ? "yes" : "no"; }
 
-void print_info(Control& control) {
-  const BoardBuild& build = control.build();
+void print_info(driver::Control& control) {
+  const model::BoardBuild& build = control.build();
   fmt::print("{}: selfproj board, specification {}.{}, hash 0x{:08X}\n", control.uri(), spec::kVersion >> 8U,
              spec::kVersion & 0xFFU, spec::kHash);
   fmt::print("largest image    {} x {} pixels\n", build.max_columns, build.max_rows);
@@ -54,35 +54,35 @@ void print_info(Control& control) {
 }
 
 // All registers that the board has, with their fields.
-void print_status(Control& control) {
+void print_status(driver::Control& control) {
   static_cast<void>(control.state());  // time_low and time_high then belong together
   for (const spec::Register& one : spec::kRegisters) {
-    if (!has_register(control.build(), one.address)) {
+    if (!model::has_register(control.build(), one.address)) {
       continue;
     }
     const std::uint32_t word = control.read({&one, nullptr});
     std::string fields;
     for (const spec::RegisterField& field : one.fields) {
-      fields += fmt::format("  {}={}", field.name, field_of(word, field.lsb, field.bits));
+      fields += fmt::format("  {}={}", field.name, driver::field_of(word, field.lsb, field.bits));
     }
     fmt::print("0x{:02X} {:16} 0x{:08X}{}\n", one.address, one.name, word, fields);
   }
 }
 
 // "size.columns=512"; a mode may be given by its name.
-std::pair<RegisterPart, std::uint32_t> assignment(const std::string& text) {
+std::pair<driver::RegisterPart, std::uint32_t> assignment(const std::string& text) {
   const std::size_t equals = text.find('=');
   if (equals == std::string::npos) {
     throw UserError(text, "is not an assignment such as size.columns=512");
   }
   const std::string name = text.substr(0, equals);
   const std::string value = text.substr(equals + 1);
-  const RegisterPart part = register_part(name);
-  const std::vector<std::string> modes = mode_names();
+  const driver::RegisterPart part = driver::register_part(name);
+  const std::vector<std::string> modes = images::mode_names();
   if (name == "measure.mode" && std::find(modes.begin(), modes.end(), value) != modes.end()) {
-    return {part, static_cast<std::uint32_t>(mode_of(value))};
+    return {part, static_cast<std::uint32_t>(images::mode_of(value))};
   }
-  const std::optional<std::uint32_t> number = number_of_text<std::uint32_t>(value);
+  const std::optional<std::uint32_t> number = files::number_of_text<std::uint32_t>(value);
   if (!number) {
     throw UserError(text, fmt::format("'{}' is not a whole number from 0 to 4294967295", value));
   }
@@ -99,7 +99,7 @@ struct TriggerOptions {
 };
 
 // Stops the sequencer, writes its settings and starts it again, as the board wants it.
-void set_trigger(Control& control, const TriggerOptions& options) {
+void set_trigger(driver::Control& control, const TriggerOptions& options) {
   control.write("trigger_control", 0);
   const auto write = [&](const char* name, const std::optional<std::uint32_t>& value) {
     if (value) {
@@ -122,10 +122,10 @@ void set_trigger(Control& control, const TriggerOptions& options) {
   }
 }
 
-void run_selftest(Control& control) {
-  const std::vector<BoardTestResult> results = test_board(control);
+void run_selftest(driver::Control& control) {
+  const std::vector<driver::BoardTestResult> results = driver::test_board(control);
   std::size_t failed = 0;
-  for (const BoardTestResult& result : results) {
+  for (const driver::BoardTestResult& result : results) {
     fmt::print("{:5} {}{}\n", result.fault.empty() ? "good" : "FAULT", result.what,
                result.fault.empty() ? "" : ": " + result.fault);
     failed += result.fault.empty() ? 0 : 1;
@@ -136,8 +136,9 @@ void run_selftest(Control& control) {
 }
 
 // Adds a subcommand that works on the board of --device.
-CLI::App* add_on_board(CLI::App& parent, const CommandText& text, const std::function<void(Control&)>& act) {
-  CLI::App* command = add_command(parent, text);
+CLI::App* add_on_board(CLI::App& parent, const cli::CommandText& text,
+                       const std::function<void(driver::Control&)>& act) {
+  CLI::App* command = cli::add_command(parent, text);
   const auto device = std::make_shared<std::string>();
   command
       ->add_option("--device", *device,
@@ -145,7 +146,7 @@ CLI::App* add_on_board(CLI::App& parent, const CommandText& text, const std::fun
                    "registers in a file mapped into memory; or file:/dev/xdma0_c2h_0 for those beside this device.")
       ->type_name("URI")
       ->required();
-  command->callback([device, act] { act(*open_control(*device)); });
+  command->callback([device, act] { act(*driver::open_control(*device)); });
   return command;
 }
 
@@ -163,8 +164,8 @@ void add_set_command(CLI::App& board) {
 selfproj board set --device bar:/dev/xdma0_user size.columns=512 size.rows=96 \
   measure.mode=grey-over measure.threshold=60
 )"},
-      [values](Control& control) {
-        std::vector<std::pair<RegisterPart, std::uint32_t>> parts;
+      [values](driver::Control& control) {
+        std::vector<std::pair<driver::RegisterPart, std::uint32_t>> parts;
         std::transform(values->begin(), values->end(), std::back_inserter(parts), assignment);
         control.write_together(std::move(parts));
       });
@@ -181,20 +182,20 @@ void add_trigger_command(CLI::App& board) {
 # 10,000 pulses a second at 151.2 MHz, the camera 100 clocks after the projector (needs hardware)
 selfproj board trigger --device bar:/dev/xdma0_user --period 15120 --camera-delay 100
 )"},
-                                   [options](Control& control) { set_trigger(control, *options); });
+                                   [options](driver::Control& control) { set_trigger(control, *options); });
   constexpr std::int64_t kMaxClocks = (std::int64_t{1} << spec::kRegTriggerPeriodClocksBits) - 1;
   constexpr std::int64_t kMaxWidth = (std::int64_t{1} << spec::kRegTriggerWidthClocksBits) - 1;
   command->add_option("--period", options->period, "Pixel clocks from one projector pulse to the next.")
-      ->transform(whole_number(1, kMaxClocks))
+      ->transform(cli::whole_number(1, kMaxClocks))
       ->type_name("N");
   command->add_option("--camera-delay", options->camera, "Pixel clocks from the projector's pulse to the camera's.")
-      ->transform(whole_number(0, kMaxClocks))
+      ->transform(cli::whole_number(0, kMaxClocks))
       ->type_name("N");
   command->add_option("--width", options->width, "Pixel clocks that a pulse lasts.")
-      ->transform(whole_number(0, kMaxWidth))
+      ->transform(cli::whole_number(0, kMaxWidth))
       ->type_name("N");
   command->add_option("--patterns", options->patterns, "Patterns that follow each other.")
-      ->transform(whole_number(1, 1 << spec::kRegTriggerControlLastPatternBits))
+      ->transform(cli::whole_number(1, 1 << spec::kRegTriggerControlLastPatternBits))
       ->type_name("N")
       ->capture_default_str();
   CLI::Option* const on_frame =
@@ -205,7 +206,7 @@ selfproj board trigger --device bar:/dev/xdma0_user --period 15120 --camera-dela
 struct ReplayCommandOptions {
   std::string device;
   std::vector<std::string> images;
-  Preparation preparation;
+  images::Preparation preparation;
   std::optional<double> rate;  // frames a second
   bool jumbo = false;
 };
@@ -224,10 +225,10 @@ void add_device(CLI::App& command, std::string& device) {
 
 void replay(const ReplayCommandOptions& options) {
   const std::string host = host_of(options.device);
-  PreparedImages images(image_arguments(options.images), options.preparation);
-  std::unique_ptr<RegisterPort> own = make_etherbone_port(host);
-  RegisterPort& port = *own;  // the control keeps it
-  Control control(std::move(own));
+  images::PreparedImages images(images::image_arguments(options.images), options.preparation);
+  std::unique_ptr<driver::RegisterPort> own = driver::make_etherbone_port(host);
+  driver::RegisterPort& port = *own;  // the control keeps it
+  driver::Control control(std::move(own));
   if (control.read("control.run") == 0) {
     throw UserError(control.uri(), "this board is stopped and drops frames; start it with selfproj board start");
   }
@@ -238,11 +239,12 @@ void replay(const ReplayCommandOptions& options) {
                     fmt::format("gives frames of {} x {} pixels, and the board is set to {} x {}", images.columns(),
                                 images.rows(), columns, rows));
   }
-  ReplaySender sender(port, host, {.datagram_bytes = options.jumbo ? kJumboDatagramBytes : kDatagramBytes});
-  Progress progress("frame", images.count());
+  driver::ReplaySender sender(port, host,
+                              {.datagram_bytes = options.jumbo ? model::kJumboDatagramBytes : model::kDatagramBytes});
+  cli::Progress progress("frame", images.count());
   const auto begin = std::chrono::steady_clock::now();
   for (std::size_t i = 0; i < images.count(); ++i) {
-    const Image frame = images.frame(i);
+    const images::Image frame = images.frame(i);
     if (options.rate) {
       const std::chrono::duration<double> due(static_cast<double>(i) / *options.rate);
       std::this_thread::sleep_until(begin + std::chrono::duration_cast<std::chrono::steady_clock::duration>(due));
@@ -257,7 +259,7 @@ void replay(const ReplayCommandOptions& options) {
 
 void add_replay_command(CLI::App& board) {
   const auto options = std::make_shared<ReplayCommandOptions>();
-  CLI::App* command = add_command(
+  CLI::App* command = cli::add_command(
       board, {.name = "replay",
               .purpose = "Sends images to a board on the network, in the place of its camera.",
               .details = "The board takes them for frames of its camera. It must be set to their size, and this host "
@@ -270,10 +272,10 @@ selfproj board start --device udp:192.168.1.50
 selfproj board replay --device udp:192.168.1.50 images
 )"});
   add_device(*command, options->device);
-  add_files(*command, "IMAGE", options->images, "Images of the board's size, or a folder of them.")->required();
-  add_preparation_options(*command, options->preparation);
+  cli::add_files(*command, "IMAGE", options->images, "Images of the board's size, or a folder of them.")->required();
+  cli::add_preparation_options(*command, options->preparation);
   command->add_option("--rate", options->rate, "Most frames a second; without it, as many as the board takes.")
-      ->transform(number_above_zero())
+      ->transform(cli::number_above_zero())
       ->type_name("HZ");
   command->add_flag("--jumbo", options->jumbo, "Send datagrams for frames of 9,000 bytes, not 1,500.");
   command->callback([options] { replay(*options); });
@@ -283,30 +285,31 @@ void add_source_command(CLI::App& board) {
   const auto device = std::make_shared<std::string>();
   const auto name = std::make_shared<std::string>();
   std::vector<std::string> names;
-  std::transform(kSourceNames.begin(), kSourceNames.end(), std::back_inserter(names),
-                 [](const SourceName& source) { return std::string(source.name); });
-  CLI::App* command = add_command(board, {.name = "source",
-                                          .purpose = "Says or sets where the frames of a board come from.",
-                                          .details = "`camera` is the camera that the board was built for; without a "
-                                                     "sensor it is the test camera. A frame that has begun is cut off.",
-                                          .examples = R"(
+  std::transform(driver::kSourceNames.begin(), driver::kSourceNames.end(), std::back_inserter(names),
+                 [](const driver::SourceName& source) { return std::string(source.name); });
+  CLI::App* command =
+      cli::add_command(board, {.name = "source",
+                               .purpose = "Says or sets where the frames of a board come from.",
+                               .details = "`camera` is the camera that the board was built for; without a "
+                                          "sensor it is the test camera. A frame that has begun is cut off.",
+                               .examples = R"(
 # Frames of the test camera inside the FPGA (needs hardware)
 selfproj board source test-camera --device udp:192.168.1.50
 )"});
   add_device(*command, *device);
-  command->add_option("NAME", *name, "The source from now on.")->check(one_of(names))->type_name("SOURCE");
+  command->add_option("NAME", *name, "The source from now on.")->check(cli::one_of(names))->type_name("SOURCE");
   command->callback([device, name] {
-    const std::unique_ptr<RegisterPort> port = make_etherbone_port(host_of(*device));
-    const auto named = std::find_if(kSourceNames.begin(), kSourceNames.end(),
-                                    [&](const SourceName& source) { return source.name == *name; });
-    if (named != kSourceNames.end()) {
-      set_video_source(*port, named->value);
+    const std::unique_ptr<driver::RegisterPort> port = driver::make_etherbone_port(host_of(*device));
+    const auto named = std::find_if(driver::kSourceNames.begin(), driver::kSourceNames.end(),
+                                    [&](const driver::SourceName& source) { return source.name == *name; });
+    if (named != driver::kSourceNames.end()) {
+      driver::set_video_source(*port, named->value);
     }
-    const std::uint32_t source = video_source(*port);
-    const auto now = std::find_if(kSourceNames.begin(), kSourceNames.end(),
-                                  [&](const SourceName& one) { return one.value == source; });
+    const std::uint32_t source = driver::video_source(*port);
+    const auto now = std::find_if(driver::kSourceNames.begin(), driver::kSourceNames.end(),
+                                  [&](const driver::SourceName& one) { return one.value == source; });
     fmt::print("{}: frames of the source {}\n", port->uri(),
-               now == kSourceNames.end() ? std::to_string(source) : std::string(now->name));
+               now == driver::kSourceNames.end() ? std::to_string(source) : std::string(now->name));
   });
 }
 
@@ -319,7 +322,7 @@ void add_replay_commands(CLI::App& board) {
 }  // namespace
 
 void add_board_command(CLI::App& app) {
-  CLI::App* board = add_command(
+  CLI::App* board = cli::add_command(
       app, {.name = "board",
             .purpose = "Controls a board: its registers, settings and state.",
             .details = "The commands reach the board's registers over the network, or through a file that the system "
@@ -329,7 +332,7 @@ void add_board_command(CLI::App& app) {
 selfproj board list
 )"});
   board->require_subcommand(1);
-  CLI::App* list = add_command(
+  CLI::App* list = cli::add_command(
       *board, {.name = "list",
                .purpose = "Lists the boards of this machine and of hosts on the network.",
                .details = "Looks at /dev/xdma*_user, /dev/uio* and /dev/litepcie*, and asks every HOST given.",
@@ -359,7 +362,7 @@ selfproj board status --device bar:/dev/xdma0_user
 # Accept frames from now on (needs hardware)
 selfproj board start --device bar:/dev/xdma0_user
 )"},
-               [](Control& control) { control.write("control.run", 1); });
+               [](driver::Control& control) { control.write("control.run", 1); });
   add_on_board(*board,
                {.name = "stop",
                 .purpose = "Lets a board accept no further frames; an open one is taken to its end.",
@@ -368,7 +371,7 @@ selfproj board start --device bar:/dev/xdma0_user
 # Accept no further frames (needs hardware)
 selfproj board stop --device bar:/dev/xdma0_user
 )"},
-               [](Control& control) { control.write("control.run", 0); });
+               [](driver::Control& control) { control.write("control.run", 0); });
   add_trigger_command(*board);
   add_replay_commands(*board);
   add_on_board(*board,
@@ -383,4 +386,4 @@ selfproj board selftest --device bar:/dev/xdma0_user
                run_selftest);
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::app

@@ -19,15 +19,15 @@
 #include "host/cli/command_line.h"
 #include "host/cli/progress.h"
 #include "host/files/output_folder.h"
-#include "host/files/user_error.h"
 #include "host/images/frame_options.h"
 #include "host/images/image_files.h"
-#include "host/rig/calibration_file.h"
-#include "host/rig/rig.h"
-#include "host/structured_light/gray_sequence.h"
-#include "model/gray_decoder.h"
+#include "selfproj/files/user_error.h"
+#include "selfproj/model/gray_decoder.h"
+#include "selfproj/rig/calibration_file.h"
+#include "selfproj/rig/rig.h"
+#include "selfproj/structured_light/gray_sequence.h"
 
-namespace selfproj {
+namespace selfproj::app {
 namespace {
 
 constexpr const char* kAuto = "auto";
@@ -42,23 +42,25 @@ struct CalibrateOptions {
   std::string board = "bent";
   std::string camera_distortion = kAuto;
   std::string projector_distortion = kAuto;
-  DecodeSettings decode;
-  CalibrateSettings calibrate;
+  calibration::DecodeSettings decode;
+  calibration::CalibrateSettings calibrate;
   std::string plates;
   std::string moves;
-  PlateTolerance tolerance;
-  DrawnScale scale;
+  calibration::PlateTolerance tolerance;
+  calibration::DrawnScale scale;
   std::vector<std::string> poses;
   std::vector<std::string> checks;
   CaptureOptions capture;  // with a camera the poses are taken now
 };
 
-int free_of(const std::string& option) { return option == kAuto ? FreeDistortion::kByData : std::stoi(option); }
+int free_of(const std::string& option) {
+  return option == kAuto ? calibration::FreeDistortion::kByData : std::stoi(option);
+}
 
 // The rig of the calibration, or the reason why it does not exist.
-std::string rig_yaml(const CalibrateOptions& options, CalibrationReport& report) {
+std::string rig_yaml(const CalibrateOptions& options, calibration::CalibrationReport& report) {
   try {
-    return to_yaml(calibrated_rig(report, load_rig(options.rig)));
+    return rig::to_yaml(calibration::calibrated_rig(report, rig::load_rig(options.rig)));
   } catch (const std::invalid_argument& error) {
     report.warnings.push_back(fmt::format("no rig.yaml: {}", error.what()));
     return {};
@@ -66,7 +68,7 @@ std::string rig_yaml(const CalibrateOptions& options, CalibrationReport& report)
 }
 
 // Heights and moves of plates, with the drawings of the rig as the place to start from.
-void apply_plates(const CalibrateOptions& options, CalibrateSettings& settings) {
+void apply_plates(const CalibrateOptions& options, calibration::CalibrateSettings& settings) {
   constexpr std::size_t kMinPlates = 3;
   if (options.plates.empty() && !options.moves.empty()) {
     throw UserError("--moves", "is for --plates");
@@ -74,9 +76,9 @@ void apply_plates(const CalibrateOptions& options, CalibrateSettings& settings) 
   if (options.plates.empty()) {
     return;
   }
-  const std::vector<double> heights = ascending_lengths("--plates", options.plates);
+  const std::vector<double> heights = cli::ascending_lengths("--plates", options.plates);
   const std::vector<double> moves =
-      options.moves.empty() ? std::vector<double>{0} : ascending_lengths("--moves", options.moves);
+      options.moves.empty() ? std::vector<double>{0} : cli::ascending_lengths("--moves", options.moves);
   if (heights.size() < kMinPlates) {
     throw UserError("--plates", fmt::format("{} are too few; 3 or more heights are needed", heights.size()));
   }
@@ -88,18 +90,20 @@ void apply_plates(const CalibrateOptions& options, CalibrateSettings& settings) 
     throw UserError("--plates", fmt::format("{} heights with {} places of the belt are {} poses; {} are given",
                                             heights.size(), moves.size(), count, options.poses.size()));
   }
-  const Rig rig = load_rig(options.rig);
+  const rig::Rig rig = rig::load_rig(options.rig);
   if (rig.projector.columns != settings.projector_columns || rig.projector.lines != settings.projector_rows) {
-    throw UserError("--rig", fmt::format("its projector has {}, not {}; --plates starts from this rig",
-                                         size_text(rig.projector.lines, rig.projector.columns), options.projector));
+    throw UserError("--rig",
+                    fmt::format("its projector has {}, not {}; --plates starts from this rig",
+                                images::size_text(rig.projector.lines, rig.projector.columns), options.projector));
   }
-  settings.plates = plates_over(rig, settings.chessboard, heights, moves, options.tolerance, options.scale);
+  settings.plates =
+      calibration::plates_over(rig, settings.chessboard, heights, moves, options.tolerance, options.scale);
 }
 
 // Checks the options and puts them into options.calibrate.
 void apply(CalibrateOptions& options) {
   constexpr int kMaxCorners = 200;
-  const FrameSize corners = size_of_text("--chessboard", options.chessboard, kMaxCorners);
+  const images::FrameSize corners = images::size_of_text("--chessboard", options.chessboard, kMaxCorners);
   if (corners.columns < 3 || corners.rows < 3) {
     throw UserError("--chessboard",
                     fmt::format("is {}; at least 3 inner corners are needed along both sides", options.chessboard));
@@ -116,8 +120,9 @@ void apply(CalibrateOptions& options) {
   if (!guided && options.projector.empty()) {
     throw UserError("--projector", "is required");
   }
-  const FrameSize projector =
-      guided ? FrameSize{} : size_of_text("--projector", options.projector, 1 << GrayDecoder::kMaxBits);
+  const images::FrameSize projector =
+      guided ? images::FrameSize{}
+             : images::size_of_text("--projector", options.projector, 1 << model::GrayDecoder::kMaxBits);
   std::set<std::string> folders(options.poses.begin(), options.poses.end());
   if (folders.size() != options.poses.size()) {
     throw UserError("POSE", "a folder is given twice");
@@ -127,32 +132,33 @@ void apply(CalibrateOptions& options) {
       throw UserError("--check", fmt::format("{} is given twice; a pose that takes part proves nothing", check));
     }
   }
-  CalibrateSettings& settings = options.calibrate;
+  calibration::CalibrateSettings& settings = options.calibrate;
   settings.chessboard.columns = corners.columns;
   settings.chessboard.rows = corners.rows;
   settings.projector_columns = projector.columns;
   settings.projector_rows = projector.rows;
-  settings.corners.method = options.corners == "direct" ? CornerMethod::direct : CornerMethod::homography;
+  settings.corners.method =
+      options.corners == "direct" ? calibration::CornerMethod::direct : calibration::CornerMethod::homography;
   settings.bent = options.board == "bent";
   settings.free = {free_of(options.camera_distortion), free_of(options.projector_distortion)};
-  static_cast<void>(load_rig(options.rig));
+  static_cast<void>(rig::load_rig(options.rig));
   apply_plates(options, settings);
 }
 
 // Decodes the folders and finds the chessboard in each.
-std::vector<PoseReport> observe(const std::vector<std::string>& folders, const CalibrateOptions& options) {
-  const CalibrateSettings& settings = options.calibrate;
-  const GraySequence sequence(settings.projector_columns, settings.projector_rows);
+std::vector<calibration::PoseReport> observe(const std::vector<std::string>& folders, const CalibrateOptions& options) {
+  const calibration::CalibrateSettings& settings = options.calibrate;
+  const structured_light::GraySequence sequence(settings.projector_columns, settings.projector_rows);
   std::vector<std::vector<std::string>> files;
   for (const std::string& folder : folders) {
-    files.push_back(files_of_folder(folder));
+    files.push_back(images::files_of_folder(folder));
   }
-  std::vector<PoseReport> poses;
-  Progress progress("pose", folders.size());
+  std::vector<calibration::PoseReport> poses;
+  cli::Progress progress("pose", folders.size());
   for (std::size_t i = 0; i < folders.size(); ++i) {
-    ImageSequence images(files[i], channel_of(options.channel));
-    const Capture capture = decode_capture(folders[i], images, sequence, options.decode);
-    poses.push_back(observe_pose(folders[i], capture, settings));
+    images::ImageSequence images(files[i], images::channel_of(options.channel));
+    const calibration::Capture capture = calibration::decode_capture(folders[i], images, sequence, options.decode);
+    poses.push_back(calibration::observe_pose(folders[i], capture, settings));
     progress.update(i + 1);
   }
   return poses;
@@ -160,7 +166,7 @@ std::vector<PoseReport> observe(const std::vector<std::string>& folders, const C
 
 // After a refusal, poses that were taken live are written all the same, for nobody wants to take them twice. Returns
 // how the error goes on.
-std::string keep_poses(const CalibrateOptions& options, OutputFolder& folder) {
+std::string keep_poses(const CalibrateOptions& options, files::OutputFolder& folder) {
   if (options.capture.camera.empty()) {
     return "";
   }
@@ -173,42 +179,42 @@ std::string keep_poses(const CalibrateOptions& options, OutputFolder& folder) {
 
 void run_calibrate(CalibrateOptions options) {
   apply(options);
-  OutputFolder folder(options.out);
-  std::vector<PoseReport> taken;
+  files::OutputFolder folder(options.out);
+  std::vector<calibration::PoseReport> taken;
   if (!options.capture.camera.empty()) {
     taken = capture_guided_poses(options.capture, options.decode, options.calibrate, folder);
   }
   const std::size_t parts = options.poses.size();
   std::vector<std::string> folders = options.poses;
   folders.insert(folders.end(), options.checks.begin(), options.checks.end());
-  std::vector<PoseReport> poses = observe(folders, options);
-  const std::vector<PoseReport> checks(poses.begin() + static_cast<std::ptrdiff_t>(parts), poses.end());
+  std::vector<calibration::PoseReport> poses = observe(folders, options);
+  const std::vector<calibration::PoseReport> checks(poses.begin() + static_cast<std::ptrdiff_t>(parts), poses.end());
   poses.resize(parts);
   poses.insert(poses.end(), taken.begin(), taken.end());
-  CalibrationReport report = calibrate(std::move(poses), options.calibrate);
+  calibration::CalibrationReport report = calibration::calibrate(std::move(poses), options.calibrate);
   if (!report.model.refusal.empty()) {
     throw CheckFailed(fmt::format("calibrate: no rig: {}{}", report.model.refusal, keep_poses(options, folder)));
   }
-  for (const PoseReport& check : checks) {
-    report.checks.push_back(check_pose(check, report));
+  for (const calibration::PoseReport& check : checks) {
+    report.checks.push_back(calibration::check_pose(check, report));
   }
   const std::string rig = rig_yaml(options, report);
   if (!rig.empty()) {
     folder.append("rig.yaml", rig);
   }
-  folder.append(
-      "calibration.yaml",
-      calibration_yaml(report.calibration, {report.bundle.camera_rms, report.bundle.projector_rms, report.bundle.rms}));
-  folder.append("report.json", report_json(report));
-  folder.append("corners.csv", corner_table(report));
-  folder.append("coverage.png", coverage_picture(report));
-  folder.append("residuals.png", residual_picture(report));
+  folder.append("calibration.yaml",
+                rig::calibration_yaml(report.calibration,
+                                      {report.bundle.camera_rms, report.bundle.projector_rms, report.bundle.rms}));
+  folder.append("report.json", calibration::report_json(report));
+  folder.append("corners.csv", calibration::corner_table(report));
+  folder.append("coverage.png", calibration::coverage_picture(report));
+  folder.append("residuals.png", calibration::residual_picture(report));
   folder.commit();
-  fmt::print("{}→ {}\n", report_text(report), folder.name());
+  fmt::print("{}→ {}\n", calibration::report_text(report), folder.name());
 }
 
 void add_plate_options(CLI::App& command, CalibrateOptions& options) {
-  begin_group(command, "Plates: the chessboard lies at known heights over the belt");
+  cli::begin_group(command, "Plates: the chessboard lies at known heights over the belt");
   command
       .add_option("--plates", options.plates,
                   "Heights in mm of a plate that carries the chessboard, ascending. The first poses are those on it, "
@@ -222,39 +228,39 @@ void add_plate_options(CLI::App& command, CalibrateOptions& options) {
           "tell which way the belt runs, which a light section must know.")
       ->type_name("X,X,...");
   command.add_option("--tolerance", options.tolerance.height_mm, "How far a height may be off, in mm.")
-      ->transform(number_above_zero(10))
+      ->transform(cli::number_above_zero(10))
       ->type_name("MM")
       ->capture_default_str();
   command
       .add_option("--parallel", options.tolerance.parallel_mm,
                   "How far one end of the chessboard may lie higher than the other, in mm.")
-      ->transform(number_above_zero(10))
+      ->transform(cli::number_above_zero(10))
       ->type_name("MM")
       ->capture_default_str();
   command
       .add_option("--square-tolerance", options.tolerance.square,
                   "How far the squares' side may be off, as a share. The heights tell the rest.")
-      ->transform(number_above_zero(0.1))
+      ->transform(cli::number_above_zero(0.1))
       ->type_name("SHARE")
       ->capture_default_str();
   command
       .add_option("--fence", options.tolerance.fence_mm,
                   "How far the plate may miss its place on the belt from height to height, in mm. Push it against a "
                   "fence that stands square to the belt.")
-      ->transform(number_above_zero(1000))
+      ->transform(cli::number_above_zero(1000))
       ->type_name("MM")
       ->capture_default_str();
   command
       .add_option("--distance-tolerance", options.scale.distance_tolerance,
                   "How far the belt's distance may be from plane_z_mm of --rig, as a share. Only this and the focal "
                   "length tell of heights that are all wrong by one factor.")
-      ->transform(number_above_zero(10))
+      ->transform(cli::number_above_zero(10))
       ->type_name("SHARE")
       ->capture_default_str();
   command
       .add_option("--focal-tolerance", options.scale.focal_tolerance,
                   "How far the camera's focal length may be from that of --rig, as a share.")
-      ->transform(number_above_zero(10))
+      ->transform(cli::number_above_zero(10))
       ->type_name("SHARE")
       ->capture_default_str();
 }
@@ -262,7 +268,7 @@ void add_plate_options(CLI::App& command, CalibrateOptions& options) {
 }  // namespace
 
 void add_calibrate_command(CLI::App& app) {
-  CLI::App* command = add_command(
+  CLI::App* command = cli::add_command(
       app,
       {.name = "calibrate",
        .purpose = "Calibrates camera and projector from captures of a chessboard under Gray-code patterns.",
@@ -290,8 +296,8 @@ selfproj calibrate --camera camera:192.168.1.20 --display 1 --chessboard 9x6 --s
   --out calibration
 )"});
   const auto options = std::make_shared<CalibrateOptions>();
-  CalibrateSettings& settings = options->calibrate;
-  begin_group(*command, "Chessboard and projector");
+  calibration::CalibrateSettings& settings = options->calibrate;
+  cli::begin_group(*command, "Chessboard and projector");
   command->add_option("--chessboard", options->chessboard, "Inner corners along the two sides of the chessboard.")
       ->type_name("NxM")
       ->required();
@@ -299,7 +305,7 @@ selfproj calibrate --camera camera:192.168.1.20 --display 1 --chessboard 9x6 --s
       ->add_option("--square", settings.chessboard.square_mm,
                    "Side of a square in mm. Measure it: without --plates nothing shows that it is wrong, and all "
                    "lengths of the result are wrong by the same factor.")
-      ->transform(number_above_zero())
+      ->transform(cli::number_above_zero())
       ->type_name("MM")
       ->required();
   command
@@ -312,56 +318,56 @@ selfproj calibrate --camera camera:192.168.1.20 --display 1 --chessboard 9x6 --s
       ->type_name("RIG")
       ->capture_default_str();
   add_plate_options(*command, *options);
-  begin_group(*command, "Live: the poses are taken now");
+  cli::begin_group(*command, "Live: the poses are taken now");
   command
       ->add_option("--camera", options->capture.camera,
                    "Camera and its settings, as `selfproj devices` lists them. The command says which pose to take, "
                    "waits for Enter, captures it, and says what is covered and what is missing.")
       ->type_name("URI");
   add_projector_options(*command, options->capture);
-  begin_group(*command, "Decoding");
+  cli::begin_group(*command, "Decoding");
   command
       ->add_option("--threshold", options->decode.threshold,
                    "A pair of images that differs by at most this many grey levels is ambiguous.")
-      ->transform(whole_number(0, 255))
+      ->transform(cli::whole_number(0, 255))
       ->type_name("T")
       ->capture_default_str();
   command
       ->add_option("--contrast", options->decode.contrast,
                    "A pixel has a code where white is brighter than black by more than this many grey levels.")
-      ->transform(whole_number(0, 255))
+      ->transform(cli::whole_number(0, 255))
       ->type_name("T")
       ->capture_default_str();
-  add_channel_option(*command, options->channel);
-  begin_group(*command, "Corners");
+  cli::add_channel_option(*command, options->channel);
+  cli::begin_group(*command, "Corners");
   command
       ->add_option("--corners", options->corners,
                    "How the projector position of a corner follows from the codes around it: by a local homography, or "
                    "by a polynomial fitted directly.")
-      ->check(one_of({"homography", "direct"}))
+      ->check(cli::one_of({"homography", "direct"}))
       ->type_name("METHOD")
       ->capture_default_str();
   command
       ->add_option("--window", settings.corners.window_px,
                    "Half the side of the window around a corner, in camera pixels.")
-      ->transform(real_number(2, 1000))
+      ->transform(cli::real_number(2, 1000))
       ->type_name("PX")
       ->default_str("0.7 of the distance between corners");
   command
       ->add_option("--max-sd", settings.corners.max_sd_px,
                    "Leave out corners with a larger standard deviation in the projector, in projector pixels.")
-      ->transform(number_above_zero())
+      ->transform(cli::number_above_zero())
       ->type_name("PX")
       ->capture_default_str();
   command->add_option("--min-corners", settings.min_corners, "Leave out poses with fewer usable corners.")
-      ->transform(whole_number(6, 40000))
+      ->transform(cli::whole_number(6, 40000))
       ->type_name("N")
       ->capture_default_str();
-  begin_group(*command, "Estimation");
+  cli::begin_group(*command, "Estimation");
   command
       ->add_option("--reject", settings.reject,
                    "Leave out corners whose residual exceeds this many standard deviations. 0 keeps all.")
-      ->transform(real_number(0, 1000))
+      ->transform(cli::real_number(0, 1000))
       ->type_name("K")
       ->capture_default_str();
   const std::vector<std::string> distortions = {kAuto, "0", "1", "2", "4", "5"};
@@ -369,17 +375,17 @@ selfproj calibrate --camera camera:192.168.1.20 --display 1 --chessboard 9x6 --s
       ->add_option("--camera-distortion", options->camera_distortion,
                    "How many of k1, k2, p1, p2, k3 are estimated for the camera. The others are 0. auto: as many as "
                    "the captures support, without k3.")
-      ->check(one_of(distortions))
+      ->check(cli::one_of(distortions))
       ->type_name("N")
       ->capture_default_str();
   command->add_option("--projector-distortion", options->projector_distortion, "The same for the projector.")
-      ->check(one_of(distortions))
+      ->check(cli::one_of(distortions))
       ->type_name("N")
       ->capture_default_str();
   command
       ->add_option("--board", options->board,
                    "bent: the chessboard's shape is estimated, as paper is never flat. flat: it is exactly flat.")
-      ->check(one_of({"bent", "flat"}))
+      ->check(cli::one_of({"bent", "flat"}))
       ->type_name("SHAPE")
       ->capture_default_str();
   command
@@ -387,9 +393,9 @@ selfproj calibrate --camera camera:192.168.1.20 --display 1 --chessboard 9x6 --s
                    "Folders of poses that take no part. For each, the output says how well the calibration explains "
                    "it.")
       ->type_name("POSE");
-  begin_group(*command, "Output");
+  cli::begin_group(*command, "Output");
   command->add_option("--out", options->out, "Folder for the results.")->type_name("DIR")->required();
-  add_files(
+  cli::add_files(
       *command, "POSE", options->poses,
       "Folders of images, one for each pose. Each holds the whole sequence, numbered in the order of the patterns.");
   add_camera_command(*command);
@@ -402,4 +408,4 @@ selfproj calibrate --camera camera:192.168.1.20 --display 1 --chessboard 9x6 --s
   });
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::app

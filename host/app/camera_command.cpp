@@ -17,12 +17,12 @@
 #include "host/cli/command_line.h"
 #include "host/cli/progress.h"
 #include "host/files/output_folder.h"
-#include "host/files/user_error.h"
 #include "host/images/frame_options.h"
 #include "host/images/image_files.h"
-#include "host/rig/rig.h"
+#include "selfproj/files/user_error.h"
+#include "selfproj/rig/rig.h"
 
-namespace selfproj {
+namespace selfproj::app {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -34,27 +34,29 @@ struct CameraOptions {
   std::string board = "bent";
   std::string channel;
   std::string out;
-  CameraSettings settings;
+  calibration::CameraSettings settings;
   std::vector<std::string> images;
   std::vector<std::string> laser;
 };
 
-constexpr std::array<const char*, kLensParameters> kNames{"fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3"};
+constexpr std::array<const char*, calibration::kLensParameters> kNames{"fx", "fy", "cx", "cy", "k1",
+                                                                       "k2", "p1", "p2", "k3"};
 
 // Checks the options and fills the settings from them.
 void apply(CameraOptions& options) {
   constexpr int kMaxCorners = 200;
-  const FrameSize corners = size_of_text("--chessboard", options.chessboard, kMaxCorners);
+  const images::FrameSize corners = images::size_of_text("--chessboard", options.chessboard, kMaxCorners);
   if (corners.columns < 3 || corners.rows < 3) {
     throw UserError("--chessboard",
                     fmt::format("is {}; at least 3 inner corners are needed along both sides", options.chessboard));
   }
   options.settings.chessboard.columns = corners.columns;
   options.settings.chessboard.rows = corners.rows;
-  options.settings.distortion = options.distortion == "auto" ? FreeDistortion::kByData : std::stoi(options.distortion);
+  options.settings.distortion =
+      options.distortion == "auto" ? calibration::FreeDistortion::kByData : std::stoi(options.distortion);
   options.settings.bent = options.board == "bent";
-  options.images = image_arguments(options.images);
-  options.laser = image_arguments(options.laser);
+  options.images = images::image_arguments(options.images);
+  options.laser = images::image_arguments(options.laser);
   const std::set<std::string> once(options.images.begin(), options.images.end());
   if (once.size() != options.images.size()) {
     throw UserError("IMAGE", "an image is given twice");
@@ -65,30 +67,32 @@ void apply(CameraOptions& options) {
                                            options.laser.size(), options.images.size()));
   }
   for (const std::string& file : options.images) {
-    check_image_file(file);
+    images::check_image_file(file);
   }
   for (const std::string& file : options.laser) {
-    check_image_file(file);
+    images::check_image_file(file);
   }
 }
 
 // Reads the images of the laser. They must have the size of the chessboard's images.
-std::vector<Image> read_lines(const CameraOptions& options, const CameraReport& camera) {
-  std::vector<Image> lines;
+std::vector<images::Image> read_lines(const CameraOptions& options, const calibration::CameraReport& camera) {
+  std::vector<images::Image> lines;
   for (const std::string& file : options.laser) {
-    lines.push_back(read_image(file, channel_of(options.channel)));
-    const BoardImage& first = camera.images.front();
+    lines.push_back(images::read_image(file, images::channel_of(options.channel)));
+    const calibration::BoardImage& first = camera.images.front();
     if (lines.back().rows != first.rows || lines.back().columns != first.columns) {
-      throw UserError(file, fmt::format("is {}, but {} is {}", size_text(lines.back().rows, lines.back().columns),
-                                        first.name, size_text(first.rows, first.columns)));
+      throw UserError(file,
+                      fmt::format("is {}, but {} is {}", images::size_text(lines.back().rows, lines.back().columns),
+                                  first.name, images::size_text(first.rows, first.columns)));
     }
   }
   return lines;
 }
 
-Rig rig_of_laser(const CameraOptions& options, const CameraReport& camera, const LaserPlane& laser) {
-  const LensParameters& p = camera.model.result.bundle.camera;
-  Rig rig = load_rig(options.rig);
+rig::Rig rig_of_laser(const CameraOptions& options, const calibration::CameraReport& camera,
+                      const calibration::LaserPlane& laser) {
+  const calibration::LensParameters& p = camera.model.result.bundle.camera;
+  rig::Rig rig = rig::load_rig(options.rig);
   rig.camera.rows = camera.images.front().rows;
   rig.camera.columns = camera.images.front().columns;
   rig.camera.focal_length_mm = 0.5 * (p[0] + p[1]) * rig.camera.pixel_pitch_mm;
@@ -100,9 +104,9 @@ Rig rig_of_laser(const CameraOptions& options, const CameraReport& camera, const
   return rig;
 }
 
-std::string camera_yaml(const CameraReport& camera) {
-  const LensParameters& p = camera.model.result.bundle.camera;
-  const BoardImage& first = camera.images.front();
+std::string camera_yaml(const calibration::CameraReport& camera) {
+  const calibration::LensParameters& p = camera.model.result.bundle.camera;
+  const calibration::BoardImage& first = camera.images.front();
   return fmt::format(
       "%YAML:1.0\n---\ncam_size: [ {}, {} ]\ncam_K: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n"
       "   data: [ {}, 0., {}, 0., {}, {}, 0., 0., 1. ]\ncam_kc: !!opencv-matrix\n   rows: 1\n   cols: 5\n   dt: d\n"
@@ -110,10 +114,10 @@ std::string camera_yaml(const CameraReport& camera) {
       first.columns, first.rows, p[0], p[2], p[1], p[3], p[4], p[5], p[6], p[7], p[8]);
 }
 
-std::string report_json(const CameraReport& camera, const std::optional<LaserPlane>& laser) {
-  const BundleResult& found = camera.model.result;
+std::string report_json(const calibration::CameraReport& camera, const std::optional<calibration::LaserPlane>& laser) {
+  const calibration::BundleResult& found = camera.model.result;
   Json json;
-  for (std::size_t i = 0; i < kLensParameters; ++i) {
+  for (std::size_t i = 0; i < calibration::kLensParameters; ++i) {
     const bool estimated = i < 4 + static_cast<std::size_t>(camera.model.free.camera);
     json["camera"][kNames.at(i)] = {{"value", found.bundle.camera.at(i)},
                                     {"sd", estimated ? Json(found.deviation.camera.at(i)) : Json("fixed")}};
@@ -121,7 +125,7 @@ std::string report_json(const CameraReport& camera, const std::optional<LaserPla
   json["rms_px"] = found.camera_rms;
   json["starts"] = {
       {"agreeing", camera.model.agreeing}, {"worse", camera.model.worse}, {"failed", camera.model.failed}};
-  for (const BoardImage& image : camera.images) {
+  for (const calibration::BoardImage& image : camera.images) {
     Json entry{{"name", image.name}, {"corners", image.corners.size()}, {"used", image.used_corners()}};
     if (image.reason.empty()) {
       entry["rms_px"] = image.rms_px;
@@ -139,10 +143,10 @@ std::string report_json(const CameraReport& camera, const std::optional<LaserPla
   return json.dump(2) + "\n";
 }
 
-std::string report_text(const CameraReport& camera, const std::optional<LaserPlane>& laser) {
-  const BundleResult& found = camera.model.result;
+std::string report_text(const calibration::CameraReport& camera, const std::optional<calibration::LaserPlane>& laser) {
+  const calibration::BundleResult& found = camera.model.result;
   std::string text;
-  for (const BoardImage& image : camera.images) {
+  for (const calibration::BoardImage& image : camera.images) {
     text += image.reason.empty() ? fmt::format("{}: {} of {} corners, RMS {:.3f} px\n", image.name,
                                                image.used_corners(), image.corners.size(), image.rms_px)
                                  : fmt::format("{}: left out: {}\n", image.name, image.reason);
@@ -169,24 +173,25 @@ std::string report_text(const CameraReport& camera, const std::optional<LaserPla
 
 void run_camera(CameraOptions options) {
   apply(options);
-  OutputFolder folder(options.out);
-  static_cast<void>(load_rig(options.rig));
-  std::vector<BoardImage> boards;
+  files::OutputFolder folder(options.out);
+  static_cast<void>(rig::load_rig(options.rig));
+  std::vector<calibration::BoardImage> boards;
   {
-    Progress progress("image", options.images.size());
+    cli::Progress progress("image", options.images.size());
     for (const std::string& file : options.images) {
-      boards.push_back(observe_board(file, read_image(file, channel_of(options.channel)), options.settings.chessboard));
+      boards.push_back(calibration::observe_board(file, images::read_image(file, images::channel_of(options.channel)),
+                                                  options.settings.chessboard));
       progress.update(boards.size());
     }
   }
-  const CameraReport camera = calibrate_camera(std::move(boards), options.settings);
+  const calibration::CameraReport camera = calibration::calibrate_camera(std::move(boards), options.settings);
   if (!camera.model.refusal.empty()) {
     throw CheckFailed(fmt::format("calibrate camera: no camera: {}", camera.model.refusal));
   }
-  std::optional<LaserPlane> laser;
+  std::optional<calibration::LaserPlane> laser;
   if (!options.laser.empty()) {
-    laser = laser_plane(camera, read_lines(options, camera));
-    folder.append("rig.yaml", to_yaml(rig_of_laser(options, camera, *laser)));
+    laser = calibration::laser_plane(camera, read_lines(options, camera));
+    folder.append("rig.yaml", rig::to_yaml(rig_of_laser(options, camera, *laser)));
   }
   folder.append("camera.yaml", camera_yaml(camera));
   folder.append("report.json", report_json(camera, laser));
@@ -195,7 +200,7 @@ void run_camera(CameraOptions options) {
 }
 
 void add_camera_options(CLI::App& command, CameraOptions& options) {
-  begin_group(command, "Chessboard");
+  cli::begin_group(command, "Chessboard");
   command.add_option("--chessboard", options.chessboard, "Inner corners along the two sides of the chessboard.")
       ->type_name("NxM")
       ->required();
@@ -203,13 +208,13 @@ void add_camera_options(CLI::App& command, CameraOptions& options) {
       .add_option("--square", options.settings.chessboard.square_mm,
                   "Side of a square in mm. Measure it: if it is wrong, all lengths are wrong by the same factor, and "
                   "nothing shows it.")
-      ->transform(number_above_zero())
+      ->transform(cli::number_above_zero())
       ->type_name("MM")
       ->required();
   command
       .add_option("--board", options.board,
                   "bent: the chessboard's shape is estimated, as paper is never flat. flat: it is exactly flat.")
-      ->check(one_of({"bent", "flat"}))
+      ->check(cli::one_of({"bent", "flat"}))
       ->type_name("SHAPE")
       ->capture_default_str();
   command
@@ -217,28 +222,28 @@ void add_camera_options(CLI::App& command, CameraOptions& options) {
           "--distortion", options.distortion,
           "How many of k1, k2, p1, p2, k3 are estimated. The others are 0. auto: as many as the images support, "
           "without k3.")
-      ->check(one_of({"auto", "0", "1", "2", "4", "5"}))
+      ->check(cli::one_of({"auto", "0", "1", "2", "4", "5"}))
       ->type_name("N")
       ->capture_default_str();
   command
       .add_option("--reject", options.settings.reject,
                   "Leave out corners whose residual exceeds this many standard deviations. 0 keeps all.")
-      ->transform(real_number(0, 1000))
+      ->transform(cli::real_number(0, 1000))
       ->type_name("K")
       ->capture_default_str();
   command.add_option("--min-corners", options.settings.min_corners, "Leave out images with fewer usable corners.")
-      ->transform(whole_number(6, 40000))
+      ->transform(cli::whole_number(6, 40000))
       ->type_name("N")
       ->capture_default_str();
-  add_channel_option(command, options.channel);
-  begin_group(command, "Laser");
+  cli::add_channel_option(command, options.channel);
+  cli::begin_group(command, "Laser");
   command
       .add_option("--laser", options.laser,
                   "Images of the laser's line on the chessboard, of the same poses in the same order, or a folder of "
                   "them. Darken the room for them.")
       ->type_name("IMAGE");
   command.add_option("--laser-threshold", options.settings.threshold, "The line is brighter than this grey value.")
-      ->transform(whole_number(0, 254))
+      ->transform(cli::whole_number(0, 254))
       ->type_name("T")
       ->capture_default_str();
   command
@@ -247,16 +252,17 @@ void add_camera_options(CLI::App& command, CameraOptions& options) {
                   "are copied to rig.yaml.")
       ->type_name("RIG")
       ->capture_default_str();
-  begin_group(command, "Output");
+  cli::begin_group(command, "Output");
   command.add_option("--out", options.out, "Folder for the results.")->type_name("DIR")->required();
-  add_files(command, "IMAGE", options.images, "Plain images of the chessboard in several poses, or a folder of them.")
+  cli::add_files(command, "IMAGE", options.images,
+                 "Plain images of the chessboard in several poses, or a folder of them.")
       ->required();
 }
 
 }  // namespace
 
 CLI::App* add_camera_command(CLI::App& calibrate) {
-  CLI::App* command = add_command(
+  CLI::App* command = cli::add_command(
       calibrate,
       {.name = "camera",
        .purpose = "Calibrates a camera alone from plain images of a chessboard, and a laser's plane.",
@@ -283,4 +289,4 @@ selfproj calibrate camera --chessboard 9x7 --square 20 --out line1 boards/*.png 
   return command;
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::app

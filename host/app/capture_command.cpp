@@ -20,12 +20,12 @@
 #include "host/cli/command_line.h"
 #include "host/files/output_folder.h"
 #include "host/files/stop_signal.h"
-#include "host/files/user_error.h"
 #include "host/images/image_files.h"
 #include "host/images/image_sequence.h"
 #include "host/production/page_server.h"
+#include "selfproj/files/user_error.h"
 
-namespace selfproj {
+namespace selfproj::app {
 namespace {
 
 struct SequenceOptions {
@@ -39,26 +39,27 @@ struct SequenceOptions {
 // Esc or Ctrl-C. The camera runs free.
 void run_preview(const CaptureOptions& options, const std::string& endpoint_text) {
   constexpr std::chrono::milliseconds kLook(20);
-  const Endpoint endpoint = endpoint_of_text("--preview", endpoint_text);
-  CameraUri uri = parse_camera_uri(options.camera);
+  const production::Endpoint endpoint = production::endpoint_of_text("--preview", endpoint_text);
+  camera::CameraUri uri = camera::parse_camera_uri(options.camera);
   uri.camera.trigger = uri.camera.trigger.empty() ? "free" : uri.camera.trigger;
-  const std::unique_ptr<Camera> camera = open_camera(uri);
-  const StopSignal stop;
-  Projector projector(options.display.display, greys_of(options.display));
-  NewestImage newest;
-  const std::string token = page_token(endpoint);
-  const PageServer server("--preview", endpoint, token,
-                          {PageServer::fixed("/", "text/html; charset=utf-8", kPreviewHtml),
-                           PageServer::fixed("/preview.css", "text/css; charset=utf-8", kPreviewCss),
-                           PageServer::fixed("/preview.js", "text/javascript; charset=utf-8", kPreviewJs),
-                           {"/image.png", "image/png", [&newest] { return newest.png(); }},
-                           {"/figures", "application/json", [&newest] { return newest.figures(); }}});
+  const std::unique_ptr<camera::Camera> camera = camera::open_camera(uri);
+  const files::StopSignal stop;
+  capture::Projector projector(options.display.display, greys_of(options.display));
+  capture::NewestImage newest;
+  const std::string token = production::page_token(endpoint);
+  const production::PageServer server(
+      "--preview", endpoint, token,
+      {production::PageServer::fixed("/", "text/html; charset=utf-8", kPreviewHtml),
+       production::PageServer::fixed("/preview.css", "text/css; charset=utf-8", kPreviewCss),
+       production::PageServer::fixed("/preview.js", "text/javascript; charset=utf-8", kPreviewJs),
+       {"/image.png", "image/png", [&newest] { return newest.png(); }},
+       {"/figures", "application/json", [&newest] { return newest.figures(); }}});
   projector.show(std::uint8_t{UINT8_MAX});
   camera->start();
-  fmt::print("{} at {}; Esc or Ctrl-C ends it\n", camera->uri(), page_url(endpoint, token));
+  fmt::print("{} at {}; Esc or Ctrl-C ends it\n", camera->uri(), production::page_url(endpoint, token));
   static_cast<void>(std::fflush(stdout));
-  while (!StopSignal::came() && !projector.stopped()) {
-    CameraImage image;
+  while (!files::StopSignal::came() && !projector.stopped()) {
+    camera::CameraImage image;
     if (camera->next(image, kLook) && image.complete) {
       newest.put(image, camera->counters(), camera->uri());
     }
@@ -77,16 +78,19 @@ void run_sequence(const SequenceOptions& options) {
   if (options.patterns.empty() || options.out.empty()) {
     throw UserError(options.patterns.empty() ? "--patterns" : "--out", "is required");
   }
-  OutputFolder out(options.out);
-  const ImageSequence patterns(files_of_folder(options.patterns), std::nullopt);
+  files::OutputFolder out(options.out);
+  const images::ImageSequence patterns(images::files_of_folder(options.patterns), std::nullopt);
   std::vector<std::string> images;  // as PNG; written at the end, so that a capture that fails leaves nothing
-  const CaptureRecord record = run_capture(
-      options.capture, options.out, [&](const CaptureSizes& /*sizes*/) { return ImageSequence(patterns); },
-      [&](std::size_t /*i*/, std::size_t /*count*/, const Image& image) { images.push_back(encode_png(image)); });
+  const capture::CaptureRecord record = run_capture(
+      options.capture, options.out,
+      [&](const capture::CaptureSizes& /*sizes*/) { return images::ImageSequence(patterns); },
+      [&](std::size_t /*i*/, std::size_t /*count*/, const images::Image& image) {
+        images.push_back(images::encode_png(image));
+      });
   for (std::size_t i = 0; i < images.size(); ++i) {
     out.append(record.shots[i].image, images[i]);
   }
-  out.append("capture.json", capture_json(record));
+  out.append("capture.json", capture::capture_json(record));
   out.commit();
   fmt::print("{} images → {}; {}\n", images.size(), out.name(), retaken_text(record));
 }
@@ -94,7 +98,7 @@ void run_sequence(const SequenceOptions& options) {
 }  // namespace
 
 void add_capture_command(CLI::App& app) {
-  CLI::App* command = add_command(
+  CLI::App* command = cli::add_command(
       app,
       {.name = "capture",
        .purpose = "Shows patterns on a projector and takes an image of each.",
@@ -124,7 +128,7 @@ selfproj capture --camera "camera:192.168.1.20?exposure-us=20000" --display 1 --
   --out seen
 )"});
   const auto options = std::make_shared<SequenceOptions>();
-  begin_group(*command, "Input");
+  cli::begin_group(*command, "Input");
   add_camera_option(*command, options->capture);
   command
       ->add_option("--patterns", options->patterns,
@@ -136,9 +140,9 @@ selfproj capture --camera "camera:192.168.1.20?exposure-us=20000" --display 1 --
                    "at ADDRESS:PORT, which then needs the token that is printed.")
       ->type_name("PORT");
   add_projector_options(*command, options->capture);
-  begin_group(*command, "Output");
+  cli::begin_group(*command, "Output");
   command->add_option("--out", options->out, "Folder for the images. Required without --preview.")->type_name("DIR");
   command->callback([options] { run_sequence(*options); });
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::app

@@ -11,9 +11,9 @@
 #include "host/capture/projector.h"
 #include "host/capture/sequence_capture.h"
 #include "host/images/image_sequence.h"
-#include "host/structured_light/gray_sequence.h"
+#include "selfproj/structured_light/gray_sequence.h"
 
-namespace selfproj {
+namespace selfproj::app {
 
 // The display that is the projector.
 struct DisplayOptions {
@@ -25,7 +25,7 @@ struct DisplayOptions {
 void add_display_options(CLI::App& command, DisplayOptions& options);
 
 // The table of --gamma.
-GreyTable greys_of(const DisplayOptions& options);
+capture::GreyTable greys_of(const DisplayOptions& options);
 
 struct CaptureOptions {
   std::string camera;
@@ -41,27 +41,28 @@ void add_projector_options(CLI::App& command, CaptureOptions& options);
 
 // Takes an image of every pattern (capture_sequence), prints what is known before the sequence, and shows progress.
 // Throws CheckFailed about `out` if Esc or Ctrl-C end it, and UserError.
-CaptureRecord run_capture(const CaptureOptions& options, const std::string& out, const PatternsFor& patterns_for,
-                          const TakeShot& take);
+capture::CaptureRecord run_capture(const CaptureOptions& options, const std::string& out,
+                                   const capture::PatternsFor& patterns_for, const capture::TakeShot& take);
 
 // Images of a capture, kept in memory.
 struct Captured {
-  CaptureRecord record;
-  std::vector<Image> images;
+  capture::CaptureRecord record;
+  std::vector<images::Image> images;
 
   // The images in turn. This object must outlive it.
-  [[nodiscard]] ImageSequence sequence() const;
+  [[nodiscard]] images::ImageSequence sequence() const;
 };
 
 // The same with all images in memory.
-Captured capture_in_memory(const CaptureOptions& options, const std::string& out, const PatternsFor& patterns_for);
+Captured capture_in_memory(const CaptureOptions& options, const std::string& out,
+                           const capture::PatternsFor& patterns_for);
 
 // The first `count` images of a Gray-code sequence as patterns.
-ImageSequence gray_patterns(const GraySequence& gray, int count);
+images::ImageSequence gray_patterns(const structured_light::GraySequence& gray, int count);
 
 // "images taken again: 2 incomplete, 0 missing, 4 not of one pattern alone".
-std::string retaken_text(const CaptureRecord& record);
+std::string retaken_text(const capture::CaptureRecord& record);
 
-}  // namespace selfproj
+}  // namespace selfproj::app
 
 #endif  // SELFPROJ_HOST_APP_CAPTURE_RUN_H

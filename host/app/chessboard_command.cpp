@@ -11,10 +11,10 @@
 #include "host/calibration/chessboard_drawing.h"
 #include "host/cli/command_line.h"
 #include "host/files/output_file.h"
-#include "host/files/user_error.h"
 #include "host/images/frame_options.h"
+#include "selfproj/files/user_error.h"
 
-namespace selfproj {
+namespace selfproj::app {
 namespace {
 
 struct ChessboardOptions {
@@ -27,16 +27,16 @@ struct ChessboardOptions {
 void make_chessboard(const ChessboardOptions& options) {
   constexpr int kMaxCorners = 200;
   constexpr int kMinCorners = 3;
-  const FrameSize corners = size_of_text("--chessboard", options.chessboard, kMaxCorners);
+  const images::FrameSize corners = images::size_of_text("--chessboard", options.chessboard, kMaxCorners);
   if (std::min(corners.columns, corners.rows) < kMinCorners) {
     throw UserError("--chessboard", fmt::format("is {}; calibration needs {} inner corners along both sides",
                                                 options.chessboard, kMinCorners));
   }
-  const auto paper = std::find_if(papers().begin(), papers().end(),
-                                  [&](const Paper& candidate) { return candidate.name == options.paper; });
-  Chessboard chessboard{.columns = std::max(corners.columns, corners.rows),
-                        .rows = std::min(corners.columns, corners.rows)};
-  const std::optional<double> largest = largest_square(chessboard, *paper);
+  const auto paper = std::find_if(calibration::papers().begin(), calibration::papers().end(),
+                                  [&](const calibration::Paper& candidate) { return candidate.name == options.paper; });
+  calibration::Chessboard chessboard{.columns = std::max(corners.columns, corners.rows),
+                                     .rows = std::min(corners.columns, corners.rows)};
+  const std::optional<double> largest = calibration::largest_square(chessboard, *paper);
   if (!largest) {
     throw UserError("--chessboard", fmt::format("{} is too many corners for {}: the squares would be smaller than 1 mm",
                                                 options.chessboard, paper->name));
@@ -46,8 +46,8 @@ void make_chessboard(const ChessboardOptions& options) {
                                             *options.square_mm, paper->name, options.chessboard, *largest));
   }
   chessboard.square_mm = options.square_mm.value_or(*largest);
-  const OutputFile file(options.out);
-  file.write(chessboard_svg(chessboard, *paper));
+  const files::OutputFile file(options.out);
+  file.write(calibration::chessboard_svg(chessboard, *paper));
   fmt::print(
       "{}: {} x {} inner corners, squares of {:g} mm, on {}; give selfproj calibrate --chessboard {}x{} "
       "--square {:g}\n",
@@ -58,7 +58,7 @@ void make_chessboard(const ChessboardOptions& options) {
 }  // namespace
 
 CLI::App* add_chessboard_command(CLI::App& pattern) {
-  CLI::App* command = add_command(
+  CLI::App* command = cli::add_command(
       pattern,
       {.name = "chessboard",
        .purpose = "Draws a chessboard to print, for calibration.",
@@ -75,18 +75,18 @@ selfproj pattern chessboard --chessboard 14x11 --square 20 --paper A3 --out boar
 )"});
   const auto options = std::make_shared<ChessboardOptions>();
   std::vector<std::string> names;
-  for (const Paper& paper : papers()) {
+  for (const calibration::Paper& paper : calibration::papers()) {
     names.push_back(paper.name);
   }
   command->add_option("--chessboard", options->chessboard, "Inner corners along the two sides of the chessboard.")
       ->type_name("NxM")
       ->capture_default_str();
   command->add_option("--square", options->square_mm, "Side of a square in mm.")
-      ->transform(number_above_zero())
+      ->transform(cli::number_above_zero())
       ->type_name("MM")
       ->default_str("the largest that fits");
   command->add_option("--paper", options->paper, "Paper to print on.")
-      ->check(one_of(names))
+      ->check(cli::one_of(names))
       ->type_name("SIZE")
       ->capture_default_str();
   command->add_option("--out", options->out, "Drawing to write.")->type_name("FILE.svg")->required();
@@ -94,4 +94,4 @@ selfproj pattern chessboard --chessboard 14x11 --square 20 --paper A3 --out boar
   return command;
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::app

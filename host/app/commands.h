@@ -6,7 +6,7 @@ namespace CLI {  // NOLINT(readability-identifier-naming): the library's
 class App;
 }
 
-namespace selfproj {
+namespace selfproj::app {
 
 // What is built and projected: rigs, patterns, calibrations.
 void add_rig_command(CLI::App& app);
@@ -37,6 +37,6 @@ void add_inspect_command(CLI::App& app);
 void add_tolerance_command(CLI::App& app);
 void add_lines_command(CLI::App& app);
 
-}  // namespace selfproj
+}  // namespace selfproj::app
 
 #endif  // SELFPROJ_HOST_APP_COMMANDS_H

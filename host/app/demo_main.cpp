@@ -4,7 +4,7 @@
 #include "host/cli/program_main.h"
 
 int main(int argc, char** argv) {
-  return selfproj::program_main(
+  return selfproj::cli::program_main(
       {.name = "selfproj",
        .purpose = "The commands of the demonstration: patterns and on-line inspection.",
        .details = "This program belongs to scripts/demo.sh. scripts/build.sh builds selfproj with all commands.",
@@ -14,8 +14,8 @@ printf 'y_mm,z_mm\n-50,1167\n0,1147\n50,1167\n' > roof.csv
 selfproj pattern --reference roof.csv --out roof
 )"},
       [](CLI::App& app) {
-        selfproj::add_pattern_command(app);
-        selfproj::add_inspect_command(app);
+        selfproj::app::add_pattern_command(app);
+        selfproj::app::add_inspect_command(app);
       },
       argc, argv);
 }

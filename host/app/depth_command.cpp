@@ -16,25 +16,25 @@
 #include "host/cli/progress.h"
 #include "host/files/numbers.h"
 #include "host/files/output_folder.h"
-#include "host/files/user_error.h"
-#include "host/images/float_image.h"
 #include "host/images/frame_options.h"
 #include "host/images/image_files.h"
 #include "host/images/image_sequence.h"
 #include "host/report/depth_output.h"
 #include "host/structured_light/depth_run.h"
 #include "host/structured_light/plane_fit.h"
-#include "host/structured_light/point_cloud.h"
-#include "model/gray_decoder.h"
-#include "model/packet.h"
+#include "selfproj/files/user_error.h"
+#include "selfproj/images/float_image.h"
+#include "selfproj/model/gray_decoder.h"
+#include "selfproj/model/packet.h"
+#include "selfproj/structured_light/point_cloud.h"
 
-namespace selfproj {
+namespace selfproj::app {
 namespace {
 
 struct DepthOptions {
   DepthOptions() { setup.scanner.median = false; }
 
-  DepthSetup setup;
+  structured_light::DepthSetup setup;
   std::string channel;
   std::string compare;
   bool compare_opengl = false;
@@ -47,8 +47,8 @@ struct DepthOptions {
 };
 
 void check_options(const DepthOptions& options) {
-  const DepthGeometry& geometry = options.setup.geometry;
-  const ScannerSettings& scanner = options.setup.scanner;
+  const structured_light::DepthGeometry& geometry = options.setup.geometry;
+  const structured_light::ScannerSettings& scanner = options.setup.scanner;
   if (geometry.rig.empty() == geometry.calibration.empty()) {
     throw UserError("--rig, --calibration", "give one of them, not both");
   }
@@ -77,8 +77,8 @@ void check_options(const DepthOptions& options) {
 
 // The files of the images. A folder may hold the white and the black image of a whole sequence after the codes.
 std::vector<std::string> files_of(const DepthOptions& options) {
-  std::vector<std::string> files = image_arguments(options.images);
-  const DepthGeometry& geometry = options.setup.geometry;
+  std::vector<std::string> files = images::image_arguments(options.images);
+  const structured_light::DepthGeometry& geometry = options.setup.geometry;
   const auto need = 2 * static_cast<std::size_t>(geometry.bits + geometry.row_bits);
   if (files.size() == need + 2 && files.size() != options.images.size()) {
     files.resize(need);
@@ -102,11 +102,11 @@ std::vector<std::string> files_of(const DepthOptions& options) {
 }
 
 // Four whole numbers with commas between them.
-PlaneRegion region_of_text(const std::string& text, const FloatImage& depth) {
+structured_light::PlaneRegion region_of_text(const std::string& text, const images::FloatImage& depth) {
   std::vector<int> numbers;
   for (std::size_t begin = 0; begin <= text.size();) {
     const std::size_t end = std::min(text.find(',', begin), text.size());
-    const std::optional<int> number = number_of_text<int>(text.substr(begin, end - begin));
+    const std::optional<int> number = files::number_of_text<int>(text.substr(begin, end - begin));
     if (!number || *number < 0) {
       break;
     }
@@ -118,49 +118,50 @@ PlaneRegion region_of_text(const std::string& text, const FloatImage& depth) {
     throw UserError("--plane-region", fmt::format("'{}' is not ROW,COLUMN,ROWS,COLUMNS, four whole numbers", text));
   }
   if (numbers[2] > depth.rows - numbers[0] || numbers[3] > depth.columns - numbers[1]) {
-    throw UserError("--plane-region",
-                    fmt::format("{} reaches beyond the depth image of {}", text, size_text(depth.rows, depth.columns)));
+    throw UserError("--plane-region", fmt::format("{} reaches beyond the depth image of {}", text,
+                                                  images::size_text(depth.rows, depth.columns)));
   }
   return {numbers[0], numbers[1], numbers[2], numbers[3]};
 }
 
-void append_depth(OutputFolder& folder, const char* what, std::size_t pair, const FloatImage& map) {
+void append_depth(files::OutputFolder& folder, const char* what, std::size_t pair, const images::FloatImage& map) {
   const std::string name = fmt::format("{}_{:04}.tiff", what, pair);
-  folder.append(name, encode_float_tiff(name, map));
+  folder.append(name, images::encode_float_tiff(name, map));
 }
 
 // Computes the depth images of the recorded images. If there are several, each is written into the folder.
-DepthRun depth_of_files(const DepthOptions& options, OutputFolder& folder) {
-  ImageSequence images(files_of(options), channel_of(options.channel));
-  const DepthGeometry& geometry = options.setup.geometry;
-  Progress progress("image", images.count());
+structured_light::DepthRun depth_of_files(const DepthOptions& options, files::OutputFolder& folder) {
+  images::ImageSequence images(files_of(options), images::channel_of(options.channel));
+  const structured_light::DepthGeometry& geometry = options.setup.geometry;
+  cli::Progress progress("image", images.count());
   const auto done = [&](std::size_t count, const std::string& note) { progress.update(count, note); };
   if (geometry.row_bits > 0) {
-    return depth_of_both_axes(options.setup, images, done);
+    return structured_light::depth_of_both_axes(options.setup, images, done);
   }
   const bool several = images.count() > static_cast<std::size_t>(2 * geometry.bits);
-  const auto take = [&](std::size_t pair, const FloatImage& depth) {
+  const auto take = [&](std::size_t pair, const images::FloatImage& depth) {
     if (several) {
       append_depth(folder, "depth", pair, depth);
     }
   };
-  return depth_of_images(options.setup, images, take, done);
+  return structured_light::depth_of_images(options.setup, images, take, done);
 }
 
 // Code images of a board, or images of a board or camera that are decoded here. The first depth images are written into
 // the folder, as many as --save says.
-DepthRun depth_of_device(const DepthOptions& options, Receiver& receiver, OutputFolder& folder) {
-  const DepthSetup& setup = options.setup;
-  DepthStream stream(setup, options.receive.device);
+structured_light::DepthRun depth_of_device(const DepthOptions& options, Receiver& receiver,
+                                           files::OutputFolder& folder) {
+  const structured_light::DepthSetup& setup = options.setup;
+  structured_light::DepthStream stream(setup, options.receive.device);
   receiver.open({.board = {.code_bits = setup.geometry.bits, .code_threshold = setup.scanner.threshold}});
-  const auto receive = [&](const PacketView& packet) -> std::uint64_t {
+  const auto receive = [&](const model::PacketView& packet) -> std::uint64_t {
     if (stream.add(packet) && stream.depth_images() <= options.save) {
       append_depth(folder, "depth", stream.pair(), stream.depth());
     }
     return stream.depth_images();
   };
   const auto status = [&] {
-    const Foreground* const moved = stream.moved();
+    const structured_light::Foreground* const moved = stream.moved();
     return fmt::format("incomplete images {}{}", stream.incomplete(),
                        moved == nullptr ? ""
                                         : fmt::format("; {} pixels moved, at {:.1f}, {:.1f}, {:.1f} mm", moved->pixels,
@@ -171,43 +172,46 @@ DepthRun depth_of_device(const DepthOptions& options, Receiver& receiver, Output
 }
 
 // How far the points lie from those of the file.
-CloudComparison compare_with_file(const DepthOptions& options, const DepthRun& run) {
+structured_light::CloudComparison compare_with_file(const DepthOptions& options,
+                                                    const structured_light::DepthRun& run) {
   constexpr double kWithin = 1;  // mm
-  std::vector<Point3f> theirs = read_ply(options.compare);
+  std::vector<structured_light::Point3f> theirs = structured_light::read_ply(options.compare);
   if (options.compare_opengl) {
-    for (Point3f& point : theirs) {
+    for (structured_light::Point3f& point : theirs) {
       point = {point.x, -point.y, -point.z};
     }
   }
-  return compare_clouds(points_of(*run.triangulation, run.depth), theirs, kWithin);
+  return structured_light::compare_clouds(report::points_of(*run.triangulation, run.depth), theirs, kWithin);
 }
 
 void run_depth(const DepthOptions& options) {
   check_options(options);
-  OutputFolder folder(options.out);
+  files::OutputFolder folder(options.out);
   std::optional<Receiver> receiver;
   if (!options.receive.device.empty()) {
     receiver.emplace(options.receive);
   }
-  const DepthRun run = receiver ? depth_of_device(options, *receiver, folder) : depth_of_files(options, folder);
-  DepthReport report{.setup = options.setup,
-                     .device = options.receive.device,
-                     .images = receiver ? 0 : files_of(options).size(),
-                     .cloud = options.compare,
-                     .comparison = {},
-                     .plane = {}};
+  const structured_light::DepthRun run =
+      receiver ? depth_of_device(options, *receiver, folder) : depth_of_files(options, folder);
+  report::DepthReport report{.setup = options.setup,
+                             .device = options.receive.device,
+                             .images = receiver ? 0 : files_of(options).size(),
+                             .cloud = options.compare,
+                             .comparison = {},
+                             .plane = {}};
   if (!options.compare.empty()) {
     report.comparison = compare_with_file(options, run);
   }
   if (options.plane) {
-    const FloatImage& depth = run.depth;
-    report.plane = options.plane_region.empty()
-                       ? fit_plane(*run.triangulation, depth)
-                       : fit_plane(*run.triangulation, depth, region_of_text(options.plane_region, depth));
+    const images::FloatImage& depth = run.depth;
+    report.plane =
+        options.plane_region.empty()
+            ? structured_light::fit_plane(*run.triangulation, depth)
+            : structured_light::fit_plane(*run.triangulation, depth, region_of_text(options.plane_region, depth));
   }
-  write_depth(run, report, folder);
+  report::write_depth(run, report, folder);
   folder.commit();
-  fmt::print("{}", depth_text(run, report, folder.name()));
+  fmt::print("{}", report::depth_text(run, report, folder.name()));
   if (receiver) {
     receiver->check(run.device->incomplete);
   }
@@ -216,7 +220,7 @@ void run_depth(const DepthOptions& options) {
 }  // namespace
 
 void add_depth_command(CLI::App& app) {
-  CLI::App* command = add_command(
+  CLI::App* command = cli::add_command(
       app,
       {.name = "depth",
        .purpose = "Computes depth images from Gray-code images, or from a board that decodes them.",
@@ -237,32 +241,32 @@ selfproj depth --rig scanner --bits 8 --device ring:line1 \
   --background depth/depth.tiff --out moved
 )"});
   const auto options = std::make_shared<DepthOptions>();
-  DepthGeometry& geometry = options->setup.geometry;
-  ScannerSettings& scanner = options->setup.scanner;
-  begin_group(*command, "Geometry");
+  structured_light::DepthGeometry& geometry = options->setup.geometry;
+  structured_light::ScannerSettings& scanner = options->setup.scanner;
+  cli::begin_group(*command, "Geometry");
   add_geometry_options(*command, geometry);
   command->add_option("--lines", geometry.lines, "With --calibration: projector columns that the 2^M codes cover.")
-      ->transform(number_above_zero())
+      ->transform(cli::number_above_zero())
       ->type_name("N")
       ->default_str("2^M, one column for each code");
   command->add_option("--row-lines", geometry.row_lines, "With --calibration: projector rows that the 2^N codes cover.")
-      ->transform(number_above_zero())
+      ->transform(cli::number_above_zero())
       ->type_name("N")
       ->default_str("2^N, one row for each code");
-  begin_group(*command, "Decoding");
+  cli::begin_group(*command, "Decoding");
   command->add_option("--bits", geometry.bits, "Bits of the code, which are pairs of images.")
-      ->transform(whole_number(1, GrayDecoder::kMaxBits))
+      ->transform(cli::whole_number(1, model::GrayDecoder::kMaxBits))
       ->type_name("M")
       ->required();
   command->add_option("--row-bits", geometry.row_bits, "Bits of a second code, along the projector's rows.")
-      ->transform(whole_number(1, GrayDecoder::kMaxBits))
+      ->transform(cli::whole_number(1, model::GrayDecoder::kMaxBits))
       ->type_name("N");
   add_threshold_option(*command, scanner.threshold, std::to_string(scanner.threshold));
   command->add_flag("--median", scanner.median, "Apply a 3 x 3 median to the code image.");
   add_strict_option(*command, scanner);
-  add_channel_option(*command, options->channel);
+  cli::add_channel_option(*command, options->channel);
   add_limit_options(*command, geometry);
-  begin_group(*command, "What moved");
+  cli::begin_group(*command, "What moved");
   command
       ->add_option("--background", options->setup.background,
                    "Depth image of the still background. Pixels that differ from it have moved.")
@@ -270,23 +274,23 @@ selfproj depth --rig scanner --bits 8 --device ring:line1 \
   command
       ->add_option("--min-difference", scanner.min_difference_mm,
                    "A pixel has moved only if it differs from the background by more than this many mm.")
-      ->transform(real_number(0, 1e6))
+      ->transform(cli::real_number(0, 1e6))
       ->type_name("MM")
       ->capture_default_str();
   command
       ->add_option("--max-change", scanner.steady.max_change_mm,
                    "A pixel has moved only if its depth changed by at most this many mm since the last depth image.")
-      ->transform(real_number(0, 1e6))
+      ->transform(cli::real_number(0, 1e6))
       ->type_name("MM")
       ->default_str("any");
   command
       ->add_option("--min-neighbours", scanner.steady.min_neighbours,
                    "A pixel has moved only if at least this many of the 8 pixels around it have moved too and are as "
                    "close in z as --max-change says.")
-      ->transform(whole_number(0, 8))
+      ->transform(cli::whole_number(0, 8))
       ->type_name("N")
       ->capture_default_str();
-  begin_group(*command, "Evaluation");
+  cli::begin_group(*command, "Evaluation");
   command->add_option("--compare", options->compare, "Print how far the points lie from those of this cloud.")
       ->type_name("FILE.ply");
   command->add_flag("--compare-opengl", options->compare_opengl, "y and z of that cloud have the opposite sign.");
@@ -299,19 +303,20 @@ selfproj depth --rig scanner --bits 8 --device ring:line1 \
       ->default_str("the whole image");
   CLI::Option* const device =
       add_receive_options(*command, options->receive, "depth images", kImagesOfPatterns, DeviceIs::instead_of_images);
-  begin_group(*command, "Input and output");
+  cli::begin_group(*command, "Input and output");
   command
       ->add_option("--save", options->save,
                    "Write depth_KKKK.tiff of the first N depth images of the device as well; later ones only count.")
-      ->transform(whole_number(1))
+      ->transform(cli::whole_number(1))
       ->type_name("N")
       ->default_str("none")
       ->needs(device);
   command->add_option("--out", options->out, "Folder for the results.")->type_name("DIR")->required();
-  add_files(*command, "IMAGE", options->images,
-            "8-bit images of one size, or one folder of them, in natural order and nothing else in it. The folder may "
-            "hold white and black after the codes. These or --device are needed.");
+  cli::add_files(
+      *command, "IMAGE", options->images,
+      "8-bit images of one size, or one folder of them, in natural order and nothing else in it. The folder may "
+      "hold white and black after the codes. These or --device are needed.");
   command->callback([options] { run_depth(*options); });
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::app

@@ -12,15 +12,15 @@
 #include "host/capture/projector.h"
 #include "host/cli/command_line.h"
 #include "host/driver/ring_memory.h"
-#include "host/files/user_error.h"
+#include "selfproj/files/user_error.h"
 
-namespace selfproj {
+namespace selfproj::app {
 namespace {
 
 // The settings of a URI as a list.
 std::string camera_keys() {
   std::string text;
-  for (const std::string& line : camera_uri_help()) {
+  for (const std::string& line : camera::camera_uri_help()) {
     text += (text.empty() ? "- " : "\n- ") + line;
   }
   return text;
@@ -32,41 +32,41 @@ std::string side(bool there, std::uint32_t pid, std::uint32_t crashes) {
 }
 
 void print_cameras() {
-  const std::vector<CameraEntry> cameras = list_cameras();
+  const std::vector<camera::CameraEntry> cameras = camera::list_cameras();
   if (cameras.empty()) {
     fmt::print("no camera{}\n",
-               has_aravis() ? "" : "; built without Aravis, this program knows no GigE and USB3 cameras");
+               camera::has_aravis() ? "" : "; built without Aravis, this program knows no GigE and USB3 cameras");
     return;
   }
   fmt::print("{:40} {:12} {:32} {}\n", "camera", "interface", "model", "address");
-  for (const CameraEntry& camera : cameras) {
+  for (const camera::CameraEntry& camera : cameras) {
     fmt::print("{:40} {:12} {:32} {}\n", camera.uri, camera.kind, camera.model,
                camera.problem.empty() ? camera.address : "cannot be used: " + camera.problem);
   }
 }
 
 void print_displays() {
-  const std::vector<DisplayEntry> displays = list_displays();
+  const std::vector<capture::DisplayEntry> displays = capture::list_displays();
   if (displays.empty()) {
     fmt::print("no display\n");
     return;
   }
   fmt::print("{:14} {:14} {:>8} {}\n", "display", "pixels", "rate, Hz", "name");
-  for (const DisplayEntry& display : displays) {
+  for (const capture::DisplayEntry& display : displays) {
     fmt::print("{:14} {:14} {:8g} {}\n", fmt::format("--display {}", display.number),
                fmt::format("{} x {}", display.columns, display.rows), display.rate_hz, display.name);
   }
 }
 
 void print_rings() {
-  const std::vector<RingInfo> rings = list_rings();
+  const std::vector<driver::RingInfo> rings = driver::list_rings();
   if (rings.empty()) {
     fmt::print("no ring; a board's driver or `selfproj-sim board --ring NAME` makes one\n");
     return;
   }
   fmt::print("{:24} {:26} {:26} {:>14} {:>14} {:>11} {:>12}\n", "device", "board", "reader", "written", "lost",
              "unread", "slots");
-  for (const RingInfo& ring : rings) {
+  for (const driver::RingInfo& ring : rings) {
     if (!ring.problem.empty()) {
       fmt::print("{:24} cannot be used: {}\n", "ring:" + ring.name, ring.problem);
       continue;
@@ -81,7 +81,7 @@ void print_rings() {
 }  // namespace
 
 void add_devices_command(CLI::App& app) {
-  CLI::App* command = add_command(
+  CLI::App* command = cli::add_command(
       app,
       {.name = "devices",
        .purpose = "Lists the shared-memory rings of this machine, who writes and reads them, its cameras and "
@@ -114,10 +114,10 @@ selfproj record --device "camera:Fake_1?region=512x96&mode=grey&threshold=100" -
       print_rings();
       print_cameras();
       print_displays();
-    } else if (!remove_ring(*remove)) {
+    } else if (!driver::remove_ring(*remove)) {
       throw UserError("ring:" + *remove, "there is no such ring");
     }
   });
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::app

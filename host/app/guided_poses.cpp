@@ -12,16 +12,16 @@
 
 #include "host/calibration/calibrate.h"
 #include "host/calibration/pose_advice.h"
-#include "host/files/user_error.h"
 #include "host/images/image_files.h"
 #include "host/images/image_sequence.h"
-#include "host/structured_light/gray_sequence.h"
+#include "selfproj/files/user_error.h"
+#include "selfproj/structured_light/gray_sequence.h"
 
-namespace selfproj {
+namespace selfproj::app {
 namespace {
 
 struct CapturedPose {
-  PoseReport report;
+  calibration::PoseReport report;
   std::vector<std::string> images;  // as PNG
 };
 
@@ -32,28 +32,30 @@ void say(const std::string& text) {
 
 // Captures the chessboard under all patterns. Sets the size of the projector in `settings`, and keeps the settle time
 // in `options`.
-CapturedPose capture_pose(CaptureOptions& options, const DecodeSettings& decode, CalibrateSettings& settings,
-                          const std::string& name, const std::string& out) {
-  std::optional<GraySequence> gray;
-  const Captured captured = capture_in_memory(options, out, [&](const CaptureSizes& sizes) {
+CapturedPose capture_pose(CaptureOptions& options, const calibration::DecodeSettings& decode,
+                          calibration::CalibrateSettings& settings, const std::string& name, const std::string& out) {
+  std::optional<structured_light::GraySequence> gray;
+  const Captured captured = capture_in_memory(options, out, [&](const capture::CaptureSizes& sizes) {
     settings.projector_columns = sizes.projector_columns;
     settings.projector_rows = sizes.projector_rows;
     gray.emplace(sizes.projector_columns, sizes.projector_rows);
     return gray_patterns(*gray, gray->count());
   });
   options.settle_ms = captured.record.settle.settle_ms;  // so that only the first capture measures it
-  ImageSequence images = captured.sequence();
-  CapturedPose pose{.report = observe_pose(name, decode_capture(name, images, *gray, decode), settings), .images = {}};
+  images::ImageSequence images = captured.sequence();
+  CapturedPose pose{
+      .report = calibration::observe_pose(name, calibration::decode_capture(name, images, *gray, decode), settings),
+      .images = {}};
   if (pose.report.reason.empty()) {
-    for (const Image& image : captured.images) {
-      pose.images.push_back(encode_png(image));
+    for (const images::Image& image : captured.images) {
+      pose.images.push_back(images::encode_png(image));
     }
   }
   return pose;
 }
 
-PoseAdvice advice_on(const std::vector<CapturedPose>& taken, const Chessboard& chessboard) {
-  PoseAdvice advice(chessboard);
+calibration::PoseAdvice advice_on(const std::vector<CapturedPose>& taken, const calibration::Chessboard& chessboard) {
+  calibration::PoseAdvice advice(chessboard);
   for (const CapturedPose& pose : taken) {
     advice.add(pose.report);
   }
@@ -62,13 +64,15 @@ PoseAdvice advice_on(const std::vector<CapturedPose>& taken, const Chessboard& c
 
 }  // namespace
 
-std::vector<PoseReport> capture_guided_poses(const CaptureOptions& options, const DecodeSettings& decode,
-                                             CalibrateSettings& settings, OutputFolder& folder) {
+std::vector<calibration::PoseReport> capture_guided_poses(const CaptureOptions& options,
+                                                          const calibration::DecodeSettings& decode,
+                                                          calibration::CalibrateSettings& settings,
+                                                          files::OutputFolder& folder) {
   folder.check("pose_01/image_0001.png");  // before the poses, which nobody wants to take twice
   CaptureOptions capture = options;
   std::vector<CapturedPose> taken;
   for (;;) {
-    const PoseAdvice advice = advice_on(taken, settings.chessboard);
+    const calibration::PoseAdvice advice = advice_on(taken, settings.chessboard);
     if (advice.enough()) {
       say("The poses taken so far are enough to calibrate.");
     }
@@ -110,7 +114,7 @@ std::vector<PoseReport> capture_guided_poses(const CaptureOptions& options, cons
     throw CheckFailed(fmt::format("{}: {} taken; at least two are needed, and nothing is written", folder.name(),
                                   taken.empty() ? "no pose was" : "only one pose was"));
   }
-  std::vector<PoseReport> poses;
+  std::vector<calibration::PoseReport> poses;
   for (CapturedPose& pose : taken) {
     for (std::size_t i = 0; i < pose.images.size(); ++i) {
       folder.append(fmt::format("{}/image_{:04}.png", pose.report.name, i + 1), pose.images[i]);
@@ -120,4 +124,4 @@ std::vector<PoseReport> capture_guided_poses(const CaptureOptions& options, cons
   return poses;
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::app

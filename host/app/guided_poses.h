@@ -9,16 +9,18 @@
 #include "host/calibration/capture.h"
 #include "host/files/output_folder.h"
 
-namespace selfproj {
+namespace selfproj::app {
 
 // Before each pose it prints which to take, and waits for a line on standard input: an empty one captures, `u` takes
 // the last pose back, `d` or the end of the input ends. After each capture it prints what was found and what the poses
 // cover. The images of each pose go into the folder, pose_01/image_0001.png and so on, so that `selfproj calibrate`
 // takes them again. `settings` are completed by the projector's size. Throws UserError, and CheckFailed at Ctrl-C, Esc,
 // and where no two poses were taken.
-std::vector<PoseReport> capture_guided_poses(const CaptureOptions& options, const DecodeSettings& decode,
-                                             CalibrateSettings& settings, OutputFolder& folder);
+std::vector<calibration::PoseReport> capture_guided_poses(const CaptureOptions& options,
+                                                          const calibration::DecodeSettings& decode,
+                                                          calibration::CalibrateSettings& settings,
+                                                          files::OutputFolder& folder);
 
-}  // namespace selfproj
+}  // namespace selfproj::app
 
 #endif  // SELFPROJ_HOST_APP_GUIDED_POSES_H

@@ -14,21 +14,21 @@
 #include "host/cli/command_line.h"
 #include "host/cli/progress.h"
 #include "host/files/output_folder.h"
-#include "host/files/user_error.h"
 #include "host/images/frame_options.h"
 #include "host/images/image_files.h"
 #include "host/light_section/height_fit.h"
 #include "host/light_section/scan.h"
-#include "host/rig/rig.h"
+#include "selfproj/files/user_error.h"
+#include "selfproj/rig/rig.h"
 
-namespace selfproj {
+namespace selfproj::app {
 namespace {
 
 struct HeightsOptions {
   std::string rig = "light-section";
   std::string heights;
   std::string steps;
-  HeightSettings settings;
+  light_section::HeightSettings settings;
   int every = 4;
   std::string channel;
   bool check = false;
@@ -37,35 +37,36 @@ struct HeightsOptions {
   std::vector<std::string> folders;
 };
 
-HeightPosition read_position(const HeightsOptions& options, const Rig& rig, const std::string& folder,
-                             const std::vector<int>& lines) {
-  HeightPosition position{folder, 0, {}};
-  const std::vector<std::string> files = files_of_folder(folder);
+light_section::HeightPosition read_position(const HeightsOptions& options, const rig::Rig& rig,
+                                            const std::string& folder, const std::vector<int>& lines) {
+  light_section::HeightPosition position{folder, 0, {}};
+  const std::vector<std::string> files = images::files_of_folder(folder);
   if (files.size() != lines.size()) {
     throw UserError(folder, fmt::format("has {} images; a sweep of this rig with --every {} has {}, of the lines {} to "
                                         "{}",
                                         files.size(), options.every, lines.size(), lines.front(), lines.back()));
   }
   for (std::size_t i = 0; i < files.size(); ++i) {
-    const Image image = read_image(files[i], channel_of(options.channel));
+    const images::Image image = images::read_image(files[i], images::channel_of(options.channel));
     if (image.rows != rig.camera.rows || image.columns != rig.camera.columns) {
-      throw UserError(files[i], fmt::format("is {}; the rig's camera has {}", size_text(image.rows, image.columns),
-                                            size_text(rig.camera.rows, rig.camera.columns)));
+      throw UserError(files[i],
+                      fmt::format("is {}; the rig's camera has {}", images::size_text(image.rows, image.columns),
+                                  images::size_text(rig.camera.rows, rig.camera.columns)));
     }
-    add_sightings(rig, lines[i], image.view(), position.seen);
+    light_section::add_sightings(rig, lines[i], image.view(), position.seen);
   }
   return position;
 }
 
-std::vector<HeightPosition> read_positions(const HeightsOptions& options, const Rig& rig,
-                                           const std::vector<double>& heights) {
-  const std::vector<int> lines = sweep_lines(rig, options.every);
+std::vector<light_section::HeightPosition> read_positions(const HeightsOptions& options, const rig::Rig& rig,
+                                                          const std::vector<double>& heights) {
+  const std::vector<int> lines = light_section::sweep_lines(rig, options.every);
   if (lines.empty()) {
     throw UserError(options.rig, fmt::format("measure.line_width_px is {}, too wide for the {} lines of the projector",
                                              rig.measure.line_width_px, rig.projector.lines));
   }
-  std::vector<HeightPosition> positions;
-  Progress progress("position", options.folders.size());
+  std::vector<light_section::HeightPosition> positions;
+  cli::Progress progress("position", options.folders.size());
   for (std::size_t i = 0; i < options.folders.size(); ++i) {
     positions.push_back(read_position(options, rig, options.folders[i], lines));
     positions.back().height_mm = heights.empty() ? 0 : heights[i];
@@ -75,10 +76,10 @@ std::vector<HeightPosition> read_positions(const HeightsOptions& options, const 
 }
 
 // A table of the levels; `before` with the errors of the geometry alone.
-std::string levels_text(const std::vector<HeightLevel>& levels, bool before) {
+std::string levels_text(const std::vector<light_section::HeightLevel>& levels, bool before) {
   std::string text = before ? "  height      samples   mean, before       RMS, before       mean        RMS   mm\n"
                             : "  height      samples       mean        RMS     uneven   mm\n";
-  for (const HeightLevel& level : levels) {
+  for (const light_section::HeightLevel& level : levels) {
     text += before ? fmt::format("  {:8.3f}  {:9}  {:12.4f}  {:16.4f}  {:9.4f}  {:9.4f}   {}\n", level.height_mm,
                                  level.samples, level.before_mean_mm, level.before_rms_mm, level.mean_mm, level.rms_mm,
                                  level.name)
@@ -88,7 +89,7 @@ std::string levels_text(const std::vector<HeightLevel>& levels, bool before) {
   return text;
 }
 
-std::string report_json(const HeightsOptions& options, const HeightFit& fit) {
+std::string report_json(const HeightsOptions& options, const light_section::HeightFit& fit) {
   nlohmann::ordered_json json;
   json["rig"] = options.rig;
   json["tolerance_mm"] = options.settings.tolerance_mm;
@@ -100,7 +101,7 @@ std::string report_json(const HeightsOptions& options, const HeightFit& fit) {
   json["open_by_tolerance_mm"] = fit.open_by_tolerance_mm;
   json["open_by_flatness_mm"] = fit.open_by_flatness_mm;
   json["open_by_noise_mm"] = fit.open_by_noise_mm;
-  for (const HeightLevel& level : fit.levels) {
+  for (const light_section::HeightLevel& level : fit.levels) {
     json["levels"].push_back({{"name", level.name},
                               {"height_mm", level.height_mm},
                               {"samples", level.samples},
@@ -113,11 +114,12 @@ std::string report_json(const HeightsOptions& options, const HeightFit& fit) {
   return json.dump(2) + "\n";
 }
 
-void run_check(const HeightsOptions& options, const Rig& rig, const std::vector<HeightPosition>& positions) {
-  const std::vector<HeightLevel> levels = check_heights(rig, positions, options.settings);
+void run_check(const HeightsOptions& options, const rig::Rig& rig,
+               const std::vector<light_section::HeightPosition>& positions) {
+  const std::vector<light_section::HeightLevel> levels = light_section::check_heights(rig, positions, options.settings);
   fmt::print("{}", levels_text(levels, false));
   double greatest = 0;
-  for (const HeightLevel& level : levels) {
+  for (const light_section::HeightLevel& level : levels) {
     if (level.samples == 0) {
       throw CheckFailed(fmt::format("--check: {}: no line was found", level.name));
     }
@@ -138,19 +140,19 @@ void run_heights(HeightsOptions options) {
   if (options.check == !options.out.empty()) {
     throw UserError("--out, --check", "give one of them, not both");
   }
-  const Rig rig = load_rig(options.rig);
-  if (rig.kind != RigKind::light_section) {
+  const rig::Rig rig = rig::load_rig(options.rig);
+  if (rig.kind != rig::RigKind::light_section) {
     throw UserError(options.rig, "is not a rig of kind light-section");
   }
   std::vector<double> heights;
   if (options.steps.empty()) {
-    heights = ascending_lengths("--heights", options.heights);
+    heights = cli::ascending_lengths("--heights", options.heights);
     if (heights.size() != options.folders.size()) {
       throw UserError("--heights",
                       fmt::format("has {} heights for {} folders", heights.size(), options.folders.size()));
     }
   } else {
-    options.settings.steps_mm = ascending_lengths("--steps", options.steps);
+    options.settings.steps_mm = cli::ascending_lengths("--steps", options.steps);
   }
   if (std::set<std::string>(options.folders.begin(), options.folders.end()).size() != options.folders.size()) {
     throw UserError("DIR", "a folder is given twice");
@@ -159,9 +161,10 @@ void run_heights(HeightsOptions options) {
     run_check(options, rig, read_positions(options, rig, heights));
     return;
   }
-  OutputFolder folder(options.out);
-  const HeightFit fit = fit_heights(rig, read_positions(options, rig, heights), options.settings);
-  folder.append("rig.yaml", to_yaml(fit.rig));
+  files::OutputFolder folder(options.out);
+  const light_section::HeightFit fit =
+      light_section::fit_heights(rig, read_positions(options, rig, heights), options.settings);
+  folder.append("rig.yaml", rig::to_yaml(fit.rig));
   folder.append("report.json", report_json(options, fit));
   folder.commit();
   fmt::print("{}", levels_text(fit.levels, true));
@@ -175,7 +178,7 @@ void run_heights(HeightsOptions options) {
 }
 
 void add_heights_options(CLI::App& command, HeightsOptions& options) {
-  begin_group(command, "Target (one of --heights and --steps is required)");
+  cli::begin_group(command, "Target (one of --heights and --steps is required)");
   command
       .add_option("--heights", options.heights,
                   "True heights of the flat plate in mm, ascending, one for each folder. Three or more; five are good.")
@@ -186,50 +189,50 @@ void add_heights_options(CLI::App& command, HeightsOptions& options) {
                   "is moved in between.")
       ->type_name("H,H,...");
   command.add_option("--tolerance", options.settings.tolerance_mm, "How far a true height may be off, in mm.")
-      ->transform(real_number(0, 10))
+      ->transform(cli::real_number(0, 10))
       ->type_name("MM")
       ->capture_default_str();
   command
       .add_option("--flatness", options.settings.flatness_mm,
                   "How far the plate, or a tread, may be off a plane, in mm.")
-      ->transform(real_number(0, 10))
+      ->transform(cli::real_number(0, 10))
       ->type_name("MM")
       ->capture_default_str();
   command
       .add_option("--scale-tolerance", options.settings.scale_tolerance,
                   "How far the rig's own scale of heights may be off, as a share. A greater difference means that all "
                   "heights are wrong by one factor.")
-      ->transform(number_above_zero(10))
+      ->transform(cli::number_above_zero(10))
       ->type_name("SHARE")
-      ->default_str(fmt::format("{:g}, for a calibrated rig {:g}", HeightSettings::kDrawnScale,
-                                HeightSettings::kCalibratedScale));
-  begin_group(command, "Input");
+      ->default_str(fmt::format("{:g}, for a calibrated rig {:g}", light_section::HeightSettings::kDrawnScale,
+                                light_section::HeightSettings::kCalibratedScale));
+  cli::begin_group(command, "Input");
   command.add_option("--rig", options.rig, "Built-in rig or YAML file of kind light-section, with a projector.")
       ->type_name("RIG")
       ->capture_default_str();
   command.add_option("--every", options.every, "Distance of two lines of the sweep, in projector lines.")
-      ->transform(whole_number(1, 64))
+      ->transform(cli::whole_number(1, 64))
       ->type_name("N")
       ->capture_default_str();
-  add_channel_option(command, options.channel);
-  begin_group(command, "Output");
+  cli::add_channel_option(command, options.channel);
+  cli::begin_group(command, "Output");
   command.add_option("--out", options.out, "Folder for rig.yaml and report.json.")->type_name("DIR");
   command.add_flag("--check", options.check,
                    "Write nothing: measure the positions with the rig as it is, and exit with status 1 if a height is "
                    "off.");
   command.add_option("--within", options.within_mm, "What --check allows, in mm.")
-      ->transform(number_above_zero(1000))
+      ->transform(cli::number_above_zero(1000))
       ->type_name("MM")
       ->capture_default_str();
-  add_files(command, "DIR", options.folders,
-            "Folders with the camera images of a sweep, numbered in the order of the lines.")
+  cli::add_files(command, "DIR", options.folders,
+                 "Folders with the camera images of a sweep, numbered in the order of the lines.")
       ->required();
 }
 
 }  // namespace
 
 CLI::App* add_heights_command(CLI::App& calibrate) {
-  CLI::App* command = add_command(
+  CLI::App* command = cli::add_command(
       calibrate,
       {.name = "heights",
        .purpose = "Ties the heights of a light section to known ones.",
@@ -261,4 +264,4 @@ selfproj calibrate heights --rig line1/rig.yaml --heights 15 --check at15
   return command;
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::app

@@ -11,15 +11,15 @@
 #include "host/app/commands.h"
 #include "host/app/receive.h"
 #include "host/cli/command_line.h"
-#include "host/driver/counters.h"
-#include "host/driver/image_assembler.h"
 #include "host/files/output_folder.h"
-#include "host/files/user_error.h"
 #include "host/images/image_files.h"
-#include "model/gray_decoder.h"
-#include "model/packet.h"
+#include "selfproj/driver/counters.h"
+#include "selfproj/driver/image_assembler.h"
+#include "selfproj/files/user_error.h"
+#include "selfproj/model/gray_decoder.h"
+#include "selfproj/model/packet.h"
 
-namespace selfproj {
+namespace selfproj::app {
 namespace {
 
 struct ImagesOptions {
@@ -35,10 +35,11 @@ class ImageFiles {
       : folder_(folder), images_(spec::kKindImage, stream), codes_(spec::kKindCodes, stream) {}
 
   // Returns how many images were written so far.
-  std::uint64_t add(const PacketView& packet, std::uint64_t restarts) {
+  std::uint64_t add(const model::PacketView& packet, std::uint64_t restarts) {
     if (images_.add(packet)) {
-      const PacketHeader& header = images_.header();
-      folder_.append(name("image", header, restarts), encode_png({header.rows, header.columns, images_.pixels()}));
+      const model::PacketHeader& header = images_.header();
+      folder_.append(name("image", header, restarts),
+                     images::encode_png({header.rows, header.columns, images_.pixels()}));
     } else if (codes_.add(packet)) {
       add_codes(codes_.header(), restarts);
     }
@@ -53,27 +54,27 @@ class ImageFiles {
   [[nodiscard]] std::uint64_t incomplete() const { return images_.incomplete() + codes_.incomplete(); }
 
  private:
-  static std::string name(const char* what, const PacketHeader& header, std::uint64_t restarts) {
+  static std::string name(const char* what, const model::PacketHeader& header, std::uint64_t restarts) {
     const std::string after = restarts == 0 ? "" : fmt::format("_{}", restarts);
     return fmt::format("{}{}_{:08}.png", what, after, header.sequence);
   }
 
-  void add_codes(const PacketHeader& header, std::uint64_t restarts) {
+  void add_codes(const model::PacketHeader& header, std::uint64_t restarts) {
     const std::vector<std::uint16_t>& words = codes_.codes();
     std::vector<std::uint16_t> codes(words.size());
-    Image measurable{header.rows, header.columns, std::vector<std::uint8_t>(words.size())};
+    images::Image measurable{header.rows, header.columns, std::vector<std::uint8_t>(words.size())};
     for (std::size_t i = 0; i < words.size(); ++i) {
-      const bool good = is_measurable(words[i]);
-      codes[i] = static_cast<std::uint16_t>(good ? code_of(words[i]) : 0);
+      const bool good = model::is_measurable(words[i]);
+      codes[i] = static_cast<std::uint16_t>(good ? model::code_of(words[i]) : 0);
       measurable.pixels[i] = good ? UINT8_MAX : 0;
     }
-    folder_.append(name("code", header, restarts), encode_png16(header.rows, header.columns, codes));
-    folder_.append(name("measurable", header, restarts), encode_png(measurable));
+    folder_.append(name("code", header, restarts), images::encode_png16(header.rows, header.columns, codes));
+    folder_.append(name("measurable", header, restarts), images::encode_png(measurable));
   }
 
-  OutputFolder folder_;
-  ImageAssembler images_;
-  ImageAssembler codes_;
+  files::OutputFolder folder_;
+  driver::ImageAssembler images_;
+  driver::ImageAssembler codes_;
 };
 
 void run_images(const ImagesOptions& options) {
@@ -83,23 +84,24 @@ void run_images(const ImagesOptions& options) {
   const auto text = [&] {
     return fmt::format("{} raw images, {} code images, {} incomplete", files.raw(), files.codes(), files.incomplete());
   };
-  receiver.run({.packet = [&](const PacketView& packet) { return files.add(packet, receiver.counters().restarts); },
-                .status = text});
+  receiver.run(
+      {.packet = [&](const model::PacketView& packet) { return files.add(packet, receiver.counters().restarts); },
+       .status = text});
   if (files.written() == 0) {
     throw CheckFailed(fmt::format("{}: no complete image came, and nothing is written; {} incomplete",
                                   options.receive.device, files.incomplete()));
   }
   files.commit();
   fmt::print("{} → {}; {}\n", text(), options.out,
-             counters_text(receiver.counters(),
-                           {&Counters::lost_board, &Counters::lost_ring, &Counters::lost_network, &Counters::bad}));
+             driver::counters_text(receiver.counters(), {&driver::Counters::lost_board, &driver::Counters::lost_ring,
+                                                         &driver::Counters::lost_network, &driver::Counters::bad}));
   receiver.check(files.incomplete());
 }
 
 }  // namespace
 
 void add_images_command(CLI::App& app) {
-  CLI::App* command = add_command(
+  CLI::App* command = cli::add_command(
       app,
       {.name = "images",
        .purpose = "Writes the raw images and code images in a board's packets as PNG files.",
@@ -117,13 +119,13 @@ selfproj images --device file:codes.packets --out codes
   const auto options = std::make_shared<ImagesOptions>();
   add_receive_options(*command, options->receive, "images", ", of whose images this program makes the packets itself.");
   command->add_option("--stream", options->stream, "Take the images of this stream number.")
-      ->transform(whole_number(0, UINT8_MAX))
+      ->transform(cli::whole_number(0, UINT8_MAX))
       ->type_name("N")
       ->group("Device")
       ->capture_default_str();
-  begin_group(*command, "Output");
+  cli::begin_group(*command, "Output");
   command->add_option("--out", options->out, "Folder for the images.")->type_name("DIR")->required();
   command->callback([options] { run_images(*options); });
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::app

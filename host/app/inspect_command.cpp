@@ -15,69 +15,71 @@
 #include "host/app/section_run.h"
 #include "host/camera/camera_device.h"
 #include "host/cli/command_line.h"
-#include "host/driver/counters.h"
 #include "host/files/output_file.h"
 #include "host/files/output_folder.h"
 #include "host/images/frame_options.h"
-#include "host/light_section/differential_profile.h"
-#include "host/light_section/inspection.h"
 #include "host/production/part_reference.h"
 #include "host/production/production.h"
 #include "host/report/facts.h"
 #include "host/report/inspection_output.h"
 #include "host/report/report.h"
-#include "host/rig/rig.h"
-#include "model/column_runs.h"
+#include "selfproj/driver/counters.h"
+#include "selfproj/light_section/differential_profile.h"
+#include "selfproj/light_section/inspection.h"
+#include "selfproj/model/column_runs.h"
+#include "selfproj/rig/rig.h"
 
-namespace selfproj {
+namespace selfproj::app {
 namespace {
 
 struct InspectOptions {
   ReceiveOptions receive;
   SectionOptions section;
-  ProductionOptions production;
+  production::ProductionOptions production;
   std::string select;  // empty: whatever comes
   std::string out;
   std::string json;
-  std::uint64_t keep = InspectionOptions{}.max_frames;
+  std::uint64_t keep = light_section::InspectionOptions{}.max_frames;
 };
 
 // The counts of the inspection, then those of the driver.
-std::vector<Fact> facts_of(const SectionCounts& work, const Counters& counters) {
+std::vector<report::Fact> facts_of(const SectionCounts& work, const driver::Counters& counters) {
   const auto number = [](std::uint64_t value) { return static_cast<std::int64_t>(value); };
   const auto microseconds = [](std::int64_t ns) { return static_cast<double>(ns) * 1e-3; };
-  std::vector<Fact> facts = {{"profiles", "profiles", number(work.profiles)},
-                             {"points", "valid points", number(work.points)},
-                             {"ambiguous", "ambiguous columns", number(work.ambiguous)},
-                             {"frames_per_second", "frames a second", work.rate()},
-                             {"delay_p50_us", "delay, median", microseconds(work.delay.percentile_ns(0.5)), "µs"},
-                             {"delay_p99_us", "delay, 99 %", microseconds(work.delay.percentile_ns(0.99)), "µs"},
-                             {"delay_max_us", "delay, longest", microseconds(work.delay.longest_ns()), "µs"},
-                             {"broken_frames", "frames flagged by the board", number(work.broken)},
-                             {"other_size", "frames of another size", number(work.other_size)},
-                             {"other_select", "frames of another select", number(work.other_select)},
-                             {"other_packets", "packets of images and codes", number(work.not_moments)}};
-  const std::vector<Fact> driver = counter_facts(counters);
+  std::vector<report::Fact> facts = {
+      {"profiles", "profiles", number(work.profiles)},
+      {"points", "valid points", number(work.points)},
+      {"ambiguous", "ambiguous columns", number(work.ambiguous)},
+      {"frames_per_second", "frames a second", work.rate()},
+      {"delay_p50_us", "delay, median", microseconds(work.delay.percentile_ns(0.5)), "µs"},
+      {"delay_p99_us", "delay, 99 %", microseconds(work.delay.percentile_ns(0.99)), "µs"},
+      {"delay_max_us", "delay, longest", microseconds(work.delay.longest_ns()), "µs"},
+      {"broken_frames", "frames flagged by the board", number(work.broken)},
+      {"other_size", "frames of another size", number(work.other_size)},
+      {"other_select", "frames of another select", number(work.other_select)},
+      {"other_packets", "packets of images and codes", number(work.not_moments)}};
+  const std::vector<report::Fact> driver = report::counter_facts(counters);
   facts.insert(facts.end(), driver.begin(), driver.end());
   return facts;
 }
 
-void write_outputs(const InspectOptions& options, const Inspection& inspection, const std::vector<Fact>& facts,
-                   OutputFolder& folder) {
-  ReportParts parts;
+void write_outputs(const InspectOptions& options, const light_section::Inspection& inspection,
+                   const std::vector<report::Fact>& facts, files::OutputFolder& folder) {
+  report::ReportParts parts;
   parts.title = "Inspection of " + options.receive.device;
   parts.counters = facts;
   parts.settings = {{"device", "device", options.receive.device},
                     {"reference", "reference", options.section.reference.empty() ? "plane" : options.section.reference},
                     {"wait", "waiting", options.receive.wait}};
-  write_inspection(inspection, folder, parts);
+  report::write_inspection(inspection, folder, parts);
   folder.commit();
 }
 
-void print_outcome(const InspectOptions& options, const SectionCounts& work, const Counters& counters,
-                   const std::optional<Inspection>& inspection) {
+void print_outcome(const InspectOptions& options, const SectionCounts& work, const driver::Counters& counters,
+                   const std::optional<light_section::Inspection>& inspection) {
   fmt::print("{} profiles, {:.0f} frames/s, {}, {}, {}\n", work.profiles, work.rate(), losses_text(counters),
-             counters_text(counters, {&Counters::resynchronized, &Counters::repeated, &Counters::restarts}),
+             driver::counters_text(counters, {&driver::Counters::resynchronized, &driver::Counters::repeated,
+                                              &driver::Counters::restarts}),
              delay_text(work.delay));
   if (inspection) {
     fmt::print("{} frames{} → {}\n", inspection->frames(),
@@ -88,41 +90,42 @@ void print_outcome(const InspectOptions& options, const SectionCounts& work, con
 }
 
 void run_inspect(const InspectOptions& options) {
-  const Rig rig = options.section.load_rig();
-  std::optional<OutputFolder> folder;
+  const rig::Rig rig = options.section.load_rig();
+  std::optional<files::OutputFolder> folder;
   if (!options.out.empty()) {
     folder.emplace(options.out);
   }
-  std::optional<OutputFile> json;
+  std::optional<files::OutputFile> json;
   if (!options.json.empty()) {
     json.emplace(options.json);
   }
-  const ReferenceProfile reference = options.section.load_reference(rig);
-  const DifferentialProfiler profiler(rig, reference);
-  std::optional<Inspection> inspection;
+  const light_section::ReferenceProfile reference = options.section.load_reference(rig);
+  const light_section::DifferentialProfiler profiler(rig, reference);
+  std::optional<light_section::Inspection> inspection;
   if (folder) {
     const std::uint64_t count = options.receive.count;
     const std::uint64_t expected = count > 0 ? std::min(count, options.keep) : options.keep;
     inspection.emplace(rig, profiler.columns(),
-                       InspectionOptions{.expected_frames = static_cast<std::size_t>(expected),
-                                         .max_frames = static_cast<std::size_t>(options.keep)});
+                       light_section::InspectionOptions{.expected_frames = static_cast<std::size_t>(expected),
+                                                        .max_frames = static_cast<std::size_t>(options.keep)});
   }
-  SectionRun section(rig, profiler, options.select.empty() ? std::nullopt : std::optional(select_of(options.select)));
+  SectionRun section(rig, profiler,
+                     options.select.empty() ? std::nullopt : std::optional(images::select_of(options.select)));
   const SectionCounts& counts = section.counts();
   Receiver receiver(options.receive);  // before the page can be seen
-  std::optional<Production> production;
+  std::optional<production::Production> production;
   if (options.production.any()) {
-    production.emplace(options.production, rig, section_of(rig, reference, profiler),
+    production.emplace(options.production, rig, production::section_of(rig, reference, profiler),
                        fmt::format("{}: {}", rig.name, options.receive.device));
   }
-  const Measure measure = measure_of_rig(rig, options.select);
-  receiver.open(camera_of_rig(rig, measure), BoardSetup{rig.camera, measure});
+  const model::Measure measure = measure_of_rig(rig, options.select);
+  receiver.open(camera::camera_of_rig(rig, measure), BoardSetup{rig.camera, measure});
 
-  Profile own;
+  light_section::Profile own;
   own.resize(profiler.columns());
-  const auto receive = [&](const PacketView& packet) {
-    MeasuredFrame* const slot = production ? &production->claim() : nullptr;
-    const ProfileView profile = slot != nullptr ? slot->profile.view() : own.view();
+  const auto receive = [&](const model::PacketView& packet) {
+    production::MeasuredFrame* const slot = production ? &production->claim() : nullptr;
+    const light_section::ProfileView profile = slot != nullptr ? slot->profile.view() : own.view();
     const bool made = section.profile(packet, receiver.device(), profile);
     if (made && inspection) {
       inspection->add(packet.header, packet.payload, profile);
@@ -147,18 +150,18 @@ void run_inspect(const InspectOptions& options) {
   };
   receiver.run({receive, status, report});
 
-  const Counters counters = receiver.counters();
-  std::vector<Fact> facts = facts_of(counts, counters);
+  const driver::Counters counters = receiver.counters();
+  std::vector<report::Fact> facts = facts_of(counts, counters);
   if (production) {
     production->finish();
-    const std::vector<Fact> more = production->facts();
+    const std::vector<report::Fact> more = production->facts();
     facts.insert(facts.end(), more.begin(), more.end());
   }
   if (inspection && inspection->frames() > 0) {
     write_outputs(options, *inspection, facts, *folder);
   }
   if (json) {
-    json->write(facts_json(facts).dump(2) + "\n");
+    json->write(report::facts_json(facts).dump(2) + "\n");
   }
   print_outcome(options, counts, counters, inspection);
   if (production) {
@@ -170,7 +173,7 @@ void run_inspect(const InspectOptions& options) {
 }  // namespace
 
 void add_inspect_command(CLI::App& app) {
-  CLI::App* command = add_command(
+  CLI::App* command = cli::add_command(
       app, {.name = "inspect",
             .purpose = "Inspects parts on-line by light section: turns the packets of a board into profiles.",
             .details =
@@ -196,23 +199,23 @@ selfproj inspect --device file:/dev/xdma0_c2h_0 --reference good-part --check --
   add_receive_options(*command, options->receive, "profiles",
                       ", of whose images this program makes the packets itself, as the rig says.", DeviceIs::required,
                       BoardIs::set_up);
-  begin_group(*command, "Measuring");
+  cli::begin_group(*command, "Measuring");
   add_section_options(*command, options->section);
   command
       ->add_option("--select", options->select,
                    "What the board must have selected of each column; another stream is refused.")
-      ->check(one_of(select_names()))
+      ->check(cli::one_of(images::select_names()))
       ->type_name("SELECT")
       ->default_str("what comes");
   add_production_options(*command, options->production);
-  begin_group(*command, "Output");
+  cli::begin_group(*command, "Output");
   command->add_option("--out", options->out, "Folder for tables, cloud, pictures and report.")->type_name("DIR");
   command->add_option("--keep", options->keep, "Frames kept in memory for --out. Later ones are only counted.")
-      ->transform(whole_number(1, 10'000'000))
+      ->transform(cli::whole_number(1, 10'000'000))
       ->type_name("N")
       ->capture_default_str();
   command->add_option("--json", options->json, "File for the counts as JSON.")->type_name("FILE");
   command->callback([options] { run_inspect(*options); });
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::app

@@ -13,36 +13,37 @@
 #include "host/cli/command_line.h"
 #include "host/cli/progress.h"
 #include "host/files/output_folder.h"
-#include "host/files/user_error.h"
 #include "host/images/frame_options.h"
 #include "host/images/image_files.h"
 #include "host/images/prepared_images.h"
-#include "host/light_section/fast_moments.h"
 #include "host/report/frame_picture.h"
 #include "host/report/line_images.h"
 #include "host/report/report.h"
-#include "host/rig/rig.h"
-#include "model/column_runs.h"
-#include "model/spec/generated/selfproj_spec.h"
+#include "selfproj/files/user_error.h"
+#include "selfproj/light_section/fast_moments.h"
+#include "selfproj/model/column_runs.h"
+#include "selfproj/model/generated/selfproj_spec.h"
+#include "selfproj/rig/rig.h"
 
-namespace selfproj {
+namespace selfproj::app {
 namespace {
 
 struct LinesOptions {
   std::vector<std::string> images;
-  Preparation preparation;
+  images::Preparation preparation;
   std::string mode = "grey-over";
   int threshold = 128;
-  SelectOptions select;
-  double ambiguous_from = RigRuns{}.ambiguous_from;
+  cli::SelectOptions select;
+  double ambiguous_from = rig::RigRuns{}.ambiguous_from;
   std::size_t pictures = 20;
   std::string out;
 };
 
-RigMeasure measure_of(const LinesOptions& options) {
-  Measure measure{.mode = mode_of(options.mode), .threshold = options.threshold, .select = Select::strongest};
+rig::RigMeasure measure_of(const LinesOptions& options) {
+  model::Measure measure{
+      .mode = images::mode_of(options.mode), .threshold = options.threshold, .select = model::Select::strongest};
   options.select.apply(measure);
-  RigMeasure result;
+  rig::RigMeasure result;
   result.apply(measure);
   if (result.runs) {
     result.runs->ambiguous_from = options.ambiguous_from;
@@ -51,50 +52,50 @@ RigMeasure measure_of(const LinesOptions& options) {
 }
 
 void run_lines(const LinesOptions& options) {
-  const RigMeasure rig_measure = measure_of(options);
-  const Measure measure = rig_measure.of_board();
-  OutputFolder folder(options.out);
-  PreparedImages images(options.images, options.preparation);
+  const rig::RigMeasure rig_measure = measure_of(options);
+  const model::Measure measure = rig_measure.of_board();
+  files::OutputFolder folder(options.out);
+  images::PreparedImages images(options.images, options.preparation);
   if (images.rows() > spec::kMaxRows) {
     throw UserError(images.files().front(), fmt::format("has {} rows; at most {} are possible: see --roi and "
                                                         "--transpose",
                                                         images.rows(), spec::kMaxRows));
   }
-  LineImages lines(images.rows(), images.columns(), rig_measure);
-  std::vector<CameraPicture> pictures;
-  Runs runs;
+  report::LineImages lines(images.rows(), images.columns(), rig_measure);
+  std::vector<report::CameraPicture> pictures;
+  model::Runs runs;
   runs.resize(measure.select, images.columns());
   {
-    Progress progress("image", images.count());
+    cli::Progress progress("image", images.count());
     for (std::size_t i = 0; i < images.count(); ++i) {
-      Image as_taken;
-      const Image frame = images.frame(i, &as_taken);
-      fast_measure_columns(frame.view(), measure, runs.view());
+      images::Image as_taken;
+      const images::Image frame = images.frame(i, &as_taken);
+      light_section::fast_measure_columns(frame.view(), measure, runs.view());
       lines.add(i + 1, runs);
       if (i < options.pictures) {
         pictures.push_back(lines.picture(i + 1, std::move(as_taken), runs));
-        folder.append(fmt::format("frame_{}.png", i + 1), frame_png(pictures.back()));
+        folder.append(fmt::format("frame_{}.png", i + 1), report::frame_png(pictures.back()));
       }
       progress.update(i + 1);
     }
   }
-  std::vector<Fact> settings = {{"first_image", "first image", images.files().front()}};
+  std::vector<report::Fact> settings = {{"first_image", "first image", images.files().front()}};
   if (!options.preparation.background.empty()) {
     settings.push_back({"background", "subtracted from them", options.preparation.background.front()});
   }
   lines.write(folder, {.title = "Lines in recorded images", .counters = {}, .settings = settings}, images.count(),
               pictures);
   folder.commit();
-  const std::string select = select_text(measure);
+  const std::string select = images::select_text(measure);
   fmt::print("{} {} of {}, {}, threshold {}{}{}: {} columns with light, {} ambiguous → {}\n", images.count(),
-             images.count() == 1 ? "image" : "images", size_text(images.rows(), images.columns()), options.mode,
+             images.count() == 1 ? "image" : "images", images::size_text(images.rows(), images.columns()), options.mode,
              measure.threshold, select.empty() ? "" : ", ", select, lines.lit(), lines.ambiguous(), options.out);
 }
 
 }  // namespace
 
 void add_lines_command(CLI::App& app) {
-  CLI::App* command = add_command(
+  CLI::App* command = cli::add_command(
       app,
       {.name = "lines",
        .purpose = "Finds the laser line in recorded images, column by column, as a board would.",
@@ -113,36 +114,36 @@ selfproj lines --threshold 20 --out lines frames/frame_*.png
 selfproj lines --channel red-difference --threshold 15 --background off.jpg --out lines on.jpg
 )"});
   const auto options = std::make_shared<LinesOptions>();
-  begin_group(*command, "Images");
-  add_files(*command, "IMAGE", options->images, "Images with the line.")->required();
-  add_files(*command, "--background", options->preparation.background,
-            "The same view without the line: one image for all, or one for each. It is subtracted.");
-  add_preparation_options(*command, options->preparation);
-  begin_group(*command, "Measuring");
+  cli::begin_group(*command, "Images");
+  cli::add_files(*command, "IMAGE", options->images, "Images with the line.")->required();
+  cli::add_files(*command, "--background", options->preparation.background,
+                 "The same view without the line: one image for all, or one for each. It is subtracted.");
+  cli::add_preparation_options(*command, options->preparation);
+  cli::begin_group(*command, "Measuring");
   command
       ->add_option("--mode", options->mode,
                    "Weight of a lit pixel: 1 (binary), its grey value (grey), or its grey value less T (grey-over).")
-      ->check(one_of(mode_names()))
+      ->check(cli::one_of(images::mode_names()))
       ->type_name("MODE")
       ->capture_default_str();
   command->add_option("--threshold", options->threshold, "A pixel is lit where its grey value is greater than T.")
-      ->transform(whole_number(0, 255))
+      ->transform(cli::whole_number(0, 255))
       ->type_name("T")
       ->required();
-  add_select_options(*command, options->select, "strongest");
+  cli::add_select_options(*command, options->select, "strongest");
   command
       ->add_option("--ambiguous-from", options->ambiguous_from,
                    "A column is ambiguous where its second run has at least this share of the strongest one.")
-      ->transform(real_number(1.0 / 16, 2))
+      ->transform(cli::real_number(1.0 / 16, 2))
       ->type_name("SHARE")
       ->capture_default_str();
-  begin_group(*command, "Output");
+  cli::begin_group(*command, "Output");
   command->add_option("--out", options->out, "Folder for pictures, tables and report.")->type_name("DIR")->required();
   command->add_option("--pictures", options->pictures, "Images that are shown, the first ones.")
-      ->transform(whole_number(0, 10000))
+      ->transform(cli::whole_number(0, 10000))
       ->type_name("N")
       ->capture_default_str();
   command->callback([options] { run_lines(*options); });
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::app

@@ -4,7 +4,7 @@
 #include "host/cli/program_main.h"
 
 int main(int argc, char** argv) {
-  return selfproj::program_main(
+  return selfproj::cli::program_main(
       {.name = "selfproj",
        .purpose = "Measures 3-D shapes on the production PC: patterns, calibration, light section, structured light.",
        .details = "The exit status is 0 for success, 1 for a failed check and 2 for bad usage or input. An error is "
@@ -19,23 +19,23 @@ selfproj rig
 selfproj rig light-section
 )"},
       [](CLI::App& app) {
-        selfproj::add_rig_command(app);
-        selfproj::add_pattern_command(app);
-        selfproj::add_calibrate_command(app);
-        selfproj::add_depth_command(app);
-        selfproj::add_match_command(app);
-        selfproj::add_accuracy_command(app);
-        selfproj::add_board_command(app);
-        selfproj::add_devices_command(app);
-        selfproj::add_project_command(app);
-        selfproj::add_capture_command(app);
-        selfproj::add_scan_command(app);
-        selfproj::add_measure_command(app);
-        selfproj::add_record_command(app);
-        selfproj::add_images_command(app);
-        selfproj::add_inspect_command(app);
-        selfproj::add_tolerance_command(app);
-        selfproj::add_lines_command(app);
+        selfproj::app::add_rig_command(app);
+        selfproj::app::add_pattern_command(app);
+        selfproj::app::add_calibrate_command(app);
+        selfproj::app::add_depth_command(app);
+        selfproj::app::add_match_command(app);
+        selfproj::app::add_accuracy_command(app);
+        selfproj::app::add_board_command(app);
+        selfproj::app::add_devices_command(app);
+        selfproj::app::add_project_command(app);
+        selfproj::app::add_capture_command(app);
+        selfproj::app::add_scan_command(app);
+        selfproj::app::add_measure_command(app);
+        selfproj::app::add_record_command(app);
+        selfproj::app::add_images_command(app);
+        selfproj::app::add_inspect_command(app);
+        selfproj::app::add_tolerance_command(app);
+        selfproj::app::add_lines_command(app);
       },
       argc, argv);
 }

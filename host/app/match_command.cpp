@@ -13,14 +13,14 @@
 #include "host/app/scanner_run.h"
 #include "host/cli/command_line.h"
 #include "host/files/output_folder.h"
-#include "host/files/user_error.h"
 #include "host/images/frame_options.h"
 #include "host/images/image_sequence.h"
 #include "host/production/production.h"
 #include "host/structured_light/depth_run.h"
-#include "model/packet.h"
+#include "selfproj/files/user_error.h"
+#include "selfproj/model/packet.h"
 
-namespace selfproj {
+namespace selfproj::app {
 namespace {
 
 struct MatchCommand {
@@ -31,17 +31,17 @@ struct MatchCommand {
   std::string out;
   std::string list;
   ReceiveOptions receive;
-  ProductionOptions production;
+  production::ProductionOptions production;
   std::size_t save = 0;  // depth images of a device of which depth and difference are written
   std::vector<std::string> images;
 };
 
 // What the page shows of the stream.
-std::vector<Fact> stream_facts(std::size_t images, double rate, const DeviceCounts& counts) {
-  std::vector<Fact> facts = {{"depth_images", "depth images", static_cast<std::int64_t>(images)},
-                             {"depth_images_per_second", "depth images a second", rate},
-                             {"incomplete", "incomplete images", static_cast<std::int64_t>(counts.incomplete)}};
-  const std::vector<Fact> driver = counter_facts(counts.counters);
+std::vector<report::Fact> stream_facts(std::size_t images, double rate, const structured_light::DeviceCounts& counts) {
+  std::vector<report::Fact> facts = {{"depth_images", "depth images", static_cast<std::int64_t>(images)},
+                                     {"depth_images_per_second", "depth images a second", rate},
+                                     {"incomplete", "incomplete images", static_cast<std::int64_t>(counts.incomplete)}};
+  const std::vector<report::Fact> driver = report::counter_facts(counts.counters);
   facts.insert(facts.end(), driver.begin(), driver.end());
   return facts;
 }
@@ -53,22 +53,22 @@ void match_device(const MatchCommand& options) {
   }
   const std::string& uri = options.receive.device;
   const MatchRun run(options.match);
-  OutputFolder folder(options.out);
+  files::OutputFolder folder(options.out);
   DepthList list(options.list);
   MatchStream stream(run, uri);
   Receiver receiver(options.receive);  // before the page can be seen
-  std::optional<Production> production;
+  std::optional<production::Production> production;
   if (options.production.any()) {
     production.emplace(options.production, run.rig(), stream.scanner().reference_depth(), run.patterns(),
                        fmt::format("{}: {}", run.rig().name, uri));
   }
   receiver.open(run.decoder());
 
-  MatchReport report = run.report();
+  report::MatchReport report = run.report();
   report.device = uri;
   std::uint64_t pair = 0;
-  const auto counts = [&] { return DeviceCounts{receiver.counters(), stream.stream().incomplete()}; };
-  const auto receive = [&](const PacketView& packet) -> std::uint64_t {
+  const auto counts = [&] { return structured_light::DeviceCounts{receiver.counters(), stream.stream().incomplete()}; };
+  const auto receive = [&](const model::PacketView& packet) -> std::uint64_t {
     if (production) {
       production->image(packet);
     }
@@ -76,13 +76,13 @@ void match_device(const MatchCommand& options) {
       return report.depth_images;
     }
     pair = stream.stream().pair();
-    const SelfScanner& scanner = stream.scanner();
+    const structured_light::SelfScanner& scanner = stream.scanner();
     if (report.depth_images < options.save) {
       append_maps(scanner, pair, folder);
     }
     list.add(pair, scanner);
     if (production) {
-      MeasuredFrame& slot = production->claim();
+      production::MeasuredFrame& slot = production->claim();
       slot.header = stream.stream().header();
       slot.arrival_ns = receiver.device().arrival_ns();
       slot.depth.values = scanner.depth().values;
@@ -108,14 +108,14 @@ void match_device(const MatchCommand& options) {
     production->finish();
     report.line = production->facts();
   }
-  std::vector<PointState> states;
+  std::vector<structured_light::PointState> states;
   stream.scanner().explain(states);
-  report.all_shares.push_back({pair, count_states(states)});
+  report.all_shares.push_back({pair, structured_light::count_states(states)});
   report.counts = counts();
-  write_match(run.rig(), stream.table(), stream.scanner(), report, folder);
+  report::write_match(run.rig(), stream.table(), stream.scanner(), report, folder);
   folder.commit();
   list.commit();
-  fmt::print("{}{}", match_text(stream.table(), report, folder.name()),
+  fmt::print("{}{}", report::match_text(stream.table(), report, folder.name()),
              production ? production->end_text() : std::string());
   receiver.check(report.counts->incomplete);
 }
@@ -132,8 +132,8 @@ void run_match(const MatchCommand& options) {
     throw UserError("IMAGE", fmt::format("{} images are {}; {} or more are needed, a positive and its negative in turn",
                                          count, count < patterns ? "too few" : "an odd number", patterns));
   }
-  ImageSequence images(options.images, channel_of(options.channel));
-  OutputFolder folder(options.out);
+  images::ImageSequence images(options.images, images::channel_of(options.channel));
+  files::OutputFolder folder(options.out);
   DepthList list(options.list);
   const MatchResult result = run.measure(images, folder, &list);
   folder.commit();
@@ -144,7 +144,7 @@ void run_match(const MatchCommand& options) {
 }  // namespace
 
 void add_match_command(CLI::App& app) {
-  CLI::App* command = add_command(
+  CLI::App* command = cli::add_command(
       app,
       {.name = "match",
        .purpose = "Measures depth, and its difference from a reference, under self-projected patterns.",
@@ -169,26 +169,26 @@ selfproj match --reference reference --e 8 --out depth block/image_*.png
 selfproj match --reference reference --e 8 --device ring:line1 --out today
 )"});
   const auto options = std::make_shared<MatchCommand>();
-  begin_group(*command, "Rig and reference");
+  cli::begin_group(*command, "Rig and reference");
   command->add_option("--rig", options->match.rig, "Built-in rig or YAML file of kind scanner.")
       ->type_name("RIG")
       ->capture_default_str();
   command->add_option("--reference", options->match.reference, "Folder that `selfproj pattern stripes` wrote.")
       ->type_name("DIR")
       ->required();
-  begin_group(*command, "Decoding");
+  cli::begin_group(*command, "Decoding");
   add_threshold_option(*command, options->match.threshold, "the rig's");
-  add_channel_option(*command, options->channel);
+  cli::add_channel_option(*command, options->channel);
   add_search_options(*command, options->match);
   CLI::Option* const device =
       add_receive_options(*command, options->receive, "depth images", kImagesOfPatterns, DeviceIs::instead_of_images);
   add_production_options(*command, options->production, device);
-  begin_group(*command, "Input and output");
+  cli::begin_group(*command, "Input and output");
   command
       ->add_option("--save", options->save,
                    "Write depth_KKKK.tiff and difference_KKKK.tiff of the first N depth images of the device as well; "
                    "later ones only count.")
-      ->transform(whole_number(1))
+      ->transform(cli::whole_number(1))
       ->type_name("N")
       ->default_str("none")
       ->needs(device);
@@ -199,8 +199,9 @@ selfproj match --reference reference --e 8 --device ring:line1 --out today
           "and a checksum each of depth map and difference map.")
       ->type_name("FILE");
   command->add_option("--out", options->out, "Folder for the results.")->type_name("DIR")->required();
-  add_files(*command, "IMAGE", options->images, "8-bit images of the camera's size. These or --device are needed.");
+  cli::add_files(*command, "IMAGE", options->images,
+                 "8-bit images of the camera's size. These or --device are needed.");
   command->callback([options] { run_match(*options); });
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::app

@@ -12,7 +12,7 @@
 #include "host/cli/command_line.h"
 #include "host/files/output_file.h"
 
-namespace selfproj {
+namespace selfproj::app {
 namespace {
 
 struct GammaOptions {
@@ -22,13 +22,13 @@ struct GammaOptions {
 };
 
 void run_gamma(const GammaOptions& options) {
-  const OutputFile out(options.out);
-  const std::vector<int> greys = grey_levels(options.levels);
-  const Captured captured = capture_in_memory(options.capture, options.out, [&](const CaptureSizes& sizes) {
-    return grey_patterns(greys, sizes.projector_rows, sizes.projector_columns);
+  const files::OutputFile out(options.out);
+  const std::vector<int> greys = capture::grey_levels(options.levels);
+  const Captured captured = capture_in_memory(options.capture, options.out, [&](const capture::CaptureSizes& sizes) {
+    return capture::grey_patterns(greys, sizes.projector_rows, sizes.projector_columns);
   });
-  const GreyResponse response = grey_response(greys, captured.images, captured.record.camera);
-  out.write(grey_curve_text(response.curve));
+  const capture::GreyResponse response = capture::grey_response(greys, captured.images, captured.record.camera);
+  out.write(capture::grey_curve_text(response.curve));
   fmt::print(
       "gamma {:.3f}, from {} pixels under {} greys; the light differs from this law by at most {:.1f} % of white, and "
       "from a straight line by at most {:.1f} % → {}\n",
@@ -36,7 +36,7 @@ void run_gamma(const GammaOptions& options) {
 }
 
 void add_gamma_command(CLI::App& measure) {
-  CLI::App* command = add_command(
+  CLI::App* command = cli::add_command(
       measure,
       {.name = "gamma",
        .purpose = "Measures how much light a projector gives for each grey value.",
@@ -53,15 +53,15 @@ selfproj measure gamma --camera camera:192.168.1.20 --display 1 --out gamma.csv
 selfproj measure gamma --camera camera:192.168.1.20 --display 1 --gamma gamma.csv --out check.csv
 )"});
   const auto options = std::make_shared<GammaOptions>();
-  begin_group(*command, "Input");
+  cli::begin_group(*command, "Input");
   add_camera_option(*command, options->capture);
   add_projector_options(*command, options->capture);
-  begin_group(*command, "Measurement");
+  cli::begin_group(*command, "Measurement");
   command->add_option("--levels", options->levels, "Greys to show, evenly spaced from 0 to 255.")
-      ->transform(whole_number(3, 256))
+      ->transform(cli::whole_number(3, 256))
       ->type_name("N")
       ->capture_default_str();
-  begin_group(*command, "Output");
+  cli::begin_group(*command, "Output");
   command->add_option("--out", options->out, "File for the table.")->type_name("FILE")->required();
   command->callback([options] { run_gamma(*options); });
 }
@@ -69,7 +69,7 @@ selfproj measure gamma --camera camera:192.168.1.20 --display 1 --gamma gamma.cs
 }  // namespace
 
 void add_measure_command(CLI::App& app) {
-  CLI::App* command = add_command(
+  CLI::App* command = cli::add_command(
       app,
       {.name = "measure", .purpose = "Measures properties of a projector by a camera.", .details = "", .examples = R"(
 # The curve of a projector (needs hardware)
@@ -79,4 +79,4 @@ selfproj measure gamma --camera camera:192.168.1.20 --display 1 --out gamma.csv
   add_gamma_command(*command);
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::app

@@ -15,18 +15,18 @@
 #include "host/cli/command_line.h"
 #include "host/cli/progress.h"
 #include "host/files/output_folder.h"
-#include "host/files/user_error.h"
-#include "host/images/float_image.h"
 #include "host/images/frame_options.h"
 #include "host/images/image_files.h"
 #include "host/light_section/pattern.h"
-#include "host/light_section/reference.h"
-#include "host/light_section/reference_file.h"
 #include "host/light_section/scan.h"
-#include "host/rig/rig.h"
-#include "host/structured_light/gray_sequence.h"
+#include "selfproj/files/user_error.h"
+#include "selfproj/images/float_image.h"
+#include "selfproj/light_section/reference.h"
+#include "selfproj/light_section/reference_file.h"
+#include "selfproj/rig/rig.h"
+#include "selfproj/structured_light/gray_sequence.h"
 
-namespace selfproj {
+namespace selfproj::app {
 namespace {
 
 namespace fs = std::filesystem;
@@ -47,11 +47,11 @@ struct PatternOptions {
 };
 
 // Passes on the images one after another, each of the camera's size.
-void for_each_image(const Rig& rig, const std::vector<std::string>& files, std::optional<Channel> channel,
-                    const std::function<void(std::size_t index, const Image& image)>& take) {
-  Progress progress("image", files.size());
+void for_each_image(const rig::Rig& rig, const std::vector<std::string>& files, std::optional<images::Channel> channel,
+                    const std::function<void(std::size_t index, const images::Image& image)>& take) {
+  cli::Progress progress("image", files.size());
   for (std::size_t i = 0; i < files.size(); ++i) {
-    const Image image = read_image(files[i], channel);
+    const images::Image image = images::read_image(files[i], channel);
     if (image.rows != rig.camera.rows || image.columns != rig.camera.columns) {
       throw UserError(files[i], fmt::format("has {} x {} pixels; the rig's camera has {} rows x {} columns", image.rows,
                                             image.columns, rig.camera.rows, rig.camera.columns));
@@ -61,55 +61,56 @@ void for_each_image(const Rig& rig, const std::vector<std::string>& files, std::
   }
 }
 
-ReferenceProfile scanned(const Rig& rig, const PatternOptions& options) {
-  const std::vector<std::string> files = files_of_folder(options.scan);
-  const std::vector<int> lines = sweep_lines(rig, options.every);
+light_section::ReferenceProfile scanned(const rig::Rig& rig, const PatternOptions& options) {
+  const std::vector<std::string> files = images::files_of_folder(options.scan);
+  const std::vector<int> lines = light_section::sweep_lines(rig, options.every);
   if (files.size() != lines.size()) {
     throw UserError(options.scan,
                     fmt::format("has {} images; a sweep of this rig with --every {} has {}, of the lines {} to {}",
                                 files.size(), options.every, lines.size(), lines.front(), lines.back()));
   }
-  LineScan scan(rig, options.every);
-  for_each_image(rig, files, channel_of(options.channel),
-                 [&](std::size_t i, const Image& image) { scan.add(lines[i], image.view()); });
+  light_section::LineScan scan(rig, options.every);
+  for_each_image(rig, files, images::channel_of(options.channel),
+                 [&](std::size_t i, const images::Image& image) { scan.add(lines[i], image.view()); });
   return scan.reference();
 }
 
-ReferenceProfile with_residual_out(const Rig& rig, const PatternOptions& options, const ReferenceProfile& reference) {
-  CentroidMean mean(rig);
-  for_each_image(rig, files_of_folder(options.residual), channel_of(options.channel),
-                 [&](std::size_t, const Image& image) { mean.add(image.view()); });
-  return without_residual(rig, reference, mean.centroids());
+light_section::ReferenceProfile with_residual_out(const rig::Rig& rig, const PatternOptions& options,
+                                                  const light_section::ReferenceProfile& reference) {
+  light_section::CentroidMean mean(rig);
+  for_each_image(rig, images::files_of_folder(options.residual), images::channel_of(options.channel),
+                 [&](std::size_t, const images::Image& image) { mean.add(image.view()); });
+  return light_section::without_residual(rig, reference, mean.centroids());
 }
 
-void add_pattern(OutputFolder& folder, const FloatImage& pattern) {
-  folder.append("pattern.tiff", encode_float_tiff(folder.name() + "/pattern.tiff", pattern));
-  folder.append("pattern.png", encode_pattern_png(pattern));
+void add_pattern(files::OutputFolder& folder, const images::FloatImage& pattern) {
+  folder.append("pattern.tiff", images::encode_float_tiff(folder.name() + "/pattern.tiff", pattern));
+  folder.append("pattern.png", light_section::encode_pattern_png(pattern));
 }
 
-void make_reference(const Rig& rig, const PatternOptions& options) {
-  OutputFolder folder(options.out);
+void make_reference(const rig::Rig& rig, const PatternOptions& options) {
+  files::OutputFolder folder(options.out);
   std::error_code error;
   const bool made_before = fs::is_directory(options.reference, error);  // a reference folder
-  ReferenceProfile reference;
-  FloatImage pattern;
+  light_section::ReferenceProfile reference;
+  images::FloatImage pattern;
   if (made_before) {
     if (options.residual.empty()) {
       throw UserError("--reference",
                       options.reference + " is a finished reference; give --residual to take out its residual");
     }
-    reference = load_reference(rig, options.reference);
-    pattern = load_pattern(rig, options.reference);
+    reference = light_section::load_reference(rig, options.reference);
+    pattern = light_section::load_pattern(rig, options.reference);
   } else {
-    ReferenceCurve curve;
+    light_section::ReferenceCurve curve;
     if (options.scan.empty()) {
-      curve = load_curve(rig, options.reference, options.frame);
-      reference = reference_of_curve(rig, curve);
+      curve = light_section::load_curve(rig, options.reference, options.frame);
+      reference = light_section::reference_of_curve(rig, curve);
     } else {
       reference = scanned(rig, options);
-      curve = curve_of_reference(rig, reference);
+      curve = light_section::curve_of_reference(rig, reference);
     }
-    pattern = draw_pattern(rig, pattern_of_curve(rig, curve));
+    pattern = light_section::draw_pattern(rig, light_section::pattern_of_curve(rig, curve));
   }
   const std::string& source = options.scan.empty() ? options.reference : options.scan;
   if (reference.valid_columns() == 0) {
@@ -122,39 +123,40 @@ void make_reference(const Rig& rig, const PatternOptions& options) {
       throw UserError(options.residual, "no column of the reference sees the line");
     }
   }
-  folder.append("reference.csv", reference_csv(rig, reference));
+  folder.append("reference.csv", light_section::reference_csv(rig, reference));
   add_pattern(folder, pattern);
-  folder.append("preview.png", draw_preview(rig, pattern, reference));
+  folder.append("preview.png", light_section::draw_preview(rig, pattern, reference));
   folder.commit();
   fmt::print("{}: reference in {} of {} columns\n", options.out, reference.valid_columns(), reference.columns());
 }
 
-void make_line(const Rig& rig, const PatternOptions& options) {
+void make_line(const rig::Rig& rig, const PatternOptions& options) {
   if (!std::isfinite(*options.line) || *options.line < 0 || *options.line > rig.projector.lines - 1) {
     throw UserError("--line",
                     fmt::format("is {}; the projector has lines 0 to {}", *options.line, rig.projector.lines - 1));
   }
-  OutputFolder folder(options.out);
-  const FloatImage pattern = draw_straight_line(rig, *options.line);
+  files::OutputFolder folder(options.out);
+  const images::FloatImage pattern = light_section::draw_straight_line(rig, *options.line);
   add_pattern(folder, pattern);
-  folder.append("preview.png", draw_preview(rig, pattern, {}));
+  folder.append("preview.png", light_section::draw_preview(rig, pattern, {}));
   folder.commit();
 }
 
-void make_sweep(const Rig& rig, const PatternOptions& options) {
-  OutputFolder folder(options.out);
-  const std::vector<int> lines = sweep_lines(rig, options.every);
-  Progress progress("pattern", lines.size());
+void make_sweep(const rig::Rig& rig, const PatternOptions& options) {
+  files::OutputFolder folder(options.out);
+  const std::vector<int> lines = light_section::sweep_lines(rig, options.every);
+  cli::Progress progress("pattern", lines.size());
   for (std::size_t i = 0; i < lines.size(); ++i) {
-    folder.append(fmt::format("line_{:05}.png", lines[i]), encode_pattern_png(draw_straight_line(rig, lines[i])));
+    folder.append(fmt::format("line_{:05}.png", lines[i]),
+                  light_section::encode_pattern_png(light_section::draw_straight_line(rig, lines[i])));
     progress.update(i + 1);
   }
   folder.commit();
 }
 
 void run_pattern(const PatternOptions& options) {
-  const Rig rig = load_rig(options.rig);
-  if (sweep_lines(rig, options.every).empty()) {
+  const rig::Rig rig = rig::load_rig(options.rig);
+  if (light_section::sweep_lines(rig, options.every).empty()) {
     throw UserError(options.rig, fmt::format("measure.line_width_px is {}, too wide for the {} lines of the projector",
                                              rig.measure.line_width_px, rig.projector.lines));
   }
@@ -177,30 +179,30 @@ void make_gray(const GrayOptions& options) {
   if (options.projector.empty() == options.rig.empty()) {
     throw UserError("--projector, --rig", "give one of them, not both");
   }
-  FrameSize size;
+  images::FrameSize size;
   if (options.rig.empty()) {
-    size = size_of_text("--projector", options.projector, GraySequence::kMaxSide);
+    size = images::size_of_text("--projector", options.projector, structured_light::GraySequence::kMaxSide);
   } else {
-    const RigProjector projector = load_rig(options.rig).projector;
+    const rig::RigProjector projector = rig::load_rig(options.rig).projector;
     size = {projector.lines, projector.columns};
   }
-  const GraySequence sequence(size.columns, size.rows);
-  OutputFolder folder(options.out);
-  Progress progress("pattern", static_cast<std::size_t>(sequence.count()));
+  const structured_light::GraySequence sequence(size.columns, size.rows);
+  files::OutputFolder folder(options.out);
+  cli::Progress progress("pattern", static_cast<std::size_t>(sequence.count()));
   const int digits = sequence.count() > 100 ? 3 : 2;
   for (int i = 0; i < sequence.count(); ++i) {
     folder.append(fmt::format("pattern_{:0{}}.png", i, digits),
-                  encode_png({sequence.rows(), sequence.columns(), sequence.image(i)}));
+                  images::encode_png({sequence.rows(), sequence.columns(), sequence.image(i)}));
     progress.update(static_cast<std::size_t>(i) + 1);
   }
   folder.commit();
   fmt::print("{}: {} patterns of {}: {} bits for columns, {} for rows, white, black\n", options.out, sequence.count(),
-             options.projector.empty() ? size_text(size.rows, size.columns) : options.projector, sequence.column_bits(),
-             sequence.row_bits());
+             options.projector.empty() ? images::size_text(size.rows, size.columns) : options.projector,
+             sequence.column_bits(), sequence.row_bits());
 }
 
 CLI::App* add_gray(CLI::App& pattern) {
-  CLI::App* command = add_command(
+  CLI::App* command = cli::add_command(
       pattern,
       {.name = "gray",
        .purpose = "Writes the Gray-code patterns of both projector axes.",
@@ -224,7 +226,7 @@ selfproj pattern gray --projector 1024x768 --out patterns
 }
 
 void add_source_options(CLI::App& command, PatternOptions& options) {
-  begin_group(command, "Source of the pattern (one of them is required)");
+  cli::begin_group(command, "Source of the pattern (one of them is required)");
   auto* reference =
       command
           .add_option("--reference", options.reference,
@@ -239,13 +241,13 @@ void add_source_options(CLI::App& command, PatternOptions& options) {
   auto* line =
       command
           .add_option("--line", options.line, "Without a part: a straight line at this projector line, counted from 0.")
-          ->transform(real_number(0, 1e6))
+          ->transform(cli::real_number(0, 1e6))
           ->type_name("LINE");
   auto* sweep = command.add_flag("--sweep", options.sweep, "Writes the straight lines with which a part is scanned.");
   reference->excludes(scan)->excludes(line)->excludes(sweep);
   scan->excludes(line)->excludes(sweep);
   line->excludes(sweep);
-  begin_group(command, "Refinement");
+  cli::begin_group(command, "Refinement");
   command
       .add_option(
           "--residual", options.residual,
@@ -255,23 +257,23 @@ void add_source_options(CLI::App& command, PatternOptions& options) {
       ->excludes(line)
       ->excludes(sweep);
   command.add_option("--frame", options.frame, "Frame of the TIFF of heights to use, from 1.")
-      ->transform(whole_number(1, 1'000'000))
+      ->transform(cli::whole_number(1, 1'000'000))
       ->type_name("N")
       ->default_str("the median of all frames")
       ->needs(reference);
   command.add_option("--every", options.every, "Distance between two lines of a sweep, in projector lines.")
-      ->transform(whole_number(1, 64))
+      ->transform(cli::whole_number(1, 64))
       ->type_name("N")
       ->capture_default_str()
       ->excludes(reference)
       ->excludes(line);
-  add_channel_option(command, options.channel);
+  cli::add_channel_option(command, options.channel);
 }
 
 }  // namespace
 
 void add_pattern_command(CLI::App& app) {
-  CLI::App* command = add_command(
+  CLI::App* command = cli::add_command(
       app,
       {.name = "pattern",
        .purpose = "Computes the pattern that the camera sees as a straight line on a good part.",
@@ -293,7 +295,7 @@ selfproj pattern --sweep --every 4 --out lines
 selfproj pattern --scan captures --every 4 --out part
 )"});
   auto options = std::make_shared<PatternOptions>();
-  begin_group(*command, "Rig and output");
+  cli::begin_group(*command, "Rig and output");
   command->add_option("--rig", options->rig, "Built-in rig or YAML file of kind light-section.")
       ->type_name("RIG")
       ->capture_default_str();
@@ -318,4 +320,4 @@ selfproj pattern --scan captures --every 4 --out part
   });
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::app

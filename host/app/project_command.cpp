@@ -21,7 +21,7 @@
 #include "host/images/image_files.h"
 #include "host/images/image_sequence.h"
 
-namespace selfproj {
+namespace selfproj::app {
 namespace {
 
 struct ProjectOptions {
@@ -32,31 +32,31 @@ struct ProjectOptions {
 };
 
 // Waits until this time. Returns false if Esc, Ctrl-C or the closed window came first.
-bool hold(Projector& projector, std::int64_t until_ns) {
+bool hold(capture::Projector& projector, std::int64_t until_ns) {
   constexpr auto kLook = std::chrono::milliseconds(5);
-  while (now_ns() < until_ns) {
-    if (projector.stopped() || StopSignal::came()) {
+  while (driver::now_ns() < until_ns) {
+    if (projector.stopped() || files::StopSignal::came()) {
       return false;
     }
     std::this_thread::sleep_for(kLook);
   }
-  return !projector.stopped() && !StopSignal::came();
+  return !projector.stopped() && !files::StopSignal::came();
 }
 
 void run_project(const ProjectOptions& options) {
-  ImageSequence patterns(image_arguments(options.images), std::nullopt);
-  std::vector<Image> images;
+  images::ImageSequence patterns(images::image_arguments(options.images), std::nullopt);
+  std::vector<images::Image> images;
   for (std::size_t i = 0; i < patterns.count(); ++i) {
     images.push_back(patterns.read(i));
   }
   const bool stays = images.size() == 1 && options.seconds == 0;
   const double seconds = options.seconds > 0 ? options.seconds : 1;
   const auto step = static_cast<std::int64_t>(seconds * 1e9);
-  const StopSignal stop;
-  Projector projector(options.display.display, greys_of(options.display));
-  StatusLine status;
+  const files::StopSignal stop;
+  capture::Projector projector(options.display.display, greys_of(options.display));
+  cli::StatusLine status;
   std::size_t shown = 0;
-  std::int64_t until = now_ns();
+  std::int64_t until = driver::now_ns();
   bool goes_on = true;
   do {
     for (std::size_t i = 0; goes_on && i < images.size(); ++i) {
@@ -75,7 +75,7 @@ void run_project(const ProjectOptions& options) {
 }  // namespace
 
 void add_project_command(CLI::App& app) {
-  CLI::App* command = add_command(
+  CLI::App* command = cli::add_command(
       app,
       {.name = "project",
        .purpose = "Shows patterns full screen on a projector, a pixel a pixel.",
@@ -91,16 +91,17 @@ selfproj pattern gray --projector 1280x800 --out gray
 selfproj project --display 1 --seconds 0.5 gray
 )"});
   const auto options = std::make_shared<ProjectOptions>();
-  begin_group(*command, "Input");
-  add_files(*command, "IMAGE", options->images, "Patterns, 8 bits and one channel, or a folder of them.")->required();
-  begin_group(*command, "Display");
+  cli::begin_group(*command, "Input");
+  cli::add_files(*command, "IMAGE", options->images, "Patterns, 8 bits and one channel, or a folder of them.")
+      ->required();
+  cli::begin_group(*command, "Display");
   add_display_options(*command, options->display);
   command->add_option("--seconds", options->seconds, "Show each pattern so long.")
-      ->transform(number_above_zero(1e6))
+      ->transform(cli::number_above_zero(1e6))
       ->type_name("S")
       ->default_str("1, and a single pattern stays");
   command->add_flag("--loop", options->loop, "Begin again after the last pattern.");
   command->callback([options] { run_project(*options); });
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::app

@@ -16,39 +16,41 @@
 #include "host/cli/progress.h"
 #include "host/driver/clock.h"
 #include "host/driver/control.h"
-#include "host/files/user_error.h"
+#include "selfproj/files/user_error.h"
 
-namespace selfproj {
+namespace selfproj::app {
 namespace {
 
 // The URI of the registers beside the device. Empty if there are none, or their file does not exist: the board then
 // keeps its settings.
 std::string control_of(const std::string& device) {
-  const std::string uri = control_uri(device);
+  const std::string uri = driver::control_uri(device);
   std::error_code unused;
   const bool missing = uri.starts_with("bar:") && !std::filesystem::exists(uri.substr(4), unused);
   return missing ? "" : uri;
 }
 
-Wait wait_of(const std::string& name) {
-  return name == "poll" ? Wait::polling : name == "block" ? Wait::blocking : Wait::polling_then_blocking;
+driver::Wait wait_of(const std::string& name) {
+  return name == "poll"    ? driver::Wait::polling
+         : name == "block" ? driver::Wait::blocking
+                           : driver::Wait::polling_then_blocking;
 }
 
-void write_setup(Control& control, const BoardSetup& setup) {
+void write_setup(driver::Control& control, const BoardSetup& setup) {
   const auto& [camera, measure] = setup;
   const auto number = [](int value) { return static_cast<std::uint32_t>(value); };
-  if (measure.select == Select::strongest && !control.build().runs) {
+  if (measure.select == model::Select::strongest && !control.build().runs) {
     throw UserError(control.uri(), "this board is built without the strongest run; select all lit pixels");
   }
-  control.write_together({{register_part("size.columns"), number(camera.columns)},
-                          {register_part("size.rows"), number(camera.rows)},
-                          {register_part("measure.mode"), number(static_cast<int>(measure.mode))},
-                          {register_part("measure.threshold"), number(measure.threshold)},
-                          {register_part("measure.select"), number(static_cast<int>(measure.select))},
-                          {register_part("measure.gap"), number(measure.gap)},
-                          {register_part("window.first"), number(measure.window.first)},
-                          {register_part("window.last"), number(measure.window.last)},
-                          {register_part("control.run"), 1}});
+  control.write_together({{driver::register_part("size.columns"), number(camera.columns)},
+                          {driver::register_part("size.rows"), number(camera.rows)},
+                          {driver::register_part("measure.mode"), number(static_cast<int>(measure.mode))},
+                          {driver::register_part("measure.threshold"), number(measure.threshold)},
+                          {driver::register_part("measure.select"), number(static_cast<int>(measure.select))},
+                          {driver::register_part("measure.gap"), number(measure.gap)},
+                          {driver::register_part("window.first"), number(measure.window.first)},
+                          {driver::register_part("window.last"), number(measure.window.last)},
+                          {driver::register_part("control.run"), 1}});
 }
 
 // All options of the command from the n-th on go only with --device.
@@ -65,7 +67,7 @@ CLI::Option* add_receive_options(CLI::App& command, ReceiveOptions& options, con
   options.things = things;
   const bool required = device == DeviceIs::required;
   const bool set_up = board == BoardIs::set_up;
-  begin_group(command, "Device");
+  cli::begin_group(command, "Device");
   CLI::Option* const uri =
       command
           .add_option("--device", options.device,
@@ -88,18 +90,18 @@ CLI::Option* add_receive_options(CLI::App& command, ReceiveOptions& options, con
   command
       .add_option("--wait", options.wait,
                   "How to wait for packets: poll takes a whole core and is quickest, block sleeps in the system.")
-      ->check(one_of({"poll", "block", "poll-then-block"}))
+      ->check(cli::one_of({"poll", "block", "poll-then-block"}))
       ->type_name("HOW")
       ->capture_default_str();
   command.add_flag("--wait-for-board", options.wait_for_board,
                    "Wait until a ring and a board exist, also after the board has gone. Ctrl-C ends the run.");
   command.add_flag("--newest", options.newest, "Begin with the newest packet of the ring, not the oldest unread one.");
-  begin_group(command, "End of the run");
+  cli::begin_group(command, "End of the run");
   command.add_option("--count", options.count, fmt::format("End after this many {}.", things))
-      ->transform(whole_number(1))
+      ->transform(cli::whole_number(1))
       ->type_name("N");
   command.add_option("--seconds", options.seconds, "End this many seconds after the first packet.")
-      ->transform(number_above_zero(1e9))
+      ->transform(cli::number_above_zero(1e9))
       ->type_name("S");
   command.add_flag("--check", options.check,
                    fmt::format("Exit with status 1 if anything was lost, bad or missing, if no {0} came, or fewer than "
@@ -111,9 +113,9 @@ CLI::Option* add_receive_options(CLI::App& command, ReceiveOptions& options, con
   return uri;
 }
 
-void add_production_options(CLI::App& command, ProductionOptions& options, CLI::Option* device) {
+void add_production_options(CLI::App& command, production::ProductionOptions& options, CLI::Option* device) {
   const std::size_t first = command.get_options().size();
-  begin_group(command, "Parts");
+  cli::begin_group(command, "Parts");
   command
       .add_option(
           "--tolerance", options.tolerance,
@@ -126,7 +128,7 @@ void add_production_options(CLI::App& command, ProductionOptions& options, CLI::
           "New folder for the results of parts: parts.jsonl, parts.csv, and a folder for each that is not good.")
       ->type_name("DIR");
   command.add_option("--keep-parts", options.keep, "Folders of parts that are kept. Later ones are only counted.")
-      ->transform(whole_number(0, 1'000'000))
+      ->transform(cli::whole_number(0, 1'000'000))
       ->type_name("N")
       ->capture_default_str();
   command
@@ -145,9 +147,10 @@ void add_production_options(CLI::App& command, ProductionOptions& options, CLI::
   }
 }
 
-std::string losses_text(const Counters& counters) {
-  return counters_text(counters, {&Counters::lost_board, &Counters::lost_ring, &Counters::lost_network,
-                                  &Counters::missing, &Counters::bad});
+std::string losses_text(const driver::Counters& counters) {
+  return driver::counters_text(
+      counters, {&driver::Counters::lost_board, &driver::Counters::lost_ring, &driver::Counters::lost_network,
+                 &driver::Counters::missing, &driver::Counters::bad});
 }
 
 Receiver::~Receiver() {
@@ -159,8 +162,8 @@ Receiver::~Receiver() {
   }
 }
 
-void Receiver::open(const CameraDefaults& camera, const std::optional<BoardSetup>& setup) {
-  device_ = open_any_device(
+void Receiver::open(const camera::CameraDefaults& camera, const std::optional<BoardSetup>& setup) {
+  device_ = camera::open_any_device(
       options_.device,
       {.wait = wait_of(options_.wait), .wait_for_board = options_.wait_for_board, .discard_backlog = options_.newest},
       camera);
@@ -173,7 +176,7 @@ void Receiver::start_board(const std::optional<BoardSetup>& setup) {
   if (uri.empty()) {
     return;
   }
-  control_ = open_control(uri);
+  control_ = driver::open_control(uri);
   ran_ = control_->read("control.run") != 0;
   if (setup) {
     write_setup(*control_, *setup);
@@ -188,10 +191,10 @@ void Receiver::run(const Handlers& handlers) {
   const std::uint64_t max_count = options_.count > 0 ? options_.count : std::numeric_limits<std::uint64_t>::max();
   const std::int64_t time_ns = options_.seconds > 0 ? static_cast<std::int64_t>(options_.seconds * 1e9)
                                                     : std::numeric_limits<std::int64_t>::max();
-  StatusLine line;
-  PacketView packet;
+  cli::StatusLine line;
+  model::PacketView packet;
   std::int64_t first_ns = 0;
-  std::int64_t shown_ns = now_ns();
+  std::int64_t shown_ns = driver::now_ns();
   std::uint64_t shown = 0;
   const auto show = [&](std::int64_t now) {
     const double rate =
@@ -207,13 +210,13 @@ void Receiver::run(const Handlers& handlers) {
     shown_ns = now;
     shown = done_;
   };
-  while (done_ < max_count && !StopSignal::came()) {
-    const Next next = device_->next(packet, kPatience);
-    if (next == Next::end) {
+  while (done_ < max_count && !files::StopSignal::came()) {
+    const driver::Next next = device_->next(packet, kPatience);
+    if (next == driver::Next::end) {
       break;
     }
-    const std::int64_t now = now_ns();
-    if (next == Next::packet) {
+    const std::int64_t now = driver::now_ns();
+    if (next == driver::Next::packet) {
       first_ns = first_ns == 0 ? now : first_ns;  // a backlog came in long before
       done_ = handlers.packet(packet);
       device_->release();
@@ -225,13 +228,13 @@ void Receiver::run(const Handlers& handlers) {
       show(now);
     }
   }
-  show(now_ns());
+  show(driver::now_ns());
   line.show("");
   ended_ = device_->counters();
 }
 
 void Receiver::check(std::uint64_t more) const {
-  const Counters c = counters();
+  const driver::Counters c = counters();
   const std::uint64_t faults = c.lost_board + c.lost_ring + c.lost_network + c.missing + c.bad + c.flagged +
                                c.repeated + c.restarts + c.read_errors + more;
   if (options_.check && (faults > 0 || done_ == 0 || done_ < options_.count)) {
@@ -240,4 +243,4 @@ void Receiver::check(std::uint64_t more) const {
   }
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::app

@@ -12,15 +12,15 @@
 
 #include "host/camera/camera_device.h"
 #include "host/driver/control.h"
-#include "host/driver/counters.h"
-#include "host/driver/device.h"
 #include "host/files/stop_signal.h"
 #include "host/production/production.h"
-#include "host/rig/rig.h"
-#include "model/column_runs.h"
-#include "model/packet.h"
+#include "selfproj/driver/counters.h"
+#include "selfproj/driver/device.h"
+#include "selfproj/model/column_runs.h"
+#include "selfproj/model/packet.h"
+#include "selfproj/rig/rig.h"
 
-namespace selfproj {
+namespace selfproj::app {
 
 struct ReceiveOptions {
   std::string things;  // what --count counts: "profiles"
@@ -45,12 +45,12 @@ CLI::Option* add_receive_options(CLI::App& command, ReceiveOptions& options, con
                                  BoardIs board = BoardIs::left_as_it_is);
 
 // Adds --tolerance, --parts, --keep-parts, --modbus and --live. If `device` is given, they go only with it.
-void add_production_options(CLI::App& command, ProductionOptions& options, CLI::Option* device = nullptr);
+void add_production_options(CLI::App& command, production::ProductionOptions& options, CLI::Option* device = nullptr);
 
 // What a board measures, and of which images.
 struct BoardSetup {
-  RigCamera camera;
-  Measure measure;
+  rig::RigCamera camera;
+  model::Measure measure;
 };
 
 // A run of a command that receives packets. From its construction on, Ctrl-C ends the run instead of the program.
@@ -58,8 +58,8 @@ class Receiver {
  public:
   // What a command does with what comes. All but `packet` may be missing.
   struct Handlers {
-    std::function<std::uint64_t(const PacketView&)> packet;  // returns how many things there are so far
-    std::function<std::string()> status = {};                // the end of the line on a terminal; may be empty
+    std::function<std::uint64_t(const model::PacketView&)> packet;  // returns how many things there are so far
+    std::function<std::string()> status = {};                       // the end of the line on a terminal; may be empty
     // Called five times a second and at the end, with the things a second since it was called last.
     std::function<void(double rate)> report = {};
   };
@@ -73,15 +73,15 @@ class Receiver {
   // `setup` the board gets these settings, by --control or the registers beside the device, if there are any. Where
   // there are registers the board then runs; a board that was stopped before is stopped again at the end. Throws
   // UserError.
-  void open(const CameraDefaults& camera = {}, const std::optional<BoardSetup>& setup = {});
+  void open(const camera::CameraDefaults& camera = {}, const std::optional<BoardSetup>& setup = {});
 
   // Passes on the packets until there are --count things, --seconds after the first packet, until Ctrl-C, or until the
   // device has ended. Throws what the handlers throw.
   void run(const Handlers& handlers);
 
-  [[nodiscard]] Device& device() { return *device_; }
+  [[nodiscard]] driver::Device& device() { return *device_; }
   // After run() those of its end: what a ring loses later is left to its next reader, who is told of it.
-  [[nodiscard]] Counters counters() const { return ended_ ? *ended_ : device_->counters(); }
+  [[nodiscard]] driver::Counters counters() const { return ended_ ? *ended_ : device_->counters(); }
 
   // With --check, throws CheckFailed if the driver has counted a fault, `more` is not 0, or things are missing.
   void check(std::uint64_t more = 0) const;
@@ -90,17 +90,17 @@ class Receiver {
   void start_board(const std::optional<BoardSetup>& setup);
 
   const ReceiveOptions& options_;
-  const StopSignal stop_;
-  std::unique_ptr<Device> device_;
-  std::unique_ptr<Control> control_;  // null: there are no registers
-  bool ran_ = true;                   // the board ran before
+  const files::StopSignal stop_;
+  std::unique_ptr<driver::Device> device_;
+  std::unique_ptr<driver::Control> control_;  // null: there are no registers
+  bool ran_ = true;                           // the board ran before
   std::uint64_t done_ = 0;
-  std::optional<Counters> ended_;
+  std::optional<driver::Counters> ended_;
 };
 
 // The counters of the driver that are shown while packets come.
-std::string losses_text(const Counters& counters);
+std::string losses_text(const driver::Counters& counters);
 
-}  // namespace selfproj
+}  // namespace selfproj::app
 
 #endif  // SELFPROJ_HOST_APP_RECEIVE_H

@@ -9,10 +9,10 @@
 #include "host/app/receive.h"
 #include "host/cli/command_line.h"
 #include "host/files/output_file.h"
-#include "host/files/user_error.h"
-#include "model/packet.h"
+#include "selfproj/files/user_error.h"
+#include "selfproj/model/packet.h"
 
-namespace selfproj {
+namespace selfproj::app {
 namespace {
 
 struct RecordOptions {
@@ -21,14 +21,14 @@ struct RecordOptions {
 };
 
 void run_record(const RecordOptions& options) {
-  const OutputFile file(options.out);
+  const files::OutputFile file(options.out);
   Receiver receiver(options.receive);
   receiver.open();
-  OutputStream stream(file);
+  files::OutputStream stream(file);
   std::uint64_t packets = 0;
   std::uint64_t bytes = 0;
   receiver.run({.packet =
-                    [&](const PacketView& packet) {
+                    [&](const model::PacketView& packet) {
                       stream.append({reinterpret_cast<const char*>(packet.bytes().data()), packet.size});
                       bytes += packet.size;
                       return ++packets;
@@ -45,7 +45,7 @@ void run_record(const RecordOptions& options) {
 }  // namespace
 
 void add_record_command(CLI::App& app) {
-  CLI::App* command = add_command(
+  CLI::App* command = cli::add_command(
       app, {.name = "record",
             .purpose = "Records the packets of a board, of every kind, in a file.",
             .details = "The file gets the good packets as they came, and can be read as file:PATH. It appears whole at "
@@ -61,9 +61,9 @@ selfproj inspect --device file:part.packets --check
   const auto options = std::make_shared<RecordOptions>();
   add_receive_options(*command, options->receive, "packets",
                       ", of whose images this program makes the packets itself.");
-  begin_group(*command, "Output");
+  cli::begin_group(*command, "Output");
   command->add_option("--out", options->out, "File for the packets.")->type_name("FILE")->required();
   command->callback([options] { run_record(*options); });
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::app

@@ -6,12 +6,12 @@
 
 #include "host/app/commands.h"
 #include "host/cli/command_line.h"
-#include "host/rig/rig.h"
+#include "selfproj/rig/rig.h"
 
-namespace selfproj {
+namespace selfproj::app {
 
 void add_rig_command(CLI::App& app) {
-  CLI::App* command = add_command(
+  CLI::App* command = cli::add_command(
       app,
       {.name = "rig",
        .purpose = "Checks a rig and prints it as YAML, or lists the built-in rigs.",
@@ -28,11 +28,11 @@ selfproj rig my-rig.yaml
   command->add_option("RIG", *name, "Built-in rig or YAML file. Without it, the built-in rigs are listed.");
   command->callback([name] {
     if (name->empty()) {
-      fmt::print("{}\n", fmt::join(built_in_rigs(), "\n"));
+      fmt::print("{}\n", fmt::join(rig::built_in_rigs(), "\n"));
     } else {
-      fmt::print("{}", to_yaml(load_any_rig(*name)));
+      fmt::print("{}", rig::to_yaml(rig::load_any_rig(*name)));
     }
   });
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::app

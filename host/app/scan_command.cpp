@@ -15,31 +15,31 @@
 #include "host/capture/sequence_capture.h"
 #include "host/cli/command_line.h"
 #include "host/files/output_folder.h"
-#include "host/files/user_error.h"
 #include "host/images/frame_options.h"
 #include "host/images/image_files.h"
 #include "host/images/image_sequence.h"
 #include "host/report/depth_output.h"
 #include "host/report/report.h"
 #include "host/structured_light/depth_run.h"
-#include "host/structured_light/gray_sequence.h"
-#include "model/gray_decoder.h"
+#include "selfproj/files/user_error.h"
+#include "selfproj/model/gray_decoder.h"
+#include "selfproj/structured_light/gray_sequence.h"
 
-namespace selfproj {
+namespace selfproj::app {
 namespace {
 
 struct ScanOptions {
   ScanOptions() { setup.scanner.median = false; }
 
   CaptureOptions capture;
-  DepthSetup setup;
+  structured_light::DepthSetup setup;
   MatchOptions match;
   bool keep_images = false;
   std::string out;
 };
 
 void check_options(const ScanOptions& options) {
-  const DepthGeometry& geometry = options.setup.geometry;
+  const structured_light::DepthGeometry& geometry = options.setup.geometry;
   if (!options.match.reference.empty()) {
     if (geometry.rig.empty() || !geometry.calibration.empty()) {
       throw UserError("--self-projected", "needs the --rig of its reference; --calibration cannot be used with it");
@@ -53,21 +53,23 @@ void check_options(const ScanOptions& options) {
 }
 
 // Throws UserError if a rig's projector has not the size of the display.
-void check_display(const ScanOptions& options, const Rig& rig, const CaptureSizes& sizes) {
+void check_display(const ScanOptions& options, const rig::Rig& rig, const capture::CaptureSizes& sizes) {
   if (rig.projector.lines != sizes.projector_rows || rig.projector.columns != sizes.projector_columns) {
-    throw UserError("--rig " + options.setup.geometry.rig,
-                    fmt::format("its projector has {}, but display {} has {}",
-                                size_text(rig.projector.lines, rig.projector.columns), options.capture.display.display,
-                                size_text(sizes.projector_rows, sizes.projector_columns)));
+    throw UserError(
+        "--rig " + options.setup.geometry.rig,
+        fmt::format("its projector has {}, but display {} has {}",
+                    images::size_text(rig.projector.lines, rig.projector.columns), options.capture.display.display,
+                    images::size_text(sizes.projector_rows, sizes.projector_columns)));
   }
 }
 
 // What both kinds of scan show on the page.
-ReportPage page_of(const ScanOptions& options, const CaptureRecord& record) {
-  ReportPage page;
+report::ReportPage page_of(const ScanOptions& options, const capture::CaptureRecord& record) {
+  report::ReportPage page;
   page.title = "Scan";
   page.subtitle = fmt::format("{}, display {}", record.camera, record.display);
-  page.pictures.push_back({"The camera under white light", encode_png(record.white), exposure_text(record.exposure)});
+  page.pictures.push_back(
+      {"The camera under white light", images::encode_png(record.white), capture::exposure_text(record.exposure)});
   page.counters = {
       {"retaken_incomplete", "taken again: incomplete", static_cast<std::int64_t>(record.retaken.incomplete)},
       {"retaken_missing", "taken again: missing", static_cast<std::int64_t>(record.retaken.missing)},
@@ -81,59 +83,64 @@ ReportPage page_of(const ScanOptions& options, const CaptureRecord& record) {
   return page;
 }
 
-void write_capture(const ScanOptions& options, const Captured& captured, OutputFolder& folder) {
-  folder.append("capture.json", capture_json(captured.record));
+void write_capture(const ScanOptions& options, const Captured& captured, files::OutputFolder& folder) {
+  folder.append("capture.json", capture::capture_json(captured.record));
   if (options.keep_images) {
     for (std::size_t i = 0; i < captured.images.size(); ++i) {
-      folder.append(captured.record.shots[i].image, encode_png(captured.images[i]));
+      folder.append(captured.record.shots[i].image, images::encode_png(captured.images[i]));
     }
   }
 }
 
-std::string scan_by_gray_codes(const ScanOptions& options, OutputFolder& folder) {
-  DepthSetup setup = options.setup;
+std::string scan_by_gray_codes(const ScanOptions& options, files::OutputFolder& folder) {
+  structured_light::DepthSetup setup = options.setup;
   if (options.match.threshold >= 0) {
     setup.scanner.threshold = options.match.threshold;
   }
-  DepthGeometry& geometry = setup.geometry;
-  const std::optional<Rig> rig = geometry.rig.empty() ? std::nullopt : std::optional(scanner_rig(geometry.rig));
-  const Captured captured = capture_in_memory(options.capture, options.out, [&](const CaptureSizes& sizes) {
+  structured_light::DepthGeometry& geometry = setup.geometry;
+  const std::optional<rig::Rig> rig = geometry.rig.empty() ? std::nullopt : std::optional(scanner_rig(geometry.rig));
+  const Captured captured = capture_in_memory(options.capture, options.out, [&](const capture::CaptureSizes& sizes) {
     if (rig) {
       check_display(options, *rig, sizes);
     }
-    constexpr int kMaxCodes = 1 << GrayDecoder::kMaxBits;
+    constexpr int kMaxCodes = 1 << model::GrayDecoder::kMaxBits;
     if (sizes.projector_rows > kMaxCodes || sizes.projector_columns > kMaxCodes) {
-      throw UserError("--display", fmt::format("has {}; Gray codes have at most {} lines and columns",
-                                               size_text(sizes.projector_rows, sizes.projector_columns), kMaxCodes));
+      throw UserError("--display",
+                      fmt::format("has {}; Gray codes have at most {} lines and columns",
+                                  images::size_text(sizes.projector_rows, sizes.projector_columns), kMaxCodes));
     }
-    const GraySequence gray(sizes.projector_columns, sizes.projector_rows);
+    const structured_light::GraySequence gray(sizes.projector_columns, sizes.projector_rows);
     geometry.bits = gray.column_bits();
     geometry.row_bits = gray.row_bits();
     // Refuses a geometry of another camera before anything is shown.
-    make_lens_triangulation(geometry, {options.capture.camera, sizes.camera_rows, sizes.camera_columns});
+    structured_light::make_lens_triangulation(geometry,
+                                              {options.capture.camera, sizes.camera_rows, sizes.camera_columns});
     return gray_patterns(gray, gray.white());
   });
-  ImageSequence images = captured.sequence();
-  const DepthRun run = depth_of_both_axes(setup, images);
-  const DepthReport report{
+  images::ImageSequence images = captured.sequence();
+  const structured_light::DepthRun run = structured_light::depth_of_both_axes(setup, images);
+  const report::DepthReport report{
       .setup = setup, .device = {}, .images = captured.images.size(), .cloud = {}, .comparison = {}, .plane = {}};
-  const std::string picture = write_depth(run, report, folder);
+  const std::string picture = report::write_depth(run, report, folder);
   write_capture(options, captured, folder);
-  ReportPage page = page_of(options, captured.record);
-  page.highlights = {{"valid", "pixels with a depth", static_cast<std::int64_t>(run.shares.of(PointState::valid))},
-                     {"median_residual_px", "median distance of the two codes' rays", run.median_residual_px, "px"}};
-  page.pictures.insert(page.pictures.begin(), {"Depth", picture, share_text(run.shares, PointState::valid)});
-  ReportTable shares{.title = "Pixels", .header = {"state", "pixels"}, .rows = {}};
-  for (int i = 0; i < kPointStates; ++i) {
-    const auto state = static_cast<PointState>(i);
-    shares.rows.push_back({name_of(state), std::to_string(run.shares.of(state))});
+  report::ReportPage page = page_of(options, captured.record);
+  page.highlights = {
+      {"valid", "pixels with a depth", static_cast<std::int64_t>(run.shares.of(structured_light::PointState::valid))},
+      {"median_residual_px", "median distance of the two codes' rays", run.median_residual_px, "px"}};
+  page.pictures.insert(
+      page.pictures.begin(),
+      {"Depth", picture, structured_light::share_text(run.shares, structured_light::PointState::valid)});
+  report::ReportTable shares{.title = "Pixels", .header = {"state", "pixels"}, .rows = {}};
+  for (int i = 0; i < structured_light::kPointStates; ++i) {
+    const auto state = static_cast<structured_light::PointState>(i);
+    shares.rows.push_back({structured_light::name_of(state), std::to_string(run.shares.of(state))});
   }
   page.tables.push_back(std::move(shares));
-  folder.append("report.html", page_html(page));
-  return depth_text(run, report, folder.name());
+  folder.append("report.html", report::page_html(page));
+  return report::depth_text(run, report, folder.name());
 }
 
-std::string scan_self_projected(const ScanOptions& options, OutputFolder& folder) {
+std::string scan_self_projected(const ScanOptions& options, files::OutputFolder& folder) {
   MatchOptions match = options.match;
   match.rig = options.setup.geometry.rig;
   const MatchRun run(match);
@@ -141,26 +148,26 @@ std::string scan_self_projected(const ScanOptions& options, OutputFolder& folder
   for (int i = 0; i < run.patterns(); ++i) {
     files.push_back(fmt::format("{}/pattern_{:02}.png", match.reference, i));
   }
-  const ImageSequence patterns(std::move(files), std::nullopt);
-  const Captured captured = capture_in_memory(options.capture, options.out, [&](const CaptureSizes& sizes) {
+  const images::ImageSequence patterns(std::move(files), std::nullopt);
+  const Captured captured = capture_in_memory(options.capture, options.out, [&](const capture::CaptureSizes& sizes) {
     check_display(options, run.rig(), sizes);
     check_camera_size(run.rig(), options.capture.camera, {sizes.camera_rows, sizes.camera_columns, {}});
-    return ImageSequence(patterns);
+    return images::ImageSequence(patterns);
   });
-  ImageSequence images = captured.sequence();
+  images::ImageSequence images = captured.sequence();
   const MatchResult result = run.measure(images, folder);
   write_capture(options, captured, folder);
-  ReportPage page = page_of(options, captured.record);
+  report::ReportPage page = page_of(options, captured.record);
   page.settings.push_back({"reference", "reference", match.reference});
   page.pictures.insert(page.pictures.begin(), {{"Difference from the reference", result.pictures.difference, ""},
                                                {"Depth", result.pictures.depth, ""}});
-  folder.append("report.html", page_html(page));
+  folder.append("report.html", report::page_html(page));
   return result.text;
 }
 
 void run_scan(const ScanOptions& options) {
   check_options(options);
-  OutputFolder folder(options.out);
+  files::OutputFolder folder(options.out);
   const std::string text =
       options.match.reference.empty() ? scan_by_gray_codes(options, folder) : scan_self_projected(options, folder);
   folder.commit();
@@ -170,7 +177,7 @@ void run_scan(const ScanOptions& options) {
 }  // namespace
 
 void add_scan_command(CLI::App& app) {
-  CLI::App* command = add_command(
+  CLI::App* command = cli::add_command(
       app,
       {.name = "scan",
        .purpose = "Projects, captures and measures: from a camera and a projector to a depth image in one run.",
@@ -192,9 +199,9 @@ selfproj scan --camera camera:192.168.1.20 --display 1 --rig calibration/rig.yam
   --self-projected reference --out part
 )"});
   const auto options = std::make_shared<ScanOptions>();
-  begin_group(*command, "Input");
+  cli::begin_group(*command, "Input");
   add_camera_option(*command, options->capture);
-  begin_group(*command, "Geometry");
+  cli::begin_group(*command, "Geometry");
   add_geometry_options(*command, options->setup.geometry);
   command
       ->add_option("--self-projected", options->match.reference,
@@ -202,15 +209,15 @@ selfproj scan --camera camera:192.168.1.20 --display 1 --rig calibration/rig.yam
                    "with it.")
       ->type_name("DIR");
   add_projector_options(*command, options->capture);
-  begin_group(*command, "Decoding");
+  cli::begin_group(*command, "Decoding");
   add_threshold_option(*command, options->match.threshold, "5; the rig's with --self-projected");
   add_strict_option(*command, options->setup.scanner);
   add_limit_options(*command, options->setup.geometry);
   add_search_options(*command, options->match);
-  begin_group(*command, "Output");
+  cli::begin_group(*command, "Output");
   command->add_flag("--images", options->keep_images, "Keep the camera's images as well, image_0001.png and so on.");
   command->add_option("--out", options->out, "Folder for the results.")->type_name("DIR")->required();
   command->callback([options] { run_scan(*options); });
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::app

@@ -15,8 +15,6 @@
 
 #include "host/cli/command_line.h"
 #include "host/cli/progress.h"
-#include "host/files/user_error.h"
-#include "host/images/float_image.h"
 #include "host/images/frame_options.h"
 #include "host/report/depth_output.h"
 #include "host/report/facts.h"
@@ -24,26 +22,29 @@
 #include "host/structured_light/scan_stream.h"
 #include "host/structured_light/self_reference.h"
 #include "host/structured_light/self_scanner.h"
-#include "host/structured_light/triangulation.h"
+#include "selfproj/files/user_error.h"
+#include "selfproj/images/float_image.h"
+#include "selfproj/structured_light/triangulation.h"
 
-namespace selfproj {
+namespace selfproj::app {
 namespace {
 
 // Passes all images to the scanner, and returns the shares of each depth image. If there are several, depth and
 // difference of each are written into the folder.
-std::vector<OfImage<DepthShares>> match_images(const Rig& rig, std::size_t patterns, ImageSequence& images,
-                                               SelfScanner& scanner, OutputFolder& folder, DepthList* list) {
-  std::array<Image, 2> pair;  // the scanner reads the positive when its negative comes
-  std::vector<PointState> states;
-  std::vector<OfImage<DepthShares>> all_shares;
-  Progress progress("image", images.count());
+std::vector<structured_light::OfImage<structured_light::DepthShares>> match_images(
+    const rig::Rig& rig, std::size_t patterns, images::ImageSequence& images, structured_light::SelfScanner& scanner,
+    files::OutputFolder& folder, DepthList* list) {
+  std::array<images::Image, 2> pair;  // the scanner reads the positive when its negative comes
+  std::vector<structured_light::PointState> states;
+  std::vector<structured_light::OfImage<structured_light::DepthShares>> all_shares;
+  cli::Progress progress("image", images.count());
   for (std::size_t i = 0; i < images.count(); ++i) {
-    Image& image = pair.at(i % 2);
+    images::Image& image = pair.at(i % 2);
     image = images.read(i);
     check_camera_size(rig, images.files()[i], image);
     if (scanner.add_frame(image.view(), static_cast<int>(i % patterns))) {
       scanner.explain(states);
-      all_shares.push_back({i / 2, count_states(states)});
+      all_shares.push_back({i / 2, structured_light::count_states(states)});
       if (images.count() > patterns) {
         append_maps(scanner, i / 2, folder);
       }
@@ -58,7 +59,7 @@ std::vector<OfImage<DepthShares>> match_images(const Rig& rig, std::size_t patte
 
 }  // namespace
 
-void add_geometry_options(CLI::App& command, DepthGeometry& geometry) {
+void add_geometry_options(CLI::App& command, structured_light::DepthGeometry& geometry) {
   command.add_option("--rig", geometry.rig, "Built-in rig or YAML file. This or --calibration is needed.")
       ->type_name("RIG");
   command
@@ -71,49 +72,49 @@ void add_threshold_option(CLI::App& command, int& threshold, const std::string& 
   command
       .add_option("--threshold", threshold,
                   "A pair of images that differs by at most this many grey levels is ambiguous.")
-      ->transform(whole_number(0, 255))
+      ->transform(cli::whole_number(0, 255))
       ->type_name("T")
       ->default_str(by_default);
 }
 
-void add_strict_option(CLI::App& command, ScannerSettings& scanner) {
+void add_strict_option(CLI::App& command, structured_light::ScannerSettings& scanner) {
   command.add_flag(
       "--strict", scanner.strict,
       "Leave out pixels with one ambiguous pair. Without it, two or more ambiguous pairs leave a pixel out.");
 }
 
-void add_limit_options(CLI::App& command, DepthGeometry& geometry) {
-  begin_group(command, "Limits");
+void add_limit_options(CLI::App& command, structured_light::DepthGeometry& geometry) {
+  cli::begin_group(command, "Limits");
   command.add_option("--min-z", geometry.limits.min_z_mm, "Smallest depth in mm.")
-      ->transform(real_number(-1e6, 1e6))
+      ->transform(cli::real_number(-1e6, 1e6))
       ->type_name("MM")
       ->capture_default_str();
   command.add_option("--max-z", geometry.limits.max_z_mm, "Largest depth in mm.")
-      ->transform(real_number(-1e6, 1e6))
+      ->transform(cli::real_number(-1e6, 1e6))
       ->type_name("MM")
       ->default_str("none");
   command
       .add_option("--max-z-per-line", geometry.limits.max_z_per_line_mm,
                   "Leave out pixels where one projector line is worth more than this many mm of z.")
-      ->transform(number_above_zero())
+      ->transform(cli::number_above_zero())
       ->type_name("MM")
       ->default_str("the rig's; none for a calibration");
   command
       .add_option("--max-residual", geometry.max_residual_px,
                   "Where both axes are coded, leave out pixels whose ray passes the point of their codes at more than "
                   "this many projector pixels.")
-      ->transform(number_above_zero())
+      ->transform(cli::number_above_zero())
       ->type_name("PX")
       ->capture_default_str();
 }
 
 void add_search_options(CLI::App& command, MatchOptions& options) {
-  begin_group(command, "Search");
+  cli::begin_group(command, "Search");
   command
       .add_option(
           "--e", options.settings.e,
           "Codes that are searched below the reference, less than 2^m. The other 2^m - e are searched above it.")
-      ->transform(whole_number(0, (1 << Stripes::kMaxBits) - 1))
+      ->transform(cli::whole_number(0, (1 << structured_light::Stripes::kMaxBits) - 1))
       ->type_name("E")
       ->capture_default_str();
   command.add_flag("--printed-direction", options.settings.printed_direction,
@@ -122,35 +123,37 @@ void add_search_options(CLI::App& command, MatchOptions& options) {
                    "Search a window of projector lines, as printed in (4.20), instead of one of codes.");
   command
       .add_option("--line-width", options.settings.line_width, "Projector lines of a code in the printed window, a'.")
-      ->transform(number_above_zero())
+      ->transform(cli::number_above_zero())
       ->type_name("LINES")
       ->capture_default_str();
 }
 
-void append_maps(const SelfScanner& scanner, std::size_t pair, OutputFolder& folder) {
+void append_maps(const structured_light::SelfScanner& scanner, std::size_t pair, files::OutputFolder& folder) {
   for (const auto& [name, map] : {std::pair{"depth", &scanner.depth()}, {"difference", &scanner.difference()}}) {
     const std::string file = fmt::format("{}_{:04}.tiff", name, pair);
-    folder.append(file, encode_float_tiff(file, *map));
+    folder.append(file, images::encode_float_tiff(file, *map));
   }
 }
 
-Rig scanner_rig(const std::string& name) {
-  Rig rig = load_rig(name);
-  if (rig.kind != RigKind::scanner) {
+rig::Rig scanner_rig(const std::string& name) {
+  rig::Rig rig = rig::load_rig(name);
+  if (rig.kind != rig::RigKind::scanner) {
     throw UserError("--rig", fmt::format("{} is not a rig of kind scanner", name));
   }
   return rig;
 }
 
-void check_camera_size(const Rig& rig, const std::string& name, const Image& image) {
+void check_camera_size(const rig::Rig& rig, const std::string& name, const images::Image& image) {
   if (image.rows != rig.camera.rows || image.columns != rig.camera.columns) {
-    throw UserError(name, fmt::format("is {}; the rig's camera has {}", size_text(image.rows, image.columns),
-                                      size_text(rig.camera.rows, rig.camera.columns)));
+    throw UserError(name, fmt::format("is {}; the rig's camera has {}", images::size_text(image.rows, image.columns),
+                                      images::size_text(rig.camera.rows, rig.camera.columns)));
   }
 }
 
 MatchRun::MatchRun(const MatchOptions& options)
-    : options_(options), rig_(scanner_rig(options.rig)), reference_(read_self_reference(rig_, options.reference)) {
+    : options_(options),
+      rig_(scanner_rig(options.rig)),
+      reference_(structured_light::read_self_reference(rig_, options.reference)) {
   const int bits = reference_.stripes.bits;
   const int codes = 1 << bits;
   if (options.settings.e < 0 || options.settings.e >= codes) {
@@ -171,12 +174,12 @@ DepthList::DepthList(const std::string& file) {
   }
 }
 
-void DepthList::add(std::uint64_t pair, const SelfScanner& scanner) {
+void DepthList::add(std::uint64_t pair, const structured_light::SelfScanner& scanner) {
   if (stream_) {
     const std::vector<float>& depth = scanner.depth().values;
     const auto pixels = std::count_if(depth.begin(), depth.end(), [](float z) { return !std::isnan(z); });
-    stream_->append(
-        fmt::format("{},{},{:016x},{:016x}\n", pair, pixels, digest(scanner.depth()), digest(scanner.difference())));
+    stream_->append(fmt::format("{},{},{:016x},{:016x}\n", pair, pixels, images::digest(scanner.depth()),
+                                images::digest(scanner.difference())));
   }
 }
 
@@ -186,19 +189,19 @@ void DepthList::commit() {
   }
 }
 
-MatchReport MatchRun::report() const {
+report::MatchReport MatchRun::report() const {
   return {options_.rig, options_.reference, reference_.stripes.bits, options_.settings, threshold(), 0, {}};
 }
 
-MatchResult MatchRun::measure(ImageSequence& images, OutputFolder& folder, DepthList* list) const {
-  const MatchTable table(rig_, reference_, options_.settings);
-  SelfScanner scanner(rig_, reference_, table, threshold());
-  MatchReport all = report();
+MatchResult MatchRun::measure(images::ImageSequence& images, files::OutputFolder& folder, DepthList* list) const {
+  const structured_light::MatchTable table(rig_, reference_, options_.settings);
+  structured_light::SelfScanner scanner(rig_, reference_, table, threshold());
+  report::MatchReport all = report();
   all.images = images.count();
   all.all_shares = match_images(rig_, static_cast<std::size_t>(patterns()), images, scanner, folder, list);
   all.depth_images = all.all_shares.size();
-  MatchPictures pictures = write_match(rig_, table, scanner, all, folder);
-  return {.text = match_text(table, all, folder.name()), .pictures = std::move(pictures)};
+  report::MatchPictures pictures = report::write_match(rig_, table, scanner, all, folder);
+  return {.text = report::match_text(table, all, folder.name()), .pictures = std::move(pictures)};
 }
 
 MatchStream::MatchStream(const MatchRun& run, std::string uri)
@@ -207,15 +210,15 @@ MatchStream::MatchStream(const MatchRun& run, std::string uri)
       table_(run.rig(), run.reference(), run.options().settings),
       scanner_(run.rig(), run.reference(), table_, run.threshold()) {}
 
-bool MatchStream::add(const PacketView& packet) {
-  const ScanStream::Got got = stream_.add(packet);
-  if (got == ScanStream::Got::nothing) {
+bool MatchStream::add(const model::PacketView& packet) {
+  const structured_light::ScanStream::Got got = stream_.add(packet);
+  if (got == structured_light::ScanStream::Got::nothing) {
     return false;
   }
-  const RigCamera& camera = run_.rig().camera;
-  check_size("the rig's camera", camera.rows, camera.columns,
-             {"an image of " + uri_, stream_.header().rows, stream_.header().columns});
-  if (got == ScanStream::Got::codes) {
+  const rig::RigCamera& camera = run_.rig().camera;
+  structured_light::check_size("the rig's camera", camera.rows, camera.columns,
+                               {"an image of " + uri_, stream_.header().rows, stream_.header().columns});
+  if (got == structured_light::ScanStream::Got::codes) {
     scanner_.add_codes(stream_.codes().data());
     return true;
   }
@@ -225,4 +228,4 @@ bool MatchStream::add(const PacketView& packet) {
   return scanner_.add_frame(stream_.image(), stream_.pattern(run_.patterns()));
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::app

@@ -15,25 +15,25 @@
 #include "host/images/image_files.h"
 #include "host/images/image_sequence.h"
 #include "host/report/depth_output.h"
-#include "host/rig/rig.h"
-#include "host/structured_light/depth_geometry.h"
 #include "host/structured_light/match_table.h"
 #include "host/structured_light/scan_stream.h"
-#include "host/structured_light/scanner.h"
 #include "host/structured_light/self_reference.h"
 #include "host/structured_light/self_scanner.h"
-#include "model/packet.h"
+#include "selfproj/model/packet.h"
+#include "selfproj/rig/rig.h"
+#include "selfproj/structured_light/depth_geometry.h"
+#include "selfproj/structured_light/scanner.h"
 
-namespace selfproj {
+namespace selfproj::app {
 
 // Add --rig and --calibration; --threshold, whose default the help calls `by_default`; --strict, to the group that is
 // open.
-void add_geometry_options(CLI::App& command, DepthGeometry& geometry);
+void add_geometry_options(CLI::App& command, structured_light::DepthGeometry& geometry);
 void add_threshold_option(CLI::App& command, int& threshold, const std::string& by_default);
-void add_strict_option(CLI::App& command, ScannerSettings& scanner);
+void add_strict_option(CLI::App& command, structured_light::ScannerSettings& scanner);
 
 // Adds the group of --min-z, --max-z, --max-z-per-line and --max-residual.
-void add_limit_options(CLI::App& command, DepthGeometry& geometry);
+void add_limit_options(CLI::App& command, structured_light::DepthGeometry& geometry);
 
 // What the images of a device are, for add_receive_options.
 inline constexpr const char* kImagesOfPatterns =
@@ -44,7 +44,7 @@ inline constexpr const char* kImagesOfPatterns =
 struct MatchOptions {
   std::string rig;        // its name or file
   std::string reference;  // folder that `selfproj pattern stripes` wrote
-  MatchSettings settings;
+  structured_light::MatchSettings settings;
   int threshold = -1;  // the rig's if negative
 };
 
@@ -52,10 +52,10 @@ struct MatchOptions {
 void add_search_options(CLI::App& command, MatchOptions& options);
 
 // A rig of kind scanner. Throws UserError.
-Rig scanner_rig(const std::string& name);
+rig::Rig scanner_rig(const std::string& name);
 
 // Throws UserError about `name` if the image has not the size of the rig's camera.
-void check_camera_size(const Rig& rig, const std::string& name, const Image& image);
+void check_camera_size(const rig::Rig& rig, const std::string& name, const images::Image& image);
 
 // A table with a line for each depth image: the number of its pair, its pixels with a depth, and the digests of depth
 // and difference.
@@ -64,18 +64,18 @@ class DepthList {
   // Throws UserError. An empty name: no table.
   explicit DepthList(const std::string& file);
 
-  void add(std::uint64_t pair, const SelfScanner& scanner);
+  void add(std::uint64_t pair, const structured_light::SelfScanner& scanner);
   void commit();
 
  private:
-  std::optional<OutputFile> file_;
-  std::optional<OutputStream> stream_;
+  std::optional<files::OutputFile> file_;
+  std::optional<files::OutputStream> stream_;
 };
 
 // What a run gives besides its files.
 struct MatchResult {
-  std::string text;        // for the terminal, one line
-  MatchPictures pictures;  // of the newest depth image, which are among the files
+  std::string text;                // for the terminal, one line
+  report::MatchPictures pictures;  // of the newest depth image, which are among the files
 };
 
 // Depth images from images under the patterns of a reference, as `selfproj match` writes them.
@@ -84,22 +84,22 @@ class MatchRun {
   // Reads rig and reference. Throws UserError, also about settings that the reference does not allow.
   explicit MatchRun(const MatchOptions& options);
 
-  [[nodiscard]] const Rig& rig() const { return rig_; }
+  [[nodiscard]] const rig::Rig& rig() const { return rig_; }
   [[nodiscard]] int patterns() const { return 2 * reference_.stripes.bits; }
-  [[nodiscard]] const SelfReference& reference() const { return reference_; }
+  [[nodiscard]] const structured_light::SelfReference& reference() const { return reference_; }
   [[nodiscard]] const MatchOptions& options() const { return options_; }
 
   // Takes all images, patterns() or more and an even number, positive and negative of each bit in turn. Shows progress,
   // and writes into the folder without a commit. Throws UserError about an image of another size.
-  MatchResult measure(ImageSequence& images, OutputFolder& folder, DepthList* list = nullptr) const;
+  MatchResult measure(images::ImageSequence& images, files::OutputFolder& folder, DepthList* list = nullptr) const;
 
   // How a camera's images are decoded, where a device is one.
-  [[nodiscard]] CameraDefaults decoder() const {
+  [[nodiscard]] camera::CameraDefaults decoder() const {
     return {.board = {.code_bits = patterns() / 2, .code_threshold = threshold()}};
   }
 
   // What a run says besides its shares.
-  [[nodiscard]] MatchReport report() const;
+  [[nodiscard]] report::MatchReport report() const;
 
   // θ_b of (4.15).
   [[nodiscard]] int threshold() const {
@@ -108,12 +108,12 @@ class MatchRun {
 
  private:
   MatchOptions options_;
-  Rig rig_;
-  SelfReference reference_;
+  rig::Rig rig_;
+  structured_light::SelfReference reference_;
 };
 
 // Writes depth and difference of the scanner's newest image into the folder.
-void append_maps(const SelfScanner& scanner, std::size_t pair, OutputFolder& folder);
+void append_maps(const structured_light::SelfScanner& scanner, std::size_t pair, files::OutputFolder& folder);
 
 // Depth images from the packets of a device. The constructor takes seconds, for the table of matches.
 class MatchStream {
@@ -122,20 +122,20 @@ class MatchStream {
   MatchStream(const MatchRun& run, std::string uri);
 
   // Returns whether the packet has completed a depth image. Throws UserError about an image of another size.
-  bool add(const PacketView& packet);
+  bool add(const model::PacketView& packet);
 
-  [[nodiscard]] const MatchTable& table() const { return table_; }
-  [[nodiscard]] const SelfScanner& scanner() const { return scanner_; }
-  [[nodiscard]] const ScanStream& stream() const { return stream_; }
+  [[nodiscard]] const structured_light::MatchTable& table() const { return table_; }
+  [[nodiscard]] const structured_light::SelfScanner& scanner() const { return scanner_; }
+  [[nodiscard]] const structured_light::ScanStream& stream() const { return stream_; }
 
  private:
   const MatchRun& run_;
   std::string uri_;
-  MatchTable table_;
-  SelfScanner scanner_;
-  ScanStream stream_;
+  structured_light::MatchTable table_;
+  structured_light::SelfScanner scanner_;
+  structured_light::ScanStream stream_;
 };
 
-}  // namespace selfproj
+}  // namespace selfproj::app
 
 #endif  // SELFPROJ_HOST_APP_SCANNER_RUN_H

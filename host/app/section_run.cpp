@@ -7,35 +7,36 @@
 
 #include "host/cli/command_line.h"
 #include "host/driver/clock.h"
-#include "host/files/user_error.h"
 #include "host/images/frame_options.h"
-#include "host/light_section/reference.h"
-#include "host/light_section/reference_file.h"
 #include "host/production/part_result.h"
-#include "model/pixel_clock.h"
+#include "selfproj/files/user_error.h"
+#include "selfproj/light_section/reference.h"
+#include "selfproj/light_section/reference_file.h"
+#include "selfproj/model/pixel_clock.h"
 
-namespace selfproj {
+namespace selfproj::app {
 
-Rig SectionOptions::load_rig() const {
-  Rig result = load_any_rig(rig);
-  if (result.kind != RigKind::light_section) {
+rig::Rig SectionOptions::load_rig() const {
+  rig::Rig result = rig::load_any_rig(rig);
+  if (result.kind != rig::RigKind::light_section) {
     throw UserError(rig, "is not a rig of kind light-section");
   }
   if (pixel_clock_hz) {
-    result.board = RigBoard{.pixel_clock_hz = *pixel_clock_hz};
+    result.board = rig::RigBoard{.pixel_clock_hz = *pixel_clock_hz};
   }
   return result;
 }
 
-ReferenceProfile SectionOptions::load_reference(const Rig& loaded) const {
-  return reference.empty() ? reference_of_plane(loaded) : selfproj::load_reference(loaded, reference);
+light_section::ReferenceProfile SectionOptions::load_reference(const rig::Rig& loaded) const {
+  return reference.empty() ? light_section::reference_of_plane(loaded)
+                           : selfproj::light_section::load_reference(loaded, reference);
 }
 
-Measure measure_of_rig(const Rig& rig, const std::string& select) {
-  Measure measure = rig.measure.of_board();
+model::Measure measure_of_rig(const rig::Rig& rig, const std::string& select) {
+  model::Measure measure = rig.measure.of_board();
   if (!select.empty()) {
-    measure.select = select_of(select);
-    measure.gap = measure.select == Select::all ? 0 : measure.gap;
+    measure.select = images::select_of(select);
+    measure.gap = measure.select == model::Select::all ? 0 : measure.gap;
   }
   return measure;
 }
@@ -50,18 +51,18 @@ void add_section_options(CLI::App& command, SectionOptions& options) {
   command
       .add_option("--pixel-clock-hz", options.pixel_clock_hz,
                   "Pixel clock of the board in Hz, which its time stamps count.")
-      ->transform(real_number(kMinPixelClockHz, kMaxPixelClockHz))
+      ->transform(cli::real_number(model::kMinPixelClockHz, model::kMaxPixelClockHz))
       ->type_name("HZ")
-      ->default_str(fmt::format("the rig's, or {:.0f}", kDefaultPixelClockHz));
+      ->default_str(fmt::format("the rig's, or {:.0f}", model::kDefaultPixelClockHz));
 }
 
-std::string delay_text(const DurationHistogram& delay) {
-  return fmt::format("delay p50 {}, p99 {}, max {}", time_text(delay.percentile_ns(0.5)),
-                     time_text(delay.percentile_ns(0.99)), time_text(delay.longest_ns()));
+std::string delay_text(const driver::DurationHistogram& delay) {
+  return fmt::format("delay p50 {}, p99 {}, max {}", production::time_text(delay.percentile_ns(0.5)),
+                     production::time_text(delay.percentile_ns(0.99)), production::time_text(delay.longest_ns()));
 }
 
-bool SectionRun::is_usable(const PacketView& packet, const std::string& uri) {
-  const PacketHeader& header = packet.header;
+bool SectionRun::is_usable(const model::PacketView& packet, const std::string& uri) {
+  const model::PacketHeader& header = packet.header;
   if (header.kind != spec::kKindMoments) {
     ++counts_.not_moments;
     return false;
@@ -81,7 +82,8 @@ bool SectionRun::is_usable(const PacketView& packet, const std::string& uri) {
   if (select_ && header.select != static_cast<std::uint8_t>(*select_)) {
     if (counts_.profiles == 0) {
       throw UserError(uri, fmt::format("its packets are of {}, not of --select {}",
-                                       select_name(static_cast<Select>(header.select)), select_name(*select_)));
+                                       images::select_name(static_cast<model::Select>(header.select)),
+                                       images::select_name(*select_)));
     }
     ++counts_.other_select;
     return false;
@@ -89,13 +91,14 @@ bool SectionRun::is_usable(const PacketView& packet, const std::string& uri) {
   return true;
 }
 
-bool SectionRun::profile(const PacketView& packet, const Device& device, const ProfileView& to) {
+bool SectionRun::profile(const model::PacketView& packet, const driver::Device& device,
+                         const light_section::ProfileView& to) {
   if (!is_usable(packet, device.uri())) {
     return false;
   }
-  profiler_.profile(static_cast<Select>(packet.header.select), static_cast<Mode>(packet.header.mode),
+  profiler_.profile(static_cast<model::Select>(packet.header.select), static_cast<model::Mode>(packet.header.mode),
                     packet.payload.data(), to);
-  const std::int64_t now = now_ns();
+  const std::int64_t now = driver::now_ns();
   counts_.first_done_ns = counts_.profiles == 0 ? now : counts_.first_done_ns;
   counts_.last_done_ns = now;
   counts_.delay.add(now - device.arrival_ns());
@@ -103,12 +106,12 @@ bool SectionRun::profile(const PacketView& packet, const Device& device, const P
   std::uint32_t points = 0;
   std::uint32_t ambiguous = 0;
   for (int i = 0; i < profiler_.columns(); ++i) {
-    points += to.validity[i] == static_cast<std::uint8_t>(Validity::valid) ? 1U : 0U;
-    ambiguous += to.validity[i] == static_cast<std::uint8_t>(Validity::ambiguous) ? 1U : 0U;
+    points += to.validity[i] == static_cast<std::uint8_t>(light_section::Validity::valid) ? 1U : 0U;
+    ambiguous += to.validity[i] == static_cast<std::uint8_t>(light_section::Validity::ambiguous) ? 1U : 0U;
   }
   counts_.points += points;
   counts_.ambiguous += ambiguous;
   return true;
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::app

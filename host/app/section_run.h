@@ -8,14 +8,14 @@
 #include <string>
 
 #include "host/driver/clock.h"
-#include "host/driver/device.h"
-#include "host/light_section/differential_profile.h"
-#include "host/light_section/profile.h"
-#include "host/rig/rig.h"
-#include "model/column_runs.h"
-#include "model/packet.h"
+#include "selfproj/driver/device.h"
+#include "selfproj/light_section/differential_profile.h"
+#include "selfproj/light_section/profile.h"
+#include "selfproj/model/column_runs.h"
+#include "selfproj/model/packet.h"
+#include "selfproj/rig/rig.h"
 
-namespace selfproj {
+namespace selfproj::app {
 
 struct SectionOptions {
   std::string rig = "light-section";
@@ -23,30 +23,30 @@ struct SectionOptions {
   std::optional<double> pixel_clock_hz;  // empty: the rig's
 
   // The rig, with the pixel clock. Throws UserError if it is none of kind light-section.
-  [[nodiscard]] Rig load_rig() const;
+  [[nodiscard]] rig::Rig load_rig() const;
 
   // The reference of the folder, or the rig's empty table or conveyor. Throws UserError.
-  [[nodiscard]] ReferenceProfile load_reference(const Rig& loaded) const;
+  [[nodiscard]] light_section::ReferenceProfile load_reference(const rig::Rig& loaded) const;
 };
 
 // Adds --rig, --reference and --pixel-clock-hz.
 void add_section_options(CLI::App& command, SectionOptions& options);
 
 // What the board has to measure: as the rig says, except for what --select says, if it is not empty.
-Measure measure_of_rig(const Rig& rig, const std::string& select = {});
+model::Measure measure_of_rig(const rig::Rig& rig, const std::string& select = {});
 
 // Counts beside those of the driver.
 struct SectionCounts {
-  std::uint64_t profiles = 0;      // frames that became a profile
-  std::uint64_t broken = 0;        // frames flagged by the board
-  std::uint64_t other_size = 0;    // frames of another size than the rig's camera
-  std::uint64_t other_select = 0;  // frames of which the board sent something else than --select
-  std::uint64_t not_moments = 0;   // packets of images and codes
-  std::uint64_t ambiguous = 0;     // columns whose second run is nearly as strong as the strongest
-  std::uint64_t points = 0;        // valid columns of all profiles
-  std::int64_t first_done_ns = 0;  // when the first profile was there
-  std::int64_t last_done_ns = 0;   // and the last one
-  DurationHistogram delay;         // from a packet's arrival to its profile
+  std::uint64_t profiles = 0;       // frames that became a profile
+  std::uint64_t broken = 0;         // frames flagged by the board
+  std::uint64_t other_size = 0;     // frames of another size than the rig's camera
+  std::uint64_t other_select = 0;   // frames of which the board sent something else than --select
+  std::uint64_t not_moments = 0;    // packets of images and codes
+  std::uint64_t ambiguous = 0;      // columns whose second run is nearly as strong as the strongest
+  std::uint64_t points = 0;         // valid columns of all profiles
+  std::int64_t first_done_ns = 0;   // when the first profile was there
+  std::int64_t last_done_ns = 0;    // and the last one
+  driver::DurationHistogram delay;  // from a packet's arrival to its profile
 
   // Frames per second from the first profile to the last; 0 if there are fewer than two. (Packets of a file arrive many
   // at a time.)
@@ -57,30 +57,31 @@ struct SectionCounts {
 };
 
 // "delay p50 ..., p99 ..., max ...".
-std::string delay_text(const DurationHistogram& delay);
+std::string delay_text(const driver::DurationHistogram& delay);
 
 // Computes the profiles of packets, and counts what becomes of these.
 class SectionRun {
  public:
   // Rig and profiler must outlive it. `select` is what the board must have selected; nothing: whatever comes.
-  SectionRun(const Rig& rig, const DifferentialProfiler& profiler, std::optional<Select> select = {})
+  SectionRun(const rig::Rig& rig, const light_section::DifferentialProfiler& profiler,
+             std::optional<model::Select> select = {})
       : rig_(rig), profiler_(profiler), select_(select) {}
 
   // Computes the newest packet of the device. Returns false if it gives no profile. Throws UserError if the device
   // sends frames of another rig, or of another select, from the first on.
-  bool profile(const PacketView& packet, const Device& device, const ProfileView& to);
+  bool profile(const model::PacketView& packet, const driver::Device& device, const light_section::ProfileView& to);
 
   [[nodiscard]] const SectionCounts& counts() const { return counts_; }
 
  private:
-  bool is_usable(const PacketView& packet, const std::string& uri);
+  bool is_usable(const model::PacketView& packet, const std::string& uri);
 
-  const Rig& rig_;
-  const DifferentialProfiler& profiler_;
-  std::optional<Select> select_;
+  const rig::Rig& rig_;
+  const light_section::DifferentialProfiler& profiler_;
+  std::optional<model::Select> select_;
   SectionCounts counts_;
 };
 
-}  // namespace selfproj
+}  // namespace selfproj::app
 
 #endif  // SELFPROJ_HOST_APP_SECTION_RUN_H

@@ -13,17 +13,17 @@
 #include "host/cli/command_line.h"
 #include "host/cli/progress.h"
 #include "host/files/output_folder.h"
-#include "host/files/user_error.h"
-#include "host/images/float_image.h"
 #include "host/images/frame_options.h"
 #include "host/images/image_files.h"
 #include "host/light_section/pattern.h"
 #include "host/report/map_picture.h"
-#include "host/rig/rig.h"
 #include "host/structured_light/point_scan.h"
 #include "host/structured_light/self_reference.h"
+#include "selfproj/files/user_error.h"
+#include "selfproj/images/float_image.h"
+#include "selfproj/rig/rig.h"
 
-namespace selfproj {
+namespace selfproj::app {
 namespace {
 
 struct StripesOptions {
@@ -31,36 +31,37 @@ struct StripesOptions {
   std::string scan;
   bool sweep = false;
   bool gray_code = false;
-  Stripes stripes;
+  structured_light::Stripes stripes;
   bool reflected = false;
   std::string channel;
   std::string out;
 };
 
-void make_sweep(const Rig& rig, OutputFolder& folder) {
-  const int count = LinePointScan(rig).count();
-  Progress progress("pattern", static_cast<std::size_t>(count));
+void make_sweep(const rig::Rig& rig, files::OutputFolder& folder) {
+  const int count = structured_light::LinePointScan(rig).count();
+  cli::Progress progress("pattern", static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i) {
-    folder.append(fmt::format("pattern_{:05}.png", i), encode_pattern_png(scan_pattern(rig, i)));
+    folder.append(fmt::format("pattern_{:05}.png", i),
+                  light_section::encode_pattern_png(structured_light::scan_pattern(rig, i)));
     progress.update(static_cast<std::size_t>(i) + 1);
   }
 }
 
 template <class Scan>
-void add_folder(const Rig& rig, const StripesOptions& options, const std::vector<std::string>& files, Scan& scan) {
-  Progress progress("image", files.size());
+void add_folder(const rig::Rig& rig, const StripesOptions& options, const std::vector<std::string>& files, Scan& scan) {
+  cli::Progress progress("image", files.size());
   for (std::size_t i = 0; i < files.size(); ++i) {
-    const Image image = read_image(files[i], channel_of(options.channel));
+    const images::Image image = images::read_image(files[i], images::channel_of(options.channel));
     check_camera_size(rig, files[i], image);
     scan.add(image.view());
     progress.update(i + 1);
   }
 }
 
-ProjectorPoints scanned(const Rig& rig, const StripesOptions& options) {
-  const std::vector<std::string> files = files_of_folder(options.scan);
+structured_light::ProjectorPoints scanned(const rig::Rig& rig, const StripesOptions& options) {
+  const std::vector<std::string> files = images::files_of_folder(options.scan);
   if (options.gray_code) {
-    GrayPointScan scan(rig);
+    structured_light::GrayPointScan scan(rig);
     const auto all = static_cast<std::size_t>(scan.count());
     if (files.size() != all && files.size() + 2 != all) {
       throw UserError(options.scan, fmt::format("has {} images; the Gray codes of this rig's projector have {}, or {} "
@@ -70,7 +71,7 @@ ProjectorPoints scanned(const Rig& rig, const StripesOptions& options) {
     add_folder(rig, options, files, scan);
     return scan.points();
   }
-  LinePointScan scan(rig);
+  structured_light::LinePointScan scan(rig);
   if (files.size() != static_cast<std::size_t>(scan.count())) {
     throw UserError(options.scan,
                     fmt::format("has {} images; a scan of this rig's projector has {}, one a line and one "
@@ -88,26 +89,26 @@ void run_stripes(const StripesOptions& options) {
   if (options.gray_code && options.sweep) {
     throw UserError("--gray-code", "goes only with --scan; `selfproj pattern gray` writes its patterns");
   }
-  const Rig rig = scanner_rig(options.rig);
-  OutputFolder folder(options.out);
+  const rig::Rig rig = scanner_rig(options.rig);
+  files::OutputFolder folder(options.out);
   if (options.sweep) {
     make_sweep(rig, folder);
     folder.commit();
     return;
   }
-  const ProjectorPoints points = scanned(rig, options);
-  Stripes stripes = options.stripes;
-  stripes.code = options.reflected ? StripeCode::reflected : StripeCode::cyclic;
-  SelfReference reference;
+  const structured_light::ProjectorPoints points = scanned(rig, options);
+  structured_light::Stripes stripes = options.stripes;
+  stripes.code = options.reflected ? structured_light::StripeCode::reflected : structured_light::StripeCode::cyclic;
+  structured_light::SelfReference reference;
   try {
-    reference = make_self_reference(rig, points, stripes);
+    reference = structured_light::make_self_reference(rig, points, stripes);
   } catch (const std::invalid_argument&) {
     throw UserError(options.scan, "no camera pixel sees both a line and a column of the scan");
   }
-  write_self_reference(rig, reference, folder);
-  folder.append("preview.png",
-                labelled_map_png(reference.points.line, {ColourMap::sequential, 0, rig.projector.lines - 1.0}, {1, 1},
-                                 "X_R: projector line seen by each camera pixel"));
+  structured_light::write_self_reference(rig, reference, folder);
+  folder.append("preview.png", report::labelled_map_png(reference.points.line,
+                                                        {report::ColourMap::sequential, 0, rig.projector.lines - 1.0},
+                                                        {1, 1}, "X_R: projector line seen by each camera pixel"));
   folder.commit();
   std::size_t measurable = 0;
   for (std::size_t i = 0; i < points.line.values.size(); ++i) {
@@ -124,7 +125,7 @@ void run_stripes(const StripesOptions& options) {
 }  // namespace
 
 CLI::App* add_stripes_command(CLI::App& pattern) {
-  CLI::App* command = add_command(
+  CLI::App* command = cli::add_command(
       pattern,
       {.name = "stripes",
        .purpose = "Makes the self-projected patterns of structured light from the scan of a reference.",
@@ -142,7 +143,7 @@ selfproj pattern stripes --scan captures --gray-code --bits 4 --out reference
 selfproj pattern stripes --sweep --out lines
 )"});
   const auto options = std::make_shared<StripesOptions>();
-  begin_group(*command, "Scan (one of --scan and --sweep is required)");
+  cli::begin_group(*command, "Scan (one of --scan and --sweep is required)");
   command
       ->add_option("--scan", options->scan,
                    "Folder of the camera images under the patterns of the scan, numbered in their order.")
@@ -150,27 +151,27 @@ selfproj pattern stripes --sweep --out lines
   command->add_flag("--sweep", options->sweep, "Only write the patterns of a scan: every line, then every column.");
   command->add_flag("--gray-code", options->gray_code,
                     "The images of --scan were taken under the patterns of `selfproj pattern gray`.");
-  add_channel_option(*command, options->channel);
-  begin_group(*command, "Stripes");
+  cli::add_channel_option(*command, options->channel);
+  cli::begin_group(*command, "Stripes");
   command->add_option("--rig", options->rig, "Built-in rig or YAML file of kind scanner.")
       ->type_name("RIG")
       ->capture_default_str();
   command->add_option("--bits", options->stripes.bits, "Bits of the code, m. 2m patterns are written.")
-      ->transform(whole_number(1, Stripes::kMaxBits))
+      ->transform(cli::whole_number(1, structured_light::Stripes::kMaxBits))
       ->type_name("M")
       ->capture_default_str();
   command->add_option("--rows-per-code", options->stripes.width, "Width of a code in camera rows, a.")
-      ->transform(whole_number(1, Stripes::kMaxWidth))
+      ->transform(cli::whole_number(1, structured_light::Stripes::kMaxWidth))
       ->type_name("A")
       ->capture_default_str();
   command->add_flag(
       "--reflected", options->reflected,
       "Use the reflected code as printed in the thesis. Without it the code is cyclic, so that a window of "
       "2^m codes has each of them once.");
-  begin_group(*command, "Output");
+  cli::begin_group(*command, "Output");
   command->add_option("--out", options->out, "Folder for the results.")->type_name("DIR")->required();
   command->callback([options] { run_stripes(*options); });
   return command;
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::app

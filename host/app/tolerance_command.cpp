@@ -14,16 +14,16 @@
 #include "host/camera/camera_device.h"
 #include "host/cli/command_line.h"
 #include "host/files/output_file.h"
-#include "host/files/user_error.h"
-#include "host/light_section/differential_profile.h"
 #include "host/production/cutter.h"
 #include "host/production/height_map.h"
 #include "host/production/learn.h"
 #include "host/production/part_reference.h"
 #include "host/production/tolerance.h"
-#include "host/rig/rig.h"
+#include "selfproj/files/user_error.h"
+#include "selfproj/light_section/differential_profile.h"
+#include "selfproj/rig/rig.h"
 
-namespace selfproj {
+namespace selfproj::app {
 namespace {
 
 struct LearnCommandOptions {
@@ -31,33 +31,34 @@ struct LearnCommandOptions {
   MatchOptions match;  // of a scanner
   ReceiveOptions receive;
   std::string out;
-  LearnOptions learn;
+  production::LearnOptions learn;
   std::optional<double> min_defect_mm2;  // empty: LearnOptions' for a light section, of 9 cells for a scanner
   std::optional<double> edge_mm;         // likewise, 3 cells
 };
 
-void write_tolerance(const LearnCommandOptions& options, const Rig& rig, const OutputFile& out, const Learner& learner,
-                     std::uint64_t specks) {
-  const Tolerance tolerance = learner.learn(options.receive.device);
-  out.write(fmt::format("# learned from {} good parts on rig {}\n", learner.parts(), rig.name) + to_yaml(tolerance));
+void write_tolerance(const LearnCommandOptions& options, const rig::Rig& rig, const files::OutputFile& out,
+                     const production::Learner& learner, std::uint64_t specks) {
+  const production::Tolerance tolerance = learner.learn(options.receive.device);
+  out.write(fmt::format("# learned from {} good parts on rig {}\n", learner.parts(), rig.name) +
+            production::to_yaml(tolerance));
   fmt::print("{} good parts{}, {} specks; {:.3f} mm long, {:.3f} mm wide, {} regions → {}\n", learner.parts(),
              learner.not_kept() > 0 ? fmt::format(" (and {} that are not kept)", learner.not_kept()) : std::string(),
              specks, tolerance.length_mm, tolerance.right_mm - tolerance.left_mm, tolerance.regions.size(),
              options.out);
-  for (const ToleranceRegion& region : tolerance.regions) {
+  for (const production::ToleranceRegion& region : tolerance.regions) {
     fmt::print("  {}: {:+.3f} to {:+.3f} mm, {:.2f} % may be missing\n", region.name, region.low_mm, region.high_mm,
                100 * region.max_missing);
   }
 }
 
-LearnOptions learn_options(const LearnCommandOptions& options, const LearnOptions& otherwise) {
-  LearnOptions learn = options.learn;
+production::LearnOptions learn_options(const LearnCommandOptions& options, const production::LearnOptions& otherwise) {
+  production::LearnOptions learn = options.learn;
   learn.min_defect_mm2 = options.min_defect_mm2.value_or(otherwise.min_defect_mm2);
   learn.edge_mm = options.edge_mm.value_or(otherwise.edge_mm);
   return learn;
 }
 
-void add_part(Learner& learner, std::optional<CutPart> part) {
+void add_part(production::Learner& learner, std::optional<production::CutPart> part) {
   if (part) {
     learner.add(std::move(*part));
   }
@@ -71,18 +72,18 @@ void learn_depth(const LearnCommandOptions& options) {
   if (match.reference.empty()) {
     throw UserError("--reference", "is needed for a rig of kind scanner: the folder of `selfproj pattern stripes`");
   }
-  const OutputFile out(options.out);
+  const files::OutputFile out(options.out);
   const MatchRun run(match);
   MatchStream stream(run, options.receive.device);
-  DepthGrid grid(run.rig());
+  production::DepthGrid grid(run.rig());
   const double cell = run.rig().parts->grid_mm;
-  Learner learner(run.rig(), grid.cells(stream.scanner().reference_depth()),
-                  learn_options(options, {.min_defect_mm2 = 9 * cell * cell, .edge_mm = 3 * cell}));
-  DepthCutter cutter(run.rig(), run.patterns());
+  production::Learner learner(run.rig(), grid.cells(stream.scanner().reference_depth()),
+                              learn_options(options, {.min_defect_mm2 = 9 * cell * cell, .edge_mm = 3 * cell}));
+  production::DepthCutter cutter(run.rig(), run.patterns());
   Receiver receiver(options.receive);
   receiver.open(run.decoder());
   std::uint64_t images = 0;
-  const auto receive = [&](const PacketView& packet) {
+  const auto receive = [&](const model::PacketView& packet) {
     if (stream.add(packet)) {
       const std::int64_t arrival_ns = receiver.device().arrival_ns();
       add_part(learner, cutter.add(stream.stream().header(), stream.scanner().depth(), arrival_ns));
@@ -97,19 +98,19 @@ void learn_depth(const LearnCommandOptions& options) {
 }
 
 void learn_section(const LearnCommandOptions& options) {
-  const Rig rig = options.section.load_rig();
-  const OutputFile out(options.out);
-  const ReferenceProfile reference = options.section.load_reference(rig);
-  const DifferentialProfiler profiler(rig, reference);
-  Learner learner(rig, section_of(rig, reference, profiler), learn_options(options, {}));
-  ProfileCutter cutter(rig);
+  const rig::Rig rig = options.section.load_rig();
+  const files::OutputFile out(options.out);
+  const light_section::ReferenceProfile reference = options.section.load_reference(rig);
+  const light_section::DifferentialProfiler profiler(rig, reference);
+  production::Learner learner(rig, production::section_of(rig, reference, profiler), learn_options(options, {}));
+  production::ProfileCutter cutter(rig);
   SectionRun section(rig, profiler);
   Receiver receiver(options.receive);
-  const Measure measure = measure_of_rig(rig);
-  receiver.open(camera_of_rig(rig, measure), BoardSetup{rig.camera, measure});
-  Profile profile;
+  const model::Measure measure = measure_of_rig(rig);
+  receiver.open(camera::camera_of_rig(rig, measure), BoardSetup{rig.camera, measure});
+  light_section::Profile profile;
   profile.resize(profiler.columns());
-  const auto receive = [&](const PacketView& packet) {
+  const auto receive = [&](const model::PacketView& packet) {
     if (section.profile(packet, receiver.device(), profile.view())) {
       add_part(learner, cutter.add(packet.header, profile.view(), receiver.device().arrival_ns()));
     }
@@ -122,7 +123,7 @@ void learn_section(const LearnCommandOptions& options) {
 }
 
 void run_learn(const LearnCommandOptions& options) {
-  if (load_any_rig(options.section.rig).kind == RigKind::scanner) {
+  if (rig::load_any_rig(options.section.rig).kind == rig::RigKind::scanner) {
     learn_depth(options);
   } else {
     learn_section(options);
@@ -130,7 +131,7 @@ void run_learn(const LearnCommandOptions& options) {
 }
 
 void add_learn_command(CLI::App& tolerance) {
-  CLI::App* command = add_command(
+  CLI::App* command = cli::add_command(
       tolerance,
       {.name = "learn",
        .purpose = "Makes a tolerance file from good parts.",
@@ -158,36 +159,36 @@ selfproj match --rig my-scanner.yaml --reference stripes --device ring:line1 \
   add_receive_options(*command, options->receive, "profiles or depth images",
                       ", of whose images this program makes the packets itself, as the rig says.", DeviceIs::required,
                       BoardIs::set_up);
-  begin_group(*command, "Measuring");
+  cli::begin_group(*command, "Measuring");
   add_section_options(*command, options->section);
   add_search_options(*command, options->match);
-  begin_group(*command, "Tolerance");
+  cli::begin_group(*command, "Tolerance");
   command->add_option("--min-defect-mm2", options->min_defect_mm2, "Area of the smallest defect.")
-      ->transform(number_above_zero())
+      ->transform(cli::number_above_zero())
       ->type_name("MM2")
       ->default_str("0.5; of a scanner that of 9 cells");
   command->add_option("--edge-mm", options->edge_mm, "Strip along edges and walls that is not inspected.")
-      ->transform(real_number(0, 1000))
+      ->transform(cli::real_number(0, 1000))
       ->type_name("MM")
       ->default_str("1.5; of a scanner 3 cells");
   command
       ->add_option("--spreads", options->learn.spreads,
                    "Standard deviations from the mean of the good parts to a limit.")
-      ->transform(real_number(1, 100))
+      ->transform(cli::real_number(1, 100))
       ->type_name("N")
       ->capture_default_str();
   command->add_option("--max-shift-mm", options->learn.max_shift_mm, "A part may be shifted across so far.")
-      ->transform(real_number(0, 1000))
+      ->transform(cli::real_number(0, 1000))
       ->type_name("MM")
       ->capture_default_str();
   command->add_option("--max-turn-deg", options->learn.max_turn_deg, "A part may be turned so far.")
-      ->transform(real_number(0, 45))
+      ->transform(cli::real_number(0, 45))
       ->type_name("DEG")
       ->capture_default_str();
-  add_old_name(*command, "--smallest-mm2", "--min-defect-mm2");
-  add_old_name(*command, "--shift-mm", "--max-shift-mm");
-  add_old_name(*command, "--turn-deg", "--max-turn-deg");
-  begin_group(*command, "Output");
+  cli::add_old_name(*command, "--smallest-mm2", "--min-defect-mm2");
+  cli::add_old_name(*command, "--shift-mm", "--max-shift-mm");
+  cli::add_old_name(*command, "--turn-deg", "--max-turn-deg");
+  cli::begin_group(*command, "Output");
   command->add_option("--out", options->out, "File for the tolerance.")->type_name("FILE")->required();
   command->callback([options] { run_learn(*options); });
 }
@@ -195,7 +196,7 @@ selfproj match --rig my-scanner.yaml --reference stripes --device ring:line1 \
 }  // namespace
 
 void add_tolerance_command(CLI::App& app) {
-  CLI::App* command = add_command(
+  CLI::App* command = cli::add_command(
       app, {.name = "tolerance",
             .purpose = "Makes the tolerances by which `selfproj inspect` and `selfproj match` classify parts.",
             .details = "",
@@ -208,4 +209,4 @@ selfproj tolerance learn --rig mine.yaml --reference good-part --device file:goo
   add_learn_command(*command);
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::app

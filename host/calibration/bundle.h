@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "host/calibration/chessboard.h"
-#include "host/rig/calibration.h"
+#include "selfproj/rig/calibration.h"
 
-namespace selfproj {
+namespace selfproj::calibration {
 
 // One corner of the chessboard as camera and projector see it.
 struct Sight {
@@ -38,13 +38,13 @@ inline double board_side(const std::vector<View>& views) {
   return greatest;
 }
 
-// fx, fy, cx, cy, k1, k2, p1, p2, k3 of OpenCV's model (host/rig/calibration.h).
+// fx, fy, cx, cy, k1, k2, p1, p2, k3 of OpenCV's model (include/selfproj/rig/calibration.h).
 inline constexpr std::size_t kLensParameters = 9;
 inline constexpr int kPinholeParameters = 4;  // of them, those before the distortion
 using LensParameters = std::array<double, kLensParameters>;
 inline constexpr std::array<const char*, kLensParameters> kLensNames{"fx", "fy", "cx", "cy", "k1",
                                                                      "k2", "p1", "p2", "k3"};
-inline Lens lens_of(const LensParameters& p) {
+inline rig::Lens lens_of(const LensParameters& p) {
   return {p[0], p[1], p[2], p[3], {p[4], p[5], p[6], p[7], p[8], 0, 0, 0}};
 }
 
@@ -124,6 +124,6 @@ struct BundleResult {
   std::vector<std::vector<cv::Vec2d>> camera_residuals, projector_residuals;
 };
 
-}  // namespace selfproj
+}  // namespace selfproj::calibration
 
 #endif  // SELFPROJ_HOST_CALIBRATION_BUNDLE_H

@@ -10,7 +10,7 @@
 #include <cstddef>
 #include <vector>
 
-namespace selfproj::bundle_cost {
+namespace selfproj::calibration::bundle_cost {
 namespace {
 
 using RowsOf3 = Eigen::Matrix<double, 2, 3>;
@@ -243,4 +243,4 @@ ceres::CostFunction* plate_cost(const PlatePlace& place, const Plates& plates) {
       new PlateResidual(place, plates));
 }
 
-}  // namespace selfproj::bundle_cost
+}  // namespace selfproj::calibration::bundle_cost

@@ -13,7 +13,7 @@
 #include "host/calibration/bundle.h"
 #include "host/calibration/plates.h"
 
-namespace selfproj::bundle_cost {
+namespace selfproj::calibration::bundle_cost {
 
 inline constexpr int kLens = static_cast<int>(kLensParameters);
 inline constexpr int kPose = kPoseParameters;
@@ -68,6 +68,6 @@ class PriorCost final : public ceres::SizedCostFunction<Size, Block> {
 // The blocks are belt pose, way and scale (3), plate_off, view.
 ceres::CostFunction* plate_cost(const PlatePlace& place, const Plates& plates);
 
-}  // namespace selfproj::bundle_cost
+}  // namespace selfproj::calibration::bundle_cost
 
 #endif  // SELFPROJ_HOST_CALIBRATION_BUNDLE_COST_H

@@ -10,7 +10,7 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
-namespace selfproj {
+namespace selfproj::calibration {
 namespace {
 
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
@@ -211,4 +211,4 @@ void fill_belt_deviations(const Eigen::MatrixXd& covariance, const Plates& plate
   result.lean_deviation = std::sqrt(std::max(0.0, (change * block * change.transpose()).trace()));
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::calibration

@@ -13,7 +13,7 @@
 #include "host/calibration/bundle.h"
 #include "host/calibration/plates.h"
 
-namespace selfproj {
+namespace selfproj::calibration {
 
 // J^T J.
 Eigen::MatrixXd normal_matrix(const ceres::CRSMatrix& jacobian);
@@ -56,6 +56,6 @@ void fill_deviations(const Eigen::MatrixXd& covariance, const BundleLayout& layo
 // scale, and six of what each plate is off.
 void fill_belt_deviations(const Eigen::MatrixXd& covariance, const Plates& plates, BundleResult& result);
 
-}  // namespace selfproj
+}  // namespace selfproj::calibration
 
 #endif  // SELFPROJ_HOST_CALIBRATION_BUNDLE_COVARIANCE_H

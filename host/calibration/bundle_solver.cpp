@@ -23,7 +23,7 @@
 #include "host/calibration/bundle_covariance.h"
 #include "host/calibration/plates.h"
 
-namespace selfproj {
+namespace selfproj::calibration {
 namespace {
 
 using bundle_cost::kLens;
@@ -429,4 +429,4 @@ cv::Vec3d place_on_board(const Sight& sight, const Bundle& bundle, const std::ve
   return {place[0], place[1], place[2]};
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::calibration

@@ -7,7 +7,7 @@
 
 #include "host/calibration/bundle.h"
 
-namespace selfproj {
+namespace selfproj::calibration {
 
 // Ceres' Levenberg-Marquardt from a start, with the chessboard's poses eliminated (Schur). By default it
 // estimates the noise too, as variance components: the weighted sum of squares of each kind of residual comes to what
@@ -23,6 +23,6 @@ BundleResult locate_view(const View& view, const Bundle& bundle, const Pose& sta
 // Where a corner is on the chessboard, mm: the drawing, with the shared shape if `shape` is given.
 cv::Vec3d place_on_board(const Sight& sight, const Bundle& bundle, const std::vector<CornerModes>* shape);
 
-}  // namespace selfproj
+}  // namespace selfproj::calibration
 
 #endif  // SELFPROJ_HOST_CALIBRATION_BUNDLE_SOLVER_H

@@ -26,12 +26,12 @@
 #include "host/calibration/plates.h"
 #include "host/calibration/starts.h"
 #include "host/files/numbers.h"
-#include "host/files/user_error.h"
 #include "host/images/frame_options.h"
-#include "host/rig/calibration.h"
-#include "host/rig/optics.h"
+#include "selfproj/files/user_error.h"
+#include "selfproj/rig/calibration.h"
+#include "selfproj/rig/optics.h"
 
-namespace selfproj {
+namespace selfproj::calibration {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -65,7 +65,7 @@ double limit_of(const std::vector<std::vector<cv::Vec2d>>& residuals, double fac
       lengths.push_back(cv::norm(residual));
     }
   }
-  return std::max(kMin, factor * std::max(noise, kPerMedian * median_of(lengths)));
+  return std::max(kMin, factor * std::max(noise, kPerMedian * files::median_of(lengths)));
 }
 
 double hull_share(const std::vector<cv::Point2f>& points, cv::Size size) {
@@ -116,8 +116,9 @@ class Calibrator {
     const PoseReport& first = report_.poses.front();
     for (const PoseReport& pose : report_.poses) {
       if (pose.rows != first.rows || pose.columns != first.columns) {
-        throw UserError(pose.name, fmt::format("has images of {}, but {} of {}", size_text(pose.rows, pose.columns),
-                                               first.name, size_text(first.rows, first.columns)));
+        throw UserError(pose.name,
+                        fmt::format("has images of {}, but {} of {}", images::size_text(pose.rows, pose.columns),
+                                    first.name, images::size_text(first.rows, first.columns)));
       }
     }
     camera_size_ = {first.columns, first.rows};
@@ -307,7 +308,7 @@ class Calibrator {
       report_.belt = belt_report(*index.plates, report_.bundle);
     }
     const BundleResult& found = report_.bundle;
-    Calibration& calibration = report_.calibration;
+    rig::Calibration& calibration = report_.calibration;
     calibration.camera = lens_of(found.bundle.camera);
     calibration.projector = lens_of(found.bundle.projector);
     if (report_.mirrored) {
@@ -502,7 +503,7 @@ void warn_of_coverage(const char* name, double share, std::vector<std::string>& 
 // Camera and projector.
 std::array<EstimatedLens, 2> lenses_of(const CalibrationReport& report) {
   const BundleResult& found = report.bundle;
-  const Calibration& calibration = report.calibration;
+  const rig::Calibration& calibration = report.calibration;
   EstimatedLens camera{"camera",
                        found.bundle.camera,
                        found.deviation.camera,
@@ -566,7 +567,7 @@ namespace {
 
 // The point halfway between a camera pixel's ray and a projector pixel's, in the camera's frame; nothing if a lens has
 // no ray for its pixel.
-std::optional<cv::Vec3d> triangulated(const Calibration& c, const Corner& corner) {
+std::optional<cv::Vec3d> triangulated(const rig::Calibration& c, const Corner& corner) {
   const std::optional<cv::Vec2d> in_camera = c.camera.ray({corner.camera.x, corner.camera.y});
   const std::optional<cv::Vec2d> in_projector = c.projector.ray({corner.projector.x, corner.projector.y});
   if (!in_camera || !in_projector) {
@@ -645,8 +646,8 @@ CheckReport check_pose(const PoseReport& pose, const CalibrationReport& report) 
 namespace {
 
 // Twice what a projector line is worth in z in the middle of the camera's image, at this distance.
-double coarse(const Rig& rig, double distance_mm) {
-  const RigOptics optics(rig);
+double coarse(const rig::Rig& rig, double distance_mm) {
+  const rig::RigOptics optics(rig);
   const auto ray = optics.ray({0.5 * (rig.camera.rows - 1), 0.5 * (rig.camera.columns - 1)});
   const double way = ray ? 2 * optics.z_per_line(*ray, distance_mm) : 0;
   return std::isfinite(way) ? way : 0;
@@ -654,19 +655,19 @@ double coarse(const Rig& rig, double distance_mm) {
 
 }  // namespace
 
-Rig calibrated_rig(const CalibrationReport& report, const Rig& drawn) {
-  Rig rig = rig_of(report.calibration, drawn);
+rig::Rig calibrated_rig(const CalibrationReport& report, const rig::Rig& drawn) {
+  rig::Rig rig = rig::rig_of(report.calibration, drawn);
   if (report.belt) {
     if (report.belt->moved) {
       rig.belt_pose = report.belt->pose;
     }
     rig.plane_z_mm = report.belt->plane_z_mm;
   }
-  if (rig.kind == RigKind::scanner) {
+  if (rig.kind == rig::RigKind::scanner) {
     // The limit of the drawn rig may be that of a much finer one.
     rig.measure.max_z_per_line_mm = std::max(rig.measure.max_z_per_line_mm, coarse(rig, report.mean_distance_mm));
   }
   return rig;
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::calibration

@@ -14,10 +14,10 @@
 #include "host/calibration/chessboard.h"
 #include "host/calibration/model_choice.h"
 #include "host/calibration/plates.h"
-#include "host/rig/calibration_file.h"
-#include "host/rig/rig.h"
+#include "selfproj/rig/calibration_file.h"
+#include "selfproj/rig/rig.h"
 
-namespace selfproj {
+namespace selfproj::calibration {
 
 struct CalibrateSettings {
   Chessboard chessboard;
@@ -67,7 +67,7 @@ struct CheckReport {
 struct CalibrationReport {
   CalibrateSettings settings;
   std::vector<PoseReport> poses;
-  Calibration calibration;  // with the sizes of camera and projector
+  rig::Calibration calibration;  // with the sizes of camera and projector
   // The projector shows its image mirrored (seen from the front, columns run right and rows up, or the reverse). Its fy
   // is then negative.
   bool mirrored = false;
@@ -106,10 +106,10 @@ CheckReport check_pose(const PoseReport& pose, const CalibrationReport& report);
 std::vector<std::string> warnings_of(const CalibrationReport& report);
 
 // The rig of a calibration: `drawn` with its lenses, and with the belt if there were plates. A scanner's limit of z for
-// a line is widened to what the calibrated rig needs. Throws std::invalid_argument as rig_of (host/rig/calibration.h)
-// does.
-Rig calibrated_rig(const CalibrationReport& report, const Rig& drawn);
+// a line is widened to what the calibrated rig needs. Throws std::invalid_argument as rig_of
+// (include/selfproj/rig/calibration.h) does.
+rig::Rig calibrated_rig(const CalibrationReport& report, const rig::Rig& drawn);
 
-}  // namespace selfproj
+}  // namespace selfproj::calibration
 
 #endif  // SELFPROJ_HOST_CALIBRATION_CALIBRATE_H

@@ -17,7 +17,7 @@
 #include <string>
 #include <vector>
 
-namespace selfproj {
+namespace selfproj::calibration {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -38,7 +38,7 @@ Json lens_json(const LensParameters& value, const LensParameters& deviation, int
 // The projector's lens for rows that count from its first row. During the fit, rows of a mirrored projector count from
 // the last one.
 LensParameters projector_lens(const CalibrationReport& report) {
-  const Lens& l = report.calibration.projector;
+  const rig::Lens& l = report.calibration.projector;
   return {l.fx, l.fy, l.cx, l.cy, l.k[0], l.k[1], l.k[2], l.k[3], l.k[4]};
 }
 
@@ -308,7 +308,7 @@ struct Instrument {
 };
 
 std::array<Instrument, 2> instruments(const CalibrationReport& report) {
-  const Calibration& c = report.calibration;
+  const rig::Calibration& c = report.calibration;
   return {{{"camera", &Corner::camera, &Corner::camera_residual, c.camera_columns, c.camera_rows,
             report.bundle.camera_rms, report.camera_coverage},
            {"projector", &Corner::projector, &Corner::projector_residual, c.projector_columns, c.projector_rows,
@@ -488,4 +488,4 @@ std::string residual_picture(const CalibrationReport& report) {
   return png_of(picture);
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::calibration

@@ -6,7 +6,7 @@
 
 #include "host/calibration/calibrate.h"
 
-namespace selfproj {
+namespace selfproj::calibration {
 
 // One line for each corner: pose,corner,x,y,u,v,sd,used,dx,dy,du,dv,reason.
 std::string corner_table(const CalibrationReport& report);
@@ -23,6 +23,6 @@ std::string coverage_picture(const CalibrationReport& report);
 // PNG: the residuals of camera and projector, above as points in pixels, below as magnified arrows in place.
 std::string residual_picture(const CalibrationReport& report);
 
-}  // namespace selfproj
+}  // namespace selfproj::calibration
 
 #endif  // SELFPROJ_HOST_CALIBRATION_CALIBRATION_OUTPUT_H

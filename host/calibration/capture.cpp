@@ -15,28 +15,28 @@
 #include <vector>
 
 #include "host/files/numbers.h"
-#include "host/files/user_error.h"
 #include "host/images/frame_options.h"
-#include "host/structured_light/fast_decoder.h"
-#include "model/gray_decoder.h"
+#include "selfproj/files/user_error.h"
+#include "selfproj/model/gray_decoder.h"
+#include "selfproj/structured_light/fast_decoder.h"
 
-namespace selfproj {
+namespace selfproj::calibration {
 namespace {
 
 // Reads images of one size in turn and keeps their sum.
 class Images {
  public:
-  explicit Images(ImageSequence& images) : images_(images) {}
+  explicit Images(images::ImageSequence& images) : images_(images) {}
 
   // The next image, valid until the one after its successor is read.
-  const Image& next() {
-    Image& image = pair_[next_ % 2];
+  const images::Image& next() {
+    images::Image& image = pair_[next_ % 2];
     image = images_.read(next_);
     if (next_ == 0) {
-      if (std::max(image.rows, image.columns) > FastGrayDecoder::kMaxSide) {
-        throw UserError(images_.files()[0],
-                        fmt::format("is {}; at most {} rows and columns are taken",
-                                    size_text(image.rows, image.columns), FastGrayDecoder::kMaxSide));
+      if (std::max(image.rows, image.columns) > structured_light::FastGrayDecoder::kMaxSide) {
+        throw UserError(images_.files()[0], fmt::format("is {}; at most {} rows and columns are taken",
+                                                        images::size_text(image.rows, image.columns),
+                                                        structured_light::FastGrayDecoder::kMaxSide));
       }
       sum_.resize(image.pixels.size());
       rows_ = image.rows;
@@ -49,10 +49,10 @@ class Images {
   }
 
   // The sum of all images so far, stretched to 0..255.
-  [[nodiscard]] Image stretched() const {
+  [[nodiscard]] images::Image stretched() const {
     const auto [low, high] = std::minmax_element(sum_.begin(), sum_.end());
     const std::uint32_t range = std::max(1U, *high - *low);
-    Image result{rows_, columns_, std::vector<std::uint8_t>(sum_.size())};
+    images::Image result{rows_, columns_, std::vector<std::uint8_t>(sum_.size())};
     std::transform(sum_.begin(), sum_.end(), result.pixels.begin(), [&, least = *low](std::uint32_t sum) {
       return static_cast<std::uint8_t>((255 * (sum - least) + range / 2) / range);
     });
@@ -60,8 +60,8 @@ class Images {
   }
 
  private:
-  ImageSequence& images_;
-  std::array<Image, 2> pair_;
+  images::ImageSequence& images_;
+  std::array<images::Image, 2> pair_;
   std::vector<std::uint32_t> sum_;
   std::size_t next_ = 0;
   int rows_ = 0;
@@ -70,22 +70,22 @@ class Images {
 
 // The codes along one axis from its pairs of images; kNone if a pair is ambiguous or the code is not within `side`.
 std::vector<std::int16_t> decode_axis(Images& images, int bits, int side, int threshold) {
-  std::optional<FastGrayDecoder> decoder;
+  std::optional<structured_light::FastGrayDecoder> decoder;
   std::size_t pixels = 0;
   for (int i = 0; i < 2 * bits; ++i) {
-    const Image& image = images.next();
+    const images::Image& image = images.next();
     if (!decoder) {
-      decoder.emplace(GraySettings{image.rows, image.columns, bits, threshold});
+      decoder.emplace(model::GraySettings{image.rows, image.columns, bits, threshold});
       pixels = image.pixels.size();
     }
     decoder->add_frame(image.view(), i);
   }
   std::vector<std::uint16_t> words(pixels);
-  unambiguous_code_words(decoder->codes(), words.data());
+  structured_light::unambiguous_code_words(decoder->codes(), words.data());
   std::vector<std::int16_t> codes(pixels);
   std::transform(words.begin(), words.end(), codes.begin(), [&](std::uint16_t word) {
-    const int code = word & GrayDecoder::kCode;
-    const bool valid = (word & GrayDecoder::kMeasurable) != 0 && code < side;
+    const int code = word & model::GrayDecoder::kCode;
+    const bool valid = (word & model::GrayDecoder::kMeasurable) != 0 && code < side;
     return valid ? static_cast<std::int16_t>(code) : Capture::kNone;
   });
   return codes;
@@ -98,25 +98,25 @@ std::size_t Capture::decoded() const {
          static_cast<std::size_t>(std::count(projector_column.begin(), projector_column.end(), kNone));
 }
 
-Capture decode_capture(const std::string& name, ImageSequence& captured, const GraySequence& sequence,
-                       const DecodeSettings& settings) {
-  constexpr int kMaxBits = GrayDecoder::kMaxBits;
+Capture decode_capture(const std::string& name, images::ImageSequence& captured,
+                       const structured_light::GraySequence& sequence, const DecodeSettings& settings) {
+  constexpr int kMaxBits = model::GrayDecoder::kMaxBits;
   if (sequence.column_bits() > kMaxBits || sequence.row_bits() > kMaxBits) {
     throw UserError("--projector", fmt::format("has a side of more than {} pixels", 1 << kMaxBits));
   }
   if (captured.count() != static_cast<std::size_t>(sequence.count())) {
-    throw UserError(name,
-                    fmt::format("has {} images; {} are expected for a projector of {}: {} pairs for columns, {} for "
-                                "rows, white, black",
-                                captured.count(), sequence.count(), size_text(sequence.rows(), sequence.columns()),
-                                sequence.column_bits(), sequence.row_bits()));
+    throw UserError(
+        name, fmt::format("has {} images; {} are expected for a projector of {}: {} pairs for columns, {} for "
+                          "rows, white, black",
+                          captured.count(), sequence.count(), images::size_text(sequence.rows(), sequence.columns()),
+                          sequence.column_bits(), sequence.row_bits()));
   }
   Images images(captured);
   Capture capture;
   capture.projector_column = decode_axis(images, sequence.column_bits(), sequence.columns(), settings.threshold);
   capture.projector_row = decode_axis(images, sequence.row_bits(), sequence.rows(), settings.threshold);
-  const Image& white = images.next();
-  const Image& black = images.next();
+  const images::Image& white = images.next();
+  const images::Image& black = images.next();
   capture.rows = white.rows;
   capture.columns = white.columns;
   for (std::size_t i = 0; i < white.pixels.size(); ++i) {
@@ -233,7 +233,7 @@ CornerCode fit(const std::vector<Sample>& samples, double max_sd_px) {
     for (std::size_t i = 0; i < samples.size(); ++i) {
       lengths[i] = cv::norm(samples[i].code - Model::value(parameters, samples[i].at, d));
     }
-    scale = std::max(kMinScale, kPerMedian * median_of(lengths));
+    scale = std::max(kMinScale, kPerMedian * files::median_of(lengths));
     cv::Matx<double, kSize, kSize> normal = cv::Matx<double, kSize, kSize>::zeros();
     cv::Vec<double, kSize> right = cv::Vec<double, kSize>::all(0);
     double weights = 0;
@@ -307,4 +307,4 @@ CornerCode corner_code(const Capture& capture, const cv::Point2d& camera, double
                                                      : fit<Quadratic>(samples, settings.max_sd_px);
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::calibration

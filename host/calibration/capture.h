@@ -11,9 +11,9 @@
 
 #include "host/images/image_files.h"
 #include "host/images/image_sequence.h"
-#include "host/structured_light/gray_sequence.h"
+#include "selfproj/structured_light/gray_sequence.h"
 
-namespace selfproj {
+namespace selfproj::calibration {
 
 struct DecodeSettings {
   int threshold = 5;  // a pair that differs by no more than this is ambiguous (4.15)
@@ -28,7 +28,7 @@ struct Capture {
   int rows = 0;  // rows of the camera
   int columns = 0;
   std::vector<std::int16_t> projector_column, projector_row;  // from 0; both are kNone if there is no code
-  Image mean;  // the mean of all images, in which the patterns cancel, stretched to 0..255
+  images::Image mean;  // the mean of all images, in which the patterns cancel, stretched to 0..255
 
   [[nodiscard]] std::size_t decoded() const;
 };
@@ -36,8 +36,8 @@ struct Capture {
 // Decodes the images, which are those of the sequence in its order. Throws UserError as ImageSequence::read does, and
 // for more columns or rows than a decoder takes. Throws it with `name` if there are more or fewer images than the
 // sequence has.
-Capture decode_capture(const std::string& name, ImageSequence& captured, const GraySequence& sequence,
-                       const DecodeSettings& settings);
+Capture decode_capture(const std::string& name, images::ImageSequence& captured,
+                       const structured_light::GraySequence& sequence, const DecodeSettings& settings);
 
 // Two ways from the codes (u, v) of the pixels (x, y) in a window around the corner (x0, y0) to the corner's own code:
 //   homography   (u, v, 1) ~ H (x - x0, y - y0, 1): the map of a plane (Moreno and Taubin, 2012; US 10,008,007)
@@ -64,6 +64,6 @@ struct CornerCode {
 CornerCode corner_code(const Capture& capture, const cv::Point2d& camera, double spacing_px,
                        const CornerSettings& settings);
 
-}  // namespace selfproj
+}  // namespace selfproj::calibration
 
 #endif  // SELFPROJ_HOST_CALIBRATION_CAPTURE_H

@@ -15,7 +15,7 @@
 
 #include "host/files/numbers.h"
 
-namespace selfproj {
+namespace selfproj::calibration {
 namespace {
 
 // Distance from each corner to its nearest neighbour.
@@ -187,7 +187,7 @@ void refine(const cv::Mat& grey, const Chessboard& chessboard, const std::vector
 
 }  // namespace
 
-FoundChessboard find_chessboard(const Image& image, const Chessboard& chessboard) {
+FoundChessboard find_chessboard(const images::Image& image, const Chessboard& chessboard) {
   const cv::Mat grey(image.rows, image.columns, CV_8UC1, const_cast<std::uint8_t*>(image.pixels.data()));  // NOLINT
   FoundChessboard found;
   cv::Mat seen;
@@ -209,7 +209,7 @@ FoundChessboard find_chessboard(const Image& image, const Chessboard& chessboard
   const std::vector<double> spacing = spacings(corners);
   refine(grey, chessboard, spacing, corners);
   found.corners.assign(corners.begin(), corners.end());
-  found.spacing_px = median_of(spacing);
+  found.spacing_px = files::median_of(spacing);
   return found;
 }
 
@@ -322,4 +322,4 @@ std::vector<CornerModes> board_modes(const Chessboard& chessboard) {
   return modes;
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::calibration

@@ -10,7 +10,7 @@
 
 #include "host/images/image_files.h"
 
-namespace selfproj {
+namespace selfproj::calibration {
 
 // Inner corners along both sides (at least 3 each), and the side of a square. Corner i is at (i mod columns, i /
 // columns) squares.
@@ -37,7 +37,7 @@ struct FoundChessboard {
 
 // Finds the corners of the whole chessboard, in any orientation. A chessboard with more corners than asked for is not
 // taken for a part of itself.
-FoundChessboard find_chessboard(const Image& image, const Chessboard& chessboard);
+FoundChessboard find_chessboard(const images::Image& image, const Chessboard& chessboard);
 
 inline constexpr int kBendModes = 18;    // along the chessboard's normal: polynomials of degree 2 to 5 in the position
 inline constexpr int kStretchModes = 8;  // within the chessboard's plane: aspect, shear and degree 2
@@ -55,6 +55,6 @@ struct CornerModes {
 // change of its size. Modes for which the chessboard has too few corners are 0.
 std::vector<CornerModes> board_modes(const Chessboard& chessboard);
 
-}  // namespace selfproj
+}  // namespace selfproj::calibration
 
 #endif  // SELFPROJ_HOST_CALIBRATION_CHESSBOARD_H

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-namespace selfproj {
+namespace selfproj::calibration {
 namespace {
 
 constexpr double kMargin = 15;
@@ -75,4 +75,4 @@ std::string chessboard_svg(const Chessboard& chessboard, const Paper& paper) {
       ruler, text + 1.5, kRuler);
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::calibration

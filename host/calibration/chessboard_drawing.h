@@ -8,7 +8,7 @@
 
 #include "host/calibration/chessboard.h"
 
-namespace selfproj {
+namespace selfproj::calibration {
 
 // A sheet of paper, lying.
 struct Paper {
@@ -30,6 +30,6 @@ std::optional<double> largest_square(const Chessboard& chessboard, const Paper& 
 // not fit.
 std::string chessboard_svg(const Chessboard& chessboard, const Paper& paper);
 
-}  // namespace selfproj
+}  // namespace selfproj::calibration
 
 #endif  // SELFPROJ_HOST_CALIBRATION_CHESSBOARD_DRAWING_H

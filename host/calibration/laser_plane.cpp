@@ -20,11 +20,11 @@
 #include "host/calibration/bundle.h"
 #include "host/calibration/bundle_solver.h"
 #include "host/files/numbers.h"
-#include "host/files/user_error.h"
 #include "host/images/frame_options.h"
-#include "host/rig/calibration.h"
+#include "selfproj/files/user_error.h"
+#include "selfproj/rig/calibration.h"
 
-namespace selfproj {
+namespace selfproj::calibration {
 namespace {
 
 // The camera's corners of an image, for the least squares.
@@ -50,8 +50,8 @@ class CameraCalibrator {
     const BoardImage& first = report_.images.front();
     for (const BoardImage& image : report_.images) {
       if (image.rows != first.rows || image.columns != first.columns) {
-        throw UserError(image.name, fmt::format("is {}, but {} is {}", size_text(image.rows, image.columns), first.name,
-                                                size_text(first.rows, first.columns)));
+        throw UserError(image.name, fmt::format("is {}, but {} is {}", images::size_text(image.rows, image.columns),
+                                                first.name, images::size_text(first.rows, first.columns)));
       }
     }
     if (report_.settings.bent) {
@@ -241,7 +241,7 @@ FittedPlane robust_plane(const std::vector<Eigen::Vector3d>& points) {
     for (const Eigen::Vector3d& point : points) {
       distances.push_back(std::abs(plane.normal.dot(point - plane.middle)));
     }
-    const double limit = std::max(kMin, kSpreads * median_of(distances));
+    const double limit = std::max(kMin, kSpreads * files::median_of(distances));
     std::vector<bool> on(points.size());
     std::transform(distances.begin(), distances.end(), on.begin(), [&](double d) { return d <= limit; });
     if (on == plane.on) {
@@ -256,7 +256,7 @@ FittedPlane robust_plane(const std::vector<Eigen::Vector3d>& points) {
 
 int BoardImage::used_corners() const { return static_cast<int>(std::count(used.begin(), used.end(), true)); }
 
-BoardImage observe_board(const std::string& name, const Image& image, const Chessboard& chessboard) {
+BoardImage observe_board(const std::string& name, const images::Image& image, const Chessboard& chessboard) {
   const FoundChessboard found = find_chessboard(image, chessboard);
   BoardImage result;
   result.name = name;
@@ -272,7 +272,7 @@ CameraReport calibrate_camera(std::vector<BoardImage> images, const CameraSettin
   return CameraCalibrator(std::move(images), settings).run();
 }
 
-std::vector<cv::Point2d> line_centres(const Image& image, int threshold) {
+std::vector<cv::Point2d> line_centres(const images::Image& image, int threshold) {
   std::vector<cv::Point2d> centres;
   for (int c = 0; c < image.columns; ++c) {
     const auto at = [&](int r) {
@@ -305,10 +305,10 @@ std::vector<cv::Point2d> line_centres(const Image& image, int threshold) {
   return centres;
 }
 
-LaserPlane laser_plane(const CameraReport& camera, const std::vector<Image>& lines) {
+LaserPlane laser_plane(const CameraReport& camera, const std::vector<images::Image>& lines) {
   constexpr std::size_t kMinPoints = 5;  // of an image
   constexpr std::size_t kMinImages = 3;
-  const Lens lens = lens_of(camera.model.result.bundle.camera);
+  const rig::Lens lens = lens_of(camera.model.result.bundle.camera);
   std::vector<Eigen::Vector3d> points;
   std::vector<std::size_t> image_of_point;
   LaserPlane result;
@@ -362,4 +362,4 @@ LaserPlane laser_plane(const CameraReport& camera, const std::vector<Image>& lin
   return result;
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::calibration

@@ -10,9 +10,9 @@
 #include "host/calibration/chessboard.h"
 #include "host/calibration/model_choice.h"
 #include "host/images/image_files.h"
-#include "host/rig/rig.h"
+#include "selfproj/rig/rig.h"
 
-namespace selfproj {
+namespace selfproj::calibration {
 
 struct CameraSettings {
   Chessboard chessboard;
@@ -44,7 +44,7 @@ struct CameraReport {
 };
 
 struct LaserPlane {
-  RigLightPlane plane;
+  rig::RigLightPlane plane;
   std::size_t images = 0;                   // in which the line was found on the chessboard
   std::size_t points = 0, left_out = 0;     // of the line
   double rms_mm = 0;                        // of the points' distances from the plane
@@ -53,7 +53,7 @@ struct LaserPlane {
 };
 
 // Finds the chessboard. That there is none is not an error.
-BoardImage observe_board(const std::string& name, const Image& image, const Chessboard& chessboard);
+BoardImage observe_board(const std::string& name, const images::Image& image, const Chessboard& chessboard);
 
 // The camera's lens, with the model that the images support (model_choice.h). Throws UserError if fewer than two images
 // can be used, if they differ in size, or if nothing converges.
@@ -61,14 +61,14 @@ CameraReport calibrate_camera(std::vector<BoardImage> images, const CameraSettin
 
 // The centre of the line in each column of an image, as (column, row): the centroid, by what is above the threshold, of
 // the pixels around the column's brightest one.
-std::vector<cv::Point2d> line_centres(const Image& image, int threshold);
+std::vector<cv::Point2d> line_centres(const images::Image& image, int threshold);
 
 // The plane of the line, from images of the same poses as those of `camera`, in the same order. It uses the points on
 // the chessboard that are not near the edge of a square along the line's columns, where black and white shift the
 // centre. Throws UserError if the line is found on fewer than three chessboards, or lies on one straight line in space
 // on all of them.
-LaserPlane laser_plane(const CameraReport& camera, const std::vector<Image>& lines);
+LaserPlane laser_plane(const CameraReport& camera, const std::vector<images::Image>& lines);
 
-}  // namespace selfproj
+}  // namespace selfproj::calibration
 
 #endif  // SELFPROJ_HOST_CALIBRATION_LASER_PLANE_H

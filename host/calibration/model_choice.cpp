@@ -16,7 +16,7 @@
 #include "host/calibration/bundle_solver.h"
 #include "host/calibration/starts.h"
 
-namespace selfproj {
+namespace selfproj::calibration {
 namespace {
 
 constexpr std::array<int, 5> kLevels{0, 1, 2, 4, 5};  // coefficients that may be free
@@ -344,4 +344,4 @@ void check_starts(const std::vector<View>& views, const ModelSettings& settings,
   choice.refusal = "the least squares find ever better solutions from other starts; capture more poses";
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::calibration

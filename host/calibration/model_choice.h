@@ -8,7 +8,7 @@
 
 #include "host/calibration/bundle.h"
 
-namespace selfproj {
+namespace selfproj::calibration {
 
 // A step from one model to one with more coefficients, and what spoke for it.
 struct ModelStep {
@@ -50,6 +50,6 @@ void refit(const std::vector<View>& views, const ModelSettings& settings, ModelC
 // residuals cannot tell apart, or if a focal length or the distance between the lenses is not determined to 10 %.
 void check_starts(const std::vector<View>& views, const ModelSettings& settings, ModelChoice& choice);
 
-}  // namespace selfproj
+}  // namespace selfproj::calibration
 
 #endif  // SELFPROJ_HOST_CALIBRATION_MODEL_CHOICE_H

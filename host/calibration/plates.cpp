@@ -17,9 +17,9 @@
 #include <utility>
 #include <vector>
 
-#include "host/rig/calibration.h"
+#include "selfproj/rig/calibration.h"
 
-namespace selfproj {
+namespace selfproj::calibration {
 namespace {
 
 cv::Matx33d matrix_of(const cv::Vec3d& rotation) {
@@ -98,7 +98,7 @@ void start_belt(const Plates& plates, Bundle& bundle) {
 namespace {
 
 // Where a lens sees the middle of a chessboard that is square to its axis.
-cv::Vec3d middle_of(const View& view, const Lens& lens, const cv::Point3d& middle) {
+cv::Vec3d middle_of(const View& view, const rig::Lens& lens, const cv::Point3d& middle) {
   std::vector<PlanePoint> points;
   for (const Sight& sight : view.sights) {
     if (const auto ray = lens.ray({sight.camera.x, sight.camera.y})) {
@@ -155,7 +155,7 @@ std::vector<double> lengths_off_line(const std::vector<double>& heights, const s
 // over the heights.
 std::array<std::vector<double>, 3> shifts_of(const std::vector<View>& views, const Plates& plates,
                                              const Bundle& found) {
-  const Lens lens = lens_of(found.camera);
+  const rig::Lens lens = lens_of(found.camera);
   cv::Point3d middle(0, 0, 0);
   for (const View& view : views) {
     for (const Sight& sight : view.sights) {
@@ -330,7 +330,7 @@ namespace {
 
 // What a rig says of distance and focal length. A camera that the rig only draws may have the focal length that is
 // printed on its lens; focused on the belt, the image lies a little further behind the lens than that.
-DrawnScale scale_of(const Rig& rig, double focal_px, DrawnScale scale) {
+DrawnScale scale_of(const rig::Rig& rig, double focal_px, DrawnScale scale) {
   const double focal_mm = rig.camera.focal_length_mm;
   scale.distance_mm = rig.plane_z_mm;
   scale.min_focal_px = scale.max_focal_px = focal_px;
@@ -342,12 +342,12 @@ DrawnScale scale_of(const Rig& rig, double focal_px, DrawnScale scale) {
 
 }  // namespace
 
-Plates plates_over(const Rig& rig, const Chessboard& chessboard, const std::vector<double>& heights_mm,
+Plates plates_over(const rig::Rig& rig, const Chessboard& chessboard, const std::vector<double>& heights_mm,
                    const std::vector<double>& belt_mm, const PlateTolerance& tolerance, const DrawnScale& tolerances) {
   const double side = chessboard.square_mm * (std::max(chessboard.columns, chessboard.rows) - 1);
   Plates plates(heights_mm, belt_mm, tolerance, side);
-  const Calibration drawn = calibration_of(rig);
-  const auto lens_of = [](const Lens& l) { return LensParameters{l.fx, l.fy, l.cx, l.cy}; };
+  const rig::Calibration drawn = rig::calibration_of(rig);
+  const auto lens_of = [](const rig::Lens& l) { return LensParameters{l.fx, l.fy, l.cx, l.cy}; };
   plates.camera = lens_of(drawn.camera);
   plates.projector = lens_of(drawn.projector);
   cv::Rodrigues(drawn.rotation, plates.stereo.rotation);
@@ -356,4 +356,4 @@ Plates plates_over(const Rig& rig, const Chessboard& chessboard, const std::vect
   return plates;
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::calibration

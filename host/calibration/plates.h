@@ -13,9 +13,9 @@
 
 #include "host/calibration/bundle.h"
 #include "host/calibration/chessboard.h"
-#include "host/rig/rig.h"
+#include "selfproj/rig/rig.h"
 
-namespace selfproj {
+namespace selfproj::calibration {
 
 // Where the chessboard of one view lies.
 struct PlatePlace {
@@ -78,7 +78,7 @@ void start_belt(const Plates& plates, Bundle& bundle);
 
 // How the belt lies before the camera, from chessboards on plates.
 struct BeltReport {
-  RigBeltPose pose;
+  rig::RigBeltPose pose;
   bool moved = false;                  // whether the belt moved; if not, the pose's direction is the chessboard's rows
   double plane_z_mm = 0;               // from the camera's centre, square to the belt
   double way = 0;                      // mm that the chessboard moved for each mm of the belt
@@ -101,9 +101,9 @@ BeltReport belt_report(const Plates& plates, BundleResult& result);
 // Plates over the belt of a rig (CalibrateSettings::plates), whose lenses, poses and distance are where the least
 // squares start. Heights and places of the belt are in mm, ascending; `tolerances` gives the two of DrawnScale, and the
 // rig the rest of it.
-Plates plates_over(const Rig& rig, const Chessboard& chessboard, const std::vector<double>& heights_mm,
+Plates plates_over(const rig::Rig& rig, const Chessboard& chessboard, const std::vector<double>& heights_mm,
                    const std::vector<double>& belt_mm, const PlateTolerance& tolerance, const DrawnScale& tolerances);
 
-}  // namespace selfproj
+}  // namespace selfproj::calibration
 
 #endif  // SELFPROJ_HOST_CALIBRATION_PLATES_H

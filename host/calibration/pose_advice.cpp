@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-namespace selfproj {
+namespace selfproj::calibration {
 namespace {
 
 constexpr std::array<const char*, PoseAdvice::kSide* PoseAdvice::kSide> kPartNames = {
@@ -136,4 +136,4 @@ std::string PoseAdvice::next() const {
       kPartNames.at(next_part()), kLeanNames.at(lean), kOpposite.at(lean));
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::calibration

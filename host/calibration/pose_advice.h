@@ -8,7 +8,7 @@
 
 #include "host/calibration/calibrate.h"
 
-namespace selfproj {
+namespace selfproj::calibration {
 
 // Which side of a chessboard, as seen in the image, is further from the camera than the opposite side.
 enum class Lean { none, left, right, upper, lower };
@@ -54,6 +54,6 @@ class PoseAdvice {
   std::array<int, kLeans> leans_{};
 };
 
-}  // namespace selfproj
+}  // namespace selfproj::calibration
 
 #endif  // SELFPROJ_HOST_CALIBRATION_POSE_ADVICE_H

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-namespace selfproj {
+namespace selfproj::calibration {
 namespace {
 
 // The corners of one view for OpenCV; `place` selects the pixels.
@@ -215,4 +215,4 @@ Pose chessboard_pose(const View& view, const LensParameters& camera) {
   return pose_of(view, camera, &Sight::camera, false).value_or(Pose{});
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::calibration

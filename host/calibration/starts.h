@@ -8,7 +8,7 @@
 #include "host/calibration/bundle.h"
 #include "host/calibration/plates.h"
 
-namespace selfproj {
+namespace selfproj::calibration {
 
 // Several starts, the likeliest first: lenses without distortion that differ in focal length and principal point, and
 // the poses that follow from them; the last has every chessboard leaning the other way, which looks the same where
@@ -27,6 +27,6 @@ std::vector<Bundle> camera_starts(const std::vector<View>& views, cv::Size camer
 // The pose of one view in front of a camera; the translation has z <= 0 if there is none.
 Pose chessboard_pose(const View& view, const LensParameters& camera);
 
-}  // namespace selfproj
+}  // namespace selfproj::calibration
 
 #endif  // SELFPROJ_HOST_CALIBRATION_STARTS_H

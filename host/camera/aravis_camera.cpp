@@ -17,9 +17,9 @@
 #include "host/camera/open_camera.h"
 #include "host/camera/pixel_format.h"
 #include "host/driver/clock.h"
-#include "host/files/user_error.h"
+#include "selfproj/files/user_error.h"
 
-namespace selfproj {
+namespace selfproj::camera {
 namespace {
 
 struct Unref {
@@ -181,9 +181,9 @@ class AravisCamera final : public FormattedCamera {
 
   bool next(CameraImage& image, std::chrono::nanoseconds timeout) override {
     give_back();
-    const std::int64_t started = now_ns();
+    const std::int64_t started = driver::now_ns();
     for (;;) {
-      const std::int64_t rest = std::max<std::int64_t>(timeout.count() - (now_ns() - started), 0);
+      const std::int64_t rest = std::max<std::int64_t>(timeout.count() - (driver::now_ns() - started), 0);
       held_ = rest < 1000 ? arv_stream_try_pop_buffer(stream_.get())
                           : arv_stream_timeout_pop_buffer(stream_.get(), static_cast<guint64>(rest / 1000));
       if (held_ == nullptr) {
@@ -361,7 +361,7 @@ class AravisCamera final : public FormattedCamera {
     }
     image.time_ns = last_time_;
     const std::int64_t age = image.complete ? std::max<std::int64_t>(g_get_real_time() * 1000 - system, 0) : 0;
-    image.arrival_ns = now_ns() - age;
+    image.arrival_ns = driver::now_ns() - age;
     return true;
   }
 
@@ -403,4 +403,4 @@ std::vector<CameraEntry> list_aravis_cameras() {
 
 std::unique_ptr<Camera> open_aravis_camera(const CameraUri& uri) { return std::make_unique<AravisCamera>(uri); }
 
-}  // namespace selfproj
+}  // namespace selfproj::camera

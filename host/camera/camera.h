@@ -13,13 +13,13 @@
 #include <cstdint>
 #include <string>
 
-#include "model/column_moments.h"
+#include "selfproj/model/column_moments.h"
 
-namespace selfproj {
+namespace selfproj::camera {
 
 // An image of the camera, in 8 bits.
 struct CameraImage {
-  ImageView view;               // valid until the next call of next() or stop()
+  model::ImageView view;        // valid until the next call of next() or stop()
   std::uint64_t number = 0;     // the camera's own number, without its wrap; from 0 at the first image after start()
   std::int64_t time_ns = 0;     // the camera's clock when it took the image; it never runs backwards
   std::int64_t arrival_ns = 0;  // when it came in, by the clock of driver/clock.h
@@ -69,6 +69,6 @@ class Camera {
   [[nodiscard]] virtual const std::string& uri() const = 0;
 };
 
-}  // namespace selfproj
+}  // namespace selfproj::camera
 
 #endif  // SELFPROJ_HOST_CAMERA_CAMERA_H

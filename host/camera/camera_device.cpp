@@ -14,18 +14,18 @@
 #include "host/camera/open_camera.h"
 #include "host/camera/software_board.h"
 #include "host/driver/clock.h"
-#include "host/driver/counters.h"
-#include "host/driver/device.h"
 #include "host/driver/device_kinds.h"
-#include "host/driver/packet_reader.h"
-#include "host/files/user_error.h"
-#include "model/pixel_clock.h"
+#include "selfproj/driver/counters.h"
+#include "selfproj/driver/device.h"
+#include "selfproj/driver/packet_reader.h"
+#include "selfproj/files/user_error.h"
+#include "selfproj/model/pixel_clock.h"
 
-namespace selfproj {
+namespace selfproj::camera {
 namespace {
 
-BoardSettings board_settings(const Camera& camera, const CameraBoardSettings& given) {
-  BoardSettings board;
+model::BoardSettings board_settings(const Camera& camera, const CameraBoardSettings& given) {
+  model::BoardSettings board;
   board.rows = camera.rows();
   board.columns = camera.columns();
   board.mode = given.mode.value_or(board.mode);
@@ -53,34 +53,34 @@ SoftwareBoard make_board(const Camera& camera, const CameraBoardSettings& given)
   }
 }
 
-class CameraDevice final : public TalliedDevice {
+class CameraDevice final : public driver::TalliedDevice {
  public:
-  CameraDevice(std::unique_ptr<Camera> camera, const CameraBoardSettings& board, const DeviceOptions& options)
-      : TalliedDevice(camera->uri(), options),
+  CameraDevice(std::unique_ptr<Camera> camera, const CameraBoardSettings& board, const driver::DeviceOptions& options)
+      : driver::TalliedDevice(camera->uri(), options),
         camera_(std::move(camera)),
         board_(make_board(*camera_, board)),
         patterns_(static_cast<std::uint64_t>(board.patterns.value_or(board.code_bits ? 2 * *board.code_bits : 1))),
-        clock_hz_(static_cast<std::uint64_t>(std::llround(board.pixel_clock_hz.value_or(kDefaultPixelClockHz)))),
-        polls_(options.wait == Wait::polling) {
+        clock_hz_(static_cast<std::uint64_t>(std::llround(board.pixel_clock_hz.value_or(model::kDefaultPixelClockHz)))),
+        polls_(options.wait == driver::Wait::polling) {
     camera_->start();
   }
 
-  Next next(PacketView& packet, std::chrono::nanoseconds timeout) override {
-    const std::int64_t started = now_ns();
+  driver::Next next(model::PacketView& packet, std::chrono::nanoseconds timeout) override {
+    const std::int64_t started = driver::now_ns();
     for (;;) {
       while (board_.next(packet)) {
         if (tally_.deliver(packet)) {
-          return Next::packet;
+          return driver::Next::packet;
         }
       }
-      const std::chrono::nanoseconds rest(timeout.count() - (now_ns() - started));
+      const std::chrono::nanoseconds rest(timeout.count() - (driver::now_ns() - started));
       CameraImage image;
       if (camera_->next(image, polls_ ? std::chrono::nanoseconds(0) : rest)) {
         submit(image);
       } else if (rest.count() <= 0 || !polls_) {
-        return Next::timeout;
+        return driver::Next::timeout;
       } else {
-        relax();
+        driver::relax();
       }
     }
   }
@@ -114,13 +114,13 @@ void fill(std::optional<T>& value, const std::optional<T>& by_default) {
 
 }  // namespace
 
-std::unique_ptr<Device> make_camera_device(std::unique_ptr<Camera> camera, const CameraBoardSettings& board,
-                                           const DeviceOptions& options) {
+std::unique_ptr<driver::Device> make_camera_device(std::unique_ptr<Camera> camera, const CameraBoardSettings& board,
+                                                   const driver::DeviceOptions& options) {
   return std::make_unique<CameraDevice>(std::move(camera), board, options);
 }
 
-CameraDefaults camera_of_rig(const Rig& rig, const Measure& measure) {
-  return {.region = ImagePart{.columns = rig.camera.columns, .rows = rig.camera.rows},
+CameraDefaults camera_of_rig(const rig::Rig& rig, const model::Measure& measure) {
+  return {.region = images::ImagePart{.columns = rig.camera.columns, .rows = rig.camera.rows},
           .board = {.mode = measure.mode,
                     .threshold = measure.threshold,
                     .select = measure.select,
@@ -129,10 +129,10 @@ CameraDefaults camera_of_rig(const Rig& rig, const Measure& measure) {
                     .pixel_clock_hz = rig.pixel_clock_hz()}};
 }
 
-std::unique_ptr<Device> open_any_device(const std::string& uri, const DeviceOptions& options,
-                                        const CameraDefaults& defaults) {
+std::unique_ptr<driver::Device> open_any_device(const std::string& uri, const driver::DeviceOptions& options,
+                                                const CameraDefaults& defaults) {
   if (!is_camera_uri(uri)) {
-    return open_device(uri, options);
+    return driver::open_device(uri, options);
   }
   CameraUri camera = parse_camera_uri(uri);
   fill(camera.camera.region, defaults.region);
@@ -148,4 +148,4 @@ std::unique_ptr<Device> open_any_device(const std::string& uri, const DeviceOpti
   return make_camera_device(open_camera(camera), board, options);
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::camera

@@ -15,13 +15,13 @@
 
 #include "host/camera/pixel_format.h"
 #include "host/files/numbers.h"
-#include "host/files/user_error.h"
 #include "host/images/frame_options.h"
-#include "model/gray_decoder.h"
-#include "model/pixel_clock.h"
-#include "model/spec/generated/selfproj_spec.h"
+#include "selfproj/files/user_error.h"
+#include "selfproj/model/generated/selfproj_spec.h"
+#include "selfproj/model/gray_decoder.h"
+#include "selfproj/model/pixel_clock.h"
 
-namespace selfproj {
+namespace selfproj::camera {
 namespace {
 
 constexpr int kMaxSide = 1 << 15;
@@ -37,7 +37,7 @@ struct Refusal {
 
 template <class T>
 T number_in(const std::string& text, T min, T max) {
-  const std::optional<T> value = number_of_text<T>(text);
+  const std::optional<T> value = files::number_of_text<T>(text);
   if (!value || *value < min || *value > max) {
     throw Refusal{
         fmt::format("is not a {} from {} to {}", std::is_integral_v<T> ? "whole number" : "number", min, max)};
@@ -46,7 +46,7 @@ T number_in(const std::string& text, T min, T max) {
 }
 
 double positive(const std::string& text) {
-  const std::optional<double> value = number_of_text<double>(text);
+  const std::optional<double> value = files::number_of_text<double>(text);
   if (!value || *value <= 0 || *value > 1e9) {
     throw Refusal{"is not a number above 0, up to 1e9"};
   }
@@ -68,9 +68,9 @@ std::string name_in(const std::string& text, const std::vector<std::string>& nam
 }
 
 // "512x96", or "512x96+LEFT+TOP".
-ImagePart region_of_text(const std::string& text) {
+images::ImagePart region_of_text(const std::string& text) {
   const bool whole = text.find('+') == std::string::npos;
-  const std::optional<ImagePart> region = image_part(whole ? text + "+0+0" : text, kMaxSide);
+  const std::optional<images::ImagePart> region = images::image_part(whole ? text + "+0+0" : text, kMaxSide);
   if (!region) {
     throw Refusal{"is not a region such as 512x96 or 512x96+64+20"};
   }
@@ -97,7 +97,7 @@ constexpr std::array<Key, 21> kKeys = {{
      [](CameraUri& uri, const std::string& text) { uri.camera.format = name_in(text, pixel_format_names()); }},
     {"channel", "NAME", "red, green, blue or grey, of a colour format; a colour filter halves both sides",
      [](CameraUri& uri, const std::string& text) {
-       uri.camera.channel = channel_of(name_in(text, {"red", "green", "blue", "grey"}));
+       uri.camera.channel = images::channel_of(name_in(text, {"red", "green", "blue", "grey"}));
      }},
     {"trigger", "NAME", "free, software, or an input of the camera such as Line1",
      [](CameraUri& uri, const std::string& text) { uri.camera.trigger = text; }},
@@ -109,17 +109,23 @@ constexpr std::array<Key, 21> kKeys = {{
     {"buffers", "N", "images that wait in memory until they are taken",
      [](CameraUri& uri, const std::string& text) { uri.camera.buffers = number_in(text, 2, kMaxBuffers); }},
     {"mode", "NAME", "binary, grey or grey-over",
-     [](CameraUri& uri, const std::string& text) { uri.board.mode = mode_of(name_in(text, mode_names())); }},
+     [](CameraUri& uri, const std::string& text) {
+       uri.board.mode = images::mode_of(name_in(text, images::mode_names()));
+     }},
     {"threshold", "N", "a pixel is lit if it is greater",
      [](CameraUri& uri, const std::string& text) { uri.board.threshold = number_in(text, 0, UINT8_MAX); }},
     {"select", "NAME", "all, or strongest for the strongest run of each column",
-     [](CameraUri& uri, const std::string& text) { uri.board.select = select_of(name_in(text, select_names())); }},
+     [](CameraUri& uri, const std::string& text) {
+       uri.board.select = images::select_of(name_in(text, images::select_names()));
+     }},
     {"gap", "N", "dark rows within a run",
-     [](CameraUri& uri, const std::string& text) { uri.board.gap = number_in(text, 0, kMaxGap); }},
+     [](CameraUri& uri, const std::string& text) { uri.board.gap = number_in(text, 0, model::kMaxGap); }},
     {"rows", "A..B", "rows that count, from 1",
-     [](CameraUri& uri, const std::string& text) { uri.board.window = rows_of_text("rows", text); }},
+     [](CameraUri& uri, const std::string& text) { uri.board.window = images::rows_of_text("rows", text); }},
     {"codes", "BITS", "decode Gray codes of so many bits",
-     [](CameraUri& uri, const std::string& text) { uri.board.code_bits = number_in(text, 1, GrayDecoder::kMaxBits); }},
+     [](CameraUri& uri, const std::string& text) {
+       uri.board.code_bits = number_in(text, 1, model::GrayDecoder::kMaxBits);
+     }},
     {"code-threshold", "N", "difference below which a pair is ambiguous",
      [](CameraUri& uri, const std::string& text) { uri.board.code_threshold = number_in(text, 0, UINT8_MAX); }},
     {"patterns", "N", "patterns that follow each other with the images",
@@ -128,7 +134,7 @@ constexpr std::array<Key, 21> kKeys = {{
      [](CameraUri& uri, const std::string& text) { uri.board.stream = number_in(text, 0, UINT8_MAX); }},
     {"pixel-clock-hz", "NUMBER", "clock in which time stamps count",
      [](CameraUri& uri, const std::string& text) {
-       uri.board.pixel_clock_hz = number_in(text, kMinPixelClockHz, kMaxPixelClockHz);
+       uri.board.pixel_clock_hz = number_in(text, model::kMinPixelClockHz, model::kMaxPixelClockHz);
      }},
     {"median", "yes|no", "codes pass through the 3 x 3 median",
      [](CameraUri& uri, const std::string& text) { uri.board.median = yes(text); }},
@@ -189,4 +195,4 @@ std::vector<std::string> camera_uri_help() {
   return lines;
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::camera

@@ -12,19 +12,19 @@
 #include <vector>
 
 #include "host/images/image_files.h"
-#include "model/column_moments.h"
-#include "model/column_runs.h"
+#include "selfproj/model/column_moments.h"
+#include "selfproj/model/column_runs.h"
 
-namespace selfproj {
+namespace selfproj::camera {
 
 // What is not given stays as the camera has it. Its automatics of exposure and gain are switched off in any case.
 struct CameraParameters {
   std::optional<double> exposure_us;
   std::optional<double> gain;
-  std::optional<double> rate;       // images a second, where nothing triggers the camera
-  std::optional<ImagePart> region;  // of the sensor
-  std::string format;               // pixel_format.h; empty: Mono8, or for V4L2 the luminance of what it has
-  std::optional<Channel> channel;   // where the format has colours
+  std::optional<double> rate;               // images a second, where nothing triggers the camera
+  std::optional<images::ImagePart> region;  // of the sensor
+  std::string format;                       // pixel_format.h; empty: Mono8, or for V4L2 the luminance of what it has
+  std::optional<images::Channel> channel;   // where the format has colours
   std::string trigger;              // free, software, or the name of the camera's input, such as Line1; empty: free
   std::optional<int> packet_bytes;  // GigE; as the camera has it unless given
   int buffers = 64;                 // images that wait in memory until they are taken
@@ -32,11 +32,11 @@ struct CameraParameters {
 
 // Settings of the board in software, as the registers of a board have them.
 struct CameraBoardSettings {
-  std::optional<Mode> mode = {};
+  std::optional<model::Mode> mode = {};
   std::optional<int> threshold = {};
-  std::optional<Select> select = {};
+  std::optional<model::Select> select = {};
   std::optional<int> gap = {};
-  std::optional<RowWindow> window = {};
+  std::optional<model::RowWindow> window = {};
   std::optional<int> code_bits = {};  // given: Gray codes are decoded
   std::optional<int> code_threshold = {};
   std::optional<int> patterns = {};  // patterns that follow each other; image k shows pattern k modulo this
@@ -62,6 +62,6 @@ CameraUri parse_camera_uri(const std::string& text);
 // A line for each key: "exposure-us=NUMBER" and what it means. For the help of commands.
 std::vector<std::string> camera_uri_help();
 
-}  // namespace selfproj
+}  // namespace selfproj::camera
 
 #endif  // SELFPROJ_HOST_CAMERA_CAMERA_URI_H

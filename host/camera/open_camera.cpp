@@ -8,9 +8,9 @@
 #include <span>
 #include <vector>
 
-#include "host/files/user_error.h"
+#include "selfproj/files/user_error.h"
 
-namespace selfproj {
+namespace selfproj::camera {
 
 void FormattedCamera::check_region() const {
   if (settings_.region && (settings_.region->columns != raw_columns_ || settings_.region->rows != raw_rows_)) {
@@ -67,4 +67,4 @@ std::unique_ptr<Camera> open_aravis_camera(const CameraUri& uri) {
 
 #endif
 
-}  // namespace selfproj
+}  // namespace selfproj::camera

@@ -16,7 +16,7 @@
 #include "host/camera/pixel_format.h"
 #include "host/driver/device_port.h"
 
-namespace selfproj {
+namespace selfproj::camera {
 
 struct CameraEntry {
   std::string uri;      // for --device and --camera
@@ -83,8 +83,8 @@ std::vector<CameraEntry> list_v4l2_cameras();
 std::unique_ptr<Camera> open_v4l2_camera(const CameraUri& uri);
 
 // The same on a port that is open.
-std::unique_ptr<Camera> open_v4l2_camera(const CameraUri& uri, std::unique_ptr<DevicePort> port);
+std::unique_ptr<Camera> open_v4l2_camera(const CameraUri& uri, std::unique_ptr<driver::DevicePort> port);
 
-}  // namespace selfproj
+}  // namespace selfproj::camera
 
 #endif  // SELFPROJ_HOST_CAMERA_OPEN_CAMERA_H

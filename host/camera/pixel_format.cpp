@@ -12,7 +12,7 @@
 #include <string_view>
 #include <vector>
 
-namespace selfproj {
+namespace selfproj::camera {
 namespace {
 
 constexpr std::array<PixelFormat, 24> kPixelFormats = {{
@@ -81,7 +81,7 @@ void grey8_line(const PixelFormat& format, const std::uint8_t* raw, std::size_t 
   }
 }
 
-void colour_line(const PixelFormat& format, Channel channel, const std::uint8_t* raw, std::size_t count,
+void colour_line(const PixelFormat& format, images::Channel channel, const std::uint8_t* raw, std::size_t count,
                  std::uint8_t* out) {
   const std::size_t red = format.layout == Layout::rgb ? 0 : 2;
   for (std::size_t i = 0; i < count; ++i) {
@@ -90,13 +90,13 @@ void colour_line(const PixelFormat& format, Channel channel, const std::uint8_t*
     const unsigned g = pixel[1];
     const unsigned b = pixel[2 - red];
     switch (channel) {
-      case Channel::red:
+      case images::Channel::red:
         out[i] = narrow(r);
         break;
-      case Channel::green:
+      case images::Channel::green:
         out[i] = narrow(g);
         break;
-      case Channel::blue:
+      case images::Channel::blue:
         out[i] = narrow(b);
         break;
       default:  // the weights of BT.601 in 2^-16, rounded
@@ -107,17 +107,17 @@ void colour_line(const PixelFormat& format, Channel channel, const std::uint8_t*
 }
 
 // A line of cells, from two lines of 8-bit values.
-void bayer_line(std::string_view bayer, Channel channel, const std::uint8_t* upper, const std::uint8_t* lower,
+void bayer_line(std::string_view bayer, images::Channel channel, const std::uint8_t* upper, const std::uint8_t* lower,
                 std::size_t count, std::uint8_t* out) {
   for (std::size_t i = 0; i < count; ++i) {
     const std::array<unsigned, 4> cell = {upper[2 * i], upper[2 * i + 1], lower[2 * i], lower[2 * i + 1]};
-    if (channel == Channel::grey) {
+    if (channel == images::Channel::grey) {
       out[i] = narrow((cell[0] + cell[1] + cell[2] + cell[3] + 2) / 4);
-    } else if (channel == Channel::green) {
+    } else if (channel == images::Channel::green) {
       const std::size_t first = bayer[0] == 'G' ? 0 : 1;  // the other one is opposite
       out[i] = narrow((cell[first] + cell[3 - first] + 1) / 2);
     } else {
-      out[i] = narrow(cell[bayer.find(channel == Channel::red ? 'R' : 'B')]);
+      out[i] = narrow(cell[bayer.find(channel == images::Channel::red ? 'R' : 'B')]);
     }
   }
 }
@@ -166,15 +166,15 @@ std::size_t line_bytes(const PixelFormat& format, int columns) {
 
 bool is_plain(const PixelFormat& format) { return format.layout == Layout::bytes && format.bayer.empty(); }
 
-void to_grey8(const PixelFormat& format, std::optional<Channel> channel, std::span<const std::uint8_t> raw, int rows,
-              int columns, std::size_t stride, std::uint8_t* out) {
+void to_grey8(const PixelFormat& format, std::optional<images::Channel> channel, std::span<const std::uint8_t> raw,
+              int rows, int columns, std::size_t stride, std::uint8_t* out) {
   const auto lines = static_cast<std::size_t>(rows);
   const auto count = static_cast<std::size_t>(columns);
   if (rows < 1 || columns < 1 || stride < line_bytes(format, columns) ||
       raw.size() < (lines - 1) * stride + line_bytes(format, columns)) {
     throw std::invalid_argument("pixel format: the image is too short");
   }
-  if (needs_channel(format) && (!channel || *channel == Channel::red_difference)) {
+  if (needs_channel(format) && (!channel || *channel == images::Channel::red_difference)) {
     throw std::invalid_argument("pixel format: a channel is missing");
   }
   if (!format.bayer.empty()) {
@@ -196,4 +196,4 @@ void to_grey8(const PixelFormat& format, std::optional<Channel> channel, std::sp
   }
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::camera

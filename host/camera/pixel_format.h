@@ -12,7 +12,7 @@
 
 #include "host/images/image_files.h"
 
-namespace selfproj {
+namespace selfproj::camera {
 
 enum class Layout : std::uint8_t {
   bytes,        // one byte a pixel
@@ -60,9 +60,9 @@ bool is_plain(const PixelFormat& format);
 // BT.601.
 //
 // Throws std::invalid_argument if raw is too short for `rows` lines, or the channel is missing or red_difference.
-void to_grey8(const PixelFormat& format, std::optional<Channel> channel, std::span<const std::uint8_t> raw, int rows,
-              int columns, std::size_t stride, std::uint8_t* out);
+void to_grey8(const PixelFormat& format, std::optional<images::Channel> channel, std::span<const std::uint8_t> raw,
+              int rows, int columns, std::size_t stride, std::uint8_t* out);
 
-}  // namespace selfproj
+}  // namespace selfproj::camera
 
 #endif  // SELFPROJ_HOST_CAMERA_PIXEL_FORMAT_H

@@ -5,28 +5,29 @@
 #include <cstdint>
 #include <stdexcept>
 
-#include "host/light_section/fast_moments.h"
-#include "model/packet_payload.h"
-#include "model/spec/generated/selfproj_spec.h"
+#include "selfproj/light_section/fast_moments.h"
+#include "selfproj/model/generated/selfproj_spec.h"
+#include "selfproj/model/packet_payload.h"
 
-namespace selfproj {
+namespace selfproj::camera {
 namespace {
 
-PacketHeader header_of(const BoardSettings& settings) {
-  PacketHeader header;
+model::PacketHeader header_of(const model::BoardSettings& settings) {
+  model::PacketHeader header;
   header.stream = static_cast<std::uint8_t>(settings.stream);
-  describe_frame(header, settings.rows, settings.columns, settings.measure());
+  model::describe_frame(header, settings.rows, settings.columns, settings.measure());
   return header;
 }
 
 bool within(int value, int min, int max) { return value >= min && value <= max; }
 
-void check_settings(const BoardSettings& settings) {
+void check_settings(const model::BoardSettings& settings) {
   const bool good = within(settings.columns, spec::kPixelsPerBeat, spec::kMaxColumns) &&
                     settings.columns % spec::kPixelsPerBeat == 0 && within(settings.rows, 1, spec::kMaxRows) &&
-                    is_known(settings.mode) && is_known(settings.select) && within(settings.threshold, 0, UINT8_MAX) &&
-                    within(settings.gap, 0, kMaxGap) && within(settings.stream, 0, UINT8_MAX) &&
-                    within(settings.window.first, 0, spec::kMaxRows) && within(settings.window.last, 0, spec::kMaxRows);
+                    model::is_known(settings.mode) && model::is_known(settings.select) &&
+                    within(settings.threshold, 0, UINT8_MAX) && within(settings.gap, 0, model::kMaxGap) &&
+                    within(settings.stream, 0, UINT8_MAX) && within(settings.window.first, 0, spec::kMaxRows) &&
+                    within(settings.window.last, 0, spec::kMaxRows);
   if (!good) {
     throw std::invalid_argument("software board: a setting is out of range");
   }
@@ -34,31 +35,31 @@ void check_settings(const BoardSettings& settings) {
 
 }  // namespace
 
-SoftwareBoard::SoftwareBoard(const BoardSettings& settings)
+SoftwareBoard::SoftwareBoard(const model::BoardSettings& settings)
     : settings_(settings), measure_(settings.measure()), header_(header_of(settings)) {
   check_settings(settings);
   runs_.resize(settings.select, settings.columns);
   const auto rows = static_cast<std::size_t>(settings.rows);
   const std::size_t pixels = rows * static_cast<std::size_t>(settings.columns);
-  const std::size_t moments_bytes = moments_payload_bytes(settings.mode, settings.columns);
+  const std::size_t moments_bytes = model::moments_payload_bytes(settings.mode, settings.columns);
   std::size_t packets = 1;
-  std::size_t bytes = packet_bytes(moments_bytes);
+  std::size_t bytes = model::packet_bytes(moments_bytes);
   payload_.resize(moments_bytes);
   if (settings.image) {
-    const std::size_t line = image_line_payload_bytes(settings.columns);
+    const std::size_t line = model::image_line_payload_bytes(settings.columns);
     packets += rows;
-    bytes += rows * packet_bytes(line);
+    bytes += rows * model::packet_bytes(line);
     payload_.resize(std::max(payload_.size(), line));
   }
   if (settings.codes) {
-    const std::size_t line = codes_line_payload_bytes(settings.columns);
+    const std::size_t line = model::codes_line_payload_bytes(settings.columns);
     packets += rows;
-    bytes += rows * packet_bytes(line);
+    bytes += rows * model::packet_bytes(line);
     payload_.resize(std::max(payload_.size(), line));
-    decoder_.emplace(GraySettings{.rows = settings.rows,
-                                  .columns = settings.columns,
-                                  .bits = settings.code_bits,
-                                  .threshold = settings.code_threshold});
+    decoder_.emplace(model::GraySettings{.rows = settings.rows,
+                                         .columns = settings.columns,
+                                         .bits = settings.code_bits,
+                                         .threshold = settings.code_threshold});
     if (settings.median) {
       median_.emplace(settings.columns);
     }
@@ -69,14 +70,15 @@ SoftwareBoard::SoftwareBoard(const BoardSettings& settings)
   bytes_.reserve(bytes);
 }
 
-void SoftwareBoard::process(const ImageView& image, bool complete, std::uint64_t sequence, const BoardInputs& inputs) {
+void SoftwareBoard::process(const model::ImageView& image, bool complete, std::uint64_t sequence,
+                            const model::BoardInputs& inputs) {
   if (complete && (image.rows != settings_.rows || image.columns != settings_.columns || image.pixels == nullptr)) {
     throw std::invalid_argument("software board: the image has another size");
   }
   places_.clear();
   bytes_.clear();
   given_ = 0;
-  PacketHeader header = header_;
+  model::PacketHeader header = header_;
   header.sequence = sequence;
   header.time_stamp = inputs.clock;
   header.encoder = inputs.encoder;
@@ -96,7 +98,7 @@ void SoftwareBoard::process(const ImageView& image, bool complete, std::uint64_t
   }
 }
 
-bool SoftwareBoard::next(PacketView& packet) {
+bool SoftwareBoard::next(model::PacketView& packet) {
   if (given_ == places_.size()) {
     return false;
   }
@@ -108,26 +110,26 @@ bool SoftwareBoard::next(PacketView& packet) {
   return true;
 }
 
-void SoftwareBoard::send(PacketHeader header, std::size_t payload_bytes, std::uint32_t status) {
+void SoftwareBoard::send(model::PacketHeader header, std::size_t payload_bytes, std::uint32_t status) {
   header.payload_size = static_cast<std::uint32_t>(payload_bytes);
   const std::size_t begin = bytes_.size();
-  append_packet(header, {payload_.data(), payload_bytes}, status, bytes_);
+  model::append_packet(header, {payload_.data(), payload_bytes}, status, bytes_);
   places_.push_back({.header = header, .begin = begin, .size = bytes_.size() - begin, .status = status});
 }
 
-void SoftwareBoard::send_moments(const ImageView& image, const PacketHeader& header) {
-  const RunsView view = runs_.view();
-  fast_measure_columns(image, measure_, view);
-  pack_columns(measure_.select, measure_.mode, image.columns, view, payload_.data());
-  PacketHeader moments = header;
+void SoftwareBoard::send_moments(const model::ImageView& image, const model::PacketHeader& header) {
+  const model::RunsView view = runs_.view();
+  light_section::fast_measure_columns(image, measure_, view);
+  model::pack_columns(measure_.select, measure_.mode, image.columns, view, payload_.data());
+  model::PacketHeader moments = header;
   moments.kind = spec::kKindMoments;
-  send(moments, moments_payload_bytes(measure_.mode, image.columns), 0);
+  send(moments, model::moments_payload_bytes(measure_.mode, image.columns), 0);
 }
 
-void SoftwareBoard::send_image(const ImageView& image, PacketHeader header) {
+void SoftwareBoard::send_image(const model::ImageView& image, model::PacketHeader header) {
   header.kind = spec::kKindImage;
   header.lines = 1;
-  const std::size_t bytes = image_line_payload_bytes(image.columns);
+  const std::size_t bytes = model::image_line_payload_bytes(image.columns);
   for (int row = 0; row < image.rows; ++row) {
     header.first_line = static_cast<std::uint16_t>(row + 1);
     std::uint8_t* const end = std::copy_n(image.pixels + row * image.stride, image.columns, payload_.data());
@@ -137,7 +139,7 @@ void SoftwareBoard::send_image(const ImageView& image, PacketHeader header) {
 }
 
 // Returns whether codes are due, which are then in codes_.
-bool SoftwareBoard::decode(const ImageView& image, bool complete, int pattern) {
+bool SoftwareBoard::decode(const model::ImageView& image, bool complete, int pattern) {
   if (!decoder_) {
     return false;
   }
@@ -145,7 +147,7 @@ bool SoftwareBoard::decode(const ImageView& image, bool complete, int pattern) {
     decoder_->restart();
     return false;
   }
-  ImageView kept = image;
+  model::ImageView kept = image;
   if (pattern % 2 == 0) {
     kept = {positive_.data(), image.rows, image.columns, image.columns};
     for (int row = 0; row < image.rows; ++row) {
@@ -159,22 +161,22 @@ bool SoftwareBoard::decode(const ImageView& image, bool complete, int pattern) {
   if (median_) {
     median_->filter(decoder_->codes(), codes_.data());
   } else {
-    code_words(decoder_->codes(), codes_.data());
+    structured_light::code_words(decoder_->codes(), codes_.data());
   }
   return true;
 }
 
-void SoftwareBoard::send_codes(PacketHeader header) {
+void SoftwareBoard::send_codes(model::PacketHeader header) {
   header.kind = spec::kKindCodes;
   header.lines = 1;
-  const std::size_t bytes = codes_line_payload_bytes(settings_.columns);
+  const std::size_t bytes = model::codes_line_payload_bytes(settings_.columns);
   std::fill(payload_.begin(), payload_.end(), std::uint8_t{0});
   for (int row = 0; row < settings_.rows; ++row) {
     header.first_line = static_cast<std::uint16_t>(row + 1);
-    pack_codes(settings_.columns, codes_.data() + static_cast<std::ptrdiff_t>(row) * settings_.columns,
-               payload_.data());
+    model::pack_codes(settings_.columns, codes_.data() + static_cast<std::ptrdiff_t>(row) * settings_.columns,
+                      payload_.data());
     send(header, bytes, 0);
   }
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::camera

@@ -24,10 +24,10 @@
 #include "host/camera/pixel_format.h"
 #include "host/driver/clock.h"
 #include "host/files/file_descriptor.h"
-#include "host/files/user_error.h"
 #include "host/images/natural_order.h"
+#include "selfproj/files/user_error.h"
 
-namespace selfproj {
+namespace selfproj::camera {
 namespace {
 
 struct FourCc {
@@ -56,7 +56,7 @@ std::string text_of_array(const __u8* text, std::size_t size) {
 }
 
 // What the device says of itself, if it gives images through mapped memory.
-std::optional<v4l2_capability> capability_of(DevicePort& port) {
+std::optional<v4l2_capability> capability_of(driver::DevicePort& port) {
   v4l2_capability capability{};
   if (port.control(VIDIOC_QUERYCAP, &capability) != 0) {
     return std::nullopt;
@@ -69,7 +69,7 @@ std::optional<v4l2_capability> capability_of(DevicePort& port) {
 
 class V4l2Camera final : public FormattedCamera {
  public:
-  V4l2Camera(const CameraUri& uri, std::unique_ptr<DevicePort> port)
+  V4l2Camera(const CameraUri& uri, std::unique_ptr<driver::DevicePort> port)
       : FormattedCamera(uri, uri.camera), port_(std::move(port)) {
     if (!capability_of(*port_)) {
       throw UserError(uri_, "gives no images through the interface V4L2");
@@ -122,7 +122,7 @@ class V4l2Camera final : public FormattedCamera {
     if (held_) {
       give(*std::exchange(held_, std::nullopt));
     }
-    const std::int64_t started = now_ns();
+    const std::int64_t started = driver::now_ns();
     for (;;) {
       v4l2_buffer buffer{};
       buffer.type = kCapture;
@@ -137,7 +137,7 @@ class V4l2Camera final : public FormattedCamera {
       if (error != EAGAIN) {
         check(error, error == ENODEV ? "the camera has gone" : "no further image");
       }
-      const std::int64_t rest = timeout.count() - (now_ns() - started);
+      const std::int64_t rest = timeout.count() - (driver::now_ns() - started);
       if (rest <= 0 || !port_->wait(std::chrono::nanoseconds(rest))) {
         return false;
       }
@@ -147,7 +147,7 @@ class V4l2Camera final : public FormattedCamera {
  private:
   void check(int error, const std::string& what) const {
     if (error != 0) {
-      throw UserError(uri_, what + ": " + error_text(error));
+      throw UserError(uri_, what + ": " + files::error_text(error));
     }
   }
 
@@ -280,7 +280,7 @@ class V4l2Camera final : public FormattedCamera {
       check(port_->control(VIDIOC_QUERYBUF, &buffer), "memory of images");
       const std::uint8_t* const bytes = port_->map(buffer.length, buffer.m.offset);
       if (bytes == nullptr) {
-        throw UserError(uri_, "memory of images: " + error_text(errno));
+        throw UserError(uri_, "memory of images: " + files::error_text(errno));
       }
       buffers_.emplace_back(bytes, buffer.length);
     }
@@ -322,7 +322,7 @@ class V4l2Camera final : public FormattedCamera {
     const std::size_t needed = (static_cast<std::size_t>(raw_rows_) - 1) * stride_ + line_bytes(format_, raw_columns_);
     image.number = *number;
     describe(image, raw.first(size), stride_, (buffer.flags & V4L2_BUF_FLAG_ERROR) == 0 && size >= needed);
-    const std::int64_t now = now_ns();
+    const std::int64_t now = driver::now_ns();
     const bool monotonic = (buffer.flags & V4L2_BUF_FLAG_TIMESTAMP_MASK) == V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC;
     const std::int64_t taken =
         monotonic ? std::int64_t{buffer.timestamp.tv_sec} * 1'000'000'000 + buffer.timestamp.tv_usec * 1000 : now;
@@ -332,7 +332,7 @@ class V4l2Camera final : public FormattedCamera {
     return true;
   }
 
-  std::unique_ptr<DevicePort> port_;
+  std::unique_ptr<driver::DevicePort> port_;
   std::size_t stride_ = 0;
   std::vector<std::pair<std::uint32_t, std::int32_t>> before_;  // controls as they were found
   std::vector<std::span<const std::uint8_t>> buffers_;
@@ -350,12 +350,12 @@ std::vector<CameraEntry> list_v4l2_cameras() {
       paths.push_back(entry.path().string());
     }
   }
-  std::sort(paths.begin(), paths.end(), natural_less);
+  std::sort(paths.begin(), paths.end(), images::natural_less);
   std::vector<CameraEntry> cameras;
   for (const std::string& path : paths) {
     CameraEntry place{.uri = "camera:" + path, .kind = "V4L2", .model = "", .address = path, .problem = ""};
     try {
-      const std::unique_ptr<DevicePort> port = open_device_port(path, "camera:" + path);
+      const std::unique_ptr<driver::DevicePort> port = driver::open_device_port(path, "camera:" + path);
       const std::optional<v4l2_capability> capability = capability_of(*port);
       if (!capability) {
         continue;
@@ -369,12 +369,12 @@ std::vector<CameraEntry> list_v4l2_cameras() {
   return cameras;
 }
 
-std::unique_ptr<Camera> open_v4l2_camera(const CameraUri& uri, std::unique_ptr<DevicePort> port) {
+std::unique_ptr<Camera> open_v4l2_camera(const CameraUri& uri, std::unique_ptr<driver::DevicePort> port) {
   return std::make_unique<V4l2Camera>(uri, std::move(port));
 }
 
 std::unique_ptr<Camera> open_v4l2_camera(const CameraUri& uri) {
-  return open_v4l2_camera(uri, open_device_port(uri.name, "camera:" + uri.name));
+  return open_v4l2_camera(uri, driver::open_device_port(uri.name, "camera:" + uri.name));
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::camera

@@ -15,9 +15,9 @@
 
 #include "host/files/input_file.h"
 #include "host/files/numbers.h"
-#include "host/files/user_error.h"
+#include "selfproj/files/user_error.h"
 
-namespace selfproj {
+namespace selfproj::capture {
 namespace {
 
 constexpr double kWhite = 255;
@@ -75,7 +75,7 @@ GreyTable linear_greys(const GreyCurve& curve) {
 }
 
 GreyCurve load_grey_curve(const std::string& file) {
-  std::istringstream text(read_input(file, kMostTextBytes));
+  std::istringstream text(files::read_input(file, files::kMostTextBytes));
   GreyCurve curve;
   std::string line;
   for (int number = 1; std::getline(text, line); ++number) {
@@ -89,8 +89,9 @@ GreyCurve load_grey_curve(const std::string& file) {
       continue;
     }
     const std::size_t comma = std::min(line.find(','), line.size());
-    const std::optional<double> grey = number_of_text<double>(line.substr(0, comma));
-    const std::optional<double> light = number_of_text<double>(comma < line.size() ? line.substr(comma + 1) : "");
+    const std::optional<double> grey = files::number_of_text<double>(line.substr(0, comma));
+    const std::optional<double> light =
+        files::number_of_text<double>(comma < line.size() ? line.substr(comma + 1) : "");
     if (!grey || !light || std::abs(*light) > 1e9) {
       throw UserError(file, fmt::format("line {}: is no pair grey,light", number));
     }
@@ -124,18 +125,19 @@ std::vector<int> grey_levels(int levels) {
   return greys;
 }
 
-ImageSequence grey_patterns(const std::vector<int>& greys, int rows, int columns) {
+images::ImageSequence grey_patterns(const std::vector<int>& greys, int rows, int columns) {
   std::vector<std::string> names;
   for (const int grey : greys) {
     names.push_back(fmt::format("grey {}", grey));
   }
   return {std::move(names), [greys, rows, columns](std::size_t i) {
             const std::size_t pixels = static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns);
-            return Image{rows, columns, std::vector<std::uint8_t>(pixels, static_cast<std::uint8_t>(greys[i]))};
+            return images::Image{rows, columns, std::vector<std::uint8_t>(pixels, static_cast<std::uint8_t>(greys[i]))};
           }};
 }
 
-GreyResponse grey_response(const std::vector<int>& greys, const std::vector<Image>& images, const std::string& camera) {
+GreyResponse grey_response(const std::vector<int>& greys, const std::vector<images::Image>& images,
+                           const std::string& camera) {
   constexpr int kMinLight = 30;
   constexpr int kMaxGrey = 250;
   constexpr std::size_t kMinPixels = 100;
@@ -180,4 +182,4 @@ GreyResponse grey_response(const std::vector<int>& greys, const std::vector<Imag
   return response;
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::capture

@@ -10,7 +10,7 @@
 #include "host/images/image_files.h"
 #include "host/images/image_sequence.h"
 
-namespace selfproj {
+namespace selfproj::capture {
 
 // Light at some grey values, in any unit.
 struct GreyCurve {
@@ -40,7 +40,7 @@ std::string grey_curve_text(const GreyCurve& curve);
 std::vector<int> grey_levels(int levels);
 
 // Each grey value everywhere, for a projector of rows x columns pixels.
-ImageSequence grey_patterns(const std::vector<int>& greys, int rows, int columns);
+images::ImageSequence grey_patterns(const std::vector<int>& greys, int rows, int columns);
 
 struct GreyResponse {
   GreyCurve curve;         // light in grey values of the camera above that of black
@@ -54,8 +54,9 @@ struct GreyResponse {
 // makes brighter by 30 or more and to no more than 250, for a camera that is saturated tells no light. Where noise lets
 // the mean fall by less than 1 % of white, it counts as equal. Throws UserError about `camera` if fewer than 100 pixels
 // take part, or the light falls.
-GreyResponse grey_response(const std::vector<int>& greys, const std::vector<Image>& images, const std::string& camera);
+GreyResponse grey_response(const std::vector<int>& greys, const std::vector<images::Image>& images,
+                           const std::string& camera);
 
-}  // namespace selfproj
+}  // namespace selfproj::capture
 
 #endif  // SELFPROJ_HOST_CAPTURE_GREY_CURVE_H

@@ -6,7 +6,7 @@
 #include <numeric>
 #include <vector>
 
-namespace selfproj {
+namespace selfproj::capture {
 namespace {
 
 constexpr int kBlock = 16;
@@ -90,7 +90,8 @@ bool small_everywhere(const WhiteAndBlack& levels, const Value& value) {
 // gaps. With the share a of an old picture that has nothing to do with the new one, `follows` is a/2 of the stripes'
 // contrast.
 template <class Off>
-bool off_by_noise(const Image& pattern, const Image& negative, const WhiteAndBlack& levels, const Off& off) {
+bool off_by_noise(const images::Image& pattern, const images::Image& negative, const WhiteAndBlack& levels,
+                  const Off& off) {
   constexpr double kMost = 0.05;     // of the light that white adds, or of the contrast
   constexpr double kDeviations = 4;  // standard errors of noise
   const auto contrast = [&](std::size_t i) { return static_cast<double>(pattern.pixels[i] - negative.pixels[i]); };
@@ -111,21 +112,21 @@ bool off_by_noise(const Image& pattern, const Image& negative, const WhiteAndBla
 
 }  // namespace
 
-bool all_white(const Image& image, const WhiteAndBlack& levels) {
+bool all_white(const images::Image& image, const WhiteAndBlack& levels) {
   return arrived(levels, [&](std::size_t i) { return image.pixels[i] - levels.black.pixels[i]; });
 }
 
-bool all_black(const Image& image, const WhiteAndBlack& levels) {
+bool all_black(const images::Image& image, const WhiteAndBlack& levels) {
   return arrived(levels, [&](std::size_t i) { return levels.white.pixels[i] - image.pixels[i]; });
 }
 
-bool is_negative(const Image& pattern, const Image& negative) {
+bool is_negative(const images::Image& pattern, const images::Image& negative) {
   return pattern.rows == negative.rows && pattern.columns == negative.columns &&
          std::equal(pattern.pixels.begin(), pattern.pixels.end(), negative.pixels.begin(),
                     [](int a, int b) { return a + b == 255 && (a == 0 || b == 0); });
 }
 
-bool adds_up(const Image& pattern, const Image& negative, const WhiteAndBlack& levels) {
+bool adds_up(const images::Image& pattern, const images::Image& negative, const WhiteAndBlack& levels) {
   const auto light = [&](std::size_t i) {
     return static_cast<double>(pattern.pixels[i] + negative.pixels[i] - 2 * levels.black.pixels[i]);
   };
@@ -135,8 +136,8 @@ bool adds_up(const Image& pattern, const Image& negative, const WhiteAndBlack& l
          off_by_noise(pattern, negative, levels, off);
 }
 
-bool same_light(const Image& a, const Image& b, const WhiteAndBlack& levels) {
+bool same_light(const images::Image& a, const images::Image& b, const WhiteAndBlack& levels) {
   return small_everywhere(levels, [&](std::size_t i) { return std::abs(a.pixels[i] - b.pixels[i]); });
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::capture

@@ -11,13 +11,13 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-namespace selfproj {
+namespace selfproj::capture {
 namespace {
 
 constexpr int kMaxSide = 1280;  // of the image on the page, in pixels
 
 template <class Counts>
-std::string share_text(const Image& image, const Counts& counts) {
+std::string share_text(const images::Image& image, const Counts& counts) {
   const auto count = std::count_if(image.pixels.begin(), image.pixels.end(), counts);
   const double pixels = static_cast<double>(std::max<std::size_t>(1, image.pixels.size()));
   return fmt::format("{:.1f} %", 100 * static_cast<double>(count) / pixels);
@@ -25,7 +25,8 @@ std::string share_text(const Image& image, const Counts& counts) {
 
 }  // namespace
 
-void NewestImage::put(const CameraImage& image, const CameraCounters& counters, const std::string& camera) {
+void NewestImage::put(const camera::CameraImage& image, const camera::CameraCounters& counters,
+                      const std::string& camera) {
   const std::lock_guard lock(mutex_);
   counters_ = counters;
   camera_ = camera;
@@ -35,13 +36,13 @@ void NewestImage::put(const CameraImage& image, const CameraCounters& counters, 
   if (!wanted_) {
     return;
   }
-  picture_ = std::make_shared<Image>(copy_of(image.view));
+  picture_ = std::make_shared<images::Image>(images::copy_of(image.view));
   wanted_ = false;
   ++copies_;
   came_.notify_all();
 }
 
-std::shared_ptr<const Image> NewestImage::next() {
+std::shared_ptr<const images::Image> NewestImage::next() {
   constexpr std::chrono::milliseconds kPatience(500);
   std::unique_lock lock(mutex_);
   wanted_ = true;
@@ -50,9 +51,9 @@ std::shared_ptr<const Image> NewestImage::next() {
 }
 
 std::shared_ptr<const std::string> NewestImage::png() {
-  const std::shared_ptr<const Image> picture = next();
+  const std::shared_ptr<const images::Image> picture = next();
   const int every = std::max(1, (std::max(picture->rows, picture->columns) + kMaxSide - 1) / kMaxSide);
-  Image shown{(picture->rows + every - 1) / every, (picture->columns + every - 1) / every, {}};
+  images::Image shown{(picture->rows + every - 1) / every, (picture->columns + every - 1) / every, {}};
   for (int row = 0; row < picture->rows; row += every) {
     for (int column = 0; column < picture->columns; column += every) {
       shown.pixels.push_back(
@@ -60,11 +61,11 @@ std::shared_ptr<const std::string> NewestImage::png() {
                           static_cast<std::size_t>(column)]);
     }
   }
-  return std::make_shared<const std::string>(encode_png(shown));
+  return std::make_shared<const std::string>(images::encode_png(shown));
 }
 
 std::shared_ptr<const std::string> NewestImage::figures() {
-  const std::shared_ptr<const Image> picture = next();
+  const std::shared_ptr<const images::Image> picture = next();
   const std::lock_guard lock(mutex_);
   const nlohmann::ordered_json json = {
       {"camera", camera_},
@@ -83,4 +84,4 @@ std::uint64_t NewestImage::copies() const {
   return copies_;
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::capture

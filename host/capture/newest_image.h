@@ -12,12 +12,12 @@
 #include "host/camera/camera.h"
 #include "host/images/image_files.h"
 
-namespace selfproj {
+namespace selfproj::capture {
 
 class NewestImage {
  public:
   // Offers an image. Costs no copy where nobody watches.
-  void put(const CameraImage& image, const CameraCounters& counters, const std::string& camera);
+  void put(const camera::CameraImage& image, const camera::CameraCounters& counters, const std::string& camera);
 
   // The next image as PNG, each n-th pixel where it is large, and what is to be said of it, as JSON. Both wait up to
   // half a second for an image; without one they show the image before.
@@ -28,19 +28,19 @@ class NewestImage {
   [[nodiscard]] std::uint64_t copies() const;
 
  private:
-  std::shared_ptr<const Image> next();
+  std::shared_ptr<const images::Image> next();
 
   mutable std::mutex mutex_;
   std::condition_variable came_;
   bool wanted_ = false;
   std::uint64_t copies_ = 0;
-  std::shared_ptr<const Image> picture_ = std::make_shared<Image>(Image{1, 1, {0}});
-  CameraCounters counters_;
+  std::shared_ptr<const images::Image> picture_ = std::make_shared<images::Image>(images::Image{1, 1, {0}});
+  camera::CameraCounters counters_;
   std::string camera_;
   double rate_ = 0;
   std::int64_t last_ns_ = 0;
 };
 
-}  // namespace selfproj
+}  // namespace selfproj::capture
 
 #endif  // SELFPROJ_HOST_CAPTURE_NEWEST_IMAGE_H

@@ -16,9 +16,9 @@
 #include <string>
 #include <vector>
 
-#include "host/files/user_error.h"
+#include "selfproj/files/user_error.h"
 
-namespace selfproj {
+namespace selfproj::capture {
 namespace {
 
 // SDL2, which is loaded when the first projector opens: it needs fifty other libraries, for which the loader would take
@@ -43,7 +43,7 @@ Function sdl_function(const char* name) {
 }
 
 // A function of SDL2, which its headers declare: SDL2(SDL_Init)(SDL_INIT_VIDEO).
-#define SDL2(name) sdl_function<decltype(&name)>(#name)
+#define SDL2(name) sdl_function<decltype(&(name))>(#name)
 
 // Opens SDL's video for its own lifetime. SDL handles no signals, and no graphics processor scales or draws the images.
 class Video {
@@ -111,7 +111,7 @@ struct Projector::Parts {
   Video video;
   std::unique_ptr<SDL_Window, WindowCloser> window;
   GreyTable greys{};
-  Image shown;
+  images::Image shown;
   bool stopped = false;
 
   [[noreturn]] void fail(const std::string& reason) const { throw UserError(what, reason); }
@@ -202,7 +202,7 @@ Projector::~Projector() {
 int Projector::rows() const { return parts_->shown.rows; }
 int Projector::columns() const { return parts_->shown.columns; }
 
-void Projector::show(const Image& pattern, const std::string& name) {
+void Projector::show(const images::Image& pattern, const std::string& name) {
   if (pattern.rows != rows() || pattern.columns != columns()) {
     throw UserError(name, fmt::format("has {} x {} pixels, but {} has {} x {}", pattern.columns, pattern.rows,
                                       parts_->what, columns(), rows()));
@@ -214,7 +214,7 @@ void Projector::show(const Image& pattern, const std::string& name) {
 
 void Projector::show(std::uint8_t grey) {
   const std::size_t pixels = static_cast<std::size_t>(rows()) * static_cast<std::size_t>(columns());
-  show(Image{rows(), columns(), std::vector<std::uint8_t>(pixels, grey)}, parts_->what);
+  show(images::Image{rows(), columns(), std::vector<std::uint8_t>(pixels, grey)}, parts_->what);
 }
 
 bool Projector::stopped() {
@@ -222,4 +222,4 @@ bool Projector::stopped() {
   return parts_->stopped;
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::capture

@@ -10,7 +10,7 @@
 
 #include "host/images/image_files.h"
 
-namespace selfproj {
+namespace selfproj::capture {
 
 struct DisplayEntry {
   int number = 0;    // for --display
@@ -45,7 +45,7 @@ class Projector {
   // Shows the pattern, a pixel a pixel, and returns when the system has taken it. What light leaves the projector when
   // is the display's own affair (capture/settle.h measures it). `name` is what the message calls it: throws UserError
   // if it has not the size of the display.
-  void show(const Image& pattern, const std::string& name);
+  void show(const images::Image& pattern, const std::string& name);
 
   // One grey value everywhere.
   void show(std::uint8_t grey);
@@ -59,6 +59,6 @@ class Projector {
   std::unique_ptr<Parts> parts_;
 };
 
-}  // namespace selfproj
+}  // namespace selfproj::capture
 
 #endif  // SELFPROJ_HOST_CAPTURE_PROJECTOR_H

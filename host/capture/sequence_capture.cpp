@@ -14,14 +14,14 @@
 #include "host/camera/camera.h"
 #include "host/camera/open_camera.h"
 #include "host/capture/light_check.h"
-#include "host/files/user_error.h"
+#include "selfproj/files/user_error.h"
 
-namespace selfproj {
+namespace selfproj::capture {
 namespace {
 
 // The camera, with its software trigger where it has one and the URI says nothing else.
-std::unique_ptr<Camera> open_for_capture(const std::string& text, bool& triggered) {
-  CameraUri uri = parse_camera_uri(text);
+std::unique_ptr<camera::Camera> open_for_capture(const std::string& text, bool& triggered) {
+  camera::CameraUri uri = camera::parse_camera_uri(text);
   if (!uri.camera.trigger.empty() && uri.camera.trigger != "free" && uri.camera.trigger != "software") {
     throw UserError(uri.uri, "trigger: must be software or free for a capture");
   }
@@ -29,20 +29,20 @@ std::unique_ptr<Camera> open_for_capture(const std::string& text, bool& triggere
   if (uri.camera.trigger.empty() && !uri.camera.rate && !uri.name.starts_with("/dev/")) {
     uri.camera.trigger = "software";
     try {
-      std::unique_ptr<Camera> camera = open_camera(uri);
+      std::unique_ptr<camera::Camera> camera = camera::open_camera(uri);
       triggered = true;
       return camera;
     } catch (const UserError&) {  // it may have no such trigger; any other reason comes again
       uri.camera.trigger = "free";
     }
   }
-  return open_camera(uri);
+  return camera::open_camera(uri);
 }
 
 // Takes the images of a sequence, in its order.
 class SequenceTaker {
  public:
-  SequenceTaker(Shots& shots, ImageSequence& patterns, const WhiteAndBlack& levels, CaptureRecord& record)
+  SequenceTaker(Shots& shots, images::ImageSequence& patterns, const WhiteAndBlack& levels, CaptureRecord& record)
       : shots_(shots),
         patterns_(patterns),
         levels_(levels),
@@ -51,8 +51,8 @@ class SequenceTaker {
 
   void run(const TakeShot& take) {
     for (std::size_t i = 0; i < patterns_.count();) {
-      Image pattern = patterns_.read(i);
-      const Image next = i + 1 < patterns_.count() ? patterns_.read(i + 1) : Image{};
+      images::Image pattern = patterns_.read(i);
+      const images::Image next = i + 1 < patterns_.count() ? patterns_.read(i + 1) : images::Image{};
       if (is_negative(pattern, next)) {
         const Pair images = pair(i, pattern, next);
         deliver(i, images.pattern, take);
@@ -67,7 +67,7 @@ class SequenceTaker {
 
  private:
   struct Taken {
-    Image image;
+    images::Image image;
     double delay_ms = 0;
   };
   struct Pair {
@@ -75,7 +75,7 @@ class SequenceTaker {
     Taken negative;
   };
 
-  Taken one(std::size_t i, const Image& pattern, std::int64_t wait_ns) {
+  Taken one(std::size_t i, const images::Image& pattern, std::int64_t wait_ns) {
     const std::int64_t shown = shots_.show(pattern, patterns_.files()[i]);
     Taken taken{.image = shots_.take_after(shown + wait_ns), .delay_ms = 0};
     taken.delay_ms = static_cast<double>(shots_.taken_ns() - shown) * 1e-6;
@@ -84,7 +84,7 @@ class SequenceTaker {
 
   // Takes a pattern and its negative until they add up. If they do not although nothing changes any more, a bent curve
   // of the camera or an iris of the projector is the reason, and they count.
-  Pair pair(std::size_t i, const Image& pattern, const Image& negative) {
+  Pair pair(std::size_t i, const images::Image& pattern, const images::Image& negative) {
     constexpr int kMaxTries = 8;
     constexpr std::int64_t kLonger = 200'000'000;
     Pair last;
@@ -113,7 +113,7 @@ class SequenceTaker {
   }
 
   Shots& shots_;
-  ImageSequence& patterns_;
+  images::ImageSequence& patterns_;
   const WhiteAndBlack& levels_;
   CaptureRecord& record_;
   std::int64_t wait_ns_;
@@ -148,13 +148,14 @@ CaptureRecord capture_sequence(const CaptureSetup& setup, const PatternsFor& pat
                                const std::function<void(const CaptureRecord&)>& begin, const TakeShot& take) {
   CaptureRecord record;
   record.display = setup.display;
-  const std::unique_ptr<Camera> camera = open_for_capture(setup.camera, record.triggered);
+  const std::unique_ptr<camera::Camera> camera = open_for_capture(setup.camera, record.triggered);
   record.camera = camera->uri();
   record.rows = camera->rows();
   record.columns = camera->columns();
   Projector projector(setup.display, setup.greys);
-  ImageSequence patterns = patterns_for({record.rows, record.columns, projector.rows(), projector.columns()});
-  if (const Image& first = patterns.first(); first.rows != projector.rows() || first.columns != projector.columns()) {
+  images::ImageSequence patterns = patterns_for({record.rows, record.columns, projector.rows(), projector.columns()});
+  if (const images::Image& first = patterns.first();
+      first.rows != projector.rows() || first.columns != projector.columns()) {
     projector.show(first, patterns.files()[0]);  // says so before anything is measured
   }
   camera->start();
@@ -172,4 +173,4 @@ CaptureRecord capture_sequence(const CaptureSetup& setup, const PatternsFor& pat
   return record;
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::capture

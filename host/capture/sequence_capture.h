@@ -16,7 +16,7 @@
 #include "host/images/image_files.h"
 #include "host/images/image_sequence.h"
 
-namespace selfproj {
+namespace selfproj::capture {
 
 struct CaptureSetup {
   std::string camera;  // URI
@@ -40,7 +40,7 @@ struct CaptureRecord {
   Settle settle;
   bool settle_measured = false;
   ExposureCheck exposure;
-  Image white;  // all of the projector white
+  images::Image white;  // all of the projector white
   ShotCounters retaken;
   std::vector<Shot> shots;
 };
@@ -54,10 +54,10 @@ struct CaptureSizes {
 };
 
 // The patterns for these sizes. May throw UserError if they do not fit the task; nothing has been shown by then.
-using PatternsFor = std::function<ImageSequence(const CaptureSizes& sizes)>;
+using PatternsFor = std::function<images::ImageSequence(const CaptureSizes& sizes)>;
 
 // Receives image i, from 0, of the sequence of `count`; it is valid during the call.
-using TakeShot = std::function<void(std::size_t i, std::size_t count, const Image& image)>;
+using TakeShot = std::function<void(std::size_t i, std::size_t count, const images::Image& image)>;
 
 // Opens camera and projector, checks the exposure, measures the settle time, and takes an image of every pattern.
 // Before the sequence it calls `begin` with what is known by then, then `take` with each image. Leaves camera and
@@ -73,6 +73,6 @@ CaptureRecord capture_sequence(const CaptureSetup& setup, const PatternsFor& pat
 // What was done, as capture.json.
 std::string capture_json(const CaptureRecord& record);
 
-}  // namespace selfproj
+}  // namespace selfproj::capture
 
 #endif  // SELFPROJ_HOST_CAPTURE_SEQUENCE_CAPTURE_H

@@ -13,9 +13,9 @@
 #include <vector>
 
 #include "host/driver/clock.h"
-#include "host/files/user_error.h"
+#include "selfproj/files/user_error.h"
 
-namespace selfproj {
+namespace selfproj::capture {
 namespace {
 
 constexpr int kFlashes = 16;
@@ -32,7 +32,7 @@ double milliseconds(std::int64_t ns) { return static_cast<double>(ns) / static_c
 // The time from one image to the next, where nothing waits.
 std::int64_t interval_of(Shots& shots) {
   constexpr int kImages = 4;
-  shots.take_after(now_ns());
+  shots.take_after(driver::now_ns());
   const std::int64_t first = shots.arrived_ns();
   for (int i = 0; i < kImages; ++i) {
     shots.take_after(shots.arrived_ns() + 1);
@@ -86,12 +86,12 @@ Settle measure_settle(Shots& shots, const WhiteAndBlack& levels, const std::stri
     const bool to_white = i % 2 == 1;  // white was shown last
     // Flash and trigger fall at another part of the interval each time, in orders that fill it evenly: some cameras
     // have a clock of their own, others begin with the trigger.
-    shots.wait_until(now_ns() + interval * (i * 5 % kFlashes) / kFlashes);
+    shots.wait_until(driver::now_ns() + interval * (i * 5 % kFlashes) / kFlashes);
     const std::int64_t shown = shots.show(static_cast<std::uint8_t>(to_white ? 255 : 0));
     FlashTimes times;
     std::int64_t next = shown + interval * (i * 7 % kFlashes) / kFlashes;
     for (;;) {
-      const Image& image = shots.take_after(next);
+      const images::Image& image = shots.take_after(next);
       const std::int64_t after = shots.arrived_ns() - shown;
       if (to_white ? all_white(image, levels) : all_black(image, levels)) {
         times.new_ms = milliseconds(after);
@@ -147,4 +147,4 @@ std::string exposure_text(const ExposureCheck& check) {
                      !check.factor ? "" : fmt::format("; try {:.2g} times the exposure", *check.factor));
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::capture

@@ -10,7 +10,7 @@
 #include "host/capture/shots.h"
 #include "host/images/image_files.h"
 
-namespace selfproj {
+namespace selfproj::capture {
 
 // The delays from Shots::show() until the first image that shows the new light has come in. A wait of this length
 // before the trigger is enough for any camera: some take a triggered image at once, others at the next tick of a clock
@@ -57,6 +57,6 @@ ExposureCheck check_exposure(const WhiteAndBlack& levels);
 // "1.2 % of the pixels are saturated, 30.0 % are dark; try half the exposure".
 std::string exposure_text(const ExposureCheck& check);
 
-}  // namespace selfproj
+}  // namespace selfproj::capture
 
 #endif  // SELFPROJ_HOST_CAPTURE_SETTLE_H

@@ -11,9 +11,9 @@
 
 #include "host/driver/clock.h"
 #include "host/files/stop_signal.h"
-#include "host/files/user_error.h"
+#include "selfproj/files/user_error.h"
 
-namespace selfproj {
+namespace selfproj::capture {
 namespace {
 
 constexpr int kMaxTries = 20;
@@ -22,18 +22,18 @@ constexpr std::chrono::milliseconds kLook(20);     // so that Esc and Ctrl-C are
 
 }  // namespace
 
-std::int64_t Shots::show(const Image& pattern, const std::string& name) {
+std::int64_t Shots::show(const images::Image& pattern, const std::string& name) {
   projector_.show(pattern, name);
-  return now_ns();
+  return driver::now_ns();
 }
 
 std::int64_t Shots::show(std::uint8_t grey) {
   projector_.show(grey);
-  return now_ns();
+  return driver::now_ns();
 }
 
 void Shots::check_stopped() {
-  if (projector_.stopped() || StopSignal::came()) {
+  if (projector_.stopped() || files::StopSignal::came()) {
     throw Stopped();
   }
 }
@@ -41,7 +41,7 @@ void Shots::check_stopped() {
 void Shots::wait_until(std::int64_t time_ns) {
   for (;;) {
     check_stopped();
-    const std::int64_t rest = time_ns - now_ns();
+    const std::int64_t rest = time_ns - driver::now_ns();
     if (rest <= 0) {
       return;
     }
@@ -50,9 +50,9 @@ void Shots::wait_until(std::int64_t time_ns) {
 }
 
 // The next image, or false after kPatience.
-bool Shots::next(CameraImage& image) {
-  const std::int64_t end = now_ns() + kPatience;
-  while (now_ns() < end) {
+bool Shots::next(camera::CameraImage& image) {
+  const std::int64_t end = driver::now_ns() + kPatience;
+  while (driver::now_ns() < end) {
     check_stopped();
     if (camera_.next(image, kLook)) {
       return true;
@@ -62,10 +62,10 @@ bool Shots::next(CameraImage& image) {
 }
 
 bool Shots::try_once(std::int64_t time_ns) {
-  CameraImage image;
+  camera::CameraImage image;
   if (triggered_) {
     wait_until(time_ns);
-    taken_ns_ = now_ns();
+    taken_ns_ = driver::now_ns();
     camera_.trigger();
     if (!next(image)) {
       camera_.forget_trigger();
@@ -85,11 +85,11 @@ bool Shots::try_once(std::int64_t time_ns) {
     return false;
   }
   arrived_ns_ = image.arrival_ns;
-  image_ = copy_of(image.view);
+  image_ = images::copy_of(image.view);
   return true;
 }
 
-const Image& Shots::take_after(std::int64_t time_ns) {
+const images::Image& Shots::take_after(std::int64_t time_ns) {
   for (int i = 0; i < kMaxTries; ++i) {
     if (try_once(time_ns)) {
       return image_;
@@ -98,9 +98,9 @@ const Image& Shots::take_after(std::int64_t time_ns) {
   throw UserError(camera_.uri(), fmt::format("{} images in a row were incomplete or missing", kMaxTries));
 }
 
-double mean_grey(const Image& image) {
+double mean_grey(const images::Image& image) {
   const auto sum = std::accumulate(image.pixels.begin(), image.pixels.end(), std::uint64_t{0});
   return static_cast<double>(sum) / static_cast<double>(image.pixels.size());
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::capture

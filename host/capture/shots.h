@@ -10,7 +10,7 @@
 #include "host/capture/projector.h"
 #include "host/images/image_files.h"
 
-namespace selfproj {
+namespace selfproj::capture {
 
 // Esc or Ctrl-C ended a capture.
 class Stopped : public std::runtime_error {
@@ -28,17 +28,17 @@ struct ShotCounters {
 class Shots {
  public:
   // `triggered`: the camera was opened with its software trigger; otherwise it runs free. Both must outlive this.
-  Shots(Projector& projector, Camera& camera, bool triggered)
+  Shots(Projector& projector, camera::Camera& camera, bool triggered)
       : projector_(projector), camera_(camera), triggered_(triggered) {}
 
   // Shows a pattern or a grey, and returns the time when the system had taken it.
-  std::int64_t show(const Image& pattern, const std::string& name);
+  std::int64_t show(const images::Image& pattern, const std::string& name);
   std::int64_t show(std::uint8_t grey);
 
   // Takes a whole image no earlier than at this time of driver/clock.h: triggered then, or of a camera that runs free
   // the first that came in after it. Takes again what is incomplete or does not come; throws UserError about the camera
   // after 20 tries, and Stopped.
-  const Image& take_after(std::int64_t time_ns);
+  const images::Image& take_after(std::int64_t time_ns);
 
   // When the last image was triggered, or of a camera that runs free when it came in.
   [[nodiscard]] std::int64_t taken_ns() const { return taken_ns_; }
@@ -55,21 +55,21 @@ class Shots {
 
  private:
   bool try_once(std::int64_t time_ns);
-  bool next(CameraImage& image);
+  bool next(camera::CameraImage& image);
   void check_stopped();
 
   Projector& projector_;
-  Camera& camera_;
+  camera::Camera& camera_;
   bool triggered_;
-  Image image_;
+  images::Image image_;
   std::int64_t taken_ns_ = 0;
   std::int64_t arrived_ns_ = 0;
   ShotCounters counters_;
 };
 
 // The mean grey of an image.
-double mean_grey(const Image& image);
+double mean_grey(const images::Image& image);
 
-}  // namespace selfproj
+}  // namespace selfproj::capture
 
 #endif  // SELFPROJ_HOST_CAPTURE_SHOTS_H

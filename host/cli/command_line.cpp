@@ -12,13 +12,13 @@
 #include <vector>
 
 #include "host/files/numbers.h"
-#include "host/files/user_error.h"
 #include "host/images/frame_options.h"
 #include "host/images/natural_order.h"
 #include "host/images/prepared_images.h"
-#include "model/column_runs.h"
+#include "selfproj/files/user_error.h"
+#include "selfproj/model/column_runs.h"
 
-namespace selfproj {
+namespace selfproj::cli {
 namespace {
 
 std::string expected(const std::string& text, const std::string& what) {
@@ -46,7 +46,7 @@ RangeText range_of(const std::string& min, const std::string& max) {
 CLI::Validator real_validator(const RangeText& range, double min, double max, bool min_is_allowed) {
   return CLI::Validator(
       [=](std::string& text) {
-        const std::optional<double> number = number_of_text<double>(text);
+        const std::optional<double> number = files::number_of_text<double>(text);
         const bool good = number && *number <= max && (min_is_allowed ? *number >= min : *number > min);
         return good ? std::string() : expected(text, "a number " + range.in_error);
       },
@@ -88,7 +88,7 @@ CLI::Validator whole_number(std::int64_t min, std::int64_t max) {
                                           : range_of(std::to_string(min), std::to_string(max));
   return CLI::Validator(
       [=](std::string& text) {
-        const std::optional<std::int64_t> number = number_of_text<std::int64_t>(text);
+        const std::optional<std::int64_t> number = files::number_of_text<std::int64_t>(text);
         if (!number || *number < min || *number > max) {
           return expected(text, "a whole number " + range.in_error);
         }
@@ -129,7 +129,7 @@ std::vector<double> ascending_lengths(const char* option, const std::string& tex
   for (std::size_t begin = 0; begin <= text.size();) {
     const std::size_t end = std::min(text.find(',', begin), text.size());
     const std::string entry = text.substr(begin, end - begin);
-    const std::optional<double> value = number_of_text<double>(entry);
+    const std::optional<double> value = files::number_of_text<double>(entry);
     if (!value || !(std::abs(*value) <= kMost)) {
       throw UserError(option, fmt::format("'{}' is not a number of mm", entry));
     }
@@ -147,32 +147,32 @@ CLI::Option* add_files(CLI::App& command, const std::string& name, std::vector<s
                        const std::string& text) {
   return command
       .add_option_function<std::vector<std::string>>(
-          name, [&files](const std::vector<std::string>& given) { files = in_listed_order(given); }, text)
+          name, [&files](const std::vector<std::string>& given) { files = images::in_listed_order(given); }, text)
       ->type_name("FILE");
 }
 
 CLI::Option* add_channel_option(CLI::App& command, std::string& channel) {
   return command
       .add_option("--channel", channel, "Channel to take of colour images. Without it, colour images are refused.")
-      ->check(one_of(channel_names()))
+      ->check(one_of(images::channel_names()))
       ->type_name("CHANNEL");
 }
 
-void SelectOptions::apply(Measure& measure) const {
+void SelectOptions::apply(model::Measure& measure) const {
   if (!select.empty()) {
-    measure.select = select_of(select);
+    measure.select = images::select_of(select);
   }
   if (gap) {
-    if (measure.select != Select::strongest) {
+    if (measure.select != model::Select::strongest) {
       throw UserError("--gap", "goes only with --select strongest");
     }
     measure.gap = *gap;
   }
-  if (measure.select == Select::all) {
+  if (measure.select == model::Select::all) {
     measure.gap = 0;
   }
   if (!rows.empty()) {
-    measure.window = rows_of_text("--rows", rows);
+    measure.window = images::rows_of_text("--rows", rows);
   }
 }
 
@@ -181,11 +181,11 @@ void add_select_options(CLI::App& command, SelectOptions& options, const std::st
       .add_option("--select", options.select,
                   "What of a column counts: all lit pixels, or its strongest run, which leaves out what is lit apart "
                   "from the line.")
-      ->check(one_of(select_names()))
+      ->check(one_of(images::select_names()))
       ->type_name("SELECT")
       ->default_str(by_default);
   command.add_option("--gap", options.gap, "Dark rows that two lit pixels of one run may have between them.")
-      ->transform(whole_number(0, kMaxGap))
+      ->transform(whole_number(0, model::kMaxGap))
       ->type_name("G")
       ->default_str("0");
   command.add_option("--rows", options.rows, "First and last row that count, from 1, such as 10..80.")
@@ -193,7 +193,7 @@ void add_select_options(CLI::App& command, SelectOptions& options, const std::st
       ->default_str("all");
 }
 
-void add_preparation_options(CLI::App& command, Preparation& preparation) {
+void add_preparation_options(CLI::App& command, images::Preparation& preparation) {
   add_channel_option(command, preparation.channel);
   command
       .add_option(
@@ -205,4 +205,4 @@ void add_preparation_options(CLI::App& command, Preparation& preparation) {
                    "Exchange rows and columns, for lines that run from top to bottom. --roi comes first.");
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::cli

@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "host/images/prepared_images.h"
-#include "model/column_runs.h"
+#include "selfproj/model/column_runs.h"
 
-namespace selfproj {
+namespace selfproj::cli {
 
 // A command as its help describes it.
 struct CommandText {
@@ -66,15 +66,15 @@ struct SelectOptions {
   std::string rows = {};
 
   // Changes `measure` where an option says so. Throws UserError about --rows, or about --gap without the strongest run.
-  void apply(Measure& measure) const;
+  void apply(model::Measure& measure) const;
 };
 
 // Adds --select, --gap and --rows. `by_default` is what --help says of --select.
 void add_select_options(CLI::App& command, SelectOptions& options, const std::string& by_default = "all");
 
 // Adds --channel, --roi and --transpose.
-void add_preparation_options(CLI::App& command, Preparation& preparation);
+void add_preparation_options(CLI::App& command, images::Preparation& preparation);
 
-}  // namespace selfproj
+}  // namespace selfproj::cli
 
 #endif  // SELFPROJ_HOST_CLI_COMMAND_LINE_H

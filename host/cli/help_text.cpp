@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-namespace selfproj {
+namespace selfproj::cli {
 namespace {
 
 constexpr std::size_t kWidth = 100;
@@ -287,4 +287,4 @@ std::string help_json(const CLI::App& program) {
   return commands.dump(1) + "\n";
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::cli

@@ -5,7 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <string>
 
-namespace selfproj {
+namespace selfproj::cli {
 
 // At most 100 columns wide: purpose, usage, details, arguments, options by group, commands, examples.
 class HelpFormatter : public CLI::FormatterBase {
@@ -16,6 +16,6 @@ class HelpFormatter : public CLI::FormatterBase {
 // A program and all its commands, with everything in their help.
 std::string help_json(const CLI::App& program);
 
-}  // namespace selfproj
+}  // namespace selfproj::cli
 
 #endif  // SELFPROJ_HOST_CLI_HELP_TEXT_H

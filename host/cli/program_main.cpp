@@ -25,10 +25,10 @@
 #include "host/files/notes.h"
 #include "host/files/run_files.h"
 #include "host/files/stop_signal.h"
-#include "host/files/user_error.h"
-#include "model/spec/generated/selfproj_spec.h"
+#include "selfproj/files/user_error.h"
+#include "selfproj/model/generated/selfproj_spec.h"
 
-namespace selfproj {
+namespace selfproj::cli {
 namespace {
 
 constexpr int kFailed = 1;    // a check or the program itself failed
@@ -138,7 +138,7 @@ int run_commands(const CommandText& text, const std::function<void(CLI::App&)>& 
     }
     parse_check_usage(app, words);
     // A note is printed once, however often its file is read.
-    note_sink() = [name, said = std::set<std::string>()](const std::string& line) mutable {
+    files::note_sink() = [name, said = std::set<std::string>()](const std::string& line) mutable {
       if (said.insert(line).second) {
         report(name, line, 0);
       }
@@ -187,11 +187,11 @@ int run_as_program(const std::string& name, const std::function<int()>& body) {
   open_standard_descriptors();
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);
-  tidy_up_on_signals();
-  const RunFiles files;
+  files::tidy_up_on_signals();
+  const files::RunFiles files;
   const int status = body();
   if (!flush_output() && status == 0) {
-    fmt::print(stderr, "{}: standard output: {}\n", name, error_text(errno != 0 ? errno : EIO));
+    fmt::print(stderr, "{}: standard output: {}\n", name, files::error_text(errno != 0 ? errno : EIO));
     return 1;
   }
   return status;
@@ -203,4 +203,4 @@ int program_main(const CommandText& text, const std::function<void(CLI::App&)>& 
   return run_as_program(text.name, [&] { return run_commands(text, add_commands, argc, argv); });
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::cli

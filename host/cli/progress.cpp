@@ -8,7 +8,7 @@
 #include <string>
 #include <utility>
 
-namespace selfproj {
+namespace selfproj::cli {
 
 using std::chrono::steady_clock;
 
@@ -41,4 +41,4 @@ void Progress::update(std::size_t done, const std::string& note) {
              (note.empty() ? "" : ": " + note));
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::cli

@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <string>
 
-namespace selfproj {
+namespace selfproj::cli {
 
 class StatusLine {
  public:
@@ -40,6 +40,6 @@ class Progress {
   std::chrono::steady_clock::time_point next_;
 };
 
-}  // namespace selfproj
+}  // namespace selfproj::cli
 
 #endif  // SELFPROJ_HOST_CLI_PROGRESS_H

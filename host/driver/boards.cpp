@@ -12,9 +12,9 @@
 #include <vector>
 
 #include "host/driver/control.h"
-#include "host/files/user_error.h"
+#include "selfproj/files/user_error.h"
 
-namespace selfproj {
+namespace selfproj::driver {
 namespace {
 
 // A bit that walks, and its complement.
@@ -118,4 +118,4 @@ std::vector<BoardTestResult> test_board(Control& control) {
   return results;
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::driver

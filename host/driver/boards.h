@@ -8,7 +8,7 @@
 
 #include "host/driver/control.h"
 
-namespace selfproj {
+namespace selfproj::driver {
 
 // A place where a board may be.
 struct BoardPlace {
@@ -32,6 +32,6 @@ struct BoardTestResult {
 // register has its old value afterwards. Throws UserError if the board is not stopped, or does not answer.
 std::vector<BoardTestResult> test_board(Control& control);
 
-}  // namespace selfproj
+}  // namespace selfproj::driver
 
 #endif  // SELFPROJ_HOST_DRIVER_BOARDS_H

@@ -10,7 +10,7 @@
 #include <cstdint>
 #include <mutex>
 
-namespace selfproj {
+namespace selfproj::driver {
 namespace {
 
 struct Mapping {
@@ -71,4 +71,4 @@ void unguard_mapping(const void* begin) {
   }
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::driver

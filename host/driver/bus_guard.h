@@ -4,7 +4,7 @@
 
 #include <cstddef>
 
-namespace selfproj {
+namespace selfproj::driver {
 
 // Between guard_mapping and unguard_mapping, an access behind the end of the mapped file does not end the program
 // (SIGBUS). Pages that no longer exist are replaced by private pages of zeros. Other bus errors act as usual. A few
@@ -12,6 +12,6 @@ namespace selfproj {
 void guard_mapping(const void* begin, std::size_t bytes);
 void unguard_mapping(const void* begin);
 
-}  // namespace selfproj
+}  // namespace selfproj::driver
 
 #endif  // SELFPROJ_HOST_DRIVER_BUS_GUARD_H

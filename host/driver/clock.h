@@ -10,7 +10,7 @@
 #include <cstddef>
 #include <cstdint>
 
-namespace selfproj {
+namespace selfproj::driver {
 
 // Nanoseconds of std::chrono::steady_clock (CLOCK_MONOTONIC).
 inline std::int64_t now_ns() {
@@ -82,6 +82,6 @@ class DurationHistogram {
   std::int64_t longest_ = 0;
 };
 
-}  // namespace selfproj
+}  // namespace selfproj::driver
 
 #endif  // SELFPROJ_HOST_DRIVER_CLOCK_H

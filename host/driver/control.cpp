@@ -14,9 +14,9 @@
 #include "host/driver/etherbone.h"
 #include "host/driver/litepcie.h"
 #include "host/driver/register_port.h"
-#include "host/files/user_error.h"
+#include "selfproj/files/user_error.h"
 
-namespace selfproj {
+namespace selfproj::driver {
 namespace {
 
 std::string hex(std::uint32_t value) {
@@ -87,7 +87,7 @@ Control::Control(std::unique_ptr<RegisterPort> port) : port_(std::move(port)) {
 }
 
 void Control::need(const spec::Register& one) const {
-  if (!has_register(build_, one.address)) {
+  if (!model::has_register(build_, one.address)) {
     throw UserError(uri(), "this board has no register " + std::string(one.name) + ": it has no Gray-code decoder");
   }
 }
@@ -170,7 +170,7 @@ void Control::write_together(std::vector<std::pair<RegisterPart, std::uint32_t>>
   }
 }
 
-void Control::set(const BoardSettings& settings) {
+void Control::set(const model::BoardSettings& settings) {
   const auto bit = [](bool set, int lsb) { return static_cast<std::uint32_t>(set ? 1U : 0U) << lsb; };
   const auto number = [](int value, int lsb) { return static_cast<std::uint32_t>(value) << lsb; };
   if (settings.codes && !build_.codes) {
@@ -207,7 +207,7 @@ void Control::count_patterns_on_frames(int patterns) {
                                                             << spec::kRegTriggerControlLastPatternLsb);
 }
 
-BoardState Control::state() {
+model::BoardState Control::state() {
   // The low word first: reading it holds the high one.
   const std::array<std::uint32_t, 2> clock{spec::kRegTimeLow, spec::kRegTimeHigh};
   const std::vector<std::uint32_t> time = port_->read(clock);
@@ -260,4 +260,4 @@ std::unique_ptr<Control> open_control(const std::string& uri) {
                               : "is not the control of a board; use bar:PATH, litepcie:PATH or udp:HOST");
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::driver

@@ -14,11 +14,11 @@
 #include <vector>
 
 #include "host/driver/register_port.h"
-#include "model/board.h"
 #include "model/register_file.h"
 #include "model/spec/generated/register_table.h"
+#include "selfproj/model/board.h"
 
-namespace selfproj {
+namespace selfproj::driver {
 
 // A register or one of its fields.
 struct RegisterPart {
@@ -36,7 +36,7 @@ class Control {
   // specification.
   explicit Control(std::unique_ptr<RegisterPort> port);
 
-  [[nodiscard]] const BoardBuild& build() const { return build_; }
+  [[nodiscard]] const model::BoardBuild& build() const { return build_; }
   [[nodiscard]] const std::string& uri() const { return port_->uri(); }
 
   // The value of a register or field.
@@ -54,13 +54,13 @@ class Control {
   void write_together(std::vector<std::pair<RegisterPart, std::uint32_t>> values);
 
   // Writes all settings. They count from the next frame start on.
-  void set(const BoardSettings& settings);
+  void set(const model::BoardSettings& settings);
 
   // Frames count patterns: frame k from now on has the pattern index k mod patterns, 1..256.
   void count_patterns_on_frames(int patterns);
 
   // Everything that only the board changes, read register by register; the time as one number.
-  [[nodiscard]] BoardState state();
+  [[nodiscard]] model::BoardState state();
 
  private:
   void write_word(const spec::Register& one, std::uint32_t value);
@@ -68,7 +68,7 @@ class Control {
   void check_fits(const RegisterPart& part, std::uint32_t value) const;
 
   std::unique_ptr<RegisterPort> port_;
-  BoardBuild build_;
+  model::BoardBuild build_;
 };
 
 // The bits of a word.
@@ -91,6 +91,6 @@ std::string control_uri(const std::string& uri);
 // Throws UserError with the URI if it is none of the above, or if no board of this specification answers there.
 std::unique_ptr<Control> open_control(const std::string& uri);
 
-}  // namespace selfproj
+}  // namespace selfproj::driver
 
 #endif  // SELFPROJ_HOST_DRIVER_CONTROL_H

@@ -7,11 +7,11 @@
 #include <optional>
 #include <span>
 
-#include "host/driver/counters.h"
 #include "model/datagram.h"
-#include "model/packet.h"
+#include "selfproj/driver/counters.h"
+#include "selfproj/model/packet.h"
 
-namespace selfproj {
+namespace selfproj::driver {
 namespace {
 
 // The numbers of a stream begin here, so that those before them are positive, too.
@@ -32,7 +32,7 @@ std::uint64_t unwrapped(std::uint32_t number, std::uint64_t from) {
 }
 
 // Whether a datagram is one of a session's first.
-bool young(const DatagramHeader& header, std::uint32_t limit) {
+bool young(const model::DatagramHeader& header, std::uint32_t limit) {
   return header.sequence < limit && header.packet <= header.sequence;
 }
 
@@ -40,10 +40,10 @@ bool young(const DatagramHeader& header, std::uint32_t limit) {
 
 DatagramAssembler::DatagramAssembler(Counters& counters) : counters_(counters) {
   for (Slot& slot : slots_) {
-    slot.bytes.resize(kLargestPacketBytes);
+    slot.bytes.resize(model::kLargestPacketBytes);
   }
   for (std::vector<std::uint8_t>& datagram : candidate_.datagrams) {
-    datagram.reserve(spec::kDatagramHeaderBytes + kLargestPacketBytes);
+    datagram.reserve(spec::kDatagramHeaderBytes + model::kLargestPacketBytes);
   }
 }
 
@@ -62,7 +62,7 @@ void DatagramAssembler::go_to(const Position& position) {
 }
 
 // A session that is received early is taken from its beginning: what is missing there was lost.
-void DatagramAssembler::begin(const DatagramHeader& header) {
+void DatagramAssembler::begin(const model::DatagramHeader& header) {
   const bool from_start = young(header, kSequences);
   session_ = header.session;
   started_ = true;
@@ -74,7 +74,7 @@ void DatagramAssembler::begin(const DatagramHeader& header) {
 
 // Datagrams overtake each other by up to kPackets packets and kSequences datagrams. A first datagram that is far ahead
 // may be a false one.
-bool DatagramAssembler::follows(const DatagramHeader& header) const {
+bool DatagramAssembler::follows(const model::DatagramHeader& header) const {
   const std::int32_t datagrams = distance(header.sequence, static_cast<std::uint32_t>(next_sequence_));
   const std::int32_t packets = distance(header.packet, static_cast<std::uint32_t>(end_packet_));
   const std::int32_t behind = accepted_ < kConfirmations ? kNearStart : kWindow;
@@ -107,10 +107,10 @@ bool DatagramAssembler::note(std::uint64_t sequence) {
 }
 
 bool DatagramAssembler::add(std::span<const std::uint8_t> datagram) {
-  const std::optional<DatagramHeader> header = read_datagram_header(datagram);
+  const std::optional<model::DatagramHeader> header = model::read_datagram_header(datagram);
   const bool holds_header =
       header && (header->offset != 0 || header->length == 0 || header->length >= spec::kHeaderBytes);
-  if (!holds_header || std::size_t{header->offset} + header->length > kLargestPacketBytes) {
+  if (!holds_header || std::size_t{header->offset} + header->length > model::kLargestPacketBytes) {
     ++counters_.datagrams_refused;
     return true;
   }
@@ -123,7 +123,7 @@ bool DatagramAssembler::add(std::span<const std::uint8_t> datagram) {
   return follows(*header) || accepted_ == 0 ? add_to_stream(*header, datagram) : add_to_candidate(*header, datagram);
 }
 
-bool DatagramAssembler::add_to_stream(const DatagramHeader& header, std::span<const std::uint8_t> datagram) {
+bool DatagramAssembler::add_to_stream(const model::DatagramHeader& header, std::span<const std::uint8_t> datagram) {
   const std::uint64_t packet = unwrapped(header.packet, end_packet_);
   if (header.length != 0 && packet >= next_packet_ + kPackets) {
     given_up_ = std::max(given_up_, packet + 1 - kPackets);
@@ -161,7 +161,7 @@ const DatagramAssembler::Session* DatagramAssembler::earlier(std::uint16_t sessi
   return nullptr;
 }
 
-DatagramAssembler::Change DatagramAssembler::change_to(const DatagramHeader& first) const {
+DatagramAssembler::Change DatagramAssembler::change_to(const model::DatagramHeader& first) const {
   const auto beyond = [&first](const Position& position) {
     return distance(first.packet, static_cast<std::uint32_t>(position.packet)) >= -kWindow &&
            distance(first.sequence, static_cast<std::uint32_t>(position.sequence)) >= -kWindow;
@@ -182,7 +182,7 @@ DatagramAssembler::Change DatagramAssembler::change_to(const DatagramHeader& fir
   return Change::restarts;
 }
 
-bool DatagramAssembler::add_to_candidate(const DatagramHeader& header, std::span<const std::uint8_t> datagram) {
+bool DatagramAssembler::add_to_candidate(const model::DatagramHeader& header, std::span<const std::uint8_t> datagram) {
   Candidate& candidate = candidate_;
   const std::int32_t datagrams = distance(header.sequence, candidate.last.sequence);
   const std::int32_t packets = distance(header.packet, candidate.last.packet);
@@ -218,9 +218,9 @@ void DatagramAssembler::change_stream(Change change) {
   replayed_ = 0;
   counters_.datagrams_refused += static_cast<std::uint64_t>(candidate_.count) - to_replay_;
   candidate_.count = 0;
-  DatagramHeader first = candidate_.first;
+  model::DatagramHeader first = candidate_.first;
   for (std::size_t i = 1; i < to_replay_; ++i) {
-    const DatagramHeader header = *read_datagram_header(candidate_.datagrams[i]);
+    const model::DatagramHeader header = *model::read_datagram_header(candidate_.datagrams[i]);
     first = distance(header.sequence, first.sequence) < 0 ? header : first;
   }
   for (Slot& slot : slots_) {
@@ -261,7 +261,7 @@ void DatagramAssembler::change_stream(Change change) {
 }
 
 // Begins a session during which the receiver has listened from the start.
-void DatagramAssembler::restart(const DatagramHeader& first) {
+void DatagramAssembler::restart(const model::DatagramHeader& first) {
   begin(first);
   if (!young(first, kYoung)) {
     return;
@@ -275,7 +275,7 @@ void DatagramAssembler::restart(const DatagramHeader& first) {
 }
 
 // Goes on at the number of a datagram. What is missing since `from` is lost, unless the stream goes back.
-void DatagramAssembler::go_on(const Position& from, const DatagramHeader& first) {
+void DatagramAssembler::go_on(const Position& from, const model::DatagramHeader& first) {
   in_middle_ = false;
   const Position to{.sequence = std::max(unwrapped(first.sequence, from.sequence), from.sequence),
                     .packet = std::max(unwrapped(first.packet, from.packet), from.packet)};
@@ -293,7 +293,8 @@ void DatagramAssembler::count_gap() {
   }
 }
 
-void DatagramAssembler::store(const DatagramHeader& header, std::uint64_t packet, std::span<const std::uint8_t> piece) {
+void DatagramAssembler::store(const model::DatagramHeader& header, std::uint64_t packet,
+                              std::span<const std::uint8_t> piece) {
   if (packet < next_packet_) {
     counters_.bytes_discarded += in_middle_ && packet == joined_ ? piece.size() : 0;
     return;  // its packet is counted as lost
@@ -306,10 +307,11 @@ void DatagramAssembler::store(const DatagramHeader& header, std::uint64_t packet
 }
 
 bool DatagramAssembler::complete(const Slot& slot) const {
-  return slot.begun && slot.received >= std::min(announced_packet_bytes(slot.bytes).value_or(0), kLargestPacketBytes);
+  return slot.begun &&
+         slot.received >= std::min(model::announced_packet_bytes(slot.bytes).value_or(0), model::kLargestPacketBytes);
 }
 
-bool DatagramAssembler::next(PacketView& packet) {
+bool DatagramAssembler::next(model::PacketView& packet) {
   if (held_) {
     clear(slot(next_packet_ - 1));
     held_ = false;
@@ -318,14 +320,15 @@ bool DatagramAssembler::next(PacketView& packet) {
     Slot& place = slot(next_packet_);
     if (complete(place)) {
       const std::span<const std::uint8_t> bytes(place.bytes.data(), place.received);
-      const PacketError error = place.received > kLargestPacketBytes ? PacketError::size : parse_packet(bytes, packet);
+      const model::PacketError error =
+          place.received > model::kLargestPacketBytes ? model::PacketError::size : model::parse_packet(bytes, packet);
       ++next_packet_;
-      if (error == PacketError::none && packet.size == place.received) {
+      if (error == model::PacketError::none && packet.size == place.received) {
         held_ = true;
         return true;
       }
       ++counters_.bad;
-      counters_.other_spec += error == PacketError::hash || error == PacketError::version ? 1 : 0;
+      counters_.other_spec += error == model::PacketError::hash || error == model::PacketError::version ? 1 : 0;
       clear(place);
     } else if (next_packet_ < given_up_) {
       clear(place);
@@ -333,7 +336,7 @@ bool DatagramAssembler::next(PacketView& packet) {
       ++next_packet_;
     } else if (replayed_ < to_replay_) {
       const std::vector<std::uint8_t>& datagram = candidate_.datagrams[replayed_];
-      replayed_ += add_to_stream(*read_datagram_header(datagram), datagram) ? 1 : 0;
+      replayed_ += add_to_stream(*model::read_datagram_header(datagram), datagram) ? 1 : 0;
     } else {
       return false;
     }
@@ -349,4 +352,4 @@ void DatagramAssembler::flush() {
   }
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::driver

@@ -9,11 +9,11 @@
 #include <span>
 #include <vector>
 
-#include "host/driver/counters.h"
 #include "model/datagram.h"
-#include "model/packet.h"
+#include "selfproj/driver/counters.h"
+#include "selfproj/model/packet.h"
 
-namespace selfproj {
+namespace selfproj::driver {
 
 // Gives whole packets in the order in which they were sent. A session is one run of the sender. A reader that comes
 // late ignores the packet in whose middle it begins. Each later packet of the session is given once or counted: in
@@ -51,7 +51,7 @@ class DatagramAssembler {
   bool add(std::span<const std::uint8_t> datagram);
 
   // Returns the next packet, which stays valid until the next call. Returns false if none is complete.
-  bool next(PacketView& packet);
+  bool next(model::PacketView& packet);
 
   // Call when nothing has come for so long that no late datagram is expected. Incomplete packets then count as lost.
   void flush();
@@ -73,8 +73,8 @@ class DatagramAssembler {
   // Datagrams that do not follow those of the stream but each other.
   struct Candidate {
     std::array<std::vector<std::uint8_t>, kConfirmations> datagrams;  // the first of them
-    DatagramHeader first = {};
-    DatagramHeader last = {};
+    model::DatagramHeader first = {};
+    model::DatagramHeader last = {};
     int count = 0;
   };
 
@@ -94,21 +94,21 @@ class DatagramAssembler {
     restarts_as_known  // a new session with the number of an earlier one, or datagrams that come very late
   };
 
-  [[nodiscard]] bool follows(const DatagramHeader& header) const;
-  [[nodiscard]] Change change_to(const DatagramHeader& first) const;
+  [[nodiscard]] bool follows(const model::DatagramHeader& header) const;
+  [[nodiscard]] Change change_to(const model::DatagramHeader& first) const;
   [[nodiscard]] const Session* earlier(std::uint16_t session) const;
-  bool add_to_stream(const DatagramHeader& header, std::span<const std::uint8_t> datagram);
-  bool add_to_candidate(const DatagramHeader& header, std::span<const std::uint8_t> datagram);
+  bool add_to_stream(const model::DatagramHeader& header, std::span<const std::uint8_t> datagram);
+  bool add_to_candidate(const model::DatagramHeader& header, std::span<const std::uint8_t> datagram);
   void refuse_candidate();
   void change_stream(Change change);
-  void begin(const DatagramHeader& header);
-  void restart(const DatagramHeader& first);
-  void go_on(const Position& from, const DatagramHeader& first);
+  void begin(const model::DatagramHeader& header);
+  void restart(const model::DatagramHeader& first);
+  void go_on(const Position& from, const model::DatagramHeader& first);
   void go_to(const Position& position);
   void count_gap();
   // Notes the number of a datagram. Returns false if it was noted before.
   bool note(std::uint64_t sequence);
-  void store(const DatagramHeader& header, std::uint64_t packet, std::span<const std::uint8_t> piece);
+  void store(const model::DatagramHeader& header, std::uint64_t packet, std::span<const std::uint8_t> piece);
   [[nodiscard]] bool complete(const Slot& slot) const;
   Slot& slot(std::uint64_t packet) { return slots_[packet % kPackets]; }
   static void clear(Slot& slot);
@@ -136,6 +136,6 @@ class DatagramAssembler {
   bool held_ = false;       // the user still reads the packet before next_packet_
 };
 
-}  // namespace selfproj
+}  // namespace selfproj::driver
 
 #endif  // SELFPROJ_HOST_DRIVER_DATAGRAM_ASSEMBLER_H

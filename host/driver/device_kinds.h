@@ -7,10 +7,10 @@
 #include <string>
 #include <utility>
 
-#include "host/driver/device.h"
-#include "host/driver/packet_reader.h"
+#include "selfproj/driver/device.h"
+#include "selfproj/driver/packet_reader.h"
 
-namespace selfproj {
+namespace selfproj::driver {
 
 // What the kinds have in common. What next() gave stays where it is until the next call of it, unless a kind says
 // otherwise.
@@ -51,6 +51,6 @@ std::unique_ptr<Device> make_ring_device(const std::string& name, const DeviceOp
 // the URI if the host is not known or another program has the port.
 std::unique_ptr<Device> make_udp_device(const std::string& place, const DeviceOptions& options);
 
-}  // namespace selfproj
+}  // namespace selfproj::driver
 
 #endif  // SELFPROJ_HOST_DRIVER_DEVICE_KINDS_H

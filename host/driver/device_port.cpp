@@ -14,9 +14,9 @@
 #include <vector>
 
 #include "host/files/file_descriptor.h"
-#include "host/files/user_error.h"
+#include "selfproj/files/user_error.h"
 
-namespace selfproj {
+namespace selfproj::driver {
 namespace {
 
 class KernelDevicePort final : public DevicePort {
@@ -24,7 +24,7 @@ class KernelDevicePort final : public DevicePort {
   KernelDevicePort(const std::string& path, const std::string& uri)
       : file_(::open(path.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC)) {
     if (file_.number() < 0) {
-      throw UserError(uri, error_text(errno));
+      throw UserError(uri, files::error_text(errno));
     }
   }
 
@@ -54,10 +54,10 @@ class KernelDevicePort final : public DevicePort {
     return static_cast<const std::uint8_t*>(memory);
   }
 
-  bool wait(std::chrono::nanoseconds timeout) override { return wait_readable(file_.number(), timeout.count()); }
+  bool wait(std::chrono::nanoseconds timeout) override { return files::wait_readable(file_.number(), timeout.count()); }
 
  private:
-  FileDescriptor file_;
+  files::FileDescriptor file_;
   std::vector<std::pair<void*, std::size_t>> mapped_;
 };
 
@@ -67,4 +67,4 @@ std::unique_ptr<DevicePort> open_device_port(const std::string& path, const std:
   return std::make_unique<KernelDevicePort>(path, uri);
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::driver

@@ -9,7 +9,7 @@
 #include <memory>
 #include <string>
 
-namespace selfproj {
+namespace selfproj::driver {
 
 class DevicePort {
  public:
@@ -32,6 +32,6 @@ class DevicePort {
 // Opens the device file. Throws UserError with the URI, which is what the user has written.
 std::unique_ptr<DevicePort> open_device_port(const std::string& path, const std::string& uri);
 
-}  // namespace selfproj
+}  // namespace selfproj::driver
 
 #endif  // SELFPROJ_HOST_DRIVER_DEVICE_PORT_H

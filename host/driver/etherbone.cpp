@@ -20,10 +20,10 @@
 #include "host/driver/clock.h"
 #include "host/driver/udp_socket.h"
 #include "host/files/file_descriptor.h"
-#include "host/files/user_error.h"
 #include "model/spec/generated/register_table.h"
+#include "selfproj/files/user_error.h"
 
-namespace selfproj {
+namespace selfproj::driver {
 namespace {
 
 constexpr std::size_t kPacketHeader = 8;
@@ -150,13 +150,13 @@ class EtherbonePort final : public RegisterPort {
       if (left <= 0) {
         return std::nullopt;
       }
-      static_cast<void>(wait_readable(socket_.number(), left));
+      static_cast<void>(files::wait_readable(socket_.number(), left));
     }
   }
 
   std::string uri_;
   EtherboneOptions options_;
-  FileDescriptor socket_;
+  files::FileDescriptor socket_;
   std::uint32_t tag_;
   bool mailbox_ = false;
   std::optional<std::uint32_t> next_ticket_;  // empty: to be asked for
@@ -222,4 +222,4 @@ std::unique_ptr<RegisterPort> make_etherbone_port(const std::string& place, cons
   return std::make_unique<EtherbonePort>(place, options);
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::driver

@@ -21,7 +21,7 @@
 
 #include "host/driver/register_port.h"
 
-namespace selfproj {
+namespace selfproj::driver {
 
 inline constexpr std::uint16_t kEtherbonePort = 1234;
 
@@ -61,6 +61,6 @@ struct EtherboneOptions {
 // Throws UserError with the URI if no board answers.
 std::unique_ptr<RegisterPort> make_etherbone_port(const std::string& place, const EtherboneOptions& options = {});
 
-}  // namespace selfproj
+}  // namespace selfproj::driver
 
 #endif  // SELFPROJ_HOST_DRIVER_ETHERBONE_H

@@ -13,15 +13,15 @@
 #include <thread>
 
 #include "host/driver/clock.h"
-#include "host/driver/counters.h"
-#include "host/driver/device.h"
 #include "host/driver/device_kinds.h"
-#include "host/driver/packet_reader.h"
 #include "host/files/file_descriptor.h"
 #include "host/files/run_files.h"
-#include "host/files/user_error.h"
+#include "selfproj/driver/counters.h"
+#include "selfproj/driver/device.h"
+#include "selfproj/driver/packet_reader.h"
+#include "selfproj/files/user_error.h"
 
-namespace selfproj {
+namespace selfproj::driver {
 namespace {
 
 constexpr std::chrono::milliseconds kRetryPause(1);  // after an error of a character device
@@ -36,17 +36,17 @@ class FileDevice final : public TalliedDevice {
         reader_(counters_, options.buffer_bytes) {
     struct stat status {};
     if (file_.number() < 0 || fstat(file_.number(), &status) != 0) {
-      throw UserError(path, error_text(errno));
+      throw UserError(path, files::error_text(errno));
     }
     if (S_ISDIR(status.st_mode)) {
-      throw UserError(path, error_text(EISDIR));
+      throw UserError(path, files::error_text(EISDIR));
     }
     regular_ = S_ISREG(status.st_mode);
     character_ = S_ISCHR(status.st_mode);
-    note_input(path);
+    files::note_input(path);
   }
 
-  Next next(PacketView& packet, std::chrono::nanoseconds timeout) override {
+  Next next(model::PacketView& packet, std::chrono::nanoseconds timeout) override {
     const std::int64_t started = now_ns();
     for (bool looked = false;; looked = true) {
       while (reader_.next(packet)) {
@@ -72,7 +72,7 @@ class FileDevice final : public TalliedDevice {
   // Returns whether there is data or an end to read. Waits according to the policy, up to `timeout` after the start of
   // next(), which was `waited` ago.
   [[nodiscard]] bool ready(std::int64_t waited, std::int64_t timeout) const {
-    const bool readable = wait_readable(file_.number(), options_.polls(waited) ? 0 : timeout - waited);
+    const bool readable = files::wait_readable(file_.number(), options_.polls(waited) ? 0 : timeout - waited);
     if (!readable) {
       relax();
     }
@@ -90,7 +90,7 @@ class FileDevice final : public TalliedDevice {
       reader_.finish();
     } else if (errno != EINTR && errno != EAGAIN) {
       if (!character_) {
-        throw UserError(path_, error_text(errno));
+        throw UserError(path_, files::error_text(errno));
       }
       // It is not known what the device lost. So give up the current packet and look for the next whole one.
       ++counters_.read_errors;
@@ -100,7 +100,7 @@ class FileDevice final : public TalliedDevice {
   }
 
   std::string path_;
-  FileDescriptor file_;
+  files::FileDescriptor file_;
   PacketStreamReader reader_;
   bool regular_ = false;
   bool character_ = false;
@@ -113,4 +113,4 @@ std::unique_ptr<Device> make_file_device(const std::string& path, const DeviceOp
   return std::make_unique<FileDevice>(path, options);
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::driver

@@ -1,13 +1,13 @@
-#include "host/driver/image_assembler.h"
+#include "selfproj/driver/image_assembler.h"
 
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <stdexcept>
 
-#include "model/packet.h"
+#include "selfproj/model/packet.h"
 
-namespace selfproj {
+namespace selfproj::driver {
 
 ImageAssembler::ImageAssembler(std::uint8_t kind, int stream, int max_rows, int max_columns)
     : kind_(kind), stream_(stream), max_rows_(max_rows), max_columns_(max_columns) {
@@ -23,8 +23,8 @@ ImageAssembler::ImageAssembler(std::uint8_t kind, int stream, int max_rows, int 
   }
 }
 
-bool ImageAssembler::add(const PacketView& packet) {
-  const PacketHeader& header = packet.header;
+bool ImageAssembler::add(const model::PacketView& packet) {
+  const model::PacketHeader& header = packet.header;
   if (header.kind != kind_ || header.stream != stream_) {
     return false;
   }
@@ -59,7 +59,7 @@ bool ImageAssembler::add(const PacketView& packet) {
     if (kind_ == spec::kKindImage) {
       std::copy_n(bytes, columns, pixels_.begin() + static_cast<std::ptrdiff_t>(first));
     } else {
-      unpack_codes(header.columns, bytes, codes_.data() + first);
+      model::unpack_codes(header.columns, bytes, codes_.data() + first);
     }
   }
   next_line_ += header.lines;
@@ -71,4 +71,4 @@ bool ImageAssembler::add(const PacketView& packet) {
   return true;
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::driver

@@ -13,19 +13,19 @@
 #include <vector>
 
 #include "host/driver/clock.h"
-#include "host/driver/counters.h"
-#include "host/driver/device.h"
 #include "host/driver/device_kinds.h"
 #include "host/driver/device_port.h"
 #include "host/driver/litepcie_interface.h"
-#include "host/driver/packet_reader.h"
 #include "host/driver/register_port.h"
 #include "host/files/file_descriptor.h"
-#include "host/files/user_error.h"
-#include "model/packet.h"
 #include "model/spec/generated/register_table.h"
+#include "selfproj/driver/counters.h"
+#include "selfproj/driver/device.h"
+#include "selfproj/driver/packet_reader.h"
+#include "selfproj/files/user_error.h"
+#include "selfproj/model/packet.h"
 
-namespace selfproj {
+namespace selfproj::driver {
 namespace {
 
 // The driver's interrupt comes after 32 buffers, which is late. So a sleeping reader looks this often by itself.
@@ -47,7 +47,7 @@ class LitePcieDevice final : public TalliedDevice {
     bytes_ = static_cast<std::size_t>(buffers.rx_bytes);
     count_ = buffers.rx_count;
     // The reader has room for at least one more of the largest packets.
-    if (bytes_ == 0 || bytes_ % spec::kPacketBeatBytes != 0 || bytes_ > kLargestPacketBytes || count_ < 4 ||
+    if (bytes_ == 0 || bytes_ % spec::kPacketBeatBytes != 0 || bytes_ > model::kLargestPacketBytes || count_ < 4 ||
         count_ > kMaxDmaBuffers) {
       throw UserError(uri_, "its driver has " + std::to_string(count_) + " buffers of " + std::to_string(bytes_) +
                                 " bytes, with which this program cannot work");
@@ -75,7 +75,7 @@ class LitePcieDevice final : public TalliedDevice {
     }
   }
 
-  Next next(PacketView& packet, std::chrono::nanoseconds timeout) override {
+  Next next(model::PacketView& packet, std::chrono::nanoseconds timeout) override {
     const std::int64_t started = now_ns();
     for (;;) {
       while (reader_.next(packet)) {
@@ -96,7 +96,7 @@ class LitePcieDevice final : public TalliedDevice {
 
  private:
   [[noreturn]] void fail(const std::string& what, int error) const {
-    throw UserError(uri_, what + ": " + error_text(error));
+    throw UserError(uri_, what + ": " + files::error_text(error));
   }
 
   void check(int error, const std::string& what) const {
@@ -241,7 +241,7 @@ class LitePciePort final : public RegisterPort {
   std::uint32_t access(litepcie::Access one) {
     const int error = port_->control(litepcie::kAccess, &one);
     if (error != 0) {
-      throw UserError(uri_, "the board's registers cannot be reached: " + error_text(error));
+      throw UserError(uri_, "the board's registers cannot be reached: " + files::error_text(error));
     }
     return one.value;
   }
@@ -271,4 +271,4 @@ std::unique_ptr<RegisterPort> make_litepcie_port(std::unique_ptr<DevicePort> por
   return std::make_unique<LitePciePort>(std::move(port), uri);
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::driver

@@ -5,11 +5,11 @@
 #include <memory>
 #include <string>
 
-#include "host/driver/device.h"
 #include "host/driver/device_port.h"
 #include "host/driver/register_port.h"
+#include "selfproj/driver/device.h"
 
-namespace selfproj {
+namespace selfproj::driver {
 
 // Packets of a board behind LitePCIe's DMA, at the path of its device file, such as /dev/litepcie0.
 //
@@ -37,6 +37,6 @@ std::unique_ptr<RegisterPort> make_litepcie_port(const std::string& path);
 // The same on a port that is open.
 std::unique_ptr<RegisterPort> make_litepcie_port(std::unique_ptr<DevicePort> port, const std::string& uri);
 
-}  // namespace selfproj
+}  // namespace selfproj::driver
 
 #endif  // SELFPROJ_HOST_DRIVER_LITEPCIE_H

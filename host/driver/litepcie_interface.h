@@ -11,7 +11,7 @@
 #include <cstddef>
 #include <cstdint>
 
-namespace selfproj::litepcie {
+namespace selfproj::driver::litepcie {
 
 // One access of 32 bits to BAR 0.
 struct Access {
@@ -67,6 +67,6 @@ inline constexpr unsigned long kRead = _IOW('S', 26, Read);
 inline constexpr std::uint32_t kBoardRegisters = 0x10000;
 inline constexpr std::uint32_t kLoopStatus = 0x4014;
 
-}  // namespace selfproj::litepcie
+}  // namespace selfproj::driver::litepcie
 
 #endif  // SELFPROJ_HOST_DRIVER_LITEPCIE_INTERFACE_H

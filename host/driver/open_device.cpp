@@ -1,12 +1,12 @@
 #include <memory>
 #include <string>
 
-#include "host/driver/device.h"
 #include "host/driver/device_kinds.h"
 #include "host/driver/litepcie.h"
-#include "host/files/user_error.h"
+#include "selfproj/driver/device.h"
+#include "selfproj/files/user_error.h"
 
-namespace selfproj {
+namespace selfproj::driver {
 
 std::unique_ptr<Device> open_device(const std::string& uri, const DeviceOptions& options) {
   const std::size_t colon = uri.find(':');
@@ -31,4 +31,4 @@ std::unique_ptr<Device> open_device(const std::string& uri, const DeviceOptions&
   return scheme == "ring" ? make_ring_device(rest, options) : make_file_device(rest, options);
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::driver

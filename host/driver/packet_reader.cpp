@@ -1,4 +1,4 @@
-#include "host/driver/packet_reader.h"
+#include "selfproj/driver/packet_reader.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -6,28 +6,30 @@
 #include <cstring>
 #include <span>
 
-#include "host/driver/counters.h"
-#include "model/packet.h"
+#include "selfproj/driver/counters.h"
+#include "selfproj/model/packet.h"
 
-namespace selfproj {
+namespace selfproj::driver {
 namespace {
 
 using Bytes = std::span<const std::uint8_t>;
 
 // Like parse_packet, but asks for no more bytes if those present show that this is not a packet that a board sends.
-PacketError parse_available(Bytes bytes, PacketView& packet) {
-  if (!begins_like_packet(bytes)) {
-    return PacketError::magic;
+model::PacketError parse_available(Bytes bytes, model::PacketView& packet) {
+  if (!model::begins_like_packet(bytes)) {
+    return model::PacketError::magic;
   }
-  const PacketError error = parse_packet(bytes.first(std::min(bytes.size(), kLargestPacketBytes)), packet);
-  const bool endless = error == PacketError::too_short && announced_packet_bytes(bytes) > kLargestPacketBytes;
-  return endless ? PacketError::size : error;
+  const model::PacketError error =
+      model::parse_packet(bytes.first(std::min(bytes.size(), model::kLargestPacketBytes)), packet);
+  const bool endless =
+      error == model::PacketError::too_short && model::announced_packet_bytes(bytes) > model::kLargestPacketBytes;
+  return endless ? model::PacketError::size : error;
 }
 
 }  // namespace
 
 PacketStreamReader::PacketStreamReader(Counters& counters, std::size_t capacity, std::size_t fill)
-    : counters_(counters), fill_(fill), buffer_(std::max(capacity, 2 * kLargestPacketBytes)) {}
+    : counters_(counters), fill_(fill), buffer_(std::max(capacity, 2 * model::kLargestPacketBytes)) {}
 
 std::span<std::uint8_t> PacketStreamReader::room_in_place() { return std::span(buffer_).subspan(end_); }
 
@@ -59,34 +61,34 @@ void PacketStreamReader::skip_fill() {
   }
 }
 
-bool PacketStreamReader::next(PacketView& packet) {
+bool PacketStreamReader::next(model::PacketView& packet) {
   while (begin_ < end_) {
     if (due_) {
       skip_fill();
     }
     const Bytes bytes(buffer_.data() + begin_, held());
-    const PacketError error = parse_available(bytes, packet);
-    if (error == PacketError::none) {
+    const model::PacketError error = parse_available(bytes, packet);
+    if (error == model::PacketError::none) {
       counters_.resynchronized += skipping_ ? 1 : 0;
       skipping_ = false;
       due_ = true;
       begin_ += packet.size;
       return true;
     }
-    if (error == PacketError::too_short && !finished_) {
+    if (error == model::PacketError::too_short && !finished_) {
       return false;
     }
-    counters_.bad += due_ || (error != PacketError::magic && bytes.size() >= sizeof spec::kMagic) ? 1 : 0;
-    counters_.other_spec += error == PacketError::hash || error == PacketError::version ? 1 : 0;
-    discard(find_packet_start(bytes, 1));
+    counters_.bad += due_ || (error != model::PacketError::magic && bytes.size() >= sizeof spec::kMagic) ? 1 : 0;
+    counters_.other_spec += error == model::PacketError::hash || error == model::PacketError::version ? 1 : 0;
+    discard(model::find_packet_start(bytes, 1));
   }
   return false;
 }
 
-bool PacketTally::accept(const PacketHeader& header) {
+bool PacketTally::accept(const model::PacketHeader& header) {
   auto& stream = newest_[header.stream];
   Newest& kind = stream[static_cast<std::size_t>(header.kind - 1)];
-  const PacketHeader& newest = kind.header;
+  const model::PacketHeader& newest = kind.header;
   const bool moments = header.kind == spec::kKindMoments;
   const auto lost_since = static_cast<std::uint32_t>(header.lost - newest.lost);  // modulo 2^32
   constexpr std::uint32_t kBackwards = std::uint32_t{1} << 31U;
@@ -117,7 +119,7 @@ bool PacketTally::accept(const PacketHeader& header) {
   return true;
 }
 
-bool PacketTally::deliver(const PacketView& packet) {
+bool PacketTally::deliver(const model::PacketView& packet) {
   if (!accept(packet.header)) {
     return false;
   }
@@ -134,4 +136,4 @@ void PacketTally::begin_anew() {
   }
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::driver

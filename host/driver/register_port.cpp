@@ -20,10 +20,10 @@
 #include "host/driver/bus_guard.h"
 #include "host/files/file_descriptor.h"
 #include "host/files/run_files.h"
-#include "host/files/user_error.h"
 #include "model/spec/generated/register_table.h"
+#include "selfproj/files/user_error.h"
 
-namespace selfproj {
+namespace selfproj::driver {
 namespace {
 
 constexpr std::size_t kBarBytes = spec::kRegisters.back().address + 4;
@@ -33,7 +33,7 @@ class BarPort final : public RegisterPort {
   BarPort(int descriptor, std::size_t offset, const std::string& uri) : uri_(uri) {
     struct stat status {};
     if (fstat(descriptor, &status) != 0) {
-      throw UserError(uri, error_text(errno));
+      throw UserError(uri, files::error_text(errno));
     }
     if (S_ISREG(status.st_mode) && static_cast<std::uint64_t>(status.st_size) < offset + kBarBytes) {
       throw UserError(uri,
@@ -45,7 +45,7 @@ class BarPort final : public RegisterPort {
     void* const mapped =
         mmap(nullptr, bytes_, PROT_READ | PROT_WRITE, MAP_SHARED, descriptor, static_cast<off_t>(begin));
     if (mapped == MAP_FAILED) {
-      throw UserError(uri, "cannot be mapped: " + error_text(errno));
+      throw UserError(uri, "cannot be mapped: " + files::error_text(errno));
     }
     mapped_ = static_cast<std::uint8_t*>(mapped);
     registers_ = mapped_ + (offset - begin);
@@ -118,11 +118,11 @@ std::unique_ptr<RegisterPort> make_bar_port(const std::string& place) {
   const std::string uri = "bar:" + place;
   std::string path;
   const std::size_t offset = offset_of(place, path);
-  const FileDescriptor file(open(path.c_str(), O_RDWR | O_CLOEXEC | O_SYNC | O_NONBLOCK));
+  const files::FileDescriptor file(open(path.c_str(), O_RDWR | O_CLOEXEC | O_SYNC | O_NONBLOCK));
   if (file.number() < 0) {
-    throw UserError(uri, error_text(errno));
+    throw UserError(uri, files::error_text(errno));
   }
-  note_input(path);
+  files::note_input(path);
   return std::make_unique<BarPort>(file.number(), offset, uri);
 }
 
@@ -130,4 +130,4 @@ std::unique_ptr<RegisterPort> make_bar_port(int descriptor, const std::string& u
   return std::make_unique<BarPort>(descriptor, 0, uri);
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::driver

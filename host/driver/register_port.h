@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-namespace selfproj {
+namespace selfproj::driver {
 
 enum class Written : std::uint8_t {
   applied,  // the board has the value
@@ -49,6 +49,6 @@ std::unique_ptr<RegisterPort> make_bar_port(const std::string& place);
 // Registers at an open descriptor, which is mapped and then no longer needed. For memfd_create and tests.
 std::unique_ptr<RegisterPort> make_bar_port(int descriptor, const std::string& uri);
 
-}  // namespace selfproj
+}  // namespace selfproj::driver
 
 #endif  // SELFPROJ_HOST_DRIVER_REGISTER_PORT_H

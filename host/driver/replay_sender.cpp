@@ -15,9 +15,9 @@
 
 #include "host/driver/control.h"
 #include "host/driver/udp_socket.h"
-#include "host/files/user_error.h"
+#include "selfproj/files/user_error.h"
 
-namespace selfproj {
+namespace selfproj::driver {
 namespace {
 
 // Questions without progress that follow each other at once, and the pauses behind them, which double. A frame leaves
@@ -27,9 +27,9 @@ constexpr std::chrono::milliseconds kPause(1);
 constexpr std::chrono::milliseconds kLongestPause(100);
 
 // Older boards read registers that they have not as 0.
-ReplaySize largest_of(RegisterPort& board) {
+model::ReplaySize largest_of(RegisterPort& board) {
   const std::uint32_t video = board.word(spec::kLinkVideo);
-  const ReplaySize largest{
+  const model::ReplaySize largest{
       .columns = static_cast<int>(field_of(video, spec::kLinkVideoReplayColumnsLsb, spec::kLinkVideoReplayColumnsBits)),
       .rows = static_cast<int>(field_of(video, spec::kLinkVideoReplayRowsLsb, spec::kLinkVideoReplayRowsBits))};
   if (board.word(spec::kLinkId) != spec::kLinkIdReset || largest.columns == 0 || largest.rows == 0) {
@@ -77,19 +77,19 @@ ReplaySender::State ReplaySender::state() {
   return {.frame = words[0], .offset = words[1], .frames = words[2]};
 }
 
-std::uint64_t ReplaySender::send_from(const ImageView& frame, std::size_t offset) {
+std::uint64_t ReplaySender::send_from(const model::ImageView& frame, std::size_t offset) {
   const std::size_t all = static_cast<std::size_t>(frame.columns) * static_cast<std::size_t>(frame.rows);
-  const std::size_t piece = replay_piece(options_.datagram_bytes);
+  const std::size_t piece = model::replay_piece(options_.datagram_bytes);
   std::uint64_t sent = 0;
   for (std::size_t at = offset; at < all; at += piece, ++sent) {
     const std::size_t length = std::min(piece, all - at);
-    write_replay_header({.session = session_,
-                         .frame = number_,
-                         .offset = static_cast<std::uint32_t>(at),
-                         .length = static_cast<std::uint16_t>(length),
-                         .columns = static_cast<std::uint16_t>(frame.columns),
-                         .rows = static_cast<std::uint16_t>(frame.rows)},
-                        datagram_.data());
+    model::write_replay_header({.session = session_,
+                                .frame = number_,
+                                .offset = static_cast<std::uint32_t>(at),
+                                .length = static_cast<std::uint16_t>(length),
+                                .columns = static_cast<std::uint16_t>(frame.columns),
+                                .rows = static_cast<std::uint16_t>(frame.rows)},
+                               datagram_.data());
     std::memcpy(datagram_.data() + spec::kReplayHeaderBytes, frame.pixels + at, length);
     // An error of the network is like a lost datagram.
     static_cast<void>(::send(socket_.number(), datagram_.data(), spec::kReplayHeaderBytes + length, 0));
@@ -98,7 +98,7 @@ std::uint64_t ReplaySender::send_from(const ImageView& frame, std::size_t offset
   return sent;
 }
 
-void ReplaySender::send(const ImageView& frame) {
+void ReplaySender::send(const model::ImageView& frame) {
   const std::string size = std::to_string(frame.columns) + " x " + std::to_string(frame.rows);
   if (frame.columns > largest_.columns || frame.rows > largest_.rows) {
     throw UserError(board_.uri(), "a frame of " + size + " pixels is too large to be replayed; the largest has " +
@@ -133,4 +133,4 @@ void ReplaySender::send(const ImageView& frame) {
 
 void ReplaySender::end() { set_video_source(board_, source_before_); }
 
-}  // namespace selfproj
+}  // namespace selfproj::driver

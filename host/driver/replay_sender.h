@@ -12,12 +12,12 @@
 
 #include "host/driver/register_port.h"
 #include "host/files/file_descriptor.h"
-#include "model/column_moments.h"
 #include "model/datagram.h"
 #include "model/replay.h"
 #include "model/spec/generated/register_table.h"
+#include "selfproj/model/column_moments.h"
 
-namespace selfproj {
+namespace selfproj::driver {
 
 struct SourceName {
   std::string_view name;  // as commands have it
@@ -38,8 +38,8 @@ std::uint32_t video_source(RegisterPort& board);
 void set_video_source(RegisterPort& board, std::uint32_t source);
 
 struct ReplayOptions {
-  std::uint16_t port = spec::kReplayPort;       // of the board
-  std::size_t datagram_bytes = kDatagramBytes;  // longest datagram
+  std::uint16_t port = spec::kReplayPort;              // of the board
+  std::size_t datagram_bytes = model::kDatagramBytes;  // longest datagram
   int tries = 30;  // times that datagrams are sent without any progress of the board; about two seconds
 };
 
@@ -51,11 +51,11 @@ class ReplaySender {
   ReplaySender(RegisterPort& board, const std::string& host, const ReplayOptions& options = {});
 
   // The largest frame.
-  [[nodiscard]] ReplaySize largest() const { return largest_; }
+  [[nodiscard]] model::ReplaySize largest() const { return largest_; }
 
   // Sends a frame of this many columns, a multiple of 4, and rows without gaps, and repeats what is missing, until the
   // frame has left as video. Throws if the frame is too large, or if the board takes nothing.
-  void send(const ImageView& frame);
+  void send(const model::ImageView& frame);
 
   [[nodiscard]] std::uint64_t frames() const { return frames_; }        // that have left as video
   [[nodiscard]] std::uint64_t datagrams() const { return datagrams_; }  // sent
@@ -75,12 +75,12 @@ class ReplaySender {
 
   [[nodiscard]] State state();
   // Returns how many datagrams it were.
-  std::uint64_t send_from(const ImageView& frame, std::size_t offset);
+  std::uint64_t send_from(const model::ImageView& frame, std::size_t offset);
 
   RegisterPort& board_;
   ReplayOptions options_;
-  ReplaySize largest_;
-  FileDescriptor socket_;
+  model::ReplaySize largest_;
+  files::FileDescriptor socket_;
   std::uint32_t source_before_ = 0;
   std::uint16_t session_ = 0;
   std::uint32_t number_ = 0;  // of the next frame
@@ -90,6 +90,6 @@ class ReplaySender {
   std::uint64_t repeated_ = 0;
 };
 
-}  // namespace selfproj
+}  // namespace selfproj::driver
 
 #endif  // SELFPROJ_HOST_DRIVER_REPLAY_SENDER_H

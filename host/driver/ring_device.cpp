@@ -13,16 +13,16 @@
 #include <thread>
 
 #include "host/driver/clock.h"
-#include "host/driver/counters.h"
-#include "host/driver/device.h"
 #include "host/driver/device_kinds.h"
-#include "host/driver/packet_reader.h"
 #include "host/driver/ring_memory.h"
 #include "host/files/file_descriptor.h"
-#include "host/files/user_error.h"
-#include "model/packet.h"
+#include "selfproj/driver/counters.h"
+#include "selfproj/driver/device.h"
+#include "selfproj/driver/packet_reader.h"
+#include "selfproj/files/user_error.h"
+#include "selfproj/model/packet.h"
 
-namespace selfproj {
+namespace selfproj::driver {
 namespace {
 
 using Found = ring::Memory::Found;
@@ -71,7 +71,7 @@ class RingDevice final : public TalliedDevice {
     }
   }
 
-  Next next(PacketView& packet, std::chrono::nanoseconds timeout) override {
+  Next next(model::PacketView& packet, std::chrono::nanoseconds timeout) override {
     release();
     if (next_in_ring(packet)) {
       return Next::packet;
@@ -127,11 +127,11 @@ class RingDevice final : public TalliedDevice {
 
  private:
   [[noreturn]] void no_access(int error) const {
-    throw UserError(
-        uri_,
-        error_text(error) + (error == EACCES ? "; a reader needs the right to write, too, as it writes its counts into "
-                                               "the ring: with umask 007 the board gives it to its group"
-                                             : ""));
+    throw UserError(uri_,
+                    files::error_text(error) +
+                        (error == EACCES ? "; a reader needs the right to write, too, as it writes its counts into "
+                                           "the ring: with umask 007 the board gives it to its group"
+                                         : ""));
   }
 
   // The ring is mapped, and its lock is taken.
@@ -180,7 +180,7 @@ class RingDevice final : public TalliedDevice {
   void step() { memory_.header().read.store(++read_, std::memory_order_release); }
 
   // Returns the next good packet in the ring.
-  bool next_in_ring(PacketView& packet) {
+  bool next_in_ring(model::PacketView& packet) {
     if (!memory_.attached()) {
       return false;
     }
@@ -205,14 +205,14 @@ class RingDevice final : public TalliedDevice {
   }
 
   // Whether the slot at read_ has a good packet that must be given out.
-  bool look_at_slot(PacketView& packet) {
+  bool look_at_slot(model::PacketView& packet) {
     const ring::Slot& slot = memory_.slot(read_);
     const std::span<const std::uint8_t> bytes(memory_.packet(read_),
-                                              std::min<std::size_t>(slot.bytes, kLargestPacketBytes));
-    const PacketError error = parse_packet(bytes, packet);
-    if (error != PacketError::none || packet.size != slot.bytes || slot.number != read_) {
+                                              std::min<std::size_t>(slot.bytes, model::kLargestPacketBytes));
+    const model::PacketError error = model::parse_packet(bytes, packet);
+    if (error != model::PacketError::none || packet.size != slot.bytes || slot.number != read_) {
       ++counters_.bad;
-      counters_.other_spec += error == PacketError::hash || error == PacketError::version ? 1 : 0;
+      counters_.other_spec += error == model::PacketError::hash || error == model::PacketError::version ? 1 : 0;
       counters_.bytes_discarded += bytes.size();
       skipping_ = true;
       return false;
@@ -273,7 +273,7 @@ class RingDevice final : public TalliedDevice {
     header.sleeping.store(1, std::memory_order_relaxed);
     std::atomic_thread_fence(std::memory_order_seq_cst);  // see RingWriter::publish
     if (header.written.load(std::memory_order_acquire) == read_) {
-      const timespec limit = timespec_of(ns);
+      const timespec limit = files::timespec_of(ns);
       syscall(SYS_futex, &header.wake, FUTEX_WAIT, wake, &limit, nullptr, 0);
     }
     header.sleeping.store(0, std::memory_order_relaxed);
@@ -298,4 +298,4 @@ std::unique_ptr<Device> make_ring_device(const std::string& name, const DeviceOp
   return std::make_unique<RingDevice>(name, options);
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::driver

@@ -22,9 +22,9 @@
 
 #include "host/driver/bus_guard.h"
 #include "host/files/file_descriptor.h"
-#include "host/files/user_error.h"
+#include "selfproj/files/user_error.h"
 
-namespace selfproj::ring {
+namespace selfproj::driver::ring {
 namespace {
 
 struct flock range(short type, long which) {
@@ -122,7 +122,7 @@ bool Memory::open_for_writer(const std::string& uri, const std::string& shared, 
     detach();
     descriptor_ = shm_open(shared.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0660);  // minus the user's umask
     if (descriptor_ < 0) {
-      throw UserError(uri, error_text(errno));
+      throw UserError(uri, files::error_text(errno));
     }
     if (!try_lock(descriptor_, kWriterLock)) {
       throw UserError(uri, "another board is writing into it");
@@ -132,7 +132,7 @@ bool Memory::open_for_writer(const std::string& uri, const std::string& shared, 
     }
     struct stat status {};
     if (fstat(descriptor_, &status) != 0) {
-      throw UserError(uri, error_text(errno));
+      throw UserError(uri, files::error_text(errno));
     }
     if (status.st_size == 0) {
       return false;
@@ -142,10 +142,10 @@ bool Memory::open_for_writer(const std::string& uri, const std::string& shared, 
       return true;
     }
     if (found == Found::no_access) {
-      throw UserError(uri, "is there and cannot be used: " + error_text(errno));
+      throw UserError(uri, "is there and cannot be used: " + files::error_text(errno));
     }
     if (shm_unlink(shared.c_str()) != 0 && errno != ENOENT) {
-      throw UserError(uri, "is a ring of another size or kind, which cannot be replaced: " + error_text(errno));
+      throw UserError(uri, "is a ring of another size or kind, which cannot be replaced: " + files::error_text(errno));
     }
     unmap();
     replaced.swap(*this);
@@ -171,13 +171,15 @@ void Memory::fill(const std::string& uri, const std::string& shared, std::uint32
   const int error = posix_fallocate(descriptor_, 0, static_cast<off_t>(bytes));
   if (error != 0) {
     shm_unlink(shared.c_str());
-    throw UserError(uri, error_text(error) + ", " + std::to_string(bytes >> 20U) + " MiB of shared memory are needed");
+    throw UserError(
+        uri, files::error_text(error) + ", " + std::to_string(bytes >> 20U) + " MiB of shared memory are needed");
   }
   void* memory = mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_SHARED, descriptor_, 0);
   if (memory == MAP_FAILED) {
     const int why = errno;
     shm_unlink(shared.c_str());
-    throw UserError(uri, error_text(why) + ", " + std::to_string(bytes >> 20U) + " MiB of address space are needed");
+    throw UserError(uri,
+                    files::error_text(why) + ", " + std::to_string(bytes >> 20U) + " MiB of address space are needed");
   }
   header_ = static_cast<Header*>(memory);  // all zeros except for the following fields
   bytes_ = bytes;
@@ -239,9 +241,9 @@ bool Memory::shortened() const {
   return fstat(descriptor_, &status) == 0 && static_cast<std::size_t>(status.st_size) < bytes_;
 }
 
-}  // namespace selfproj::ring
+}  // namespace selfproj::driver::ring
 
-namespace selfproj {
+namespace selfproj::driver {
 namespace {
 
 constexpr const char* kFolder = "/dev/shm";  // where Linux keeps shared memory
@@ -258,7 +260,7 @@ RingInfo info_of(const std::string& name) {
       info.problem = "another version or specification";
       return info;
     case ring::Memory::Found::no_access:
-      info.problem = error_text(errno);
+      info.problem = files::error_text(errno);
       return info;
     case ring::Memory::Found::being_made:
       info.problem = "a board is making it";
@@ -305,9 +307,9 @@ bool remove_ring(const std::string& name) {
     return true;
   }
   if (errno != ENOENT) {
-    throw UserError("ring:" + name, error_text(errno));
+    throw UserError("ring:" + name, files::error_text(errno));
   }
   return false;
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::driver

@@ -17,9 +17,9 @@
 #include <string>
 #include <vector>
 
-#include "model/packet.h"
+#include "selfproj/model/packet.h"
 
-namespace selfproj::ring {
+namespace selfproj::driver::ring {
 
 inline constexpr std::uint64_t kMagic = 0x474E495250464C53;  // "SLFPRING"
 inline constexpr std::uint32_t kVersion = 2;
@@ -69,7 +69,7 @@ struct alignas(kLine) Slot {
 
 static_assert(sizeof(Header) == 4 * kLine && sizeof(Slot) == kLine);
 
-inline constexpr std::size_t kSlotBytes = sizeof(Slot) + (kLargestPacketBytes + kLine - 1) / kLine * kLine;
+inline constexpr std::size_t kSlotBytes = sizeof(Slot) + (model::kLargestPacketBytes + kLine - 1) / kLine * kLine;
 
 inline constexpr std::uint32_t kMaxSlots = std::uint32_t{1} << 16U;
 
@@ -153,9 +153,9 @@ class Memory {
   std::uint32_t slots_ = 0;
 };
 
-}  // namespace selfproj::ring
+}  // namespace selfproj::driver::ring
 
-namespace selfproj {
+namespace selfproj::driver {
 
 // The present state of a ring.
 struct RingInfo {
@@ -183,6 +183,6 @@ std::vector<RingInfo> list_rings();
 // the name is invalid.
 bool remove_ring(const std::string& name);
 
-}  // namespace selfproj
+}  // namespace selfproj::driver
 
 #endif  // SELFPROJ_HOST_DRIVER_RING_MEMORY_H

@@ -16,10 +16,10 @@
 
 #include "host/driver/clock.h"
 #include "host/driver/ring_memory.h"
-#include "host/files/user_error.h"
-#include "model/packet.h"
+#include "selfproj/files/user_error.h"
+#include "selfproj/model/packet.h"
 
-namespace selfproj {
+namespace selfproj::driver {
 
 RingWriter::RingWriter(const std::string& name, std::uint32_t slots) : name_(name), slots_(slots) {
   if (!std::has_single_bit(slots) || slots > ring::kMaxSlots) {
@@ -95,7 +95,7 @@ std::span<std::uint8_t> RingWriter::claim() {
       return {};
     }
   }
-  return {memory_.packet(written_), kLargestPacketBytes};
+  return {memory_.packet(written_), model::kLargestPacketBytes};
 }
 
 void RingWriter::publish(std::size_t bytes) {
@@ -116,7 +116,7 @@ void RingWriter::publish(std::size_t bytes) {
 }
 
 bool RingWriter::write(std::span<const std::uint8_t> packet) {
-  if (packet.size() > kLargestPacketBytes) {
+  if (packet.size() > model::kLargestPacketBytes) {
     throw std::invalid_argument("ring: the packet is larger than a slot");
   }
   const std::span<std::uint8_t> place = claim();
@@ -132,4 +132,4 @@ std::uint64_t RingWriter::unread() const { return written_ - memory_.header().re
 
 bool RingWriter::has_reader() const { return memory_.locked(ring::kReaderLock); }
 
-}  // namespace selfproj
+}  // namespace selfproj::driver

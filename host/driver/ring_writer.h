@@ -9,7 +9,7 @@
 
 #include "host/driver/ring_memory.h"
 
-namespace selfproj {
+namespace selfproj::driver {
 
 // Puts packets into the ring `name`. It makes the ring if it does not exist, and otherwise continues it like a
 // restarted board. It never waits: if the ring is full, the packet is lost and counted in the ring.
@@ -67,6 +67,6 @@ class RingWriter {
   std::uint32_t generation_ = 0;
 };
 
-}  // namespace selfproj
+}  // namespace selfproj::driver
 
 #endif  // SELFPROJ_HOST_DRIVER_RING_WRITER_H

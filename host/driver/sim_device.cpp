@@ -8,7 +8,7 @@
 
 #include "host/driver/clock.h"
 
-namespace selfproj {
+namespace selfproj::driver {
 
 SimDevice::SimDevice(std::size_t buffer_bytes) : TalliedDevice("sim:", {}), reader_(counters_, buffer_bytes) {}
 
@@ -26,7 +26,7 @@ bool SimDevice::push(std::span<const std::uint8_t> bytes, bool last) {
   if (last) {
     arrival_ns_ = now_ns();
     const bool whole =
-        since_last_ <= reader_.held() && announced_packet_bytes(reader_.newest(since_last_)) == since_last_;
+        since_last_ <= reader_.held() && model::announced_packet_bytes(reader_.newest(since_last_)) == since_last_;
     misframed_ += whole ? 0 : 1;
     since_last_ = 0;
   }
@@ -40,7 +40,7 @@ void SimDevice::finish() {
   reader_.finish();
 }
 
-Next SimDevice::next(PacketView& packet, std::chrono::nanoseconds /*timeout*/) {
+Next SimDevice::next(model::PacketView& packet, std::chrono::nanoseconds /*timeout*/) {
   held_ = false;
   while (reader_.next(packet)) {
     if (tally_.deliver(packet)) {
@@ -51,4 +51,4 @@ Next SimDevice::next(PacketView& packet, std::chrono::nanoseconds /*timeout*/) {
   return finished_ ? Next::end : Next::timeout;
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::driver

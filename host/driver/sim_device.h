@@ -8,9 +8,9 @@
 #include <span>
 
 #include "host/driver/device_kinds.h"
-#include "host/driver/packet_reader.h"
+#include "selfproj/driver/packet_reader.h"
 
-namespace selfproj {
+namespace selfproj::driver {
 
 // One thread does both sides in turn, so next() never waits. If no whole packet has come, it returns Next::timeout at
 // once, and Next::end after finish(). (For two threads or processes use RingWriter and ring:.)
@@ -29,7 +29,7 @@ class SimDevice final : public TalliedDevice {
   // Packets whose end on the bus (tlast) is not where their header says. A real DMA would cut the stream there.
   [[nodiscard]] std::uint64_t misframed() const { return misframed_; }
 
-  Next next(PacketView& packet, std::chrono::nanoseconds timeout) override;
+  Next next(model::PacketView& packet, std::chrono::nanoseconds timeout) override;
   void release() override { held_ = false; }
 
  private:
@@ -40,6 +40,6 @@ class SimDevice final : public TalliedDevice {
   bool finished_ = false;
 };
 
-}  // namespace selfproj
+}  // namespace selfproj::driver
 
 #endif  // SELFPROJ_HOST_DRIVER_SIM_DEVICE_H

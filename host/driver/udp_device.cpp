@@ -16,17 +16,17 @@
 #include <vector>
 
 #include "host/driver/clock.h"
-#include "host/driver/counters.h"
 #include "host/driver/datagram_assembler.h"
-#include "host/driver/device.h"
 #include "host/driver/device_kinds.h"
-#include "host/driver/packet_reader.h"
 #include "host/driver/udp_socket.h"
 #include "host/files/file_descriptor.h"
-#include "host/files/user_error.h"
 #include "model/datagram.h"
+#include "selfproj/driver/counters.h"
+#include "selfproj/driver/device.h"
+#include "selfproj/driver/packet_reader.h"
+#include "selfproj/files/user_error.h"
 
-namespace selfproj {
+namespace selfproj::driver {
 namespace {
 
 constexpr std::size_t kBatch = 64;     // datagrams of one system call
@@ -83,7 +83,7 @@ class UdpDevice final : public TalliedDevice {
  public:
   UdpDevice(const std::string& place, const DeviceOptions& options)
       : TalliedDevice("udp:" + place, options),
-        socket_(open_udp_socket(uri_, udp_place(uri_, place, kDatagramPort), true)),
+        socket_(open_udp_socket(uri_, udp_place(uri_, place, model::kDatagramPort), true)),
         assembler_(counters_) {
     // As much as the system allows: without the right to more, net.core.rmem_max is the limit.
     const int bytes = kSocketBytes;
@@ -92,12 +92,12 @@ class UdpDevice final : public TalliedDevice {
     }
     const int on = 1;
     if (setsockopt(socket_.number(), SOL_SOCKET, SO_RXQ_OVFL, &on, sizeof on) != 0) {
-      throw UserError(uri_, error_text(errno));
+      throw UserError(uri_, files::error_text(errno));
     }
     arrival_ns_ = now_ns();
   }
 
-  Next next(PacketView& packet, std::chrono::nanoseconds timeout) override {
+  Next next(model::PacketView& packet, std::chrono::nanoseconds timeout) override {
     const std::int64_t started = now_ns();
     for (;;) {
       while (take(packet)) {
@@ -124,7 +124,7 @@ class UdpDevice final : public TalliedDevice {
 
  private:
   // The next packet of the datagrams received.
-  bool take(PacketView& packet) {
+  bool take(model::PacketView& packet) {
     for (;;) {
       if (assembler_.next(packet)) {
         return true;
@@ -164,7 +164,7 @@ class UdpDevice final : public TalliedDevice {
     if (!quiet_) {
       rest = std::min(rest, kSilenceNs);
     }
-    static_cast<void>(wait_readable(socket_.number(), rest));
+    static_cast<void>(files::wait_readable(socket_.number(), rest));
   }
 
   void note_overflow() {
@@ -177,7 +177,7 @@ class UdpDevice final : public TalliedDevice {
     }
   }
 
-  FileDescriptor socket_;
+  files::FileDescriptor socket_;
   DatagramBatch batch_;
   DatagramAssembler assembler_;
   std::size_t used_ = 0;  // datagrams of the batch that were added
@@ -192,4 +192,4 @@ std::unique_ptr<Device> make_udp_device(const std::string& place, const DeviceOp
   return std::make_unique<UdpDevice>(place, options);
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::driver

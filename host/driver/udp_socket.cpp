@@ -16,9 +16,9 @@
 #include <system_error>
 
 #include "host/files/file_descriptor.h"
-#include "host/files/user_error.h"
+#include "selfproj/files/user_error.h"
 
-namespace selfproj {
+namespace selfproj::driver {
 namespace {
 
 const sockaddr* generic(const sockaddr_in& address) { return reinterpret_cast<const sockaddr*>(&address); }
@@ -26,14 +26,14 @@ const sockaddr* generic(const sockaddr_in& address) { return reinterpret_cast<co
 int new_socket(const std::string& name) {
   const int number = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
   if (number < 0) {
-    throw UserError(name, error_text(errno));
+    throw UserError(name, files::error_text(errno));
   }
   return number;
 }
 
 void connect_to(const std::string& name, int number, const sockaddr_in& to) {
   if (connect(number, generic(to), sizeof to) != 0) {
-    throw UserError(name, error_text(errno));
+    throw UserError(name, files::error_text(errno));
   }
 }
 
@@ -75,10 +75,10 @@ int open_udp_socket(const std::string& name, const UdpPlace& place, bool only_th
   sockaddr_in here{};
   socklen_t size = sizeof here;
   {
-    const FileDescriptor probe(new_socket(name));
+    const files::FileDescriptor probe(new_socket(name));
     connect_to(name, probe.number(), board);
     if (getsockname(probe.number(), reinterpret_cast<sockaddr*>(&here), &size) != 0) {
-      throw UserError(name, error_text(errno));
+      throw UserError(name, files::error_text(errno));
     }
   }
   here.sin_port = board.sin_port;
@@ -86,7 +86,7 @@ int open_udp_socket(const std::string& name, const UdpPlace& place, bool only_th
   try {
     if (bind(number, generic(here), sizeof here) != 0) {
       if (errno != EADDRINUSE) {
-        throw UserError(name, error_text(errno));
+        throw UserError(name, files::error_text(errno));
       }
       if (only_there) {
         throw UserError(name, "another program receives at UDP port " + std::to_string(place.port) +
@@ -94,7 +94,7 @@ int open_udp_socket(const std::string& name, const UdpPlace& place, bool only_th
       }
       here.sin_port = 0;
       if (bind(number, generic(here), sizeof here) != 0) {
-        throw UserError(name, error_text(errno));
+        throw UserError(name, files::error_text(errno));
       }
     }
     connect_to(name, number, board);
@@ -105,4 +105,4 @@ int open_udp_socket(const std::string& name, const UdpPlace& place, bool only_th
   return number;
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::driver

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <string>
 
-namespace selfproj {
+namespace selfproj::driver {
 
 struct UdpPlace {
   std::string host;  // name or IPv4 address
@@ -25,6 +25,6 @@ sockaddr_in udp_address(const std::string& name, const UdpPlace& place);
 // which is enough for answers, or with `only_there` UserError is thrown. Throws UserError.
 int open_udp_socket(const std::string& name, const UdpPlace& place, bool only_there = false);
 
-}  // namespace selfproj
+}  // namespace selfproj::driver
 
 #endif  // SELFPROJ_HOST_DRIVER_UDP_SOCKET_H

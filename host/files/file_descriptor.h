@@ -15,7 +15,7 @@
 #include <string_view>
 #include <system_error>
 
-namespace selfproj {
+namespace selfproj::files {
 
 // The system's text for an error number.
 inline std::string error_text(int error) { return std::generic_category().message(error); }
@@ -71,6 +71,6 @@ inline bool wait_readable(int descriptor, std::int64_t ns) {
   return ppoll(&watched, 1, &limit, nullptr) > 0;
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::files
 
 #endif  // SELFPROJ_HOST_FILES_FILE_DESCRIPTOR_H

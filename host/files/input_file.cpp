@@ -13,9 +13,9 @@
 
 #include "host/files/file_descriptor.h"
 #include "host/files/run_files.h"
-#include "host/files/user_error.h"
+#include "selfproj/files/user_error.h"
 
-namespace selfproj {
+namespace selfproj::files {
 namespace {
 
 using std::chrono::steady_clock;
@@ -80,4 +80,4 @@ std::string read_input(const std::string& file, std::size_t most_bytes) {
   }
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::files

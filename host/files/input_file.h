@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <string>
 
-namespace selfproj {
+namespace selfproj::files {
 
 // Rigs, calibrations and other files that people write.
 inline constexpr std::size_t kMostTextBytes = std::size_t{1} << 20U;
@@ -18,6 +18,6 @@ inline constexpr std::size_t kMostImageBytes = std::size_t{1} << 30U;
 // (run_files.h). Throws UserError, naming the file, if it cannot be read, is a folder, or has more than `most_bytes`.
 std::string read_input(const std::string& file, std::size_t most_bytes);
 
-}  // namespace selfproj
+}  // namespace selfproj::files
 
 #endif  // SELFPROJ_HOST_FILES_INPUT_FILE_H

@@ -5,7 +5,7 @@
 #include <functional>
 #include <string>
 
-namespace selfproj {
+namespace selfproj::files {
 
 // The function that receives each note, one line: a program shows it on its terminal. Empty: notes are dropped. Set it
 // before threads begin.
@@ -20,6 +20,6 @@ inline void note(const std::string& line) {
   }
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::files
 
 #endif  // SELFPROJ_HOST_FILES_NOTES_H

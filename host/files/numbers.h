@@ -12,7 +12,7 @@
 #include <type_traits>
 #include <vector>
 
-namespace selfproj {
+namespace selfproj::files {
 
 // Returns the number if the whole text is one in base 10: "12", "-3", "+5", and for a floating-point T also "1.5" and
 // "2e-3". "010" is ten. Returns nothing for any other text, such as an empty one, spaces, "0x10", "nan", "inf", and
@@ -51,6 +51,6 @@ T median_of(std::vector<T> values) {
   return *middle;
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::files
 
 #endif  // SELFPROJ_HOST_FILES_NUMBERS_H

@@ -13,9 +13,9 @@
 
 #include "host/files/run_files.h"
 #include "host/files/signals_held.h"
-#include "host/files/user_error.h"
+#include "selfproj/files/user_error.h"
 
-namespace selfproj {
+namespace selfproj::files {
 namespace fs = std::filesystem;
 
 OutputFile::OutputFile(const std::string& name) : name_(name), target_(name) {
@@ -87,4 +87,4 @@ void OutputFile::write(std::string_view text) const {
   stream.commit();
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::files

@@ -9,7 +9,7 @@
 #include "host/files/file_descriptor.h"
 #include "host/files/temporary.h"
 
-namespace selfproj {
+namespace selfproj::files {
 
 // A file that is written whole or not at all. It appears (or is replaced) in one step once everything is on disk. If
 // anything fails or ends the program before, an existing file stays as it was, and no other file is left. A link is
@@ -57,6 +57,6 @@ class OutputStream {
   FileDescriptor device_{-1};
 };
 
-}  // namespace selfproj
+}  // namespace selfproj::files
 
 #endif  // SELFPROJ_HOST_FILES_OUTPUT_FILE_H

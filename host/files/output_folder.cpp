@@ -24,9 +24,9 @@
 #include "host/files/run_files.h"
 #include "host/files/signals_held.h"
 #include "host/files/temporary.h"
-#include "host/files/user_error.h"
+#include "selfproj/files/user_error.h"
 
-namespace selfproj {
+namespace selfproj::files {
 namespace fs = std::filesystem;
 namespace {
 
@@ -288,4 +288,4 @@ void OutputFolder::move_in_each() {
   throw UserError(failed, error.message());
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::files

@@ -9,7 +9,7 @@
 
 #include "host/files/temporary.h"
 
-namespace selfproj {
+namespace selfproj::files {
 
 // A folder of results that is written whole or not at all. The files are written into a temporary folder beside it, and
 // `commit` exchanges the two in one step once everything is on disk. If anything fails or ends the program before, or
@@ -57,6 +57,6 @@ class OutputFolder {
   std::vector<std::string> files_;      // files written, in order
 };
 
-}  // namespace selfproj
+}  // namespace selfproj::files
 
 #endif  // SELFPROJ_HOST_FILES_OUTPUT_FOLDER_H

@@ -20,9 +20,9 @@
 #include <thread>
 #include <vector>
 
-#include "host/files/user_error.h"
+#include "selfproj/files/user_error.h"
 
-namespace selfproj {
+namespace selfproj::files {
 namespace {
 
 std::string text_of(const std::string& file) {
@@ -187,4 +187,4 @@ void write_results(const std::string& name, const std::string& about, const nloh
   }
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::files

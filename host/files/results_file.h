@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-namespace selfproj {
+namespace selfproj::files {
 
 // The environment variable that names the folder for results.
 inline constexpr const char* kResultsFolder = "SELFPROJ_RESULTS";
@@ -16,6 +16,6 @@ inline constexpr const char* kResultsFolder = "SELFPROJ_RESULTS";
 // tables of the documents from it. Throws UserError if the file cannot be written.
 void write_results(const std::string& name, const std::string& about, const nlohmann::ordered_json& results);
 
-}  // namespace selfproj
+}  // namespace selfproj::files
 
 #endif  // SELFPROJ_HOST_FILES_RESULTS_FILE_H

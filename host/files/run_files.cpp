@@ -10,9 +10,9 @@
 #include <system_error>
 #include <utility>
 
-#include "host/files/user_error.h"
+#include "selfproj/files/user_error.h"
 
-namespace selfproj {
+namespace selfproj::files {
 namespace fs = std::filesystem;
 namespace {
 
@@ -125,4 +125,4 @@ void check_output(const std::string& name, const fs::path& target) {
   }
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::files

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <string>
 
-namespace selfproj {
+namespace selfproj::files {
 
 // While this object lives, no output may be an input, and no two outputs may be one file: the same file (by device and
 // inode) or the same name. Every reader and writer of host/files, host/images and host/driver reports its files here,
@@ -29,6 +29,6 @@ void note_output(const std::string& name, const std::filesystem::path& target);
 // The same check without a note, for files of a folder. The folder's name should have no links.
 void check_output(const std::string& name, const std::filesystem::path& target);
 
-}  // namespace selfproj
+}  // namespace selfproj::files
 
 #endif  // SELFPROJ_HOST_FILES_RUN_FILES_H

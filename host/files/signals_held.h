@@ -5,7 +5,7 @@
 #include <array>
 #include <csignal>
 
-namespace selfproj {
+namespace selfproj::files {
 
 inline constexpr std::array<int, 5> kEndingSignals{SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGXCPU};
 
@@ -33,6 +33,6 @@ class SignalsHeld {
   sigset_t before_{};
 };
 
-}  // namespace selfproj
+}  // namespace selfproj::files
 
 #endif  // SELFPROJ_HOST_FILES_SIGNALS_HELD_H

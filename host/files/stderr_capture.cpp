@@ -13,7 +13,7 @@
 
 #include "host/files/file_descriptor.h"
 
-namespace selfproj {
+namespace selfproj::files {
 
 StderrCapture::StderrCapture() {
   static_cast<void>(std::fflush(stderr));
@@ -61,4 +61,4 @@ const std::string& StderrCapture::text() {
   return text_;
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::files

@@ -5,7 +5,7 @@
 
 #include "host/files/file_descriptor.h"
 
-namespace selfproj {
+namespace selfproj::files {
 
 // Captures standard error while it lives, so that messages of image libraries (libjpeg, libpng, OpenCV's log) do not
 // mix with the program's own lines, and can be read. It captures for the whole process, so no other thread may write
@@ -28,6 +28,6 @@ class StderrCapture {
   std::string text_;
 };
 
-}  // namespace selfproj
+}  // namespace selfproj::files
 
 #endif  // SELFPROJ_HOST_FILES_STDERR_CAPTURE_H

@@ -7,7 +7,7 @@
 #include "host/files/signals_held.h"
 #include "host/files/temporary.h"
 
-namespace selfproj {
+namespace selfproj::files {
 namespace {
 
 volatile std::sig_atomic_t asked_for = 0;    // NOLINT: a signal handler needs them
@@ -62,4 +62,4 @@ void tidy_up_on_signals() {
   }
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::files

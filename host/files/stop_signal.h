@@ -4,7 +4,7 @@
 #include <array>
 #include <csignal>
 
-namespace selfproj {
+namespace selfproj::files {
 
 // While it lives, Ctrl-C (SIGINT), SIGTERM and SIGHUP only set a flag instead of ending the program, so that an endless
 // run can end properly. A second signal ends the program. Only one such object can exist.
@@ -26,6 +26,6 @@ class StopSignal {
 // removes temporary files (temporary.h). Ignored signals stay ignored.
 void tidy_up_on_signals();
 
-}  // namespace selfproj
+}  // namespace selfproj::files
 
 #endif  // SELFPROJ_HOST_FILES_STOP_SIGNAL_H

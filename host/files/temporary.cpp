@@ -25,9 +25,9 @@
 
 #include "host/files/file_descriptor.h"
 #include "host/files/signals_held.h"
-#include "host/files/user_error.h"
+#include "selfproj/files/user_error.h"
 
-namespace selfproj {
+namespace selfproj::files {
 namespace fs = std::filesystem;
 namespace {
 
@@ -281,4 +281,4 @@ MadeFolders::~MadeFolders() {
   }
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::files

@@ -11,7 +11,7 @@
 
 #include "host/files/file_descriptor.h"
 
-namespace selfproj {
+namespace selfproj::files {
 
 // While it lives, other programs of this project cannot make, remove or exchange files in a folder (flock on the
 // folder; no lock file is needed). Waits up to ten seconds for the others. If the file system has no such lock, or the
@@ -98,6 +98,6 @@ class MadeFolders {
   std::vector<std::filesystem::path> made_;  // from the top down
 };
 
-}  // namespace selfproj
+}  // namespace selfproj::files
 
 #endif  // SELFPROJ_HOST_FILES_TEMPORARY_H

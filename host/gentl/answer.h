@@ -13,8 +13,8 @@
 #include <stdexcept>
 #include <string>
 
-#include "host/files/user_error.h"
 #include "host/gentl/gentl_types.h"
+#include "selfproj/files/user_error.h"
 
 namespace selfproj::gentl {
 

@@ -7,9 +7,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "host/driver/counters.h"
 #include "host/gentl/gentl_types.h"
 #include "host/gentl/module.h"
+#include "selfproj/driver/counters.h"
 
 namespace selfproj::gentl {
 
@@ -26,7 +26,7 @@ inline constexpr std::uint32_t kCountersChunk =
     0x5E1F0002;  // Counters in the order of kCounterNames, then two of the source
 inline constexpr std::uint32_t kLinesChunk = 0x5E1F0003;  // for each line: frame number, time stamp in ns, encoder
 inline constexpr std::size_t kFrameChunkBytes = 24;
-inline constexpr std::size_t kCountersChunkBytes = 8 * (kCounterNames.size() + 2);
+inline constexpr std::size_t kCountersChunkBytes = 8 * (driver::kCounterNames.size() + 2);
 inline constexpr std::size_t kLineBytes = 24;
 
 inline constexpr int kMaxLines = 8192;  // in a buffer

@@ -6,9 +6,9 @@
 
 #include "host/camera/camera_uri.h"
 #include "host/driver/control.h"
-#include "host/files/user_error.h"
 #include "host/gentl/answer.h"
-#include "model/packet.h"
+#include "selfproj/files/user_error.h"
+#include "selfproj/model/packet.h"
 
 namespace selfproj::gentl {
 namespace {
@@ -82,7 +82,7 @@ struct NamedCount {
 // The counters, in the order of their chunk.
 std::vector<NamedCount> counts_of_source() {
   std::vector<NamedCount> names;
-  for (const CounterName& counter : kCounterNames) {
+  for (const driver::CounterName& counter : driver::kCounterNames) {
     names.push_back({camel_case(counter.key), counter.label});
   }
   names.push_back({"OtherSize", "frames of another size than the rig's camera"});
@@ -91,9 +91,10 @@ std::vector<NamedCount> counts_of_source() {
 }
 
 std::int64_t count_at(const SourceCounts& counts, std::size_t index) {
-  const std::uint64_t value = index < kCounterNames.size()    ? counts.driver.*kCounterNames.at(index).field
-                              : index == kCounterNames.size() ? counts.other_size
-                                                              : counts.not_moments;
+  const std::uint64_t value = index < driver::kCounterNames.size()
+                                  ? counts.driver.*driver::kCounterNames.at(index).field
+                              : index == driver::kCounterNames.size() ? counts.other_size
+                                                                      : counts.not_moments;
   return static_cast<std::int64_t>(value);
 }
 
@@ -107,20 +108,20 @@ Camera::Camera(const DeviceEntry& entry, bool writable)
 // A control that was named must answer. Without one that belongs to the device the settings can only be read.
 void Camera::open_board(const DeviceEntry& entry) {
   if (!entry.control.empty()) {
-    control_ = open_control(entry.control);
+    control_ = driver::open_control(entry.control);
     return;
   }
-  if (is_camera_uri(entry.id)) {
+  if (camera::is_camera_uri(entry.id)) {
     control_problem_ = "none: " + entry.id + " is a camera without a board; its settings stand behind '?'";
     return;
   }
-  const std::string control = control_uri(entry.id);
+  const std::string control = driver::control_uri(entry.id);
   if (control.empty()) {
     control_problem_ = "none: " + entry.id + " has no control of a board beside it";
     return;
   }
   try {
-    control_ = open_control(control);
+    control_ = driver::open_control(control);
   } catch (const UserError& error) {
     control_problem_ = std::string("none: ") + error.what();
   }
@@ -160,7 +161,7 @@ void Camera::set_format(std::int64_t format) {
 }
 
 void Camera::add_setting(FeatureSet& features, Feature feature, const std::string& part,
-                         std::function<std::int64_t(const Measure&)> reported) {
+                         std::function<std::int64_t(const model::Measure&)> reported) {
   feature.category = "Measurement";
   feature.standard = false;
   feature.locked_by = "BoardControlMissing";
@@ -304,23 +305,25 @@ void Camera::describe_measurement(FeatureSet& features) {
        .name = "MomentsMode",
        .tip = "What a lit pixel weighs.",
        .entries = {{"Binary", spec::kModeBinary}, {"Grey", spec::kModeGrey}, {"GreyOver", spec::kModeGreyOver}}},
-      "measure.mode", [](const Measure& measure) { return static_cast<std::int64_t>(measure.mode); });
+      "measure.mode", [](const model::Measure& measure) { return static_cast<std::int64_t>(measure.mode); });
   add_setting(features, {.name = "Threshold", .tip = "A pixel is lit where its grey value is greater.", .max = 255},
-              "measure.threshold", [](const Measure& measure) { return std::int64_t{measure.threshold}; });
+              "measure.threshold", [](const model::Measure& measure) { return std::int64_t{measure.threshold}; });
   add_setting(features,
               {.kind = FeatureKind::choice,
                .name = "MomentsSelect",
                .tip = "Whether all lit pixels of a column count, or its strongest run.",
                .entries = {{"All", spec::kSelectAll}, {"Strongest", spec::kSelectStrongest}}},
-              "measure.select", [](const Measure& measure) { return static_cast<std::int64_t>(measure.select); });
-  add_setting(features, {.name = "RunGap", .tip = "Dark rows between two lit pixels of one run.", .max = kMaxGap},
-              "measure.gap", [](const Measure& measure) { return std::int64_t{measure.gap}; });
+              "measure.select",
+              [](const model::Measure& measure) { return static_cast<std::int64_t>(measure.select); });
+  add_setting(features,
+              {.name = "RunGap", .tip = "Dark rows between two lit pixels of one run.", .max = model::kMaxGap},
+              "measure.gap", [](const model::Measure& measure) { return std::int64_t{measure.gap}; });
   add_setting(features,
               {.name = "WindowFirstRow", .tip = "First row that counts, from 1; 0: the first.", .max = spec::kMaxRows},
-              "window.first", [](const Measure& measure) { return std::int64_t{measure.window.first}; });
+              "window.first", [](const model::Measure& measure) { return std::int64_t{measure.window.first}; });
   add_setting(features,
               {.name = "WindowLastRow", .tip = "Last row that counts, from 1; 0: the last.", .max = spec::kMaxRows},
-              "window.last", [](const Measure& measure) { return std::int64_t{measure.window.last}; });
+              "window.last", [](const model::Measure& measure) { return std::int64_t{measure.window.last}; });
 }
 
 void Camera::describe_counters(FeatureSet& features) {

@@ -52,12 +52,12 @@ class Camera final : public Module {
   void set_format(std::int64_t format);
   void open_board(const DeviceEntry& entry);
   void add_setting(FeatureSet& features, Feature feature, const std::string& part,
-                   std::function<std::int64_t(const Measure&)> reported);
+                   std::function<std::int64_t(const model::Measure&)> reported);
 
   DeviceEntry entry_;
   bool writable_;
   LineSource source_;
-  std::unique_ptr<Control> control_;  // null: the settings of the measurement can only be read
+  std::unique_ptr<driver::Control> control_;  // null: the settings of the measurement can only be read
   std::string control_problem_;
   AcquisitionGate gate_;
   bool locked_ = false;  // TLParamsLocked

@@ -27,7 +27,7 @@ void set_key(DeviceEntry& entry, const std::string& word) {
                                                                {"name", &DeviceEntry::name}};
   const std::size_t equals = word.find('=');
   const auto key = keys.find(word.substr(0, equals));
-  if (is_camera_uri(entry.id)) {
+  if (camera::is_camera_uri(entry.id)) {
     if (key == keys.end()) {  // the camera's own, which is checked when it is opened
       entry.parameters += (entry.parameters.empty() ? "" : "&") + word;
       return;
@@ -74,7 +74,7 @@ std::vector<DeviceEntry> parse_devices(const std::string& text) {
 std::vector<DeviceEntry> list_devices() {
   const char* const variable = std::getenv("SELFPROJ_GENTL_DEVICES");
   std::vector<DeviceEntry> entries = parse_devices(variable != nullptr ? variable : "");
-  for (const RingInfo& ring : list_rings()) {
+  for (const driver::RingInfo& ring : driver::list_rings()) {
     const std::string id = "ring:" + ring.name;
     auto at = std::find_if(entries.begin(), entries.end(), [&](const DeviceEntry& entry) { return entry.id == id; });
     if (at == entries.end()) {

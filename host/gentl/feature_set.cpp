@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "host/gentl/answer.h"
-#include "model/spec/generated/selfproj_spec.h"
+#include "selfproj/model/generated/selfproj_spec.h"
 
 namespace selfproj::gentl {
 namespace {

@@ -9,36 +9,37 @@
 #include "host/camera/camera_uri.h"
 #include "host/driver/clock.h"
 #include "host/driver/ring_memory.h"
-#include "host/files/user_error.h"
 #include "host/gentl/answer.h"
-#include "host/light_section/reference.h"
-#include "host/light_section/reference_file.h"
-#include "model/packet_payload.h"
+#include "selfproj/files/user_error.h"
+#include "selfproj/light_section/reference.h"
+#include "selfproj/light_section/reference_file.h"
+#include "selfproj/model/packet_payload.h"
 
 namespace selfproj::gentl {
 namespace {
 
 // The settings of the board in software that the URI of a camera has; none for another device.
-CameraBoardSettings board_of(const DeviceEntry& entry) {
-  return is_camera_uri(entry.id) && entry.problem.empty() ? parse_camera_uri(entry.uri()).board : CameraBoardSettings{};
+camera::CameraBoardSettings board_of(const DeviceEntry& entry) {
+  return camera::is_camera_uri(entry.id) && entry.problem.empty() ? camera::parse_camera_uri(entry.uri()).board
+                                                                  : camera::CameraBoardSettings{};
 }
 
 // The rig, with the pixel clock that the URI of a camera has.
-Rig rig_of(const DeviceEntry& entry) {
-  Rig rig = load_any_rig(entry.rig);
-  if (rig.kind != RigKind::light_section) {
+rig::Rig rig_of(const DeviceEntry& entry) {
+  rig::Rig rig = rig::load_any_rig(entry.rig);
+  if (rig.kind != rig::RigKind::light_section) {
     throw UserError(entry.rig, "is not a rig of kind light-section");
   }
   if (const std::optional<double> clock = board_of(entry).pixel_clock_hz) {
-    rig.board = RigBoard{.pixel_clock_hz = *clock};
+    rig.board = rig::RigBoard{.pixel_clock_hz = *clock};
   }
   return rig;
 }
 
 // What is measured before the first frame says it.
-Measure measure_of(const DeviceEntry& entry, const Rig& rig) {
-  const Measure measure = rig.measure.of_board();
-  const CameraBoardSettings board = board_of(entry);
+model::Measure measure_of(const DeviceEntry& entry, const rig::Rig& rig) {
+  const model::Measure measure = rig.measure.of_board();
+  const camera::CameraBoardSettings board = board_of(entry);
   return {.mode = board.mode.value_or(measure.mode),
           .threshold = board.threshold.value_or(measure.threshold),
           .select = board.select.value_or(measure.select),
@@ -46,15 +47,16 @@ Measure measure_of(const DeviceEntry& entry, const Rig& rig) {
           .window = board.window.value_or(measure.window)};
 }
 
-ReferenceProfile reference_of(const DeviceEntry& entry, const Rig& rig) {
-  return entry.reference.empty() ? reference_of_plane(rig) : load_reference(rig, entry.reference);
+light_section::ReferenceProfile reference_of(const DeviceEntry& entry, const rig::Rig& rig) {
+  return entry.reference.empty() ? light_section::reference_of_plane(rig)
+                                 : light_section::load_reference(rig, entry.reference);
 }
 
-std::unique_ptr<Device> open_entry(const DeviceEntry& entry, const Rig& rig) {
+std::unique_ptr<driver::Device> open_entry(const DeviceEntry& entry, const rig::Rig& rig) {
   if (!entry.problem.empty()) {
     throw GenTLError(GC_ERR_IO, entry.problem);
   }
-  for (const RingInfo& ring : list_rings()) {
+  for (const driver::RingInfo& ring : driver::list_rings()) {
     if (entry.id != "ring:" + ring.name) {
       continue;
     }
@@ -65,7 +67,8 @@ std::unique_ptr<Device> open_entry(const DeviceEntry& entry, const Rig& rig) {
       throw UserError(entry.id, ring.problem);
     }
   }
-  return open_any_device(entry.uri(), {.wait = Wait::blocking}, camera_of_rig(rig, rig.measure.of_board()));
+  return camera::open_any_device(entry.uri(), {.wait = driver::Wait::blocking},
+                                 camera::camera_of_rig(rig, rig.measure.of_board()));
 }
 
 }  // namespace
@@ -77,12 +80,12 @@ LineSource::LineSource(const DeviceEntry& entry)
       belt_(rig_),
       newest_(measure_of(entry, rig_)) {
   profile_.resize(profiler_.columns());
-  runs_.resize(Select::strongest, profiler_.columns());
+  runs_.resize(model::Select::strongest, profiler_.columns());
   look(std::chrono::nanoseconds(0));
 }
 
-bool LineSource::usable(const PacketView& packet) {
-  const PacketHeader& header = packet.header;
+bool LineSource::usable(const model::PacketView& packet) {
+  const model::PacketHeader& header = packet.header;
   if (header.kind != spec::kKindMoments) {
     ++work_.not_moments;
     return false;
@@ -98,16 +101,16 @@ bool LineSource::usable(const PacketView& packet) {
   return packet.status == 0;
 }
 
-Next LineSource::look(std::chrono::nanoseconds timeout) {
-  const std::int64_t until = now_ns() + timeout.count();
-  Next found = Next::packet;
+driver::Next LineSource::look(std::chrono::nanoseconds timeout) {
+  const std::int64_t until = driver::now_ns() + timeout.count();
+  driver::Next found = driver::Next::packet;
   do {
-    found = device_->next(packet_, std::chrono::nanoseconds(std::max<std::int64_t>(until - now_ns(), 0)));
-    held_ = found == Next::packet && usable(packet_);
-  } while (found == Next::packet && !held_ && now_ns() < until);
+    found = device_->next(packet_, std::chrono::nanoseconds(std::max<std::int64_t>(until - driver::now_ns(), 0)));
+    held_ = found == driver::Next::packet && usable(packet_);
+  } while (found == driver::Next::packet && !held_ && driver::now_ns() < until);
   any_ = any_ || held_;
   note();
-  return held_ ? Next::packet : found == Next::end ? Next::end : Next::timeout;
+  return held_ ? driver::Next::packet : found == driver::Next::end ? driver::Next::end : driver::Next::timeout;
 }
 
 void LineSource::note() {
@@ -115,29 +118,29 @@ void LineSource::note() {
   reported_ = work_;
   reported_.driver = device_->counters();
   if (held_) {
-    newest_ = measure_of(packet_.header);
+    newest_ = model::measure_of(packet_.header);
   }
 }
 
-Next LineSource::next(std::chrono::nanoseconds timeout) {
+driver::Next LineSource::next(std::chrono::nanoseconds timeout) {
   if (!held_) {
-    const Next found = look(timeout);
-    if (found != Next::packet) {
+    const driver::Next found = look(timeout);
+    if (found != driver::Next::packet) {
       return found;
     }
   }
   compute_line();
   device_->release();
   held_ = false;
-  return Next::packet;
+  return driver::Next::packet;
 }
 
 void LineSource::compute_line() {
   header_ = packet_.header;
-  const auto mode = static_cast<Mode>(header_.mode);
-  const auto select = static_cast<Select>(header_.select);
+  const auto mode = static_cast<model::Mode>(header_.mode);
+  const auto select = static_cast<model::Select>(header_.select);
   profiler_.profile(select, mode, packet_.payload.data(), profile_.view());
-  unpack_columns(select, mode, profiler_.columns(), packet_.payload.data(), runs_.view());
+  model::unpack_columns(select, mode, profiler_.columns(), packet_.payload.data(), runs_.view());
   const double travel = belt_.add(header_);
   if (carried_) {
     for (float& x : profile_.x) {
@@ -148,7 +151,7 @@ void LineSource::compute_line() {
 
 void LineSource::begin(bool carried) {
   carried_ = carried;
-  belt_ = BeltPosition(rig_);
+  belt_ = production::BeltPosition(rig_);
 }
 
 SourceCounts LineSource::counts() const {
@@ -156,7 +159,7 @@ SourceCounts LineSource::counts() const {
   return reported_;
 }
 
-Measure LineSource::newest() const {
+model::Measure LineSource::newest() const {
   const std::lock_guard lock(mutex_);
   return newest_;
 }

@@ -238,19 +238,19 @@ void Stream::fill(const FrameLayout& layout, std::uint64_t count) {
   LineSource& source = camera_->source();
   Filling filling;
   while (delivered_ < count && wait_for_buffer(layout, filling)) {
-    Next next = Next::end;
+    driver::Next next = driver::Next::end;
     try {
       next = source.next(kPatience);
     } catch (const std::exception&) {
       deliver(filling);
       throw;
     }
-    if (next == Next::packet) {
+    if (next == driver::Next::packet) {
       write_line(filling);
       if (filling.contents.lines == layout.height) {
         deliver(filling);
       }
-    } else if (next == Next::end) {
+    } else if (next == driver::Next::end) {
       deliver(filling);
       end(end_text(source.uri()));
       return;
@@ -301,7 +301,7 @@ void Stream::write_line(Filling& filling) {
   BufferContents& contents = filling.contents;
   const FrameLayout& layout = contents.layout;
   const LineSource& source = camera_->source();
-  const Profile& profile = source.profile();
+  const light_section::Profile& profile = source.profile();
   const auto columns = static_cast<std::size_t>(layout.columns);
   const auto line = static_cast<std::size_t>(contents.lines);
   for (const FramePart& part : layout.parts()) {
@@ -319,7 +319,7 @@ void Stream::write_line(Filling& filling) {
       }
     }
   }
-  const PacketHeader& header = source.header();
+  const model::PacketHeader& header = source.header();
   if (contents.lines == 0) {
     contents.time_stamp = header.time_stamp;
     contents.time_stamp_ns = nanoseconds(header.time_stamp);
@@ -345,7 +345,7 @@ void Stream::write_chunks(const Filling& filling) {
   store(to + 16, static_cast<std::uint64_t>(contents.lines));
   to = filling.buffer->memory() + places[1].ChunkOffset;
   const SourceCounts counts = camera_->source().counts();
-  for (const CounterName& counter : kCounterNames) {
+  for (const driver::CounterName& counter : driver::kCounterNames) {
     store(to, counts.driver.*counter.field);
     to += sizeof(std::uint64_t);
   }

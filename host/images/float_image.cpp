@@ -1,4 +1,4 @@
-#include "host/images/float_image.h"
+#include "selfproj/images/float_image.h"
 
 #include <fmt/format.h>
 
@@ -15,11 +15,11 @@
 #include <vector>
 
 #include "host/files/output_file.h"
-#include "host/files/user_error.h"
 #include "host/images/image_decoder.h"
 #include "host/images/image_files.h"
+#include "selfproj/files/user_error.h"
 
-namespace selfproj {
+namespace selfproj::images {
 namespace {
 
 constexpr float kMaxFloat = 1e9F;  // no length in mm, no row and no column is larger
@@ -84,8 +84,8 @@ std::string encode_float_tiff(const std::string& file, const FloatImage& image) 
 }
 
 void write_float_tiff(const std::string& file, const FloatImage& image) {
-  const OutputFile output(file);
+  const files::OutputFile output(file);
   output.write(encode_float_tiff(file, image));
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::images

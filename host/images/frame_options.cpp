@@ -14,10 +14,10 @@
 #include <vector>
 
 #include "host/files/numbers.h"
-#include "host/files/user_error.h"
-#include "model/spec/generated/selfproj_spec.h"
+#include "selfproj/files/user_error.h"
+#include "selfproj/model/generated/selfproj_spec.h"
 
-namespace selfproj {
+namespace selfproj::images {
 namespace {
 
 // The names of a table of names and values.
@@ -47,24 +47,24 @@ std::string name_in(const Table& table, Value value) {
   return found == table.end() ? "unknown" : found->first;
 }
 
-constexpr std::array<std::pair<const char*, Select>, 2> kSelects{
-    {{"all", Select::all}, {"strongest", Select::strongest}}};
+constexpr std::array<std::pair<const char*, model::Select>, 2> kSelects{
+    {{"all", model::Select::all}, {"strongest", model::Select::strongest}}};
 
 }  // namespace
 
 std::vector<std::string> mode_names() { return names_of(kModes); }
-Mode mode_of(const std::string& name) { return value_of(kModes, name, "mode_of"); }
-std::string mode_name(Mode mode) { return name_in(kModes, mode); }
+model::Mode mode_of(const std::string& name) { return value_of(kModes, name, "mode_of"); }
+std::string mode_name(model::Mode mode) { return name_in(kModes, mode); }
 
 std::vector<std::string> select_names() { return names_of(kSelects); }
-Select select_of(const std::string& name) { return value_of(kSelects, name, "select_of"); }
-std::string select_name(Select select) { return name_in(kSelects, select); }
+model::Select select_of(const std::string& name) { return value_of(kSelects, name, "select_of"); }
+std::string select_name(model::Select select) { return name_in(kSelects, select); }
 
-RowWindow rows_of_text(const std::string& option, const std::string& text) {
+model::RowWindow rows_of_text(const std::string& option, const std::string& text) {
   const std::string_view all = text;
   const std::size_t middle = all.find("..");
-  const auto first = number_of_text<int>(all.substr(0, middle));
-  const auto last = number_of_text<int>(middle == std::string_view::npos ? all : all.substr(middle + 2));
+  const auto first = files::number_of_text<int>(all.substr(0, middle));
+  const auto last = files::number_of_text<int>(middle == std::string_view::npos ? all : all.substr(middle + 2));
   if (middle == std::string_view::npos || !first || !last || *first < 1 || *first > *last || *last > spec::kMaxRows) {
     throw UserError(option, fmt::format("is '{}'; rows such as 10..80 are expected, from 1 to {}, the first not after "
                                         "the last",
@@ -73,12 +73,12 @@ RowWindow rows_of_text(const std::string& option, const std::string& text) {
   return {.first = *first, .last = *last};
 }
 
-std::string select_text(const Measure& measure) {
+std::string select_text(const model::Measure& measure) {
   std::string text;
-  if (measure.select != Select::all) {
+  if (measure.select != model::Select::all) {
     text = fmt::format("{}, gap {}", select_name(measure.select), measure.gap);
   }
-  if (measure.window != RowWindow{}) {
+  if (measure.window != model::RowWindow{}) {
     text += fmt::format("{}rows {}..{}", text.empty() ? "" : ", ", measure.window.first, measure.window.last);
   }
   return text;
@@ -95,8 +95,8 @@ std::string size_text(int rows, int columns) { return fmt::format("{} x {}", col
 FrameSize size_of_text(const std::string& option, const std::string& text, int max_side) {
   const std::string_view all = text;
   const std::size_t middle = all.find('x');
-  const auto columns = number_of_text<int>(all.substr(0, middle));
-  const auto rows = number_of_text<int>(middle == std::string_view::npos ? all : all.substr(middle + 1));
+  const auto columns = files::number_of_text<int>(all.substr(0, middle));
+  const auto rows = files::number_of_text<int>(middle == std::string_view::npos ? all : all.substr(middle + 1));
   if (middle == std::string_view::npos || !columns || !rows || *columns < 1 || *columns > max_side || *rows < 1 ||
       *rows > max_side) {
     throw UserError(
@@ -126,4 +126,4 @@ void check_same_size(const std::string& file, const Image& image, const std::str
   }
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::images

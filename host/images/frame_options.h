@@ -9,33 +9,33 @@
 #include <vector>
 
 #include "host/images/image_files.h"
-#include "model/column_moments.h"
-#include "model/column_runs.h"
+#include "selfproj/model/column_moments.h"
+#include "selfproj/model/column_runs.h"
 
-namespace selfproj {
+namespace selfproj::images {
 
 // The names of the modes in options and rigs.
-inline constexpr std::array<std::pair<const char*, Mode>, 3> kModes{
-    {{"binary", Mode::binary}, {"grey", Mode::grey}, {"grey-over", Mode::grey_over}}};
+inline constexpr std::array<std::pair<const char*, model::Mode>, 3> kModes{
+    {{"binary", model::Mode::binary}, {"grey", model::Mode::grey}, {"grey-over", model::Mode::grey_over}}};
 std::vector<std::string> mode_names();
 
 // The mode of one of these names; throws std::invalid_argument for any other. The name of a mode; "unknown" for any
 // other value.
-Mode mode_of(const std::string& name);
-std::string mode_name(Mode mode);
+model::Mode mode_of(const std::string& name);
+std::string mode_name(model::Mode mode);
 
 // The names of the selects in options: "all" and "strongest". Throws std::invalid_argument for any other name; the name
 // of a select, "unknown" for any other value.
 std::vector<std::string> select_names();
-Select select_of(const std::string& name);
-std::string select_name(Select select);
+model::Select select_of(const std::string& name);
+std::string select_name(model::Select select);
 
 // The window of a text "A..B", first and last row that count, from 1. Throws UserError about `option` unless
 // 1 <= A <= B <= spec::kMaxRows.
-RowWindow rows_of_text(const std::string& option, const std::string& text);
+model::RowWindow rows_of_text(const std::string& option, const std::string& text);
 
 // "strongest, gap 1, rows 10..80": what `measure` has that is not what a board measures by default; empty if nothing.
-std::string select_text(const Measure& measure);
+std::string select_text(const model::Measure& measure);
 
 // Names of the channels: red, green, blue, grey; and the channel of one of them, none for the empty name. Throws
 // std::invalid_argument for any other.
@@ -59,6 +59,6 @@ void check_frame_size(const std::string& file, const Image& image, int max_rows,
 // Throws UserError, naming the file, if its size differs from that of the first one.
 void check_same_size(const std::string& file, const Image& image, const std::string& first, int rows, int columns);
 
-}  // namespace selfproj
+}  // namespace selfproj::images
 
 #endif  // SELFPROJ_HOST_IMAGES_FRAME_OPTIONS_H

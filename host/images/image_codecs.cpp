@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "host/files/user_error.h"
+#include "selfproj/files/user_error.h"
 
 namespace {
 

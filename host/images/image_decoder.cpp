@@ -13,9 +13,9 @@
 #include "host/files/input_file.h"
 #include "host/files/numbers.h"
 #include "host/files/stderr_capture.h"
-#include "host/files/user_error.h"
+#include "selfproj/files/user_error.h"
 
-namespace selfproj {
+namespace selfproj::images {
 namespace {
 
 using namespace std::string_view_literals;
@@ -121,7 +121,7 @@ ImageHeader pnm_header(std::string_view file) {
     while (at < file.size() && std::isdigit(static_cast<unsigned char>(file[at])) != 0) {
       ++at;
     }
-    const auto value = begin < at ? number_of_text<std::uint64_t>(file.substr(begin, at - begin)) : std::nullopt;
+    const auto value = begin < at ? files::number_of_text<std::uint64_t>(file.substr(begin, at - begin)) : std::nullopt;
     if (!value) {
       throw std::out_of_range("no number");
     }
@@ -196,7 +196,7 @@ void clear_orientation(const ImageHeader& header, std::string& bytes) {
 }
 
 cv::Mat decode_image(const std::string& file) {
-  std::string bytes = read_input(file, kMostImageBytes);
+  std::string bytes = files::read_input(file, files::kMostImageBytes);
   const std::optional<ImageHeader> header = image_header(bytes);
   if (!header || header->columns == 0 || header->rows == 0) {
     throw UserError(file, kNotAnImage);
@@ -206,7 +206,7 @@ cv::Mat decode_image(const std::string& file) {
                               " pixels; at most 2^28 are taken");
   }
   cv::Mat image;
-  StderrCapture capture;
+  files::StderrCapture capture;
   try {
     if (header->orientation_at != 0) {
       clear_orientation(*header, bytes);
@@ -227,4 +227,4 @@ cv::Mat decode_image(const std::string& file) {
   return image;
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::images

@@ -9,7 +9,7 @@
 #include <string>
 #include <string_view>
 
-namespace selfproj {
+namespace selfproj::images {
 
 enum class ImageFormat : std::uint8_t { png, jpeg, tiff, bmp, pnm };
 
@@ -40,6 +40,6 @@ inline constexpr const char* kNotAnImage = "is not an image in a known format, o
 // an image, is damaged, or has more than kMaxImagePixels pixels.
 cv::Mat decode_image(const std::string& file);
 
-}  // namespace selfproj
+}  // namespace selfproj::images
 
 #endif  // SELFPROJ_HOST_IMAGES_IMAGE_DECODER_H

@@ -25,11 +25,11 @@
 #include "host/files/file_descriptor.h"
 #include "host/files/numbers.h"
 #include "host/files/run_files.h"
-#include "host/files/user_error.h"
 #include "host/images/image_decoder.h"
 #include "host/images/natural_order.h"
+#include "selfproj/files/user_error.h"
 
-namespace selfproj {
+namespace selfproj::images {
 namespace {
 
 // Red less the mean of green and blue, (2 r - g - b + 1) / 2 rounded down, at least 0.
@@ -94,7 +94,7 @@ std::string png_of(const cv::Mat& image) {
 
 }  // namespace
 
-Image copy_of(const ImageView& view) {
+Image copy_of(const model::ImageView& view) {
   Image image{view.rows, view.columns, {}};
   image.pixels.reserve(static_cast<std::size_t>(view.rows) * static_cast<std::size_t>(view.columns));
   for (int row = 0; row < view.rows; ++row) {
@@ -109,7 +109,7 @@ std::optional<ImagePart> image_part(std::string_view text, int max_side) {
   constexpr std::array<std::string_view, 4> kBehind{"x", "+", "+", ""};
   for (std::size_t i = 0; i < numbers.size(); ++i) {
     const std::size_t end = kBehind[i].empty() ? text.size() : text.find(kBehind[i]);
-    const auto number = end == std::string_view::npos ? std::nullopt : number_of_text<int>(text.substr(0, end));
+    const auto number = end == std::string_view::npos ? std::nullopt : files::number_of_text<int>(text.substr(0, end));
     if (!number || *number < (i < 2 ? 1 : 0) || *number > max_side) {
       return std::nullopt;
     }
@@ -125,16 +125,16 @@ void check_image_file(const std::string& file) {
   if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
     throw UserError(file, std::filesystem::is_directory(status) ? "is a folder" : "is not a regular file");
   }
-  const FileDescriptor opened(open(file.c_str(), O_RDONLY | O_CLOEXEC));
+  const files::FileDescriptor opened(open(file.c_str(), O_RDONLY | O_CLOEXEC));
   std::array<char, 16> first{};
   const ssize_t count = opened.number() < 0 ? -1 : read(opened.number(), first.data(), first.size());
   if (count < 0) {
-    throw UserError(file, error_text(errno));
+    throw UserError(file, files::error_text(errno));
   }
   if (!image_format({first.data(), static_cast<std::size_t>(count)})) {
     throw UserError(file, kNotAnImage);
   }
-  note_input(file);
+  files::note_input(file);
 }
 
 Image read_image(const std::string& file, std::optional<Channel> channel) {
@@ -183,4 +183,4 @@ std::string encode_png16(int rows, int columns, std::span<const std::uint16_t> p
   return png_of({rows, columns, CV_16UC1, const_cast<std::uint16_t*>(pixels.data())});
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::images

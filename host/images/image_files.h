@@ -11,9 +11,9 @@
 #include <utility>
 #include <vector>
 
-#include "model/column_moments.h"
+#include "selfproj/model/column_moments.h"
 
-namespace selfproj {
+namespace selfproj::images {
 
 // The part of a colour image to take: one of its planes, its luminance (ITU-R BT.601, rounded as in OpenCV), or for the
 // light of a red laser the red plane less the mean of green and blue, at least 0, halves rounded up.
@@ -34,11 +34,11 @@ struct Image {
   std::vector<std::uint8_t> pixels;
 
   // Valid while this object lives and its pixels are not resized.
-  [[nodiscard]] ImageView view() const { return {pixels.data(), rows, columns, columns}; }
+  [[nodiscard]] model::ImageView view() const { return {pixels.data(), rows, columns, columns}; }
 };
 
 // The image as one that owns its pixels.
-Image copy_of(const ImageView& view);
+Image copy_of(const model::ImageView& view);
 
 // A part of an image or of a sensor; left and top from 0.
 struct ImagePart {
@@ -78,6 +78,6 @@ std::string encode_png(const Image& image);
 // std::invalid_argument if the image has no pixels or is too large.
 std::string encode_png16(int rows, int columns, std::span<const std::uint16_t> pixels);
 
-}  // namespace selfproj
+}  // namespace selfproj::images
 
 #endif  // SELFPROJ_HOST_IMAGES_IMAGE_FILES_H

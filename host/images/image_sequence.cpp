@@ -9,7 +9,7 @@
 
 #include "host/images/frame_options.h"
 
-namespace selfproj {
+namespace selfproj::images {
 
 ImageSequence::ImageSequence(std::vector<std::string> files, std::optional<Channel> channel)
     : files_(std::move(files)), channel_(channel) {
@@ -42,4 +42,4 @@ Image ImageSequence::read(std::size_t i) {
   return image;
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::images

@@ -10,7 +10,7 @@
 
 #include "host/images/image_files.h"
 
-namespace selfproj {
+namespace selfproj::images {
 
 class ImageSequence {
  public:
@@ -40,6 +40,6 @@ class ImageSequence {
   int columns_ = 0;
 };
 
-}  // namespace selfproj
+}  // namespace selfproj::images
 
 #endif  // SELFPROJ_HOST_IMAGES_IMAGE_SEQUENCE_H

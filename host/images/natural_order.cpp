@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-namespace selfproj {
+namespace selfproj::images {
 namespace {
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
@@ -89,4 +89,4 @@ std::vector<std::string> in_listed_order(std::vector<std::string> files) {
   return files;
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::images

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-namespace selfproj {
+namespace selfproj::images {
 
 // Compares numbers within names by value, and everything else byte by byte. The order is strict: names that differ only
 // in leading zeros are compared as texts.
@@ -19,6 +19,6 @@ std::vector<std::string> in_natural_order(std::vector<std::string> names);
 // user and stays.
 std::vector<std::string> in_listed_order(std::vector<std::string> files);
 
-}  // namespace selfproj
+}  // namespace selfproj::images
 
 #endif  // SELFPROJ_HOST_IMAGES_NATURAL_ORDER_H

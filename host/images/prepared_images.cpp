@@ -9,10 +9,10 @@
 #include <utility>
 #include <vector>
 
-#include "host/files/user_error.h"
 #include "host/images/frame_options.h"
+#include "selfproj/files/user_error.h"
 
-namespace selfproj {
+namespace selfproj::images {
 namespace {
 
 Image part_of(const Image& image, const ImagePart& part) {
@@ -113,4 +113,4 @@ Image PreparedImages::prepared(const std::string& file) const {
   return transpose_ ? transposed(image) : image;
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::images

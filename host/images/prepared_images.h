@@ -10,7 +10,7 @@
 
 #include "host/images/image_files.h"
 
-namespace selfproj {
+namespace selfproj::images {
 
 // How images become frames, as the options say.
 struct Preparation {
@@ -53,6 +53,6 @@ class PreparedImages {
   Image only_background_;  // the one for all images
 };
 
-}  // namespace selfproj
+}  // namespace selfproj::images
 
 #endif  // SELFPROJ_HOST_IMAGES_PREPARED_IMAGES_H

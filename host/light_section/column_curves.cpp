@@ -1,4 +1,4 @@
-#include "host/light_section/column_curves.h"
+#include "selfproj/light_section/column_curves.h"
 
 #include <fmt/format.h>
 
@@ -14,15 +14,15 @@
 #include <utility>
 #include <vector>
 
-#include "host/files/user_error.h"
-#include "host/images/float_image.h"
-#include "host/light_section/reference.h"
 #include "host/rig/geometry.h"
-#include "host/rig/optics.h"
 #include "model/cpu_clones.h"
-#include "model/packet_payload.h"
+#include "selfproj/files/user_error.h"
+#include "selfproj/images/float_image.h"
+#include "selfproj/light_section/reference.h"
+#include "selfproj/model/packet_payload.h"
+#include "selfproj/rig/optics.h"
 
-namespace selfproj {
+namespace selfproj::light_section {
 namespace {
 
 constexpr int kMaxDegree = ColumnCurves::kDegrees.back();
@@ -32,12 +32,12 @@ constexpr int kChecks = 4 * kMaxDegree + 5;  // where they are compared
 // The exact points of a column.
 class ExactColumn {
  public:
-  ExactColumn(const RigOptics& optics, int column, const LightSheet& sheet)
+  ExactColumn(const rig::RigOptics& optics, int column, const rig::LightSheet& sheet)
       : optics_(&optics), column_(column), sheet_(sheet) {}
 
   // The point that the centroid C (a row from 1) means.
   [[nodiscard]] std::optional<cv::Vec3d> at(double centroid) const {
-    const CameraPlace place{centroid - 1, static_cast<double>(column_)};
+    const rig::CameraPlace place{centroid - 1, static_cast<double>(column_)};
     const std::optional<cv::Vec2d> ray = optics_->ray(place);
     const std::optional<double> met = ray ? optics_->meet(*ray, sheet_) : std::nullopt;
     if (!met || !(optics_->z_per_line(*ray, *met) <= optics_->rig().measure.max_z_per_line_mm)) {
@@ -77,9 +77,9 @@ class ExactColumn {
     return good;
   }
 
-  const RigOptics* optics_;
+  const rig::RigOptics* optics_;
   int column_;
-  LightSheet sheet_;
+  rig::LightSheet sheet_;
 };
 
 double horner(const double* coefficients, int degree, double t) {
@@ -99,19 +99,19 @@ struct ColumnCurves::Column {
   std::array<std::pair<double, cv::Vec3d>, kChecks> checks;
 };
 
-ColumnCurves::ColumnCurves(const Rig& rig, const ReferenceProfile& reference) {
+ColumnCurves::ColumnCurves(const rig::Rig& rig, const ReferenceProfile& reference) {
   if (reference.columns() != rig.camera.columns) {
     throw std::invalid_argument("profile: the reference has other columns than the camera");
   }
-  const RigOptics optics(rig);
+  const rig::RigOptics optics(rig);
   const double rows = rig.camera.rows;
   std::vector<Column> columns(reference.valid.size());
   for (int c = 0; c < reference.columns(); ++c) {
     const auto i = static_cast<std::size_t>(c);
     Column& column = columns[i];
-    const std::optional<LightSheet> sheet = sheet_of(optics, reference, c);
-    column.row_r = sheet ? middle_row(rig.camera) + reference.offset_px[i] : 0;
-    const ExactColumn exact(optics, c, sheet.value_or(LightSheet{}));
+    const std::optional<rig::LightSheet> sheet = sheet_of(optics, reference, c);
+    column.row_r = sheet ? rig::middle_row(rig.camera) + reference.offset_px[i] : 0;
+    const ExactColumn exact(optics, c, sheet.value_or(rig::LightSheet{}));
     const auto range = sheet ? exact.range(column.row_r) : std::nullopt;
     valid.push_back(range && range->second > range->first ? 1 : 0);
     first.push_back(static_cast<float>(valid[i] != 0 ? range->first : 0));
@@ -274,8 +274,8 @@ template <int Degree>
     const std::int32_t second = moments.second[static_cast<std::size_t>(i)];
     const std::int32_t s = validity_of(c, m0, n, second, valid[i], found, rules);
     state[i] = s;
-    centroid[i] = s == code(Validity::valid) ? c : kNoValue;
-    t[i] = s == code(Validity::valid) ? (c - row_r[i]) * per_row : kNoValue;
+    centroid[i] = s == code(Validity::valid) ? c : images::kNoValue;
+    t[i] = s == code(Validity::valid) ? (c - row_r[i]) * per_row : images::kNoValue;
   }
 }
 
@@ -317,11 +317,11 @@ SELFPROJ_CLONES void strip_8(const StripMoments& moments, int count, const Curve
 }
 
 SELFPROJ_CLONES void unpack_binary(const std::uint8_t* payload, int first, int count, StripMoments& moments) {
-  for_each_binary_word(payload, first, count, take_moments(moments));
+  model::for_each_binary_word(payload, first, count, take_moments(moments));
 }
 
 SELFPROJ_CLONES void unpack_grey(const std::uint8_t* payload, int first, int count, StripMoments& moments) {
-  for_each_grey_word(payload, first, count, take_moments(moments));
+  model::for_each_grey_word(payload, first, count, take_moments(moments));
 }
 
 SELFPROJ_CLONES void unpack_runs_binary(const std::uint8_t* payload, int first, int count, StripMoments& moments) {
@@ -353,19 +353,19 @@ void for_each_strip(const ColumnCurves& curves, const LineRules& rules, const Pr
 
 }  // namespace
 
-void profile_by_curves(const ColumnCurves& curves, const LineRules& rules, Select select, Mode mode,
+void profile_by_curves(const ColumnCurves& curves, const LineRules& rules, model::Select select, model::Mode mode,
                        const std::uint8_t* payload, const ProfileView& out) {
-  const bool runs = select == Select::strongest;
-  const auto unpack =
-      mode == Mode::binary ? (runs ? unpack_runs_binary : unpack_binary) : (runs ? unpack_runs_grey : unpack_grey);
+  const bool runs = select == model::Select::strongest;
+  const auto unpack = mode == model::Mode::binary ? (runs ? unpack_runs_binary : unpack_binary)
+                                                  : (runs ? unpack_runs_grey : unpack_grey);
   for_each_strip(curves, rules, out,
                  [&](int first, int count, StripMoments& moments) { unpack(payload, first, count, moments); });
 }
 
-void profile_by_curves(const ColumnCurves& curves, const LineRules& rules, const RunsView& runs,
+void profile_by_curves(const ColumnCurves& curves, const LineRules& rules, const model::RunsView& runs,
                        const ProfileView& out) {
   for_each_strip(curves, rules, out,
                  [&](int first, int count, StripMoments& strip) { copy_runs(runs, first, count, strip); });
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::light_section

@@ -1,4 +1,4 @@
-#include "host/light_section/differential_profile.h"
+#include "selfproj/light_section/differential_profile.h"
 
 #include <algorithm>
 #include <array>
@@ -7,18 +7,18 @@
 #include <memory>
 #include <stdexcept>
 
-#include "host/images/float_image.h"
-#include "host/light_section/column_curves.h"
-#include "host/light_section/strip_moments.h"
 #include "host/rig/geometry.h"
-#include "model/column_runs.h"
 #include "model/cpu_clones.h"
-#include "model/packet_payload.h"
+#include "selfproj/images/float_image.h"
+#include "selfproj/light_section/column_curves.h"
+#include "selfproj/light_section/strip_moments.h"
+#include "selfproj/model/column_runs.h"
+#include "selfproj/model/packet_payload.h"
 
 // The compiler vectorizes the loops over columns for each instruction set of SELFPROJ_CLONES. -std=c++20 (ISO, without
 // extensions) keeps it from fusing multiplications with additions, so that all sets give the same bits.
 
-namespace selfproj {
+namespace selfproj::light_section {
 // The inputs of the kernel, from the strip's first column on.
 struct ProfileTables {
   const float* tan_theta;
@@ -92,9 +92,9 @@ namespace {
     s = reach > 0.0F ? s : code(Validity::out_of_range);
     s = validity_of(c, m0, n, moments.second[i], valid[i], s, t.rules);
     state[i] = s;
-    centroid[i] = s == code(Validity::valid) ? c : kNoValue;
-    tangent[i] = s == code(Validity::valid) ? tan_alpha : kNoValue;
-    reciprocal[i] = 1.0F / (s == code(Validity::valid) ? sum : kNoValue);  // makes all that follows NaN
+    centroid[i] = s == code(Validity::valid) ? c : images::kNoValue;
+    tangent[i] = s == code(Validity::valid) ? tan_alpha : images::kNoValue;
+    reciprocal[i] = 1.0F / (s == code(Validity::valid) ? sum : images::kNoValue);  // makes all that follows NaN
   }
   shape_of(tangent.data(), reciprocal.data(), columns, t.numerator, t.tan_beta, out.x, out.y, out.z);
   difference_of(tangent.data(), reciprocal.data(), columns, t.z_r, t.tan_alpha_r, t.tan_theta, t.tan_beta, out.dx,
@@ -108,14 +108,14 @@ namespace {
 SELFPROJ_CLONES void strip_binary(const std::uint8_t* payload, int first, int columns, const ProfileTables& tables,
                                   const ProfileView& out) {
   StripMoments moments;
-  for_each_binary_word(payload, first, columns, take_moments(moments));
+  model::for_each_binary_word(payload, first, columns, take_moments(moments));
   triangulate(moments, columns, tables, out);
 }
 
 SELFPROJ_CLONES void strip_grey(const std::uint8_t* payload, int first, int columns, const ProfileTables& tables,
                                 const ProfileView& out) {
   StripMoments moments;
-  for_each_grey_word(payload, first, columns, take_moments(moments));
+  model::for_each_grey_word(payload, first, columns, take_moments(moments));
   triangulate(moments, columns, tables, out);
 }
 
@@ -133,7 +133,7 @@ SELFPROJ_CLONES void strip_grey_runs(const std::uint8_t* payload, int first, int
   triangulate(moments, columns, tables, out);
 }
 
-SELFPROJ_CLONES void strip_moments(const RunsView& from, int first, int columns, const ProfileTables& tables,
+SELFPROJ_CLONES void strip_moments(const model::RunsView& from, int first, int columns, const ProfileTables& tables,
                                    const ProfileView& out) {
   StripMoments moments;
   copy_runs(from, first, columns, moments);
@@ -142,8 +142,8 @@ SELFPROJ_CLONES void strip_moments(const RunsView& from, int first, int columns,
 
 }  // namespace
 
-DifferentialProfiler::DifferentialProfiler(const Rig& rig, const ReferenceProfile& reference)
-    : middle_row_(static_cast<float>(middle_row(rig.camera))),
+DifferentialProfiler::DifferentialProfiler(const rig::Rig& rig, const ReferenceProfile& reference)
+    : middle_row_(static_cast<float>(rig::middle_row(rig.camera))),
       tan_alpha_per_row_(static_cast<float>(rig.camera.pixel_pitch_mm / rig.camera.focal_length_mm)),
       projector_x_(static_cast<float>(rig.projector.x_mm)),
       projector_z_(static_cast<float>(rig.projector.z_mm)),
@@ -161,10 +161,10 @@ DifferentialProfiler::DifferentialProfiler(const Rig& rig, const ReferenceProfil
     const bool valid = reference.valid[i] != 0;
     const double theta = valid ? reference.tan_theta[i] : 0;
     const double z_r = valid ? reference.z_mm[i] : 0;
-    const double alpha_r = valid ? tan_alpha(rig.camera, middle_row(rig.camera) + reference.offset_px[i]) : 0;
+    const double alpha_r = valid ? rig::tan_alpha(rig.camera, rig::middle_row(rig.camera) + reference.offset_px[i]) : 0;
     const double cosine = std::cos(std::atan(theta) - rig.projector.tilt_rad);
     tan_theta_.push_back(static_cast<float>(theta));
-    tan_beta_.push_back(static_cast<float>(tan_beta(rig.camera, static_cast<double>(i))));
+    tan_beta_.push_back(static_cast<float>(rig::tan_beta(rig.camera, static_cast<double>(i))));
     tan_alpha_r_.push_back(static_cast<float>(alpha_r));
     z_r_.push_back(static_cast<float>(z_r));
     numerator_.push_back(static_cast<float>(z_r * (alpha_r + theta)));
@@ -191,32 +191,32 @@ ProfileTables DifferentialProfiler::tables_from(int first) const {
           rules_};
 }
 
-void DifferentialProfiler::profile(Select select, Mode mode, const std::uint8_t* payload,
+void DifferentialProfiler::profile(model::Select select, model::Mode mode, const std::uint8_t* payload,
                                    const ProfileView& out) const {
   if (curves_) {
     profile_by_curves(*curves_, rules_, select, mode, payload, out);
     return;
   }
-  const bool runs = select == Select::strongest;
+  const bool runs = select == model::Select::strongest;
   const auto strip_of =
-      mode == Mode::binary ? (runs ? strip_binary_runs : strip_binary) : (runs ? strip_grey_runs : strip_grey);
+      mode == model::Mode::binary ? (runs ? strip_binary_runs : strip_binary) : (runs ? strip_grey_runs : strip_grey);
   for (int first = 0; first < columns(); first += kStrip) {
     const int count = std::min(kStrip, columns() - first);
     strip_of(payload, first, count, tables_from(first), from_column(out, first));
   }
 }
 
-bool DifferentialProfiler::profile(const PacketView& packet, const ProfileView& out) const {
-  const PacketHeader& header = packet.header;
+bool DifferentialProfiler::profile(const model::PacketView& packet, const ProfileView& out) const {
+  const model::PacketHeader& header = packet.header;
   if (header.kind != spec::kKindMoments || packet.status != 0 || header.columns != columns_ ||
       static_cast<float>(header.rows) != rules_.rows) {
     return false;
   }
-  profile(static_cast<Select>(header.select), static_cast<Mode>(header.mode), packet.payload.data(), out);
+  profile(static_cast<model::Select>(header.select), static_cast<model::Mode>(header.mode), packet.payload.data(), out);
   return true;
 }
 
-void DifferentialProfiler::profile(const RunsView& runs, const ProfileView& out) const {
+void DifferentialProfiler::profile(const model::RunsView& runs, const ProfileView& out) const {
   if (curves_) {
     profile_by_curves(*curves_, rules_, runs, out);
     return;
@@ -226,4 +226,4 @@ void DifferentialProfiler::profile(const RunsView& runs, const ProfileView& out)
   }
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::light_section

@@ -1,4 +1,4 @@
-#include "host/light_section/fast_moments.h"
+#include "selfproj/light_section/fast_moments.h"
 
 #include <algorithm>
 #include <array>
@@ -7,9 +7,9 @@
 #include <cstring>
 
 #include "model/cpu_clones.h"
-#include "model/spec/generated/selfproj_spec.h"
+#include "selfproj/model/generated/selfproj_spec.h"
 
-namespace selfproj {
+namespace selfproj::light_section {
 
 // The compiler vectorizes the loops over columns below for each instruction set of SELFPROJ_CLONES.
 
@@ -51,7 +51,7 @@ inline std::uint16_t narrow16(int value) { return static_cast<std::uint16_t>(val
 
 // Prefetches a row a little before it is needed. The processor's own prefetch follows one row well, but stops at the
 // end of a page and pauses while the sums are widened.
-[[gnu::always_inline]] inline void prefetch_row(const ImageView& strip, int columns, int row) {
+[[gnu::always_inline]] inline void prefetch_row(const model::ImageView& strip, int columns, int row) {
   constexpr int kAhead = 8;
   constexpr int kCacheLine = 64;
   if (row + kAhead < strip.rows) {
@@ -66,7 +66,7 @@ inline std::uint16_t narrow16(int value) { return static_cast<std::uint16_t>(val
 //
 // `columns` is strip.columns. If it is a constant, the compiler keeps the sums of a block in registers, which is twice
 // as fast. Below there is therefore one copy for a full strip and one for any other.
-[[gnu::always_inline]] inline void add_up_binary(const ImageView& strip, int columns, std::uint8_t threshold,
+[[gnu::always_inline]] inline void add_up_binary(const model::ImageView& strip, int columns, std::uint8_t threshold,
                                                  StripSums& out) {
   alignas(64) Strip<std::uint8_t> sum;          // s
   alignas(64) Strip<std::uint8_t> prefix;       // P
@@ -103,7 +103,7 @@ inline std::uint16_t narrow16(int value) { return static_cast<std::uint16_t>(val
 
 // The moments of at most kStripColumns columns in a grey mode: a lit pixel weighs its value less `offset`, which is at
 // most the threshold. Loops that mix sums of 8 and 16 bits do not vectorize well, so there is one loop for each width.
-[[gnu::always_inline]] inline void add_up_grey(const ImageView& strip, int columns, std::uint8_t threshold,
+[[gnu::always_inline]] inline void add_up_grey(const model::ImageView& strip, int columns, std::uint8_t threshold,
                                                std::uint8_t offset, StripSums& out) {
   alignas(64) Strip<std::uint8_t> weight;       // w
   alignas(64) Strip<std::uint8_t> count;        // lit pixels in the block
@@ -147,7 +147,7 @@ inline std::uint16_t narrow16(int value) { return static_cast<std::uint16_t>(val
   }
 }
 
-SELFPROJ_CLONES void strip_binary(const ImageView& strip, std::uint8_t threshold, StripSums& out) {
+SELFPROJ_CLONES void strip_binary(const model::ImageView& strip, std::uint8_t threshold, StripSums& out) {
   if (strip.columns == kStripColumns) {
     add_up_binary(strip, kStripColumns, threshold, out);
   } else {
@@ -155,7 +155,8 @@ SELFPROJ_CLONES void strip_binary(const ImageView& strip, std::uint8_t threshold
   }
 }
 
-SELFPROJ_CLONES void strip_grey(const ImageView& strip, std::uint8_t threshold, std::uint8_t offset, StripSums& out) {
+SELFPROJ_CLONES void strip_grey(const model::ImageView& strip, std::uint8_t threshold, std::uint8_t offset,
+                                StripSums& out) {
   if (strip.columns == kStripColumns) {
     add_up_grey(strip, kStripColumns, threshold, offset, out);
   } else {
@@ -165,18 +166,19 @@ SELFPROJ_CLONES void strip_grey(const ImageView& strip, std::uint8_t threshold, 
 
 }  // namespace
 
-void fast_column_moments(const ImageView& image, Mode mode, int threshold, const MomentsView& out) {
-  check_column_moments(image, mode, threshold, out);
+void fast_column_moments(const model::ImageView& image, model::Mode mode, int threshold,
+                         const model::MomentsView& out) {
+  model::check_column_moments(image, mode, threshold, out);
   const std::uint8_t level = narrow8(threshold);
   for (int first = 0; first < image.columns; first += kStripColumns) {
     const int columns = std::min(kStripColumns, image.columns - first);
-    const ImageView strip = {image.pixels + first, image.rows, columns, image.stride};
+    const model::ImageView strip = {image.pixels + first, image.rows, columns, image.stride};
     StripSums sums;  // filled below as far as it is read
-    if (mode == Mode::binary) {
+    if (mode == model::Mode::binary) {
       strip_binary(strip, level, sums);
       std::copy_n(sums.m0.data(), columns, out.n + first);
     } else {
-      strip_grey(strip, level, mode == Mode::grey_over ? level : narrow8(0), sums);
+      strip_grey(strip, level, mode == model::Mode::grey_over ? level : narrow8(0), sums);
       std::copy_n(sums.n.data(), columns, out.n + first);
     }
     std::copy_n(sums.m0.data(), columns, out.m0 + first);
@@ -218,7 +220,7 @@ template <int Gap>
 // Counts the runs of at most kRunColumns columns: 0, 1, or 2 where there are two or more. `columns` is strip.columns;
 // if it is a constant, the loops need no remainder.
 template <int Gap>
-[[gnu::always_inline]] inline void count_strip(const ImageView& strip, int columns, std::uint8_t threshold,
+[[gnu::always_inline]] inline void count_strip(const model::ImageView& strip, int columns, std::uint8_t threshold,
                                                RunStrip& count) {
   constexpr int kRows = Gap + 1;                            // of a block
   constexpr int kBlocks = Gap == 0 ? 4 : Gap == 3 ? 1 : 2;  // that are processed at a time
@@ -256,7 +258,8 @@ template <int Gap>
 }
 
 template <int Gap>
-[[gnu::always_inline]] inline void count_either(const ImageView& strip, std::uint8_t threshold, RunStrip& count) {
+[[gnu::always_inline]] inline void count_either(const model::ImageView& strip, std::uint8_t threshold,
+                                                RunStrip& count) {
   if (strip.columns == kRunColumns) {
     count_strip<Gap>(strip, kRunColumns, threshold, count);
   } else {
@@ -264,8 +267,8 @@ template <int Gap>
   }
 }
 
-SELFPROJ_CLONES void count_runs(const ImageView& strip, std::uint8_t threshold, int gap, RunStrip& count) {
-  static_assert(kMaxGap == 3);
+SELFPROJ_CLONES void count_runs(const model::ImageView& strip, std::uint8_t threshold, int gap, RunStrip& count) {
+  static_assert(model::kMaxGap == 3);
   switch (gap) {
     case 0:
       return count_either<0>(strip, threshold, count);
@@ -294,7 +297,7 @@ int next_several(const std::uint8_t* runs, int from, int columns) {
   return i;
 }
 
-RunsView from_column(const RunsView& view, int first) {
+model::RunsView from_column(const model::RunsView& view, int first) {
   return {{view.moments.m0 + first, view.moments.m1 + first, view.moments.n + first},
           view.runs + first,
           view.second + first};
@@ -302,16 +305,16 @@ RunsView from_column(const RunsView& view, int first) {
 
 }  // namespace
 
-void fast_column_runs(const ImageView& image, const Measure& measure, const RunsView& out) {
-  check_column_runs(image, measure, out);
-  const RowWindow& window = measure.window;
+void fast_column_runs(const model::ImageView& image, const model::Measure& measure, const model::RunsView& out) {
+  model::check_column_runs(image, measure, out);
+  const model::RowWindow& window = measure.window;
   const int above = std::min(std::max(window.first - 1, 0), image.rows);  // rows that do not count
   const int end = window.last == 0 ? image.rows : std::min(window.last, image.rows);
   if (end <= above) {
-    column_runs(image, measure, out);  // nothing counts
+    model::column_runs(image, measure, out);  // nothing counts
     return;
   }
-  const ImageView part = {image.pixels + above * image.stride, end - above, image.columns, image.stride};
+  const model::ImageView part = {image.pixels + above * image.stride, end - above, image.columns, image.stride};
   fast_column_moments(part, measure.mode, measure.threshold, out.moments);
   for (int i = 0; above > 0 && i < image.columns; ++i) {
     out.moments.m1[i] += static_cast<std::uint32_t>(above) * out.moments.m0[i];
@@ -326,18 +329,18 @@ void fast_column_runs(const ImageView& image, const Measure& measure, const Runs
   }
   for (int i = next_several(out.runs, 0, image.columns); i < image.columns;
        i = next_several(out.runs, i + 1, image.columns)) {
-    column_runs({image.pixels + i, image.rows, 1, image.stride}, measure, from_column(out, i));
+    model::column_runs({image.pixels + i, image.rows, 1, image.stride}, measure, from_column(out, i));
   }
 }
 
-void fast_measure_columns(const ImageView& image, const Measure& measure, const RunsView& out) {
-  if (measure.select == Select::strongest) {
+void fast_measure_columns(const model::ImageView& image, const model::Measure& measure, const model::RunsView& out) {
+  if (measure.select == model::Select::strongest) {
     fast_column_runs(image, measure, out);
-  } else if (measure.window == RowWindow{}) {
+  } else if (measure.window == model::RowWindow{}) {
     fast_column_moments(image, measure.mode, measure.threshold, out.moments);
   } else {
-    column_moments(image, measure.mode, measure.threshold, out.moments, measure.window);
+    model::column_moments(image, measure.mode, measure.threshold, out.moments, measure.window);
   }
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::light_section

@@ -15,13 +15,13 @@
 #include <utility>
 #include <vector>
 
-#include "host/files/user_error.h"
 #include "host/rig/geometry.h"
-#include "host/rig/height_correction.h"
-#include "host/rig/optics.h"
-#include "host/rig/rig.h"
+#include "selfproj/files/user_error.h"
+#include "selfproj/rig/height_correction.h"
+#include "selfproj/rig/optics.h"
+#include "selfproj/rig/rig.h"
 
-namespace selfproj {
+namespace selfproj::light_section {
 namespace {
 
 // --- samples: where the camera saw which line, at which true height ---
@@ -38,9 +38,9 @@ struct HeightSample {
 
 constexpr double kClose = 0.5;  // mm: how near to its tread a sample must be
 
-bool place(const RigOptics& optics, HeightSample& sample) {
+bool place(const rig::RigOptics& optics, HeightSample& sample) {
   const std::optional<cv::Vec2d> ray = optics.ray({sample.row, static_cast<double>(sample.column)});
-  const LightSheet sheet{sample.line, 0, 0.5 * (optics.rig().projector.columns - 1)};
+  const rig::LightSheet sheet{sample.line, 0, 0.5 * (optics.rig().projector.columns - 1)};
   const std::optional<double> z = ray ? optics.meet(*ray, sheet) : std::nullopt;
   if (z) {
     sample.x = *z * (*ray)[0];
@@ -53,7 +53,7 @@ bool place(const RigOptics& optics, HeightSample& sample) {
 // How the true height follows from that by the geometry, roughly: p . (1, x, y, height).
 using Rough = cv::Vec4d;
 
-double rough_height(const Rough& p, const Rig& rig, const HeightSample& sample) {
+double rough_height(const Rough& p, const rig::Rig& rig, const HeightSample& sample) {
   return p.dot({1, sample.x, sample.y, rig.plane_z_mm - sample.z});
 }
 
@@ -67,7 +67,7 @@ std::optional<std::size_t> tread_of(const std::vector<double>& steps, double hei
 
 // The shift of all heights, and the lean across the belt, with which most samples lie near treads, and most treads have
 // samples.
-Rough shifted(const Rig& rig, const std::vector<HeightSample>& samples, const std::vector<double>& steps,
+Rough shifted(const rig::Rig& rig, const std::vector<HeightSample>& samples, const std::vector<double>& steps,
               double close) {
   constexpr int kOffsets = 60;  // to either side, of 0.5 mm
   constexpr int kLeans = 8;     // to either side, of 0.004
@@ -97,7 +97,7 @@ Rough shifted(const Rig& rig, const std::vector<HeightSample>& samples, const st
 }
 
 // From there by least squares over the samples near treads, which become more and the treads narrower.
-Rough rough_heights(const Rig& rig, const std::vector<HeightSample>& samples, const std::vector<double>& steps) {
+Rough rough_heights(const rig::Rig& rig, const std::vector<HeightSample>& samples, const std::vector<double>& steps) {
   constexpr std::size_t kLooked = 2000;
   constexpr int kRounds = 8;
   double close = 10;
@@ -126,7 +126,7 @@ Rough rough_heights(const Rig& rig, const std::vector<HeightSample>& samples, co
 }
 
 // Gives each sample its tread, and leaves out those without one or near a step.
-std::vector<HeightSample> on_treads(const Rig& rig, std::vector<HeightSample> samples,
+std::vector<HeightSample> on_treads(const rig::Rig& rig, std::vector<HeightSample> samples,
                                     const std::vector<double>& steps) {
   constexpr int kApart = 3;
   const Rough rough = rough_heights(rig, samples, steps);
@@ -162,9 +162,9 @@ std::vector<HeightSample> on_treads(const Rig& rig, std::vector<HeightSample> sa
 
 // All samples that the geometry can place. With steps, each gets the height of its tread; samples that belong to none,
 // or lie within three columns of a step, are left out.
-std::vector<HeightSample> height_samples(const Rig& rig, const std::vector<HeightPosition>& positions,
+std::vector<HeightSample> height_samples(const rig::Rig& rig, const std::vector<HeightPosition>& positions,
                                          const HeightSettings& settings) {
-  const RigOptics optics(rig);
+  const rig::RigOptics optics(rig);
   std::vector<HeightSample> samples;
   for (std::size_t p = 0; p < positions.size(); ++p) {
     for (const LineSighting& seen : positions[p].seen) {
@@ -178,7 +178,7 @@ std::vector<HeightSample> height_samples(const Rig& rig, const std::vector<Heigh
 }
 
 // Places the samples anew by the geometry of another rig.
-void place_samples(const RigOptics& optics, std::vector<HeightSample>& samples) {
+void place_samples(const rig::RigOptics& optics, std::vector<HeightSample>& samples) {
   samples.erase(
       std::remove_if(samples.begin(), samples.end(), [&](HeightSample& sample) { return !place(optics, sample); }),
       samples.end());
@@ -189,9 +189,9 @@ void place_samples(const RigOptics& optics, std::vector<HeightSample>& samples) 
 // Least squares of the corrections, from the samples of even and of odd columns apart.
 class HeightModel {
  public:
-  HeightModel(const RigCamera& camera, const RigHeights& most, double plane_z, const std::vector<HeightSample>& samples,
-              const std::vector<char>& used, std::size_t levels)
-      : terms_(height_terms(most.order, most.order_heights)),
+  HeightModel(const rig::RigCamera& camera, const rig::RigHeights& most, double plane_z,
+              const std::vector<HeightSample>& samples, const std::vector<char>& used, std::size_t levels)
+      : terms_(rig::height_terms(most.order, most.order_heights)),
         correction_(camera, most),
         by_level_(terms_.size(), std::vector<double>(levels, 0)) {
     const auto n = static_cast<int>(terms_.size());
@@ -299,14 +299,14 @@ class HeightModel {
   }
 
   std::vector<std::array<int, 3>> terms_;
-  HeightCorrection correction_;
+  rig::HeightCorrection correction_;
   std::vector<std::vector<double>> by_level_;
   std::array<Half, 2> halves_;
 };
 
 // A correction of one order, fitted to all samples.
 struct FittedHeights {
-  RigHeights heights;
+  rig::RigHeights heights;
   std::vector<int> places;
   HeightModel::Solved solved;
   double rms = 0;
@@ -314,7 +314,7 @@ struct FittedHeights {
 };
 
 // Places (row, column, height) over the image and the calibrated heights.
-std::vector<std::array<double, 3>> grid_of(const Rig& rig, const RigHeights& heights) {
+std::vector<std::array<double, 3>> grid_of(const rig::Rig& rig, const rig::RigHeights& heights) {
   constexpr int kSteps = 8;
   std::vector<std::array<double, 3>> grid;
   for (int r = 0; r <= kSteps; ++r) {
@@ -330,7 +330,7 @@ std::vector<std::array<double, 3>> grid_of(const Rig& rig, const RigHeights& hei
 
 constexpr double kMaxUncertain = 0.02;  // mm, one standard deviation by noise: more is not determined
 
-cv::Mat terms_at(const HeightCorrection& correction, const std::array<double, 3>& place) {
+cv::Mat terms_at(const rig::HeightCorrection& correction, const std::array<double, 3>& place) {
   std::vector<double> values;
   correction.terms(place[0], place[1], place[2], values);
   cv::Mat terms(static_cast<int>(values.size()), 1, CV_64F);
@@ -338,8 +338,8 @@ cv::Mat terms_at(const HeightCorrection& correction, const std::array<double, 3>
   return terms;
 }
 
-std::optional<FittedHeights> fitted(const HeightModel& model, const Rig& rig, const RigHeights& range, int order,
-                                    int order_heights) {
+std::optional<FittedHeights> fitted(const HeightModel& model, const rig::Rig& rig, const rig::RigHeights& range,
+                                    int order, int order_heights) {
   FittedHeights fit{range, model.places(order, order_heights), {}};
   const auto solved = model.solve(fit.places, 2);
   if (!solved) {
@@ -350,7 +350,7 @@ std::optional<FittedHeights> fitted(const HeightModel& model, const Rig& rig, co
   fit.heights.order_heights = std::min(order, order_heights);
   fit.heights.corrections_mm.assign(solved->coefficients.begin<double>(), solved->coefficients.end<double>());
   fit.rms = std::sqrt(model.error(fit.places, solved->coefficients, 2));
-  const HeightCorrection correction(rig.camera, fit.heights);
+  const rig::HeightCorrection correction(rig.camera, fit.heights);
   for (const auto& place : grid_of(rig, fit.heights)) {
     const cv::Mat terms = terms_at(correction, place);
     const cv::Mat variance = terms.t() * solved->inverse * terms;
@@ -361,7 +361,7 @@ std::optional<FittedHeights> fitted(const HeightModel& model, const Rig& rig, co
 
 // The smallest correction that predicts the other half of the columns as well as any, among those of at most the orders
 // of `range` that the samples determine. Throws UserError if there is none.
-FittedHeights choose(const HeightModel& model, const Rig& rig, const RigHeights& range) {
+FittedHeights choose(const HeightModel& model, const rig::Rig& rig, const rig::RigHeights& range) {
   constexpr double kAsWell = 1.002;
   constexpr double kNone = std::numeric_limits<double>::infinity();
   struct Candidate {
@@ -399,8 +399,8 @@ FittedHeights choose(const HeightModel& model, const Rig& rig, const RigHeights&
 }
 
 // What heights move by if each level is off by the tolerance, in the worst way, anywhere in the image, mm.
-double open_by_levels(const HeightModel& model, const FittedHeights& fit, const Rig& rig, double tolerance) {
-  const HeightCorrection correction(rig.camera, fit.heights);
+double open_by_levels(const HeightModel& model, const FittedHeights& fit, const rig::Rig& rig, double tolerance) {
+  const rig::HeightCorrection correction(rig.camera, fit.heights);
   std::vector<cv::Mat> responses;
   for (std::size_t k = 0; k < model.levels(); ++k) {
     cv::Mat right(static_cast<int>(fit.places.size()), 1, CV_64F);
@@ -518,7 +518,7 @@ cv::Vec4d plane_of(const std::vector<HeightSample>& samples) {
 }
 
 // Heights that are all wrong by one factor fit as well as right ones. What the rig makes of them tells.
-void expect_scale(const Rig& rig, double seen, const HeightSettings& settings) {
+void expect_scale(const rig::Rig& rig, double seen, const HeightSettings& settings) {
   const double allowed = settings.scale_tolerance.value_or(rig.calibration ? HeightSettings::kCalibratedScale
                                                                            : HeightSettings::kDrawnScale);
   if (!(std::abs(seen - 1) <= allowed)) {
@@ -531,8 +531,8 @@ void expect_scale(const Rig& rig, double seen, const HeightSettings& settings) {
 }
 
 // The rig with its belt where the plates lie, by plane_of.
-Rig with_belt(const Rig& rig, const cv::Vec4d& found) {
-  Rig result = rig;
+rig::Rig with_belt(const rig::Rig& rig, const cv::Vec4d& found) {
+  rig::Rig result = rig;
   if (rig.belt_pose || !rig.calibration) {  // known better than from a strip of the plate, or not to be known at all
     result.plane_z_mm = found[2];
     return result;
@@ -540,13 +540,13 @@ Rig with_belt(const Rig& rig, const cv::Vec4d& found) {
   const cv::Vec3d normal = cv::normalize(cv::Vec3d(-found[0], -found[1], 1));  // rows first
   const cv::Vec3d along = cv::normalize(cv::Vec3d(1, 0, 0) - normal[0] * normal);
   result.plane_z_mm = found[2] * normal[2];
-  result.belt_pose = RigBeltPose{{along[1], along[0], along[2]}, {normal[1], normal[0], normal[2]}};
+  result.belt_pose = rig::RigBeltPose{{along[1], along[0], along[2]}, {normal[1], normal[0], normal[2]}};
   return result;
 }
 
 // The heights by the geometry of the samples used, but for a thousandth at either end.
-void set_range(const Rig& rig, const std::vector<HeightSample>& samples, const std::vector<char>& used,
-               RigHeights& heights) {
+void set_range(const rig::Rig& rig, const std::vector<HeightSample>& samples, const std::vector<char>& used,
+               rig::RigHeights& heights) {
   std::vector<double> all;
   for (std::size_t i = 0; i < samples.size(); ++i) {
     if (used[i] != 0) {
@@ -560,10 +560,10 @@ void set_range(const Rig& rig, const std::vector<HeightSample>& samples, const s
 
 // Leaves out of the samples used those whose error is far beyond the rest.
 std::vector<char> without_outliers(const std::vector<HeightSample>& samples, const std::vector<char>& used,
-                                   const Rig& rig, const RigHeights& heights) {
+                                   const rig::Rig& rig, const rig::RigHeights& heights) {
   constexpr double kFar = 6;
-  const HeightCorrection correction(rig.camera, heights);
-  std::vector<double> off(samples.size(), kUnknown);
+  const rig::HeightCorrection correction(rig.camera, heights);
+  std::vector<double> off(samples.size(), rig::kUnknown);
   std::vector<double> sorted;
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const HeightSample& s = samples[i];
@@ -590,14 +590,14 @@ struct Corrected {
   std::vector<HeightLevel> levels;  // with what is left of their errors
 };
 
-Corrected correct(const Rig& rig, const std::vector<HeightSample>& samples, std::vector<HeightLevel> levels,
+Corrected correct(const rig::Rig& rig, const std::vector<HeightSample>& samples, std::vector<HeightLevel> levels,
                   std::optional<std::size_t> left_out = {}) {
   std::vector<char> used;
   for (const HeightSample& s : samples) {
     used.push_back(s.level == left_out ? 0 : 1);
   }
   const std::size_t count = levels.size() - (left_out ? 1 : 0);
-  RigHeights range;
+  rig::RigHeights range;
   range.order = kMaxFittedOrder;
   range.order_heights = std::min(kMaxHeightOrder, static_cast<int>(count) - 2);
   set_range(rig, samples, used, range);
@@ -606,13 +606,13 @@ Corrected correct(const Rig& rig, const std::vector<HeightSample>& samples, std:
   used = without_outliers(samples, used, rig, first.heights);
   HeightModel last_model = model();
   FittedHeights last = choose(last_model, rig, range);
-  const HeightCorrection correction(rig.camera, last.heights);
+  const rig::HeightCorrection correction(rig.camera, last.heights);
   set_errors(
       samples, rig.camera.columns,
       [&](std::size_t i) {
         const HeightSample& s = samples[i];
         const double geometric = rig.plane_z_mm - s.z;
-        return used[i] != 0 ? geometric + correction.at(s.row, s.column, geometric) - s.height_mm : kUnknown;
+        return used[i] != 0 ? geometric + correction.at(s.row, s.column, geometric) - s.height_mm : rig::kUnknown;
       },
       levels);
   return {std::move(last_model), std::move(last), std::move(levels)};
@@ -644,7 +644,7 @@ double greatest_uneven(const std::vector<HeightLevel>& levels) {
 // Refuses levels of which one is not flat or not at its height. The corrections follow such a level in part, so that
 // the greatest error may be at another one. So each level in turn is left out: that one is off without which the others
 // fit. Three levels do not tell.
-void expect_flat(const Corrected& all, const Rig& rig, const std::vector<HeightSample>& samples,
+void expect_flat(const Corrected& all, const rig::Rig& rig, const std::vector<HeightSample>& samples,
                  const HeightSettings& settings) {
   constexpr double kAsGood = 2;     // shares that differ by less do not tell one level from the other,
   constexpr double kNothing = 0.2;  // nor do shares of less than this
@@ -687,9 +687,10 @@ void expect_flat(const Corrected& all, const Rig& rig, const std::vector<HeightS
 
 }  // namespace
 
-HeightFit fit_heights(const Rig& given, const std::vector<HeightPosition>& positions, const HeightSettings& settings) {
+HeightFit fit_heights(const rig::Rig& given, const std::vector<HeightPosition>& positions,
+                      const HeightSettings& settings) {
   HeightFit fit;
-  Rig rig = given;
+  rig::Rig rig = given;
   rig.heights.reset();
   std::vector<HeightSample> samples = height_samples(rig, positions, settings);
   fit.levels = levels_of(positions, settings);
@@ -701,7 +702,7 @@ HeightFit fit_heights(const Rig& given, const std::vector<HeightPosition>& posit
   const cv::Vec4d plane = plane_of(samples);
   expect_scale(rig, plane[3], settings);
   rig = with_belt(rig, plane);
-  place_samples(RigOptics(rig), samples);
+  place_samples(rig::RigOptics(rig), samples);
   const auto geometric = [&](std::size_t i) { return rig.plane_z_mm - samples[i].z; };
   set_errors(
       samples, rig.camera.columns, [&](std::size_t i) { return geometric(i) - samples[i].height_mm; }, fit.levels);
@@ -713,7 +714,7 @@ HeightFit fit_heights(const Rig& given, const std::vector<HeightPosition>& posit
   fit.levels = all.levels;
   fit.rms_mm = all.fit.rms;
   expect_flat(all, rig, samples, settings);
-  const HeightCorrection correction(rig.camera, all.fit.heights);
+  const rig::HeightCorrection correction(rig.camera, all.fit.heights);
   for (const auto& [row, column, height] : grid_of(rig, all.fit.heights)) {
     fit.correction_mm = std::max(fit.correction_mm, std::abs(correction.at(row, column, height)));
   }
@@ -725,19 +726,19 @@ HeightFit fit_heights(const Rig& given, const std::vector<HeightPosition>& posit
   return fit;
 }
 
-std::vector<HeightLevel> check_heights(const Rig& rig, const std::vector<HeightPosition>& positions,
+std::vector<HeightLevel> check_heights(const rig::Rig& rig, const std::vector<HeightPosition>& positions,
                                        const HeightSettings& settings) {
   const std::vector<HeightSample> samples = height_samples(rig, positions, settings);
   std::vector<HeightLevel> levels = levels_of(positions, settings);
-  const RigOptics optics(rig);
+  const rig::RigOptics optics(rig);
   set_errors(
       samples, rig.camera.columns,
       [&](std::size_t i) {
-        const CameraPlace place{samples[i].row, static_cast<double>(samples[i].column)};
+        const rig::CameraPlace place{samples[i].row, static_cast<double>(samples[i].column)};
         return rig.plane_z_mm - optics.corrected(place, samples[i].z) - samples[i].height_mm;
       },
       levels);
   return levels;
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::light_section

@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "host/light_section/scan.h"
-#include "host/rig/rig.h"
+#include "selfproj/rig/rig.h"
 
-namespace selfproj {
+namespace selfproj::light_section {
 
 // The lines of one sweep, as the camera saw them.
 struct HeightPosition {
@@ -41,7 +41,7 @@ struct HeightLevel {
 };
 
 struct HeightFit {
-  Rig rig;  // with `heights` and plane_z_mm as found; with the belt's normal if it is calibrated and had none
+  rig::Rig rig;  // with `heights` and plane_z_mm as found; with the belt's normal if it is calibrated and had none
   std::vector<HeightLevel> levels;
   double rms_mm = 0;         // of single centroids, all levels
   double correction_mm = 0;  // the greatest correction in the image, over all heights
@@ -55,12 +55,13 @@ struct HeightFit {
 // the heights are not in the order in which the rig sees them, a plate is not flat within its tolerance, or the
 // positions do not determine the heights of the whole image. Throws CheckFailed if the rig sees all heights larger or
 // smaller by one factor beyond its tolerance: the corrections would take it up.
-HeightFit fit_heights(const Rig& given, const std::vector<HeightPosition>& positions, const HeightSettings& settings);
+HeightFit fit_heights(const rig::Rig& given, const std::vector<HeightPosition>& positions,
+                      const HeightSettings& settings);
 
 // The same levels measured with the rig as it is.
-std::vector<HeightLevel> check_heights(const Rig& rig, const std::vector<HeightPosition>& positions,
+std::vector<HeightLevel> check_heights(const rig::Rig& rig, const std::vector<HeightPosition>& positions,
                                        const HeightSettings& settings);
 
-}  // namespace selfproj
+}  // namespace selfproj::light_section
 
 #endif  // SELFPROJ_HOST_LIGHT_SECTION_HEIGHT_FIT_H

@@ -1,4 +1,4 @@
-#include "host/light_section/inspection.h"
+#include "selfproj/light_section/inspection.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,11 +9,11 @@
 #include <stdexcept>
 #include <vector>
 
-#include "model/pixel_clock.h"
+#include "selfproj/model/pixel_clock.h"
 
-namespace selfproj {
+namespace selfproj::light_section {
 
-Inspection::Inspection(const Rig& rig, int columns, const InspectionOptions& options)
+Inspection::Inspection(const rig::Rig& rig, int columns, const InspectionOptions& options)
     : rig_(rig), columns_(columns), options_(options) {
   if (columns <= 0) {
     throw std::invalid_argument("an inspection needs columns");
@@ -30,7 +30,7 @@ Inspection::Inspection(const Rig& rig, int columns, const InspectionOptions& opt
   values_.validity.reserve(size);
 }
 
-bool Inspection::begin_frame(const PacketHeader& header) {
+bool Inspection::begin_frame(const model::PacketHeader& header) {
   if (header.columns != columns_) {
     throw std::invalid_argument("a frame of another width");
   }
@@ -68,7 +68,7 @@ void Inspection::add_profile(const ProfileView& profile) {
   append(values_.validity, profile.validity);
 }
 
-RunsView Inspection::last_frame() {
+model::RunsView Inspection::last_frame() {
   const std::size_t begin = (frames_.size() - 1) * static_cast<std::size_t>(columns_);
   const bool runs = has_runs();
   return {{values_.m0.data() + begin, values_.m1.data() + begin, values_.n.data() + begin},
@@ -76,11 +76,11 @@ RunsView Inspection::last_frame() {
           runs ? values_.second.data() + begin : nullptr};
 }
 
-void Inspection::add(const PacketHeader& header, const RunsView& runs, const ProfileView& profile) {
+void Inspection::add(const model::PacketHeader& header, const model::RunsView& runs, const ProfileView& profile) {
   if (!begin_frame(header)) {
     return;
   }
-  const RunsView to = last_frame();
+  const model::RunsView to = last_frame();
   std::copy_n(runs.moments.m0, columns_, to.moments.m0);
   std::copy_n(runs.moments.m1, columns_, to.moments.m1);
   std::copy_n(runs.moments.n, columns_, to.moments.n);
@@ -91,15 +91,16 @@ void Inspection::add(const PacketHeader& header, const RunsView& runs, const Pro
   add_profile(profile);
 }
 
-void Inspection::add(const PacketHeader& header, std::span<const std::uint8_t> payload, const ProfileView& profile) {
-  const auto mode = static_cast<Mode>(header.mode);
-  if (payload.size() != moments_payload_bytes(mode, columns_)) {
+void Inspection::add(const model::PacketHeader& header, std::span<const std::uint8_t> payload,
+                     const ProfileView& profile) {
+  const auto mode = static_cast<model::Mode>(header.mode);
+  if (payload.size() != model::moments_payload_bytes(mode, columns_)) {
     throw std::invalid_argument("a payload of another width");
   }
   if (!begin_frame(header)) {
     return;
   }
-  unpack_columns(static_cast<Select>(header.select), mode, columns_, payload.data(), last_frame());
+  model::unpack_columns(static_cast<model::Select>(header.select), mode, columns_, payload.data(), last_frame());
   add_profile(profile);
 }
 
@@ -118,10 +119,11 @@ std::vector<double> Inspection::belt_mm() const {
     const bool restarted = i > 0 && frames_[i].time_stamp < frames_[i - 1].time_stamp;
     if (i > 0 && !restarted) {
       // Differences modulo 2^32 and 2^64, because counters may wrap.
-      step = by_encoder ? static_cast<std::int32_t>(frames_[i].encoder - frames_[i - 1].encoder) *
-                              rig_.conveyor.encoder_mm_per_count
-                        : seconds_of_clocks(frames_[i].time_stamp - frames_[i - 1].time_stamp, rig_.pixel_clock_hz()) *
-                              rig_.conveyor.speed_mm_per_s;
+      step = by_encoder
+                 ? static_cast<std::int32_t>(frames_[i].encoder - frames_[i - 1].encoder) *
+                       rig_.conveyor.encoder_mm_per_count
+                 : model::seconds_of_clocks(frames_[i].time_stamp - frames_[i - 1].time_stamp, rig_.pixel_clock_hz()) *
+                       rig_.conveyor.speed_mm_per_s;
     }
     position += i > 0 ? step : 0;
     belt.push_back(position);
@@ -138,8 +140,8 @@ double Inspection::column_spacing_mm() const {
   return rig_.plane_z_mm * rig_.camera.pixel_pitch_mm / rig_.camera.focal_length_mm;
 }
 
-FloatImage Inspection::map(const std::vector<float>& values, double offset, double factor) const {
-  FloatImage image(static_cast<int>(frames_.size()), columns_, std::numeric_limits<float>::quiet_NaN());
+images::FloatImage Inspection::map(const std::vector<float>& values, double offset, double factor) const {
+  images::FloatImage image(static_cast<int>(frames_.size()), columns_, std::numeric_limits<float>::quiet_NaN());
   for (std::size_t i = 0; i < values.size(); ++i) {
     if (values_.validity[i] == static_cast<std::uint8_t>(Validity::valid)) {
       image.values[i] = static_cast<float>(offset + factor * static_cast<double>(values[i]));
@@ -148,16 +150,16 @@ FloatImage Inspection::map(const std::vector<float>& values, double offset, doub
   return image;
 }
 
-FloatImage Inspection::height() const { return map(values_.z, rig_.plane_z_mm, -1); }
+images::FloatImage Inspection::height() const { return map(values_.z, rig_.plane_z_mm, -1); }
 
-FloatImage Inspection::difference() const { return map(values_.dz, 0, -1); }
+images::FloatImage Inspection::difference() const { return map(values_.dz, 0, -1); }
 
-FloatImage Inspection::x() const { return map(values_.x, 0, 1); }
+images::FloatImage Inspection::x() const { return map(values_.x, 0, 1); }
 
-FloatImage Inspection::y() const { return map(values_.y, 0, 1); }
+images::FloatImage Inspection::y() const { return map(values_.y, 0, 1); }
 
-FloatImage Inspection::centroid() const {
-  FloatImage image(static_cast<int>(frames_.size()), columns_, std::numeric_limits<float>::quiet_NaN());
+images::FloatImage Inspection::centroid() const {
+  images::FloatImage image(static_cast<int>(frames_.size()), columns_, std::numeric_limits<float>::quiet_NaN());
   for (std::size_t i = 0; i < values_.m0.size(); ++i) {
     if (values_.m0[i] > 0 && values_.validity[i] == static_cast<std::uint8_t>(Validity::valid)) {
       image.values[i] = static_cast<float>(static_cast<double>(values_.m1[i]) / values_.m0[i]);  // (3.2)
@@ -166,4 +168,4 @@ FloatImage Inspection::centroid() const {
   return image;
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::light_section

@@ -15,15 +15,15 @@
 #include <vector>
 
 #include "host/images/image_files.h"
-#include "host/light_section/reference.h"
+#include "selfproj/light_section/reference.h"
 
-namespace selfproj {
+namespace selfproj::light_section {
 
-FloatImage draw_pattern(const Rig& rig, std::span<const double> line_of_column) {
+images::FloatImage draw_pattern(const rig::Rig& rig, std::span<const double> line_of_column) {
   if (line_of_column.size() != static_cast<std::size_t>(rig.projector.columns)) {
     throw std::invalid_argument("pattern: as many lines are needed as the projector has columns");
   }
-  FloatImage pattern(rig.projector.lines, rig.projector.columns);
+  images::FloatImage pattern(rig.projector.lines, rig.projector.columns);
   const double half = 0.5 * rig.measure.line_width_px;
   for (int c = 0; c < pattern.columns; ++c) {
     const double center = line_of_column[static_cast<std::size_t>(c)];
@@ -40,17 +40,17 @@ FloatImage draw_pattern(const Rig& rig, std::span<const double> line_of_column) 
   return pattern;
 }
 
-FloatImage draw_straight_line(const Rig& rig, double line) {
+images::FloatImage draw_straight_line(const rig::Rig& rig, double line) {
   return draw_pattern(rig, std::vector<double>(static_cast<std::size_t>(rig.projector.columns), line));
 }
 
-std::string encode_pattern_png(const FloatImage& pattern) {
+std::string encode_pattern_png(const images::FloatImage& pattern) {
   constexpr float kFull = 255;
-  Image image{pattern.rows, pattern.columns, std::vector<std::uint8_t>(pattern.values.size())};
+  images::Image image{pattern.rows, pattern.columns, std::vector<std::uint8_t>(pattern.values.size())};
   std::transform(pattern.values.begin(), pattern.values.end(), image.pixels.begin(), [](float value) {
     return static_cast<std::uint8_t>(std::lround(kFull * std::clamp(value, 0.0F, 1.0F)));
   });
-  return encode_png(image);
+  return images::encode_png(image);
 }
 
 namespace {
@@ -76,7 +76,7 @@ double grid_step(double span) {
   return 10 * power;
 }
 
-void draw_plot(cv::Mat& image, int top, const Rig& rig, const ReferenceProfile& reference) {
+void draw_plot(cv::Mat& image, int top, const rig::Rig& rig, const ReferenceProfile& reference) {
   const int left = kMargin;
   const int width = image.cols - left - 16;
   double low = 0;
@@ -119,7 +119,7 @@ void draw_plot(cv::Mat& image, int top, const Rig& rig, const ReferenceProfile& 
 
 }  // namespace
 
-std::string draw_preview(const Rig& rig, const FloatImage& pattern, const ReferenceProfile& reference) {
+std::string draw_preview(const rig::Rig& rig, const images::FloatImage& pattern, const ReferenceProfile& reference) {
   constexpr int kTitle = 24;
   constexpr int kGap = 40;
   constexpr int kMin = 480;  // pixels: the text needs them
@@ -143,4 +143,4 @@ std::string draw_preview(const Rig& rig, const FloatImage& pattern, const Refere
   return {bytes.begin(), bytes.end()};
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::light_section

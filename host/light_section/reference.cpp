@@ -1,4 +1,4 @@
-#include "host/light_section/reference.h"
+#include "selfproj/light_section/reference.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,9 +12,9 @@
 #include <vector>
 
 #include "host/rig/geometry.h"
-#include "host/rig/optics.h"
+#include "selfproj/rig/optics.h"
 
-namespace selfproj {
+namespace selfproj::light_section {
 namespace {
 
 // The straight pieces of a section, and what of them can be seen from a point.
@@ -93,10 +93,10 @@ SectionSight sight_along(const std::vector<SectionJoin>& joins, double tan_beta)
   return sight;
 }
 
-double middle_of(const Rig& rig) { return 0.5 * (rig.camera.rows - 1); }
+double middle_of(const rig::Rig& rig) { return 0.5 * (rig.camera.rows - 1); }
 
 // What lights the point that a camera place sees at depth z (corrected), if it is before the projector.
-std::optional<ProjectorPlace> light_on(const RigOptics& optics, const CameraPlace& place, double z) {
+std::optional<rig::ProjectorPlace> light_on(const rig::RigOptics& optics, const rig::CameraPlace& place, double z) {
   const std::optional<cv::Vec2d> ray = optics.ray(place);
   if (!ray) {
     return std::nullopt;
@@ -109,37 +109,37 @@ std::optional<ProjectorPlace> light_on(const RigOptics& optics, const CameraPlac
 struct Sample {
   bool lit = false;
   SectionPoint at{};
-  ProjectorPlace light;
+  rig::ProjectorPlace light;
 };
 
 class Section {
  public:
-  Section(const Rig& rig, const ReferenceCurve& curve) : optics_(rig), joins_(joins_of(curve)) {
+  Section(const rig::Rig& rig, const ReferenceCurve& curve) : optics_(rig), joins_(joins_of(curve)) {
     if (optics_.has_projector()) {
       const cv::Vec3d centre = optics_.projector_centre();
       projector_ = {centre[1], centre[2]};
     }
   }
 
-  [[nodiscard]] const RigOptics& optics() const { return optics_; }
+  [[nodiscard]] const rig::RigOptics& optics() const { return optics_; }
 
   // The surface that a camera place sees, if it is no wall.
-  [[nodiscard]] std::optional<SectionPoint> surface(const CameraPlace& place) const {
+  [[nodiscard]] std::optional<SectionPoint> surface(const rig::CameraPlace& place) const {
     const std::optional<cv::Vec2d> ray = optics_.ray(place);
     const SectionSight sight = ray ? sight_along(joins_, (*ray)[1]) : SectionSight{};
     return sight.join != nullptr && !sight.join->wall ? std::optional(sight.at) : std::nullopt;
   }
 
-  [[nodiscard]] Sample sample(const CameraPlace& place) const {
+  [[nodiscard]] Sample sample(const rig::CameraPlace& place) const {
     Sample sample;
     const std::optional<SectionPoint> at = surface(place);
-    const std::optional<ProjectorPlace> light = at ? light_on(optics_, place, at->z) : std::nullopt;
+    const std::optional<rig::ProjectorPlace> light = at ? light_on(optics_, place, at->z) : std::nullopt;
     if (!light) {
       return sample;
     }
     sample.at = *at;
     sample.light = *light;
-    const Rig& rig = optics_.rig();
+    const rig::Rig& rig = optics_.rig();
     const double half = 0.5 * rig.measure.line_width_px;
     sample.lit = light->line - half >= -0.5 && light->line + half <= rig.projector.lines - 0.5 &&
                  light->column >= -0.5 && light->column <= rig.projector.columns - 0.5 &&
@@ -149,7 +149,7 @@ class Section {
   }
 
  private:
-  RigOptics optics_;
+  rig::RigOptics optics_;
   std::vector<SectionJoin> joins_;
   SectionPoint projector_{};
 };
@@ -160,19 +160,19 @@ bool on_one_surface(const SectionPoint& a, const SectionPoint& b) {
 
 void set_invalid(ReferenceProfile& reference, std::size_t i) {
   reference.valid[i] = 0;
-  reference.line[i] = reference.slope[i] = reference.z_mm[i] = reference.offset_px[i] = kUnknown;
+  reference.line[i] = reference.slope[i] = reference.z_mm[i] = reference.offset_px[i] = rig::kUnknown;
 }
 
 // The slopes of the light from the columns beside each, as far as they are on one surface.
-void set_slopes(const RigOptics& optics, ReferenceProfile& reference) {
+void set_slopes(const rig::RigOptics& optics, ReferenceProfile& reference) {
   constexpr int kReach = 3;
   const int columns = reference.columns();
-  std::vector<ProjectorPlace> light(static_cast<std::size_t>(columns));
+  std::vector<rig::ProjectorPlace> light(static_cast<std::size_t>(columns));
   std::vector<SectionPoint> at(light.size());
   for (int c = 0; c < columns; ++c) {
     const auto i = static_cast<std::size_t>(c);
     if (reference.valid[i] != 0) {
-      const CameraPlace place{middle_of(optics.rig()) + reference.offset_px[i], static_cast<double>(c)};
+      const rig::CameraPlace place{middle_of(optics.rig()) + reference.offset_px[i], static_cast<double>(c)};
       light[i] = *light_on(optics, place, reference.z_mm[i]);
       at[i] = {reference.z_mm[i] * (*optics.ray(place))[1], reference.z_mm[i]};
     }
@@ -189,8 +189,8 @@ void set_slopes(const RigOptics& optics, ReferenceProfile& reference) {
   for (int c = 0; c < columns; ++c) {
     const auto i = static_cast<std::size_t>(c);
     if (reference.valid[i] != 0) {
-      const ProjectorPlace& a = light[end_of(c, -1)];
-      const ProjectorPlace& b = light[end_of(c, 1)];
+      const rig::ProjectorPlace& a = light[end_of(c, -1)];
+      const rig::ProjectorPlace& b = light[end_of(c, 1)];
       const double across = b.column - a.column;
       reference.slope[i] = std::abs(across) > 1e-6 ? (b.line - a.line) / across : 0;
     }
@@ -199,19 +199,19 @@ void set_slopes(const RigOptics& optics, ReferenceProfile& reference) {
 
 // The row (from 0) at which the camera column sees the laser on the section: where the depth of the laser's plane
 // crosses that of the surface. If there are several, that nearest to the camera.
-std::optional<CameraPlace> laser_on(const Section& section, int column, double& z) {
+std::optional<rig::CameraPlace> laser_on(const Section& section, int column, double& z) {
   constexpr double kStep = 0.25;
-  const RigOptics& optics = section.optics();
+  const rig::RigOptics& optics = section.optics();
   // Depth of the plane less depth of the surface; NaN if there is none of them.
   const auto over = [&](double row, double& depth) {
-    const CameraPlace place{row, static_cast<double>(column)};
+    const rig::CameraPlace place{row, static_cast<double>(column)};
     const std::optional<cv::Vec2d> ray = optics.ray(place);
     const std::optional<double> plane = ray ? optics.meet(*ray, {}) : std::nullopt;
     const std::optional<SectionPoint> surface = section.surface(place);
-    depth = plane ? optics.corrected(place, *plane) : kUnknown;
-    return plane && surface ? depth - surface->z : kUnknown;
+    depth = plane ? optics.corrected(place, *plane) : rig::kUnknown;
+    return plane && surface ? depth - surface->z : rig::kUnknown;
   };
-  std::optional<CameraPlace> best;
+  std::optional<rig::CameraPlace> best;
   double depth = 0;
   double before = over(0, depth);
   for (double row = kStep; row <= optics.rig().camera.rows - 1; row += kStep) {
@@ -236,12 +236,12 @@ std::optional<CameraPlace> laser_on(const Section& section, int column, double& 
 }
 
 ReferenceProfile laser_reference_of_curve(const Section& section) {
-  const Rig& rig = section.optics().rig();
+  const rig::Rig& rig = section.optics().rig();
   ReferenceProfile reference;
   reference.resize_for_lenses(rig.camera.columns);
   for (std::size_t i = 0; i < reference.valid.size(); ++i) {
     double z = 0;
-    const std::optional<CameraPlace> place = laser_on(section, static_cast<int>(i), z);
+    const std::optional<rig::CameraPlace> place = laser_on(section, static_cast<int>(i), z);
     set_invalid(reference, i);
     if (place) {
       reference.valid[i] = 1;
@@ -253,7 +253,7 @@ ReferenceProfile laser_reference_of_curve(const Section& section) {
   return reference;
 }
 
-ReferenceProfile lens_reference_of_curve(const Rig& rig, const ReferenceCurve& curve) {
+ReferenceProfile lens_reference_of_curve(const rig::Rig& rig, const ReferenceCurve& curve) {
   const Section section(rig, curve);
   if (!section.optics().has_projector()) {
     return laser_reference_of_curve(section);
@@ -275,14 +275,14 @@ ReferenceProfile lens_reference_of_curve(const Rig& rig, const ReferenceCurve& c
 }
 
 // Of columns that see the projector line `line` at the row `row` (from 0); invalid where one of them is NaN.
-ReferenceProfile lens_reference_of_places(const RigOptics& optics, const std::vector<double>& row,
+ReferenceProfile lens_reference_of_places(const rig::RigOptics& optics, const std::vector<double>& row,
                                           const std::vector<double>& line) {
-  const Rig& rig = optics.rig();
+  const rig::Rig& rig = optics.rig();
   ReferenceProfile reference;
   reference.resize_for_lenses(rig.camera.columns);
   for (std::size_t i = 0; i < row.size(); ++i) {
     set_invalid(reference, i);
-    const CameraPlace place{row[i], static_cast<double>(i)};
+    const rig::CameraPlace place{row[i], static_cast<double>(i)};
     const std::optional<cv::Vec2d> ray =
         std::isfinite(row[i]) && std::isfinite(line[i]) ? optics.ray(place) : std::nullopt;
     const std::optional<double> z =
@@ -298,14 +298,14 @@ ReferenceProfile lens_reference_of_places(const RigOptics& optics, const std::ve
   return reference;
 }
 
-ReferenceProfile lens_without_residual(const Rig& rig, const ReferenceProfile& reference,
+ReferenceProfile lens_without_residual(const rig::Rig& rig, const ReferenceProfile& reference,
                                        std::span<const double> centroid) {
-  const RigOptics optics(rig);
+  const rig::RigOptics optics(rig);
   ReferenceProfile result = reference;
   for (std::size_t i = 0; i < centroid.size(); ++i) {
-    const CameraPlace place{centroid[i] - 1, static_cast<double>(i)};
+    const rig::CameraPlace place{centroid[i] - 1, static_cast<double>(i)};
     const bool measured = result.valid[i] != 0 && std::isfinite(centroid[i]);
-    const std::optional<ProjectorPlace> light =
+    const std::optional<rig::ProjectorPlace> light =
         measured && optics.has_projector() ? light_on(optics, place, result.z_mm[i]) : std::nullopt;
     if (light) {
       result.line[i] = light->line;
@@ -315,7 +315,7 @@ ReferenceProfile lens_without_residual(const Rig& rig, const ReferenceProfile& r
       const std::optional<cv::Vec2d> ray = optics.ray(place);
       const std::optional<double> z = ray ? optics.meet(*ray, {}) : std::nullopt;
       result.valid[i] = z ? 1 : 0;
-      result.z_mm[i] = z ? optics.corrected(place, *z) : kUnknown;
+      result.z_mm[i] = z ? optics.corrected(place, *z) : rig::kUnknown;
       result.offset_px[i] = place.row - middle_of(rig);
     } else {
       set_invalid(result, i);
@@ -325,11 +325,11 @@ ReferenceProfile lens_without_residual(const Rig& rig, const ReferenceProfile& r
 }
 
 // The camera's middle row is followed in steps of an eighth of a column, also beyond the image.
-std::vector<double> lens_pattern_of_curve(const Rig& rig, const ReferenceCurve& curve) {
+std::vector<double> lens_pattern_of_curve(const rig::Rig& rig, const ReferenceCurve& curve) {
   constexpr int kPerColumn = 8;
   constexpr int kBeyond = 16;
   const Section section(rig, curve);
-  std::vector<double> lines(static_cast<std::size_t>(rig.projector.columns), kUnknown);
+  std::vector<double> lines(static_cast<std::size_t>(rig.projector.columns), rig::kUnknown);
   std::vector<double> nearest(lines.size(), std::numeric_limits<double>::infinity());
   Sample before;
   for (int step = -kBeyond * kPerColumn; step <= (rig.camera.columns - 1 + kBeyond) * kPerColumn; ++step) {
@@ -354,20 +354,20 @@ std::vector<double> lens_pattern_of_curve(const Rig& rig, const ReferenceCurve& 
   return lines;
 }
 
-void expect_columns(const Rig& rig, std::size_t given) {
+void expect_columns(const rig::Rig& rig, std::size_t given) {
   if (given != static_cast<std::size_t>(rig.camera.columns)) {
     throw std::invalid_argument("reference: as many values are needed as the camera has columns");
   }
 }
 
 // Whether a pattern line with this centre lies completely in the projector's image.
-bool in_image(const Rig& rig, double line) {
+bool in_image(const rig::Rig& rig, double line) {
   const double half = 0.5 * rig.measure.line_width_px;
   return line - half >= -0.5 && line + half <= rig.projector.lines - 0.5;
 }
 
 // The change of z from one projector line to the next at Xc = 0, mm: the derivative of (3.4).
-double z_per_line(const Rig& rig, double tan_theta) {
+double z_per_line(const rig::Rig& rig, double tan_theta) {
   const double cosine = std::cos(std::atan(tan_theta) - rig.projector.tilt_rad);
   const double step = std::abs(rig.projector.line_pitch_mm) * (1 + tan_theta * tan_theta) * cosine * cosine /
                       rig.projector.focal_length_mm;  // of tan θ
@@ -375,46 +375,46 @@ double z_per_line(const Rig& rig, double tan_theta) {
 }
 
 // Whether the projector lights the point of the curve.
-bool is_lit(const Rig& rig, const std::vector<SectionJoin>& joins, const SectionPoint& point) {
-  if (point.z <= rig.projector.z_mm || projector_depth(rig.projector, point.z) <= 0) {
+bool is_lit(const rig::Rig& rig, const std::vector<SectionJoin>& joins, const SectionPoint& point) {
+  if (point.z <= rig.projector.z_mm || rig::projector_depth(rig.projector, point.z) <= 0) {
     return false;
   }
-  const double column = projector_column_on_middle(rig.projector, point.y, point.z);
-  return in_image(rig, line_on_middle(rig.projector, point.z)) && column >= -0.5 &&
+  const double column = rig::projector_column_on_middle(rig.projector, point.y, point.z);
+  return in_image(rig, rig::line_on_middle(rig.projector, point.z)) && column >= -0.5 &&
          column <= rig.projector.columns - 0.5 && !hidden(joins, {0, rig.projector.z_mm}, point) &&
          z_per_line(rig, rig.projector.x_mm / (point.z - rig.projector.z_mm)) <= rig.measure.max_z_per_line_mm;
 }
 
 }  // namespace
 
-MiddleRow::MiddleRow(const Rig& rig) : camera_(rig.camera) {
+MiddleRow::MiddleRow(const rig::Rig& rig) : camera_(rig.camera) {
   if (!rig.is_pinholes()) {
-    optics_ = std::make_shared<const RigOptics>(rig);
+    optics_ = std::make_shared<const rig::RigOptics>(rig);
   }
 }
 
 double MiddleRow::tan_beta(double column) const {
   if (!optics_) {
-    return selfproj::tan_beta(camera_, column);
+    return selfproj::rig::tan_beta(camera_, column);
   }
   const std::optional<cv::Vec2d> ray = optics_->ray({0.5 * (camera_.rows - 1), column});
-  return ray ? (*ray)[1] : kUnknown;
+  return ray ? (*ray)[1] : rig::kUnknown;
 }
 
-std::optional<LightSheet> sheet_of(const RigOptics& optics, const ReferenceProfile& reference, int column) {
+std::optional<rig::LightSheet> sheet_of(const rig::RigOptics& optics, const ReferenceProfile& reference, int column) {
   const auto i = static_cast<std::size_t>(column);
   if (reference.valid[i] == 0) {
     return std::nullopt;
   }
   if (!optics.has_projector()) {
-    return LightSheet{};
+    return rig::LightSheet{};
   }
-  const CameraPlace place{middle_of(optics.rig()) + reference.offset_px[i], static_cast<double>(column)};
-  const std::optional<ProjectorPlace> light = light_on(optics, place, reference.z_mm[i]);
-  return light ? std::optional(LightSheet{light->line, reference.slope[i], light->column}) : std::nullopt;
+  const rig::CameraPlace place{middle_of(optics.rig()) + reference.offset_px[i], static_cast<double>(column)};
+  const std::optional<rig::ProjectorPlace> light = light_on(optics, place, reference.z_mm[i]);
+  return light ? std::optional(rig::LightSheet{light->line, reference.slope[i], light->column}) : std::nullopt;
 }
 
-ReferenceCurve curve_of_heights(const Rig& rig, std::span<const double> height_mm) {
+ReferenceCurve curve_of_heights(const rig::Rig& rig, std::span<const double> height_mm) {
   expect_columns(rig, height_mm.size());
   const MiddleRow middle(rig);
   ReferenceCurve curve;
@@ -426,19 +426,19 @@ ReferenceCurve curve_of_heights(const Rig& rig, std::span<const double> height_m
   return curve;
 }
 
-ReferenceCurve curve_of_reference(const Rig& rig, const ReferenceProfile& reference) {
+ReferenceCurve curve_of_reference(const rig::Rig& rig, const ReferenceProfile& reference) {
   expect_columns(rig, reference.valid.size());
   const MiddleRow middle(rig);
   const int columns = rig.camera.columns;
   const auto z_of = [&](int column) {
     const auto i = static_cast<std::size_t>(column);
-    return reference.valid[i] != 0 ? reference.z_mm[i] : kUnknown;
+    return reference.valid[i] != 0 ? reference.z_mm[i] : rig::kUnknown;
   };
   // Continues from the column `border` with the slope of the last `kBeyond` columns, in the direction against `inward`;
   // NaN if one of these two columns is invalid.
   constexpr int kBeyond = 8;
   const auto beyond = [&](int border, int inward, int steps) {
-    return columns <= kBeyond ? kUnknown
+    return columns <= kBeyond ? rig::kUnknown
                               : z_of(border) + (z_of(border) - z_of(border + inward * kBeyond)) * steps / kBeyond;
   };
   ReferenceCurve curve;
@@ -450,7 +450,7 @@ ReferenceCurve curve_of_reference(const Rig& rig, const ReferenceProfile& refere
   return curve;
 }
 
-ReferenceProfile reference_of_curve(const Rig& rig, const ReferenceCurve& curve) {
+ReferenceProfile reference_of_curve(const rig::Rig& rig, const ReferenceCurve& curve) {
   if (!rig.is_pinholes()) {
     return lens_reference_of_curve(rig, curve);
   }
@@ -458,47 +458,47 @@ ReferenceProfile reference_of_curve(const Rig& rig, const ReferenceCurve& curve)
   ReferenceProfile reference;
   reference.resize(rig.camera.columns);
   for (std::size_t i = 0; i < reference.valid.size(); ++i) {
-    const SectionSight seen = sight_along(joins, tan_beta(rig.camera, static_cast<double>(i)));
+    const SectionSight seen = sight_along(joins, rig::tan_beta(rig.camera, static_cast<double>(i)));
     const SectionPoint& nearest = seen.at;
     const bool valid = seen.join != nullptr && !seen.join->wall && is_lit(rig, joins, nearest);
     reference.valid[i] = valid ? 1 : 0;
-    reference.z_mm[i] = valid ? nearest.z : kUnknown;
-    reference.tan_theta[i] = valid ? rig.projector.x_mm / (nearest.z - rig.projector.z_mm) : kUnknown;  // (3.8)
-    reference.offset_px[i] = valid ? 0 : kUnknown;
+    reference.z_mm[i] = valid ? nearest.z : rig::kUnknown;
+    reference.tan_theta[i] = valid ? rig.projector.x_mm / (nearest.z - rig.projector.z_mm) : rig::kUnknown;  // (3.8)
+    reference.offset_px[i] = valid ? 0 : rig::kUnknown;
   }
   return reference;
 }
 
-ReferenceProfile reference_of_plane(const Rig& rig) {
+ReferenceProfile reference_of_plane(const rig::Rig& rig) {
   const std::vector<double> heights(static_cast<std::size_t>(rig.camera.columns), 0.0);
   return reference_of_curve(rig, curve_of_heights(rig, heights));
 }
 
-ReferenceProfile reference_of_straight_line(const Rig& rig, double line, std::span<const double> centroid) {
+ReferenceProfile reference_of_straight_line(const rig::Rig& rig, double line, std::span<const double> centroid) {
   expect_columns(rig, centroid.size());
   if (!rig.is_pinholes()) {
     std::vector<double> rows(centroid.begin(), centroid.end());
     std::for_each(rows.begin(), rows.end(), [](double& row) { row -= 1; });  // centroids count from 1
-    return lens_reference_of_places(RigOptics(rig), rows, std::vector<double>(rows.size(), line));
+    return lens_reference_of_places(rig::RigOptics(rig), rows, std::vector<double>(rows.size(), line));
   }
-  const double theta = tan_theta(rig.projector, line);
+  const double theta = rig::tan_theta(rig.projector, line);
   ReferenceProfile reference;
   reference.resize(rig.camera.columns);
   for (std::size_t i = 0; i < centroid.size(); ++i) {
-    const double sum = tan_alpha(rig.camera, centroid[i]) + theta;
+    const double sum = rig::tan_alpha(rig.camera, centroid[i]) + theta;
     const bool valid = std::isfinite(centroid[i]) && sum > 0;
     reference.valid[i] = valid ? 1 : 0;
     reference.tan_theta[i] = theta;
-    reference.z_mm[i] = valid ? (rig.projector.x_mm + rig.projector.z_mm * theta) / sum : kUnknown;  // (3.4)
-    reference.offset_px[i] = valid ? centroid[i] - middle_row(rig.camera) : kUnknown;
+    reference.z_mm[i] = valid ? (rig.projector.x_mm + rig.projector.z_mm * theta) / sum : rig::kUnknown;  // (3.4)
+    reference.offset_px[i] = valid ? centroid[i] - rig::middle_row(rig.camera) : rig::kUnknown;
   }
   return reference;
 }
 
-ReferenceProfile reference_of_scan(const Rig& rig, std::span<const double> line) {
+ReferenceProfile reference_of_scan(const rig::Rig& rig, std::span<const double> line) {
   expect_columns(rig, line.size());
   if (!rig.is_pinholes()) {
-    const RigOptics optics(rig);
+    const rig::RigOptics optics(rig);
     ReferenceProfile reference =
         lens_reference_of_places(optics, std::vector<double>(line.size(), middle_of(rig)), {line.begin(), line.end()});
     set_slopes(optics, reference);
@@ -508,16 +508,17 @@ ReferenceProfile reference_of_scan(const Rig& rig, std::span<const double> line)
   reference.resize(rig.camera.columns);
   for (std::size_t i = 0; i < line.size(); ++i) {
     const bool valid = !std::isnan(line[i]);
-    const double theta = valid ? tan_theta(rig.projector, line[i]) : kUnknown;
+    const double theta = valid ? rig::tan_theta(rig.projector, line[i]) : rig::kUnknown;
     reference.valid[i] = valid ? 1 : 0;
     reference.tan_theta[i] = theta;
-    reference.z_mm[i] = valid ? rig.projector.x_mm / theta + rig.projector.z_mm : kUnknown;  // (3.8)
-    reference.offset_px[i] = valid ? 0 : kUnknown;
+    reference.z_mm[i] = valid ? rig.projector.x_mm / theta + rig.projector.z_mm : rig::kUnknown;  // (3.8)
+    reference.offset_px[i] = valid ? 0 : rig::kUnknown;
   }
   return reference;
 }
 
-ReferenceProfile without_residual(const Rig& rig, const ReferenceProfile& reference, std::span<const double> centroid) {
+ReferenceProfile without_residual(const rig::Rig& rig, const ReferenceProfile& reference,
+                                  std::span<const double> centroid) {
   expect_columns(rig, centroid.size());
   expect_columns(rig, reference.valid.size());
   if (!rig.is_pinholes()) {
@@ -527,40 +528,40 @@ ReferenceProfile without_residual(const Rig& rig, const ReferenceProfile& refere
   for (std::size_t i = 0; i < centroid.size(); ++i) {
     if (result.valid[i] == 0 || !std::isfinite(centroid[i])) {
       result.valid[i] = 0;
-      result.tan_theta[i] = result.z_mm[i] = result.offset_px[i] = kUnknown;
+      result.tan_theta[i] = result.z_mm[i] = result.offset_px[i] = rig::kUnknown;
       continue;
     }
-    const double x = result.z_mm[i] * tan_alpha(rig.camera, centroid[i]);
+    const double x = result.z_mm[i] * rig::tan_alpha(rig.camera, centroid[i]);
     result.tan_theta[i] = (rig.projector.x_mm - x) / (result.z_mm[i] - rig.projector.z_mm);
-    result.offset_px[i] = centroid[i] - middle_row(rig.camera);
+    result.offset_px[i] = centroid[i] - rig::middle_row(rig.camera);
   }
   return result;
 }
 
-std::vector<double> pattern_of_curve(const Rig& rig, const ReferenceCurve& curve) {
+std::vector<double> pattern_of_curve(const rig::Rig& rig, const ReferenceCurve& curve) {
   if (!rig.is_pinholes()) {
     return lens_pattern_of_curve(rig, curve);
   }
-  const RigProjector& projector = rig.projector;
+  const rig::RigProjector& projector = rig.projector;
   const std::vector<SectionJoin> joins = joins_of(curve);
-  std::vector<double> lines(static_cast<std::size_t>(projector.columns), kUnknown);
+  std::vector<double> lines(static_cast<std::size_t>(projector.columns), rig::kUnknown);
   for (std::size_t i = 0; i < lines.size(); ++i) {
     const double yp =
         projector.center_yp_mm + projector.column_pitch_mm * (static_cast<double>(i) - 0.5 * (projector.columns - 1));
     // The points of the plane x = 0 that the column lights: y fp = Yp ((z - z0) cos θ0 + x0 sin θ0).
     const double slope = yp * std::cos(projector.tilt_rad);
-    const double level = yp * projector_depth(projector, 0);
+    const double level = yp * rig::projector_depth(projector, 0);
     double nearest = std::numeric_limits<double>::infinity();
     for (const SectionJoin& join : joins) {
       SectionPoint at{};
       if (!join.wall && crossing(join, projector.focal_length_mm, -slope, level, at) && at.z < nearest &&
           is_lit(rig, joins, at) && !hidden(joins, {0, 0}, at)) {
         nearest = at.z;
-        lines[i] = line_on_middle(projector, at.z);
+        lines[i] = rig::line_on_middle(projector, at.z);
       }
     }
   }
   return lines;
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::light_section

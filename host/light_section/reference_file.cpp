@@ -1,4 +1,4 @@
-#include "host/light_section/reference_file.h"
+#include "selfproj/light_section/reference_file.h"
 
 #include <fmt/format.h>
 
@@ -15,11 +15,11 @@
 
 #include "host/files/input_file.h"
 #include "host/files/numbers.h"
-#include "host/files/user_error.h"
 #include "host/rig/geometry.h"
 #include "host/rig/yaml.h"
+#include "selfproj/files/user_error.h"
 
-namespace selfproj {
+namespace selfproj::light_section {
 namespace {
 
 namespace fs = std::filesystem;
@@ -33,7 +33,7 @@ struct Form {
 constexpr Form kPinholes{"# selfproj reference 1", "column,tan_theta,z_mm,offset_px", 4};
 constexpr Form kLenses{"# selfproj reference 2", "column,line,line_slope,z_mm,offset_px", 5};
 
-const Form& form_of(const Rig& rig) { return rig.is_pinholes() ? kPinholes : kLenses; }
+const Form& form_of(const rig::Rig& rig) { return rig.is_pinholes() ? kPinholes : kLenses; }
 
 constexpr double kFar = 1e6;         // mm: as of the rig's own lengths
 constexpr double kNear = 1e-3;       // mm
@@ -98,7 +98,7 @@ double number(const Lines& lines, std::string_view field) {
   while (field.ends_with(' ')) {
     field.remove_suffix(1);
   }
-  const std::optional<double> value = number_of_text<double>(field);
+  const std::optional<double> value = files::number_of_text<double>(field);
   if (!value) {
     lines.fail(fmt::format("'{}' is not a number", field));
   }
@@ -115,8 +115,8 @@ double number_within(const Lines& lines, std::string_view field, const char* wha
 }
 
 // The heights of a TIFF as one row.
-std::vector<double> heights_of(const Rig& rig, const std::string& file, std::optional<int> frame) {
-  const FloatImage image = read_float_tiff(file);
+std::vector<double> heights_of(const rig::Rig& rig, const std::string& file, std::optional<int> frame) {
+  const images::FloatImage image = images::read_float_tiff(file);
   if (image.columns != rig.camera.columns) {
     throw UserError(file, fmt::format("has {} columns; the rig's camera has {}", image.columns, rig.camera.columns));
   }
@@ -133,7 +133,7 @@ std::vector<double> heights_of(const Rig& rig, const std::string& file, std::opt
     }
     const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
     std::nth_element(values.begin(), middle, values.end());
-    heights.push_back(values.empty() ? kUnknown : static_cast<double>(*middle));
+    heights.push_back(values.empty() ? rig::kUnknown : static_cast<double>(*middle));
   }
   return heights;
 }
@@ -153,7 +153,7 @@ ReferenceCurve parse_curve_csv(const std::string& text, const std::string& sourc
       lines.fail("two numbers are expected: y, z");
     }
     const double y = number_within(lines, fields[0], "y", kFar);
-    const double z = fields[1].empty() ? kUnknown : number_within(lines, fields[1], "z", kFar);
+    const double z = fields[1].empty() ? rig::kUnknown : number_within(lines, fields[1], "z", kFar);
     if (!curve.y_mm.empty() && y < curve.y_mm.back()) {
       lines.fail(fmt::format("y falls from {} to {}", curve.y_mm.back(), y));
     }
@@ -170,7 +170,7 @@ ReferenceCurve parse_curve_csv(const std::string& text, const std::string& sourc
   return curve;
 }
 
-ReferenceCurve load_curve(const Rig& rig, const std::string& file, std::optional<int> frame) {
+ReferenceCurve load_curve(const rig::Rig& rig, const std::string& file, std::optional<int> frame) {
   const std::string extension = fs::path(file).extension().string();
   if (extension == ".tif" || extension == ".tiff") {
     return curve_of_heights(rig, heights_of(rig, file, frame));
@@ -178,13 +178,13 @@ ReferenceCurve load_curve(const Rig& rig, const std::string& file, std::optional
   if (frame) {
     throw UserError(file, "is not a TIFF file, so it has no frames");
   }
-  return parse_curve_csv(read_input(file, kMostTableBytes), file);
+  return parse_curve_csv(files::read_input(file, files::kMostTableBytes), file);
 }
 
-std::string reference_csv(const Rig& rig, const ReferenceProfile& reference) {
+std::string reference_csv(const rig::Rig& rig, const ReferenceProfile& reference) {
   const Form& form = form_of(rig);
   std::string text = fmt::format("{}\n", form.magic);
-  for (const auto& [key, value] : geometry_of(rig)) {
+  for (const auto& [key, value] : rig::geometry_of(rig)) {
     text += fmt::format("# {} {}\n", key, value);
   }
   text += fmt::format("{}\n", form.columns);
@@ -206,7 +206,7 @@ std::string reference_csv(const Rig& rig, const ReferenceProfile& reference) {
 namespace {
 
 // The first line and the rig's geometry.
-void read_head(const Rig& rig, const std::string& source, Lines& lines, std::string_view magic) {
+void read_head(const rig::Rig& rig, const std::string& source, Lines& lines, std::string_view magic) {
   if (magic != form_of(rig).magic) {
     if (magic == kPinholes.magic || magic == kLenses.magic) {
       throw UserError(source, fmt::format("was made for another rig: one {} lenses, a laser or corrected heights",
@@ -217,17 +217,17 @@ void read_head(const Rig& rig, const std::string& source, Lines& lines, std::str
                                 : "is not a reference; `selfproj pattern` writes references");
   }
   static_cast<void>(lines.next());
-  for (const auto& [key, value] : geometry_of(rig)) {
+  for (const auto& [key, value] : rig::geometry_of(rig)) {
     const auto line = lines.next();
     std::string start = fmt::format("# {} ", key);
-    for (const std::string& earlier : earlier_names(key)) {
+    for (const std::string& earlier : rig::earlier_names(key)) {
       start = line && line->starts_with("# " + earlier + " ") ? "# " + earlier + " " : start;
     }
     if (!line || !line->starts_with(start)) {
       lines.fail(fmt::format("is damaged: {} is expected", key));
     }
     const double made_for = number(lines, line->substr(start.size()));
-    if (!same_geometry(made_for, value)) {
+    if (!rig::same_geometry(made_for, value)) {
       throw UserError(source,
                       fmt::format("was made for another rig: {} is {} there and {} here", key, made_for, value));
     }
@@ -235,13 +235,13 @@ void read_head(const Rig& rig, const std::string& source, Lines& lines, std::str
 }
 
 // One column. Its fields are those of the rig's form.
-void read_column(const Rig& rig, const Lines& lines, const std::vector<std::string_view>& fields, std::size_t i,
+void read_column(const rig::Rig& rig, const Lines& lines, const std::vector<std::string_view>& fields, std::size_t i,
                  ReferenceProfile& reference) {
   const bool valid =
       std::any_of(fields.begin() + 1, fields.end(), [](std::string_view field) { return !field.empty(); });
   reference.valid[i] = valid ? 1 : 0;
   const auto value = [&](std::size_t field, const char* what, double most) {
-    return valid ? number_within(lines, fields[field], what, most) : kUnknown;
+    return valid ? number_within(lines, fields[field], what, most) : rig::kUnknown;
   };
   if (rig.is_pinholes()) {
     reference.tan_theta[i] = value(1, "tan_theta", kMaxTangent);
@@ -258,7 +258,7 @@ void read_column(const Rig& rig, const Lines& lines, const std::vector<std::stri
 
 }  // namespace
 
-ReferenceProfile parse_reference_csv(const Rig& rig, const std::string& text, const std::string& source) {
+ReferenceProfile parse_reference_csv(const rig::Rig& rig, const std::string& text, const std::string& source) {
   const Form& form = form_of(rig);
   Lines lines(text, source);
   read_head(rig, source, lines, std::string_view(text).substr(0, text.find('\n')));
@@ -289,16 +289,16 @@ ReferenceProfile parse_reference_csv(const Rig& rig, const std::string& text, co
   return reference;
 }
 
-ReferenceProfile load_reference(const Rig& rig, const std::string& folder_or_file) {
+ReferenceProfile load_reference(const rig::Rig& rig, const std::string& folder_or_file) {
   std::error_code error;
   const std::string file =
       fs::is_directory(folder_or_file, error) ? (fs::path(folder_or_file) / "reference.csv").string() : folder_or_file;
-  return parse_reference_csv(rig, read_input(file, kMostTableBytes), file);
+  return parse_reference_csv(rig, files::read_input(file, files::kMostTableBytes), file);
 }
 
-FloatImage load_pattern(const Rig& rig, const std::string& folder) {
+images::FloatImage load_pattern(const rig::Rig& rig, const std::string& folder) {
   const std::string file = (fs::path(folder) / "pattern.tiff").string();
-  FloatImage pattern = read_float_tiff(file);
+  images::FloatImage pattern = images::read_float_tiff(file);
   if (pattern.rows != rig.projector.lines || pattern.columns != rig.projector.columns) {
     throw UserError(file, fmt::format("has {} x {} pixels; the rig's projector has {} lines x {} columns", pattern.rows,
                                       pattern.columns, rig.projector.lines, rig.projector.columns));
@@ -309,4 +309,4 @@ FloatImage load_pattern(const Rig& rig, const std::string& folder) {
   return pattern;
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::light_section

@@ -8,30 +8,30 @@
 #include <stdexcept>
 #include <vector>
 
-#include "host/light_section/fast_moments.h"
 #include "host/light_section/pattern.h"
-#include "host/light_section/profile.h"
-#include "host/light_section/reference.h"
 #include "host/rig/geometry.h"
-#include "host/rig/optics.h"
+#include "selfproj/light_section/fast_moments.h"
+#include "selfproj/light_section/profile.h"
+#include "selfproj/light_section/reference.h"
+#include "selfproj/rig/optics.h"
 
-namespace selfproj {
+namespace selfproj::light_section {
 namespace {
 
 // Computes the moments of an image as the board would; throws unless it has the camera's size.
-void measure_moments(const Rig& rig, const ImageView& image, Moments& moments) {
+void measure_moments(const rig::Rig& rig, const model::ImageView& image, model::Moments& moments) {
   if (image.rows != rig.camera.rows || image.columns != rig.camera.columns) {
     throw std::invalid_argument("scan: an image has another size than the camera's");
   }
   fast_column_moments(image, rig.measure.mode, rig.measure.threshold, moments.view());
 }
 
-double centroid(const Moments& moments, std::size_t column) {  // (3.2)
+double centroid(const model::Moments& moments, std::size_t column) {  // (3.2)
   return static_cast<double>(moments.m1[column]) / moments.m0[column];
 }
 
 // Whether the column has a centroid by the rig's rules for lit pixels, and the whole line is in the image.
-bool has_centroid(const Rig& rig, const Moments& moments, std::size_t column) {
+bool has_centroid(const rig::Rig& rig, const model::Moments& moments, std::size_t column) {
   const auto n = static_cast<int>(moments.n[column]);
   return n >= rig.measure.min_lit_px && n <= rig.measure.max_lit_px && moments.m0[column] > 0 &&
          !line_is_cut_off(static_cast<float>(centroid(moments, column)), static_cast<float>(n),
@@ -39,30 +39,31 @@ bool has_centroid(const Rig& rig, const Moments& moments, std::size_t column) {
 }
 
 // By how many rows the image of the line moves on the plane from one line to the next.
-double rows_per_line(const Rig& rig) {
+double rows_per_line(const rig::Rig& rig) {
   const double depth = rig.plane_z_mm - rig.projector.z_mm;
-  const double line = line_on_middle(rig.projector, rig.plane_z_mm);
-  const double x_per_line = depth * (tan_theta(rig.projector, line + 0.5) - tan_theta(rig.projector, line - 0.5));
+  const double line = rig::line_on_middle(rig.projector, rig.plane_z_mm);
+  const double x_per_line =
+      depth * (rig::tan_theta(rig.projector, line + 0.5) - rig::tan_theta(rig.projector, line - 0.5));
   return std::abs(x_per_line) / rig.plane_z_mm * rig.camera.focal_length_mm / rig.camera.pixel_pitch_mm;
 }
 
 // The same through the lenses, from two rows in the middle of the image.
-double lens_rows_per_line(const Rig& rig) {
-  const RigOptics optics(rig);
-  const double row = middle_row(rig.camera) - 1;
+double lens_rows_per_line(const rig::Rig& rig) {
+  const rig::RigOptics optics(rig);
+  const double row = rig::middle_row(rig.camera) - 1;
   const double column = 0.5 * (rig.camera.columns - 1);
   const auto line_at = [&](double at_row) {
     const std::optional<cv::Vec2d> ray = optics.ray({at_row, column});
     const double z = rig.plane_z_mm;
     const auto light = ray ? optics.lit_by({(*ray)[0] * z, (*ray)[1] * z, z}) : std::nullopt;
-    return light ? light->line : kUnknown;
+    return light ? light->line : rig::kUnknown;
   };
   return 1 / std::abs(line_at(row + 0.5) - line_at(row - 0.5));
 }
 
 }  // namespace
 
-std::vector<int> sweep_lines(const Rig& rig, int every) {
+std::vector<int> sweep_lines(const rig::Rig& rig, int every) {
   const double half = 0.5 * rig.measure.line_width_px;
   std::vector<int> lines;
   for (int line = 0; line < rig.projector.lines; line += every) {
@@ -73,8 +74,8 @@ std::vector<int> sweep_lines(const Rig& rig, int every) {
   return lines;
 }
 
-void add_sightings(const Rig& rig, double line, const ImageView& image, std::vector<LineSighting>& seen) {
-  Moments moments;
+void add_sightings(const rig::Rig& rig, double line, const model::ImageView& image, std::vector<LineSighting>& seen) {
+  model::Moments moments;
   moments.resize(rig.camera.columns);
   measure_moments(rig, image, moments);
   for (std::size_t i = 0; i < moments.m0.size(); ++i) {
@@ -84,7 +85,7 @@ void add_sightings(const Rig& rig, double line, const ImageView& image, std::vec
   }
 }
 
-LineScan::LineScan(const Rig& rig, int every)
+LineScan::LineScan(const rig::Rig& rig, int every)
     : rig_(rig), max_gap_(3.0 * every), sightings_(static_cast<std::size_t>(rig.camera.columns)) {
   constexpr double kRows = 4;
   rows_per_line_ = rig.is_pinholes() ? rows_per_line(rig) : lens_rows_per_line(rig);
@@ -92,11 +93,11 @@ LineScan::LineScan(const Rig& rig, int every)
   moments_.resize(rig.camera.columns);
 }
 
-void LineScan::add(double line, const ImageView& image) {
+void LineScan::add(double line, const model::ImageView& image) {
   measure_moments(rig_, image, moments_);
   for (std::size_t i = 0; i < sightings_.size(); ++i) {
     if (has_centroid(rig_, moments_, i)) {
-      const double row = centroid(moments_, i) - middle_row(rig_.camera);
+      const double row = centroid(moments_, i) - rig::middle_row(rig_.camera);
       if (std::abs(row) <= window_) {
         sightings_[i].push_back({line, row, static_cast<double>(moments_.m0[i])});
       }
@@ -151,18 +152,20 @@ std::optional<double> LineScan::crossing(std::vector<Sighting> seen) const {
 
 // Whether a column may see the light of this line at a point before camera and projector. Lenses are asked later.
 bool LineScan::can_be_lit(double line) const {
-  return !rig_.is_pinholes() || (std::isfinite(tan_theta(rig_.projector, line)) && tan_theta(rig_.projector, line) > 0);
+  return !rig_.is_pinholes() ||
+         (std::isfinite(rig::tan_theta(rig_.projector, line)) && rig::tan_theta(rig_.projector, line) > 0);
 }
 
 ReferenceProfile LineScan::reference() const {
-  std::vector<double> lines(sightings_.size(), kUnknown);
+  std::vector<double> lines(sightings_.size(), rig::kUnknown);
   for (std::size_t i = 0; i < sightings_.size(); ++i) {
-    lines[i] = crossing(sightings_[i]).value_or(kUnknown);
+    lines[i] = crossing(sightings_[i]).value_or(rig::kUnknown);
   }
   return reference_of_scan(rig_, lines);
 }
 
-ReferenceProfile scan_reference(const Rig& rig, const std::function<Image(const FloatImage& pattern)>& show_and_take,
+ReferenceProfile scan_reference(const rig::Rig& rig,
+                                const std::function<images::Image(const images::FloatImage& pattern)>& show_and_take,
                                 int every) {
   LineScan scan(rig, every);
   for (const int line : sweep_lines(rig, every)) {
@@ -171,14 +174,14 @@ ReferenceProfile scan_reference(const Rig& rig, const std::function<Image(const 
   return scan.reference();
 }
 
-CentroidMean::CentroidMean(const Rig& rig)
+CentroidMean::CentroidMean(const rig::Rig& rig)
     : rig_(rig),
       sums_(static_cast<std::size_t>(rig.camera.columns)),
       counts_(static_cast<std::size_t>(rig.camera.columns)) {
   moments_.resize(rig.camera.columns);
 }
 
-void CentroidMean::add(const ImageView& image) {
+void CentroidMean::add(const model::ImageView& image) {
   measure_moments(rig_, image, moments_);
   ++images_;
   for (std::size_t i = 0; i < sums_.size(); ++i) {
@@ -190,7 +193,7 @@ void CentroidMean::add(const ImageView& image) {
 }
 
 std::vector<double> CentroidMean::centroids() const {
-  std::vector<double> means(sums_.size(), kUnknown);
+  std::vector<double> means(sums_.size(), rig::kUnknown);
   for (std::size_t i = 0; i < sums_.size(); ++i) {
     if (counts_[i] > 0 && 2 * counts_[i] >= images_) {
       means[i] = sums_[i] / counts_[i];
@@ -199,4 +202,4 @@ std::vector<double> CentroidMean::centroids() const {
   return means;
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::light_section

@@ -6,16 +6,16 @@
 #include <optional>
 #include <vector>
 
-#include "host/images/float_image.h"
 #include "host/images/image_files.h"
-#include "host/light_section/reference.h"
-#include "host/rig/rig.h"
-#include "model/column_moments.h"
+#include "selfproj/images/float_image.h"
+#include "selfproj/light_section/reference.h"
+#include "selfproj/model/column_moments.h"
+#include "selfproj/rig/rig.h"
 
-namespace selfproj {
+namespace selfproj::light_section {
 
 // The lines of a sweep: every `every`-th projector line at which the whole pattern fits, in ascending order.
-std::vector<int> sweep_lines(const Rig& rig, int every = 1);
+std::vector<int> sweep_lines(const rig::Rig& rig, int every = 1);
 
 // Where a column saw a line of a sweep.
 struct LineSighting {
@@ -26,17 +26,17 @@ struct LineSighting {
 
 // Adds what an image under the straight line `line` shows, column by column: whole lines with a centroid by the rig's
 // rules for lit pixels. Throws std::invalid_argument if it has not the camera's size.
-void add_sightings(const Rig& rig, double line, const ImageView& image, std::vector<LineSighting>& seen);
+void add_sightings(const rig::Rig& rig, double line, const model::ImageView& image, std::vector<LineSighting>& seen);
 
 // Assembles a sweep from its images, one at a time, in any order.
 class LineScan {
  public:
   // `every`: the step of the sweep in lines.
-  explicit LineScan(const Rig& rig, int every = 1);
+  explicit LineScan(const rig::Rig& rig, int every = 1);
 
   // Adds the image that was seen under the straight line `line`. Throws std::invalid_argument if it has not the
   // camera's size.
-  void add(double line, const ImageView& image);
+  void add(double line, const model::ImageView& image);
 
   // The result of the sweep for each column: the line, with a fraction, at which the centroid crosses the middle row
   // (Xc = 0), and from it θ(β) and z_r(β) = x0 / tan θ(β) + z0 (3.8), or the same through the rig's lenses. A straight
@@ -55,38 +55,39 @@ class LineScan {
   [[nodiscard]] std::optional<double> crossing(std::vector<Sighting> seen) const;
   [[nodiscard]] bool can_be_lit(double line) const;
 
-  Rig rig_;
+  rig::Rig rig_;
   double max_gap_;        // most lines between neighbours of a run
   double rows_per_line_;  // rows by which the image of the line moves on the plane
   double window_;         // rows on each side of the middle
-  Moments moments_;
+  model::Moments moments_;
   std::vector<std::vector<Sighting>> sightings_;  // sightings within the window, for each column
 };
 
 // Runs a whole sweep with anything that shows patterns and takes images: a real projector and camera, or a simulation.
-ReferenceProfile scan_reference(const Rig& rig, const std::function<Image(const FloatImage& pattern)>& show_and_take,
+ReferenceProfile scan_reference(const rig::Rig& rig,
+                                const std::function<images::Image(const images::FloatImage& pattern)>& show_and_take,
                                 int every = 1);
 
 // Means of the columns' centroids over several images, for without_residual and reference_of_straight_line.
 class CentroidMean {
  public:
-  explicit CentroidMean(const Rig& rig);
+  explicit CentroidMean(const rig::Rig& rig);
 
   // Adds an image of the camera's size; throws std::invalid_argument for another size.
-  void add(const ImageView& image);
+  void add(const model::ImageView& image);
 
   // C, rows from 1, one for each column; NaN if more than half of the images had no good centroid (too few lit pixels,
   // too many, or the line cut off by the border).
   [[nodiscard]] std::vector<double> centroids() const;
 
  private:
-  Rig rig_;
-  Moments moments_;
+  rig::Rig rig_;
+  model::Moments moments_;
   int images_ = 0;
   std::vector<double> sums_;
   std::vector<int> counts_;
 };
 
-}  // namespace selfproj
+}  // namespace selfproj::light_section
 
 #endif  // SELFPROJ_HOST_LIGHT_SECTION_SCAN_H

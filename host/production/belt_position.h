@@ -4,28 +4,28 @@
 
 #include <cstdint>
 
-#include "host/rig/rig.h"
-#include "model/packet.h"
-#include "model/pixel_clock.h"
+#include "selfproj/model/packet.h"
+#include "selfproj/model/pixel_clock.h"
+#include "selfproj/rig/rig.h"
 
-namespace selfproj {
+namespace selfproj::production {
 
 // Adds up the way of the belt, in mm since the first frame, by the encoder or by speed and time stamps, as the rig's
 // section `parts` says. Both counters may wrap. Where the time stamps go back the board was restarted, and the belt is
 // assumed to have moved on by the last step.
 class BeltPosition {
  public:
-  explicit BeltPosition(const Rig& rig)
-      : by_encoder_(rig.parts.value_or(RigParts{}).by_encoder),
+  explicit BeltPosition(const rig::Rig& rig)
+      : by_encoder_(rig.parts.value_or(rig::RigParts{}).by_encoder),
         mm_per_count_(rig.conveyor.encoder_mm_per_count),
         mm_per_s_(rig.conveyor.speed_mm_per_s),
         clock_hz_(rig.pixel_clock_hz()),
         step_(rig.conveyor.speed_mm_per_s / rig.camera.frame_rate_hz) {}
 
   // Takes the next frame and returns the position.
-  double add(const PacketHeader& header) {
+  double add(const model::PacketHeader& header) {
     restarted_ = any_ && header.time_stamp < time_stamp_;
-    pause_s_ = any_ && !restarted_ ? seconds_of_clocks(header.time_stamp - time_stamp_, clock_hz_) : 0;
+    pause_s_ = any_ && !restarted_ ? model::seconds_of_clocks(header.time_stamp - time_stamp_, clock_hz_) : 0;
     if (any_ && !restarted_) {
       step_ = by_encoder_ ? static_cast<std::int32_t>(header.encoder - encoder_) * mm_per_count_ : pause_s_ * mm_per_s_;
     }
@@ -54,6 +54,6 @@ class BeltPosition {
   std::uint32_t encoder_ = 0;
 };
 
-}  // namespace selfproj
+}  // namespace selfproj::production
 
 #endif  // SELFPROJ_HOST_PRODUCTION_BELT_POSITION_H

@@ -9,10 +9,10 @@
 #include <cstdint>
 
 #include "host/driver/clock.h"
-#include "host/images/float_image.h"
-#include "host/light_section/fast_moments.h"
+#include "selfproj/images/float_image.h"
+#include "selfproj/light_section/fast_moments.h"
 
-namespace selfproj {
+namespace selfproj::production {
 namespace {
 
 constexpr std::int64_t kSecondNs = 1'000'000'000;
@@ -42,12 +42,12 @@ double share(std::size_t count, std::size_t all) {
 
 }  // namespace
 
-std::vector<float> line_in_image(const ImageView& image, const RigMeasure& measure) {
-  Runs runs;
-  const Measure of_board = measure.of_board();
+std::vector<float> line_in_image(const model::ImageView& image, const rig::RigMeasure& measure) {
+  model::Runs runs;
+  const model::Measure of_board = measure.of_board();
   runs.resize(of_board.select, image.columns);
-  fast_measure_columns(image, of_board, runs.view());
-  std::vector<float> line(static_cast<std::size_t>(image.columns), kNoValue);
+  light_section::fast_measure_columns(image, of_board, runs.view());
+  std::vector<float> line(static_cast<std::size_t>(image.columns), images::kNoValue);
   for (std::size_t c = 0; c < line.size(); ++c) {
     const auto lit = static_cast<int>(runs.moments.n[c]);
     if (runs.moments.m0[c] > 0 && lit >= measure.min_lit_px && lit <= measure.max_lit_px) {
@@ -58,7 +58,8 @@ std::vector<float> line_in_image(const ImageView& image, const RigMeasure& measu
   return line;
 }
 
-ExposureFigures exposure_figures(const ImageView& image, const std::vector<float>& line, const RigMeasure& measure) {
+ExposureFigures exposure_figures(const model::ImageView& image, const std::vector<float>& line,
+                                 const rig::RigMeasure& measure) {
   const bool section = !line.empty();
   Histogram greys{};
   std::vector<std::uint8_t> brightest(static_cast<std::size_t>(image.columns), 0);
@@ -113,12 +114,12 @@ ExposureFigures exposure_figures(const ImageView& image, const std::vector<float
   return figures;
 }
 
-bool CameraView::add(const PacketView& packet, bool wanted) {
+bool CameraView::add(const model::PacketView& packet, bool wanted) {
   if (packet.header.kind != spec::kKindImage) {
     return false;
   }
   if (!begun_) {
-    const std::int64_t now = now_ns();
+    const std::int64_t now = driver::now_ns();
     if (packet.header.first_line != 1 || now < next_ns_ || !wanted) {
       return false;
     }
@@ -137,4 +138,4 @@ bool CameraView::add(const PacketView& packet, bool wanted) {
   return false;
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::production

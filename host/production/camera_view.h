@@ -6,13 +6,13 @@
 #include <string>
 #include <vector>
 
-#include "host/driver/image_assembler.h"
-#include "host/rig/rig.h"
-#include "model/column_moments.h"
-#include "model/column_runs.h"
-#include "model/packet.h"
+#include "selfproj/driver/image_assembler.h"
+#include "selfproj/model/column_moments.h"
+#include "selfproj/model/column_runs.h"
+#include "selfproj/model/packet.h"
+#include "selfproj/rig/rig.h"
 
-namespace selfproj {
+namespace selfproj::production {
 
 // What is said of an image. Shares are 0..1.
 struct ExposureFigures {
@@ -32,12 +32,13 @@ inline constexpr int kMinBright = 100;
 
 // The row of the line in each column, from 0, as the board finds it; NaN in a column without a line, or with fewer or
 // more lit pixels than the rig allows.
-std::vector<float> line_in_image(const ImageView& image, const RigMeasure& measure);
+std::vector<float> line_in_image(const model::ImageView& image, const rig::RigMeasure& measure);
 
 // Of an image of a light section, whose line is `line`, or of a scanner, where `line` is empty. Too bright is an
 // image of which more than kMaxSaturated are saturated. Too dark is one whose bright_grey is below kMinBright, or
 // for a light section below the middle between its threshold and 255.
-ExposureFigures exposure_figures(const ImageView& image, const std::vector<float>& line, const RigMeasure& measure);
+ExposureFigures exposure_figures(const model::ImageView& image, const std::vector<float>& line,
+                                 const rig::RigMeasure& measure);
 
 // Puts raw images together out of the packets of a device, kPerSecond at most. A packet that is not needed costs no
 // more than a look at the clock.
@@ -46,20 +47,20 @@ class CameraView {
   static constexpr int kPerSecond = 4;
 
   // Returns whether the packet has completed an image. No image begins unless it is `wanted`.
-  bool add(const PacketView& packet, bool wanted);
+  bool add(const model::PacketView& packet, bool wanted);
 
   // The newest complete image, until the next call of add().
-  [[nodiscard]] const PacketHeader& header() const { return images_.header(); }
-  [[nodiscard]] ImageView image() const {
+  [[nodiscard]] const model::PacketHeader& header() const { return images_.header(); }
+  [[nodiscard]] model::ImageView image() const {
     return {images_.pixels().data(), header().rows, header().columns, header().columns};
   }
 
  private:
-  ImageAssembler images_{spec::kKindImage, 0};
+  driver::ImageAssembler images_{spec::kKindImage, 0};
   bool begun_ = false;  // an image has begun
   std::int64_t next_ns_ = 0;
 };
 
-}  // namespace selfproj
+}  // namespace selfproj::production
 
 #endif  // SELFPROJ_HOST_PRODUCTION_CAMERA_VIEW_H

@@ -14,16 +14,16 @@
 #include <string>
 #include <vector>
 
-#include "host/images/float_image.h"
 #include "host/production/placement.h"
+#include "selfproj/images/float_image.h"
 
-namespace selfproj {
+namespace selfproj::production {
 namespace {
 
 constexpr float kFarAway = 1e9F;  // mm: more than any difference
 
 // The difference with this value where it has none.
-cv::Mat1f filled(const FloatImage& map, float value) {
+cv::Mat1f filled(const images::FloatImage& map, float value) {
   cv::Mat1f result(map.rows, map.columns);
   std::transform(map.values.begin(), map.values.end(), result.begin(),
                  [&](float v) { return std::isnan(v) ? value : v; });
@@ -73,7 +73,7 @@ void add_defects(const cv::Mat1b& beyond, const cv::Mat1f& levels, bool low, int
 
 }  // namespace
 
-DefectLevels defect_levels(const FloatImage& difference, int side) {
+DefectLevels defect_levels(const images::FloatImage& difference, int side) {
   const cv::Mat1b square(side, side, std::uint8_t{1});
   DefectLevels levels;
   // A place without a point is low for the opening and high for the closing, so that it makes no defect.
@@ -101,14 +101,14 @@ cv::Mat1b region_cells(const ToleranceRegion& region, const MapGrid& grid) {
   return cells;
 }
 
-Classifier::Classifier(const Rig& rig, const SectionReference& section, const Tolerance& tolerance,
+Classifier::Classifier(const rig::Rig& rig, const SectionReference& section, const Tolerance& tolerance,
                        const std::string& source)
     : above_(rig.parts.value().above_mm), tolerance_(tolerance) {
   check_tolerance(tolerance, rig, section, source);
   grid_ = placed_grid(rig.parts->grid_mm, tolerance.length_mm, tolerance.left_mm, tolerance.right_mm);
   const double column = pixel_mm(rig);
   const double widest = 3 * column;
-  reference_ = FloatImage(grid_.rows, grid_.columns);
+  reference_ = images::FloatImage(grid_.rows, grid_.columns);
   for (int c = 0; c < grid_.columns; ++c) {
     const auto height = static_cast<float>(section.at(grid_.across_of(c), widest));
     for (int r = 0; r < grid_.rows; ++r) {
@@ -123,7 +123,7 @@ Classifier::Classifier(const Rig& rig, const SectionReference& section, const To
   }
 }
 
-Classifier::Classifier(const Rig& rig, const HeightCells& reference, const Tolerance& tolerance,
+Classifier::Classifier(const rig::Rig& rig, const HeightCells& reference, const Tolerance& tolerance,
                        const std::string& source)
     : tolerance_(tolerance) {
   check_map_tolerance(tolerance, rig, reference, source);
@@ -134,8 +134,8 @@ Classifier::Classifier(const Rig& rig, const HeightCells& reference, const Toler
   }
 }
 
-FloatImage Classifier::difference(const FloatImage& heights) const {
-  FloatImage result(heights.rows, heights.columns);
+images::FloatImage Classifier::difference(const images::FloatImage& heights) const {
+  images::FloatImage result(heights.rows, heights.columns);
   std::transform(heights.values.begin(), heights.values.end(), reference_.values.begin(), result.values.begin(),
                  std::minus<>());
   return result;
@@ -173,7 +173,7 @@ HeightCells Classifier::without_walls(HeightCells cells) const {
       continue;
     }
     for (int r = 0; r < cells.grid.rows; ++r) {
-      cells.height.row(r)[c] = kNoValue;
+      cells.height.row(r)[c] = images::kNoValue;
     }
   }
   return cells;
@@ -231,7 +231,7 @@ PartResult Classifier::classify(const CutPart& part, PlacedMaps& maps) const {
   place(part, result);
   maps.grid = grid_;
   if (!result.placement) {
-    maps.height = maps.difference = FloatImage(grid_.rows, grid_.columns, kNoValue);
+    maps.height = maps.difference = images::FloatImage(grid_.rows, grid_.columns, images::kNoValue);
     return result;
   }
   maps.height = placed_heights(without_walls(part.cells), *result.placement, grid_);
@@ -251,4 +251,4 @@ PartResult Classifier::classify(const CutPart& part, PlacedMaps& maps) const {
   return result;
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::production

@@ -6,15 +6,15 @@
 #include <utility>
 #include <vector>
 
-#include "host/images/float_image.h"
 #include "host/production/cutter.h"
 #include "host/production/height_map.h"
 #include "host/production/part_reference.h"
 #include "host/production/part_result.h"
 #include "host/production/tolerance.h"
-#include "host/rig/rig.h"
+#include "selfproj/images/float_image.h"
+#include "selfproj/rig/rig.h"
 
-namespace selfproj {
+namespace selfproj::production {
 
 // The difference as far as at least a square of the smallest defect's area reaches it: the grey opening and closing by
 // this square. What is smaller, as noise is, has gone from both. Places without a point stand between the two levels.
@@ -22,7 +22,7 @@ struct DefectLevels {
   cv::Mat1f high;  // opening
   cv::Mat1f low;   // closing
 };
-DefectLevels defect_levels(const FloatImage& difference, int side);
+DefectLevels defect_levels(const images::FloatImage& difference, int side);
 
 // The side of that square in cells, at least 1.
 int defect_side(double min_defect_mm2, double pitch_mm);
@@ -34,11 +34,12 @@ cv::Mat1b region_cells(const ToleranceRegion& region, const MapGrid& grid);
 class Classifier {
  public:
   // Throws UserError, naming `source`, as check_tolerance does.
-  Classifier(const Rig& rig, const SectionReference& section, const Tolerance& tolerance, const std::string& source);
+  Classifier(const rig::Rig& rig, const SectionReference& section, const Tolerance& tolerance,
+             const std::string& source);
 
   // The same for depth images, whose reference is a map on the rig's grid. Parts lie where the reference did. Throws as
   // check_map_tolerance does.
-  Classifier(const Rig& rig, const HeightCells& reference, const Tolerance& tolerance, const std::string& source);
+  Classifier(const rig::Rig& rig, const HeightCells& reference, const Tolerance& tolerance, const std::string& source);
 
   // The result of the part but for its number and delay, and its maps.
   //
@@ -48,7 +49,7 @@ class Classifier {
   PartResult classify(const CutPart& part, PlacedMaps& maps) const;
 
   // Heights on the grid, less those of the reference.
-  [[nodiscard]] FloatImage difference(const FloatImage& heights) const;
+  [[nodiscard]] images::FloatImage difference(const images::FloatImage& heights) const;
 
  private:
   void place(const CutPart& part, PartResult& result) const;
@@ -58,11 +59,11 @@ class Classifier {
   double above_ = 0;
   Tolerance tolerance_;
   MapGrid grid_;
-  FloatImage reference_;                          // heights, NaN where there is none
+  images::FloatImage reference_;                  // heights, NaN where there is none
   std::vector<std::pair<double, double>> walls_;  // of the reference, and what is beside them: across, mm
   std::vector<cv::Mat1b> regions_;
 };
 
-}  // namespace selfproj
+}  // namespace selfproj::production
 
 #endif  // SELFPROJ_HOST_PRODUCTION_CLASSIFIER_H

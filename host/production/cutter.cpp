@@ -7,25 +7,25 @@
 #include <optional>
 #include <utility>
 
-#include "host/files/user_error.h"
-#include "model/pixel_clock.h"
+#include "selfproj/files/user_error.h"
+#include "selfproj/model/pixel_clock.h"
 
-namespace selfproj {
+namespace selfproj::production {
 namespace {
 
 constexpr double kKeptPerCell = 4;  // frames that are kept before a part, at most, for each cell
 constexpr std::size_t kMaxKeptBefore = 512;
 
-const Rig& with_parts(const Rig& rig) {
+const rig::Rig& with_parts(const rig::Rig& rig) {
   if (!rig.parts) {
     throw UserError(rig.name, "has no section `parts`, which says how the stream is cut into parts");
   }
   return rig;
 }
 
-std::size_t ring_size(const Rig& rig) {
-  const RigParts& rule = *rig.parts;
-  if (rule.cut != PartCut::profile) {
+std::size_t ring_size(const rig::Rig& rig) {
+  const rig::RigParts& rule = *rig.parts;
+  if (rule.cut != rig::PartCut::profile) {
     return 0;
   }
   const double frames = std::ceil(kKeptPerCell * rule.gap_mm / rule.grid_mm);
@@ -34,7 +34,8 @@ std::size_t ring_size(const Rig& rig) {
 
 }  // namespace
 
-ProfileCutter::ProfileCutter(const Rig& rig) : rig_(with_parts(rig)), rule_(*rig_.parts), belt_(rig_), grid_(rig_) {
+ProfileCutter::ProfileCutter(const rig::Rig& rig)
+    : rig_(with_parts(rig)), rule_(*rig_.parts), belt_(rig_), grid_(rig_) {
   before_.resize(ring_size(rig_));
   for (Kept& kept : before_) {
     kept.profile.resize(rig_.camera.columns);
@@ -42,7 +43,7 @@ ProfileCutter::ProfileCutter(const Rig& rig) : rig_(with_parts(rig)), rule_(*rig
 }
 
 // Frames that are nearer to each other than a quarter of a cell say nothing new.
-void ProfileCutter::keep(double belt, const ProfileView& profile) {
+void ProfileCutter::keep(double belt, const light_section::ProfileView& profile) {
   if (kept_ > 0 && std::abs(belt - last_kept_) < rule_.grid_mm / kKeptPerCell) {
     return;
   }
@@ -57,7 +58,7 @@ void ProfileCutter::keep(double belt, const ProfileView& profile) {
   std::copy_n(profile.validity, columns, kept.profile.validity.begin());
 }
 
-void ProfileCutter::begin(double belt, const PacketHeader& header) {
+void ProfileCutter::begin(double belt, const model::PacketHeader& header) {
   in_part_ = true;
   part_ = {};
   part_.first = header.sequence;
@@ -80,7 +81,7 @@ void ProfileCutter::begin(double belt, const PacketHeader& header) {
   kept_ = 0;
 }
 
-void ProfileCutter::put(double belt, const PacketHeader& header, const ProfileView& profile) {
+void ProfileCutter::put(double belt, const model::PacketHeader& header, const light_section::ProfileView& profile) {
   const bool first = present_to_ == present_from_ && part_.first == header.sequence;
   if (!first) {
     part_.missing += header.sequence > last_sequence_ ? header.sequence - last_sequence_ - 1 : 0;
@@ -90,7 +91,7 @@ void ProfileCutter::put(double belt, const PacketHeader& header, const ProfileVi
   ++part_.frames;
 }
 
-void ProfileCutter::extend(double belt, const PacketHeader& header, std::int64_t arrival_ns) {
+void ProfileCutter::extend(double belt, const model::PacketHeader& header, std::int64_t arrival_ns) {
   present_to_ = belt;
   part_.last = header.sequence;
   part_.last_ns = arrival_ns;
@@ -99,7 +100,7 @@ void ProfileCutter::extend(double belt, const PacketHeader& header, std::int64_t
 std::optional<CutPart> ProfileCutter::end() {
   in_part_ = false;
   part_.length_mm = present_to_ - present_from_;
-  if (rule_.cut != PartCut::distance && part_.length_mm < rule_.min_length_mm) {
+  if (rule_.cut != rig::PartCut::distance && part_.length_mm < rule_.min_length_mm) {
     ++specks_;
     return std::nullopt;
   }
@@ -107,14 +108,14 @@ std::optional<CutPart> ProfileCutter::end() {
   return std::exchange(part_, {});
 }
 
-std::optional<CutPart> ProfileCutter::add(const PacketHeader& header, const ProfileView& profile,
+std::optional<CutPart> ProfileCutter::add(const model::PacketHeader& header, const light_section::ProfileView& profile,
                                           std::int64_t arrival_ns) {
   std::optional<CutPart> complete;
   const double belt = belt_.add(header);
   const bool pause = any_ && belt_.pause_s() > rule_.pause_s;
   any_ = true;
   switch (rule_.cut) {
-    case PartCut::profile: {
+    case rig::PartCut::profile: {
       const double width = grid_.width_above(profile);
       const bool present = width > 0 && width >= rule_.min_width_mm;
       if (in_part_ && !present && belt - present_to_ > rule_.gap_mm) {
@@ -136,11 +137,11 @@ std::optional<CutPart> ProfileCutter::add(const PacketHeader& header, const Prof
       }
       break;
     }
-    case PartCut::image:  // has no profiles; a rig of a light section cannot have it
+    case rig::PartCut::image:  // has no profiles; a rig of a light section cannot have it
       break;
-    case PartCut::distance:
-    case PartCut::trigger: {
-      const bool by_distance = rule_.cut == PartCut::distance;
+    case rig::PartCut::distance:
+    case rig::PartCut::trigger: {
+      const bool by_distance = rule_.cut == rig::PartCut::distance;
       if (in_part_ && !by_distance && pause) {
         complete = end();
       } else if (in_part_ && std::abs(belt - present_from_) >= rule_.length_mm) {
@@ -160,14 +161,14 @@ std::optional<CutPart> ProfileCutter::add(const PacketHeader& header, const Prof
 }
 
 std::optional<CutPart> ProfileCutter::finish() {
-  if (in_part_ && rule_.cut == PartCut::distance) {  // the beginning of a part is none
+  if (in_part_ && rule_.cut == rig::PartCut::distance) {  // the beginning of a part is none
     in_part_ = false;
     ++specks_;
   }
   return in_part_ ? end() : std::nullopt;
 }
 
-DepthCutter::DepthCutter(const Rig& rig, int patterns)
+DepthCutter::DepthCutter(const rig::Rig& rig, int patterns)
     : grid_(rig),
       rule_(*rig.parts),
       clock_hz_(rig.pixel_clock_hz()),
@@ -177,8 +178,9 @@ DepthCutter::DepthCutter(const Rig& rig, int patterns)
       count_(rig.camera.rows, rig.camera.columns),
       mean_(rig.camera.rows, rig.camera.columns) {}
 
-std::optional<CutPart> DepthCutter::add(const PacketHeader& header, const FloatImage& depth, std::int64_t arrival_ns) {
-  if (rule_.cut != PartCut::trigger) {
+std::optional<CutPart> DepthCutter::add(const model::PacketHeader& header, const images::FloatImage& depth,
+                                        std::int64_t arrival_ns) {
+  if (rule_.cut != rig::PartCut::trigger) {
     CutPart part;
     part.cells = grid_.cells(depth);
     part.first = header.sequence + 1 - patterns_;
@@ -193,7 +195,7 @@ std::optional<CutPart> DepthCutter::add(const PacketHeader& header, const FloatI
   if (!pause) {
     // Frames that were lost are no pause: they took their time.
     const auto frames = static_cast<double>(header.sequence - sequence_);
-    pause = seconds_of_clocks(header.time_stamp - time_stamp_, clock_hz_) > rule_.pause_s + frames * frame_s_;
+    pause = model::seconds_of_clocks(header.time_stamp - time_stamp_, clock_hz_) > rule_.pause_s + frames * frame_s_;
   }
   if (pause) {
     complete = finish();
@@ -210,7 +212,7 @@ std::optional<CutPart> DepthCutter::add(const PacketHeader& header, const FloatI
   return complete;
 }
 
-void DepthCutter::begin(const PacketHeader& header) {
+void DepthCutter::begin(const model::PacketHeader& header) {
   in_part_ = true;
   part_ = CutPart{};
   // At the first start nothing came before.
@@ -220,7 +222,7 @@ void DepthCutter::begin(const PacketHeader& header) {
   std::fill(count_.values.begin(), count_.values.end(), 0.0F);
 }
 
-void DepthCutter::collect(const PacketHeader& header, const FloatImage& depth, std::int64_t arrival_ns) {
+void DepthCutter::collect(const model::PacketHeader& header, const images::FloatImage& depth, std::int64_t arrival_ns) {
   if (images_ == 0) {
     part_.first = header.sequence + 1 - patterns_;
   }
@@ -246,11 +248,11 @@ std::optional<CutPart> DepthCutter::finish() {
   }
   const float least = 0.5F * static_cast<float>(images_);
   for (std::size_t i = 0; i < mean_.values.size(); ++i) {
-    mean_.values[i] = count_.values[i] >= least ? sum_.values[i] / count_.values[i] : kNoValue;
+    mean_.values[i] = count_.values[i] >= least ? sum_.values[i] / count_.values[i] : images::kNoValue;
   }
   part_.cells = grid_.cells(mean_);
   part_.frames = part_.last + 1 - part_.first - std::min(part_.missing, part_.last - part_.first);
   return std::exchange(part_, {});
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::production

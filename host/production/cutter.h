@@ -7,14 +7,14 @@
 #include <optional>
 #include <vector>
 
-#include "host/images/float_image.h"
-#include "host/light_section/profile.h"
 #include "host/production/belt_position.h"
 #include "host/production/height_map.h"
-#include "host/rig/rig.h"
-#include "model/packet.h"
+#include "selfproj/images/float_image.h"
+#include "selfproj/light_section/profile.h"
+#include "selfproj/model/packet.h"
+#include "selfproj/rig/rig.h"
 
-namespace selfproj {
+namespace selfproj::production {
 
 // A part as it was cut out of the stream.
 struct CutPart {
@@ -32,11 +32,11 @@ struct CutPart {
 
 // A profile, or a depth image, with the header of its last frame. What is not measured is empty.
 struct MeasuredFrame {
-  PacketHeader header;
+  model::PacketHeader header;
   std::int64_t arrival_ns = 0;
-  Profile profile;
-  FloatImage depth;       // of the camera's size: z in mm, NaN where there is none
-  FloatImage difference;  // from the reference: z_R - z
+  light_section::Profile profile;
+  images::FloatImage depth;       // of the camera's size: z in mm, NaN where there is none
+  images::FloatImage difference;  // from the reference: z_R - z
 };
 
 class Cutter {
@@ -66,10 +66,11 @@ class Cutter {
 class ProfileCutter final : public Cutter {
  public:
   // Throws UserError, naming the rig, if it has no section `parts`, or as HeightGrid does.
-  explicit ProfileCutter(const Rig& rig);
+  explicit ProfileCutter(const rig::Rig& rig);
 
   // The profile of the next frame; `arrival_ns` is any clock that does not go back.
-  std::optional<CutPart> add(const PacketHeader& header, const ProfileView& profile, std::int64_t arrival_ns);
+  std::optional<CutPart> add(const model::PacketHeader& header, const light_section::ProfileView& profile,
+                             std::int64_t arrival_ns);
   std::optional<CutPart> add(MeasuredFrame& measured) override {
     return add(measured.header, measured.profile.view(), measured.arrival_ns);
   }
@@ -77,22 +78,22 @@ class ProfileCutter final : public Cutter {
   // Cut by distance, a part that is not complete is dropped.
   std::optional<CutPart> finish() override;
 
-  [[nodiscard]] const Rig& rig() const { return rig_; }
+  [[nodiscard]] const rig::Rig& rig() const { return rig_; }
 
  private:
   struct Kept {  // a frame before a part
     double belt = 0;
-    Profile profile;
+    light_section::Profile profile;
   };
 
-  void keep(double belt, const ProfileView& profile);
-  void begin(double belt, const PacketHeader& header);
-  void put(double belt, const PacketHeader& header, const ProfileView& profile);
-  void extend(double belt, const PacketHeader& header, std::int64_t arrival_ns);
+  void keep(double belt, const light_section::ProfileView& profile);
+  void begin(double belt, const model::PacketHeader& header);
+  void put(double belt, const model::PacketHeader& header, const light_section::ProfileView& profile);
+  void extend(double belt, const model::PacketHeader& header, std::int64_t arrival_ns);
   std::optional<CutPart> end();
 
-  Rig rig_;
-  RigParts rule_;
+  rig::Rig rig_;
+  rig::RigParts rule_;
   BeltPosition belt_;
   HeightGrid grid_;
   bool any_ = false;
@@ -115,31 +116,32 @@ class ProfileCutter final : public Cutter {
 class DepthCutter final : public Cutter {
  public:
   // `patterns` are the frames of a depth image, 2 m. Throws UserError, naming the rig, as DepthGrid does.
-  DepthCutter(const Rig& rig, int patterns);
+  DepthCutter(const rig::Rig& rig, int patterns);
 
   // The next depth image. `header` is that of the last frame of it; `arrival_ns` is any clock that does not go back.
-  std::optional<CutPart> add(const PacketHeader& header, const FloatImage& depth, std::int64_t arrival_ns);
+  std::optional<CutPart> add(const model::PacketHeader& header, const images::FloatImage& depth,
+                             std::int64_t arrival_ns);
   std::optional<CutPart> add(MeasuredFrame& measured) override {
     return add(measured.header, measured.depth, measured.arrival_ns);
   }
   std::optional<CutPart> finish() override;
 
  private:
-  void begin(const PacketHeader& header);
-  void collect(const PacketHeader& header, const FloatImage& depth, std::int64_t arrival_ns);
+  void begin(const model::PacketHeader& header);
+  void collect(const model::PacketHeader& header, const images::FloatImage& depth, std::int64_t arrival_ns);
 
   DepthGrid grid_;  // first: it refuses a rig without the section
-  RigParts rule_;
+  rig::RigParts rule_;
   double clock_hz_, frame_s_;
   std::uint64_t patterns_;
   bool any_ = false;
   std::uint64_t time_stamp_ = 0, sequence_ = 0;  // of the newest image
   std::uint64_t clean_from_ = 0;                 // first sequence whose depth image is of this part alone
   std::uint64_t images_ = 0;                     // in the sums
-  FloatImage sum_, count_, mean_;
+  images::FloatImage sum_, count_, mean_;
   CutPart part_;
 };
 
-}  // namespace selfproj
+}  // namespace selfproj::production
 
 #endif  // SELFPROJ_HOST_PRODUCTION_CUTTER_H

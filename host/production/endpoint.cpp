@@ -8,9 +8,9 @@
 #include <string>
 
 #include "host/files/numbers.h"
-#include "host/files/user_error.h"
+#include "selfproj/files/user_error.h"
 
-namespace selfproj {
+namespace selfproj::production {
 
 Endpoint endpoint_of_text(const std::string& option, const std::string& text) {
   Endpoint result;
@@ -18,7 +18,7 @@ Endpoint endpoint_of_text(const std::string& option, const std::string& text) {
   if (colon != std::string::npos) {
     result.address = text.substr(0, colon);
   }
-  const auto port = number_of_text<std::uint16_t>(text.substr(colon == std::string::npos ? 0 : colon + 1));
+  const auto port = files::number_of_text<std::uint16_t>(text.substr(colon == std::string::npos ? 0 : colon + 1));
   in_addr address{};
   if (!port || *port == 0 || inet_pton(AF_INET, result.address.c_str(), &address) != 1) {
     throw UserError(option + " " + text, "is neither a port from 1 to 65535 nor ADDRESS:PORT with an IPv4 address");
@@ -27,4 +27,4 @@ Endpoint endpoint_of_text(const std::string& option, const std::string& text) {
   return result;
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::production

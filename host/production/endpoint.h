@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <string>
 
-namespace selfproj {
+namespace selfproj::production {
 
 struct Endpoint {
   std::string address = "127.0.0.1";  // IPv4
@@ -18,6 +18,6 @@ struct Endpoint {
 // Throws UserError about `option` if the text is none.
 Endpoint endpoint_of_text(const std::string& option, const std::string& text);
 
-}  // namespace selfproj
+}  // namespace selfproj::production
 
 #endif  // SELFPROJ_HOST_PRODUCTION_ENDPOINT_H

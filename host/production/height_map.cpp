@@ -8,24 +8,24 @@
 #include <cstdint>
 #include <optional>
 
-#include "host/files/user_error.h"
-#include "host/light_section/profile.h"
 #include "host/rig/geometry.h"
-#include "host/rig/optics.h"
+#include "selfproj/files/user_error.h"
+#include "selfproj/light_section/profile.h"
+#include "selfproj/rig/optics.h"
 
-namespace selfproj {
+namespace selfproj::production {
 namespace {
 
 constexpr double kWidestBridge = 2;  // cells between two points that are joined
 
-const RigParts& parts_of(const Rig& rig) {
+const rig::RigParts& parts_of(const rig::Rig& rig) {
   if (!rig.parts) {
     throw UserError(rig.name, "has no section `parts`, which says what a part is, and the grid of its map");
   }
   return *rig.parts;
 }
 
-MapGrid grid_of(const Rig& rig) {
+MapGrid grid_of(const rig::Rig& rig) {
   const double pixel = pixel_mm(rig);
   const double pitch = parts_of(rig).grid_mm;
   if (pitch < pixel) {
@@ -42,19 +42,19 @@ MapGrid grid_of(const Rig& rig) {
 
 }  // namespace
 
-HeightGrid::HeightGrid(const Rig& rig)
+HeightGrid::HeightGrid(const rig::Rig& rig)
     : columns_(rig.camera.columns),
       plane_z_(rig.plane_z_mm),
       above_(rig.parts.value().above_mm),
       column_mm_(pixel_mm(rig)) {
-  const RigParts& parts = *rig.parts;
+  const rig::RigParts& parts = *rig.parts;
   if (parts.grid_mm < column_mm_) {
     throw UserError(rig.name, fmt::format("parts.grid_mm is {}; the camera's columns are {:.4g} mm apart on the plane",
                                           parts.grid_mm, column_mm_));
   }
   // What the camera sees of the plane, and how far a point may be from x = 0.
-  const double across = rig.plane_z_mm * tan_beta(rig.camera, columns_ - 0.5);
-  const double reach = rig.plane_z_mm * tan_alpha(rig.camera, rig.camera.rows + 0.5);
+  const double across = rig.plane_z_mm * rig::tan_beta(rig.camera, columns_ - 0.5);
+  const double reach = rig.plane_z_mm * rig::tan_alpha(rig.camera, rig.camera.rows + 0.5);
   const double along = parts.length_mm + 2 * parts.gap_mm + 2 * reach;
   MapGrid grid;
   grid.pitch_mm = parts.grid_mm;
@@ -72,10 +72,10 @@ void HeightGrid::begin(double belt_mm) {
   std::fill(points_.begin(), points_.end(), Point{});
 }
 
-void HeightGrid::add(double belt_mm, const ProfileView& profile) {
+void HeightGrid::add(double belt_mm, const light_section::ProfileView& profile) {
   for (int i = 0; i < columns_; ++i) {
     Point& last = points_[static_cast<std::size_t>(i)];
-    if (profile.validity[i] != static_cast<std::uint8_t>(Validity::valid)) {
+    if (profile.validity[i] != static_cast<std::uint8_t>(light_section::Validity::valid)) {
       last.there = false;
       continue;
     }
@@ -92,21 +92,24 @@ void HeightGrid::add(double belt_mm, const ProfileView& profile) {
   }
 }
 
-double HeightGrid::width_above(const ProfileView& profile) const {
+double HeightGrid::width_above(const light_section::ProfileView& profile) const {
   const auto highest_z = static_cast<float>(plane_z_ - above_);
   int count = 0;
   for (int i = 0; i < columns_; ++i) {
-    count += profile.validity[i] == static_cast<std::uint8_t>(Validity::valid) && profile.z[i] < highest_z ? 1 : 0;
+    count +=
+        profile.validity[i] == static_cast<std::uint8_t>(light_section::Validity::valid) && profile.z[i] < highest_z
+            ? 1
+            : 0;
   }
   return count * column_mm_;
 }
 
-DepthGrid::DepthGrid(const Rig& rig)
+DepthGrid::DepthGrid(const rig::Rig& rig)
     : plane_z_(rig.plane_z_mm),
       sums_(grid_of(rig)),
-      x_per_z_(rig.camera.rows, rig.camera.columns, kNoValue),
-      y_per_z_(rig.camera.rows, rig.camera.columns, kNoValue) {
-  const RigOptics optics(rig);
+      x_per_z_(rig.camera.rows, rig.camera.columns, images::kNoValue),
+      y_per_z_(rig.camera.rows, rig.camera.columns, images::kNoValue) {
+  const rig::RigOptics optics(rig);
   for (int r = 0; r < rig.camera.rows; ++r) {
     for (int c = 0; c < rig.camera.columns; ++c) {
       if (const auto ray = optics.ray({static_cast<double>(r), static_cast<double>(c)})) {
@@ -117,7 +120,7 @@ DepthGrid::DepthGrid(const Rig& rig)
   }
 }
 
-HeightCells DepthGrid::cells(const FloatImage& depth) {
+HeightCells DepthGrid::cells(const images::FloatImage& depth) {
   const MapGrid& grid = sums_.grid();
   const double middle = 0.5 * (grid.rows - 1);  // the row of x = 0
   sums_.clear();
@@ -134,4 +137,4 @@ HeightCells DepthGrid::cells(const FloatImage& depth) {
   return sums_.cells();
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::production

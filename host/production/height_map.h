@@ -8,11 +8,11 @@
 #include <cstdint>
 #include <vector>
 
-#include "host/images/float_image.h"
-#include "host/light_section/profile.h"
-#include "host/rig/rig.h"
+#include "selfproj/images/float_image.h"
+#include "selfproj/light_section/profile.h"
+#include "selfproj/rig/rig.h"
 
-namespace selfproj {
+namespace selfproj::production {
 
 // Where the cells of a map lie. `along` is the direction in which rows follow each other: what comes later has more of
 // it, so it is -x of the part. `across` is y. Both in mm. Cell (r, c) has its middle at
@@ -35,8 +35,8 @@ struct MapGrid {
 // `weight` says how many points each cell is the mean of.
 struct HeightCells {
   MapGrid grid;
-  FloatImage height;
-  FloatImage weight;
+  images::FloatImage height;
+  images::FloatImage weight;
 };
 
 // Each point gives its height to the four cells around it, by its nearness, and a cell is the mean of what it got.
@@ -94,8 +94,8 @@ class CellSums {
     result.grid = grid_;
     result.grid.rows = std::max(0, last_ - first_ + 1);
     result.grid.along_mm = grid_.along_of(std::min(first_, grid_.rows));
-    result.height = FloatImage(result.grid.rows, grid_.columns, kNoValue);
-    result.weight = FloatImage(result.grid.rows, grid_.columns);
+    result.height = images::FloatImage(result.grid.rows, grid_.columns, images::kNoValue);
+    result.weight = images::FloatImage(result.grid.rows, grid_.columns);
     const float* from = sums_.data() + 2 * static_cast<std::ptrdiff_t>(first_) * grid_.columns;
     for (std::size_t i = 0; i < result.height.values.size(); ++i, from += 2) {
       result.weight.values[i] = from[0];
@@ -114,7 +114,7 @@ class CellSums {
 };
 
 // The distance of the camera's pixels on the plane, mm.
-inline double pixel_mm(const Rig& rig) {
+inline double pixel_mm(const rig::Rig& rig) {
   return rig.plane_z_mm * rig.camera.pixel_pitch_mm / rig.camera.focal_length_mm;
 }
 
@@ -126,19 +126,19 @@ class HeightGrid {
  public:
   // The grid of the rig's section `parts`, which must be there. Throws UserError, naming the rig, if its camera's
   // columns are further apart than the cells.
-  explicit HeightGrid(const Rig& rig);
+  explicit HeightGrid(const rig::Rig& rig);
 
   // Begins a part whose first frame is at this place of the belt, mm.
   void begin(double belt_mm);
 
   // Adds the profile of a frame. Points further along than the grid are left out.
-  void add(double belt_mm, const ProfileView& profile);
+  void add(double belt_mm, const light_section::ProfileView& profile);
 
   // The map of the part so far, without rows that have no point: along counts from the belt_mm of begin().
   [[nodiscard]] HeightCells cells() const { return sums_.cells(); }
 
   // How much of the profile is higher than above_mm of the rig, across, mm.
-  [[nodiscard]] double width_above(const ProfileView& profile) const;
+  [[nodiscard]] double width_above(const light_section::ProfileView& profile) const;
 
   [[nodiscard]] const MapGrid& grid() const { return sums_.grid(); }
 
@@ -161,10 +161,10 @@ class HeightGrid {
 class DepthGrid {
  public:
   // Throws UserError, naming the rig, if it has no section `parts`, or its pixels are further apart than the cells.
-  explicit DepthGrid(const Rig& rig);
+  explicit DepthGrid(const rig::Rig& rig);
 
   // The cells of a depth image, z in mm, of the camera's size; NaN where there is none.
-  [[nodiscard]] HeightCells cells(const FloatImage& depth);
+  [[nodiscard]] HeightCells cells(const images::FloatImage& depth);
 
   // How much of the plane the camera sees, mm.
   [[nodiscard]] double length_mm() const { return sums_.grid().pitch_mm * (sums_.grid().rows - 1); }
@@ -173,10 +173,10 @@ class DepthGrid {
  private:
   double plane_z_;
   CellSums sums_;
-  FloatImage x_per_z_;  // of each pixel's ray; NaN where the lens model has none
-  FloatImage y_per_z_;
+  images::FloatImage x_per_z_;  // of each pixel's ray; NaN where the lens model has none
+  images::FloatImage y_per_z_;
 };
 
-}  // namespace selfproj
+}  // namespace selfproj::production
 
 #endif  // SELFPROJ_HOST_PRODUCTION_HEIGHT_MAP_H

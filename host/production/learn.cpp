@@ -14,17 +14,17 @@
 #include <vector>
 
 #include "host/files/numbers.h"
-#include "host/files/user_error.h"
 #include "host/production/placement.h"
+#include "selfproj/files/user_error.h"
 
-namespace selfproj {
+namespace selfproj::production {
 namespace {
 
 constexpr double kSectionStep = 5;    // mm
 constexpr double kMinResidual = 0.1;  // mm
 constexpr double kMinMissing = 0.005;
 
-double widest_of(const Rig& rig) { return 3 * pixel_mm(rig); }
+double widest_of(const rig::Rig& rig) { return 3 * pixel_mm(rig); }
 
 // Where the section first and last is higher than above_mm, if that is not at its ends.
 std::pair<std::optional<double>, std::optional<double>> section_edges(const SectionReference& section, double above) {
@@ -41,10 +41,10 @@ std::pair<std::optional<double>, std::optional<double>> section_edges(const Sect
 
 }  // namespace
 
-Learner::Learner(const Rig& rig, SectionReference section, const LearnOptions& options)
+Learner::Learner(const rig::Rig& rig, SectionReference section, const LearnOptions& options)
     : rig_(rig), section_(std::move(section)), options_(options) {}
 
-Learner::Learner(const Rig& rig, HeightCells reference, const LearnOptions& options)
+Learner::Learner(const rig::Rig& rig, HeightCells reference, const LearnOptions& options)
     : rig_(rig), map_(std::move(reference)), options_(options) {}
 
 void Learner::add(CutPart&& part) {
@@ -130,7 +130,7 @@ std::vector<ToleranceRegion> tolerance_regions(const Tolerance& outline, const S
   for (int c = 0; c <= columns + 1; ++c) {
     const double height = section.at(from + c * pitch_mm, widest_mm);
     const double before = section.at(from + (c - 1) * pitch_mm, widest_mm);
-    const bool wall = std::isnan(height) || std::abs(height - before) > kSteepest * pitch_mm;
+    const bool wall = std::isnan(height) || std::abs(height - before) > light_section::kSteepest * pitch_mm;
     if (!wall && c <= columns) {
       continue;
     }
@@ -143,8 +143,8 @@ std::vector<ToleranceRegion> tolerance_regions(const Tolerance& outline, const S
       region.name = fmt::format("surface {}", regions.size() + 1);
       for (const auto& [along, across] :
            {std::pair(first, low), std::pair(last, low), std::pair(last, high), std::pair(first, high)}) {
-        region.corners_mm.push_back(rounded(along, 2));
-        region.corners_mm.push_back(rounded(across, 2));
+        region.corners_mm.push_back(files::rounded(along, 2));
+        region.corners_mm.push_back(files::rounded(across, 2));
       }
       region.low_mm = -1e6;
       region.high_mm = 1e6;
@@ -156,7 +156,7 @@ std::vector<ToleranceRegion> tolerance_regions(const Tolerance& outline, const S
   return regions;
 }
 
-std::vector<ToleranceRegion> map_regions(const FloatImage& comparable, const MapGrid& grid, double edge_mm,
+std::vector<ToleranceRegion> map_regions(const images::FloatImage& comparable, const MapGrid& grid, double edge_mm,
                                          double min_defect_mm2) {
   cv::Mat1b there(comparable.rows, comparable.columns, std::uint8_t{0});
   for (int r = 0; r < there.rows; ++r) {
@@ -185,8 +185,8 @@ std::vector<ToleranceRegion> map_regions(const FloatImage& comparable, const Map
     ToleranceRegion region;
     region.name = fmt::format("surface {}", regions.size() + 1);
     for (const cv::Point& corner : corners) {
-      region.corners_mm.push_back(rounded(grid.along_of(corner.y), 2));
-      region.corners_mm.push_back(rounded(grid.across_of(corner.x), 2));
+      region.corners_mm.push_back(files::rounded(grid.along_of(corner.y), 2));
+      region.corners_mm.push_back(files::rounded(grid.across_of(corner.x), 2));
     }
     region.low_mm = -1e6;
     region.high_mm = 1e6;
@@ -238,16 +238,16 @@ Tolerance Learner::learn(const std::string& source) const {
   };
   for (std::size_t i = 0; i < seen.size(); ++i) {
     ToleranceRegion& region = tolerance.regions[i];
-    region.low_mm = rounded(seen[i].low.mean() - far(seen[i].low, options_.min_band_mm), 4);
-    region.high_mm = rounded(seen[i].high.mean() + far(seen[i].high, options_.min_band_mm), 4);
-    region.max_missing = rounded(std::min(1.0, seen[i].missing.mean() + far(seen[i].missing, kMinMissing)), 4);
+    region.low_mm = files::rounded(seen[i].low.mean() - far(seen[i].low, options_.min_band_mm), 4);
+    region.high_mm = files::rounded(seen[i].high.mean() + far(seen[i].high, options_.min_band_mm), 4);
+    region.max_missing = files::rounded(std::min(1.0, seen[i].missing.mean() + far(seen[i].missing, kMinMissing)), 4);
   }
-  tolerance.max_residual_mm = rounded(residual.mean() + far(residual, kMinResidual), 3);
-  const auto round_mm = [&](double& mm) { mm = rounded(mm, 3); };
+  tolerance.max_residual_mm = files::rounded(residual.mean() + far(residual, kMinResidual), 3);
+  const auto round_mm = [&](double& mm) { mm = files::rounded(mm, 3); };
   round_mm(tolerance.length_mm);
   round_mm(tolerance.left_mm);
   round_mm(tolerance.right_mm);
   return tolerance;
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::production

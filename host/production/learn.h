@@ -12,9 +12,9 @@
 #include "host/production/height_map.h"
 #include "host/production/part_reference.h"
 #include "host/production/tolerance.h"
-#include "host/rig/rig.h"
+#include "selfproj/rig/rig.h"
 
-namespace selfproj {
+namespace selfproj::production {
 
 struct LearnOptions {
   double min_defect_mm2 = 0.5;  // area of the smallest defect
@@ -39,8 +39,8 @@ inline constexpr std::size_t kMaxGoodParts = 200;
 // regions are the surfaces of the reference (map_regions).
 class Learner {
  public:
-  Learner(const Rig& rig, SectionReference section, const LearnOptions& options);
-  Learner(const Rig& rig, HeightCells reference, const LearnOptions& options);
+  Learner(const rig::Rig& rig, SectionReference section, const LearnOptions& options);
+  Learner(const rig::Rig& rig, HeightCells reference, const LearnOptions& options);
 
   // Keeps the part's map. Parts after kMaxGoodParts are only counted.
   void add(CutPart&& part);
@@ -57,7 +57,7 @@ class Learner {
   [[nodiscard]] Tolerance whole_view() const;
   [[nodiscard]] Classifier classifier_of(const Tolerance& tolerance, const std::string& source) const;
 
-  Rig rig_;
+  rig::Rig rig_;
   std::optional<HeightCells> map_;  // the reference of depth images
   SectionReference section_;
   LearnOptions options_;
@@ -73,9 +73,9 @@ std::vector<ToleranceRegion> tolerance_regions(const Tolerance& outline, const S
 // The surfaces of a reference as polygons on its placed map: each connected stretch of places that can be compared
 // with, less a strip of edge_mm at its border, if it has at least 16 times the smallest area. A surface within another
 // one belongs to both. The bands have no meaning.
-std::vector<ToleranceRegion> map_regions(const FloatImage& comparable, const MapGrid& grid, double edge_mm,
+std::vector<ToleranceRegion> map_regions(const images::FloatImage& comparable, const MapGrid& grid, double edge_mm,
                                          double min_defect_mm2);
 
-}  // namespace selfproj
+}  // namespace selfproj::production
 
 #endif  // SELFPROJ_HOST_PRODUCTION_LEARN_H

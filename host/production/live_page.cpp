@@ -18,13 +18,13 @@
 
 #include "host/driver/clock.h"
 #include "host/files/input_file.h"
-#include "host/files/user_error.h"
-#include "host/images/float_image.h"
 #include "host/production/live_files.h"
 #include "host/production/page_server.h"
 #include "host/report/facts.h"
+#include "selfproj/files/user_error.h"
+#include "selfproj/images/float_image.h"
 
-namespace selfproj {
+namespace selfproj::production {
 namespace {
 
 constexpr std::int64_t kSecondNs = 1'000'000'000;
@@ -55,8 +55,8 @@ std::string message_of(const std::string& json, const std::string& floats) {
 }
 
 // Every n-th cell of a map, so that the page draws no more than it can show.
-FloatImage thinned(const FloatImage& map, int every) {
-  FloatImage result((map.rows + every - 1) / every, (map.columns + every - 1) / every);
+images::FloatImage thinned(const images::FloatImage& map, int every) {
+  images::FloatImage result((map.rows + every - 1) / every, (map.columns + every - 1) / every);
   for (int r = 0; r < result.rows; ++r) {
     for (int c = 0; c < result.columns; ++c) {
       result.row(r)[c] = map.row(r * every)[c * every];
@@ -70,7 +70,7 @@ int every_cell(int rows, int columns) { return std::max(1, (std::max(rows, colum
 // three.js of this machine; nothing where it is not installed, and the page says that there is no 3-D view.
 std::string three_js() {
   try {
-    return read_input(SELFPROJ_THREE_JS, std::size_t{1} << 24U);
+    return files::read_input(SELFPROJ_THREE_JS, std::size_t{1} << 24U);
   } catch (const UserError&) {
     return {};
   }
@@ -109,7 +109,7 @@ class LivePage::Server : public PageServer {
                           .finish = [&page] { --page.watchers_; }}) {}
 };
 
-LivePage::LivePage(const Endpoint& endpoint, const Rig& rig, const std::string& title)
+LivePage::LivePage(const Endpoint& endpoint, const rig::Rig& rig, const std::string& title)
     : endpoint_(endpoint),
       columns_(rig.camera.columns),
       plane_z_(rig.plane_z_mm),
@@ -145,7 +145,7 @@ std::shared_ptr<const std::string> LivePage::last_image() {
   return camera_;
 }
 
-void LivePage::camera(const PacketHeader& header, const ImageView& image, const std::vector<float>& line,
+void LivePage::camera(const model::PacketHeader& header, const model::ImageView& image, const std::vector<float>& line,
                       const ExposureFigures& exposure) {
   const int every = std::max(1, (std::max(image.rows, image.columns) + kMaxPixels - 1) / kMaxPixels);
   const int rows = (image.rows + every - 1) / every;
@@ -176,7 +176,7 @@ void LivePage::camera(const PacketHeader& header, const ImageView& image, const 
   ++camera_images_;
 }
 
-void LivePage::add_row(const ProfileView& profile) {
+void LivePage::add_row(const light_section::ProfileView& profile) {
   if (rows_.size() >= kMaxRows * static_cast<std::size_t>(columns_)) {
     return;
   }
@@ -196,8 +196,8 @@ void LivePage::measured(MeasuredFrame& measured) {
   }
 }
 
-void LivePage::profile(const ProfileView& profile) {
-  const std::int64_t now = now_ns();
+void LivePage::profile(const light_section::ProfileView& profile) {
+  const std::int64_t now = driver::now_ns();
   if (now >= next_row_ns_) {
     next_row_ns_ = std::max(now, next_row_ns_ + kSecondNs / kRowsPerSecond);
     add_row(profile);
@@ -220,18 +220,18 @@ void LivePage::profile(const ProfileView& profile) {
   rows_.clear();
 }
 
-void LivePage::depth(const FloatImage& difference) {
+void LivePage::depth(const images::FloatImage& difference) {
   if (!message_is_due()) {
     return;
   }
-  const FloatImage shown = thinned(difference, every_cell(difference.rows, difference.columns));
+  const images::FloatImage shown = thinned(difference, every_cell(difference.rows, difference.columns));
   std::string floats;
   append_floats(floats, shown.values.data(), shown.values.size());
   send("depth", shown.rows, shown.columns, floats);
 }
 
 bool LivePage::message_is_due() {
-  const std::int64_t now = now_ns();
+  const std::int64_t now = driver::now_ns();
   if (now < next_message_ns_) {
     return false;
   }
@@ -259,8 +259,8 @@ void LivePage::send(const std::string& kind, int rows, int columns, const std::s
 
 void LivePage::part(const PartResult& result, const PlacedMaps& maps, const PartStatistics& statistics) {
   const int every = every_cell(maps.grid.rows, maps.grid.columns);
-  const FloatImage height = thinned(maps.height, every);
-  const FloatImage difference = thinned(maps.difference, every);
+  const images::FloatImage height = thinned(maps.height, every);
+  const images::FloatImage difference = thinned(maps.difference, every);
   nlohmann::ordered_json json = part_json(result);
   const std::string text = json.dump();
   json["rows"] = height.rows;
@@ -281,10 +281,10 @@ void LivePage::part(const PartResult& result, const PlacedMaps& maps, const Part
   statistics_ = statistics_json(statistics).dump();
 }
 
-void LivePage::report(const std::vector<Fact>& figures) {
-  std::string text = facts_json(figures).dump();
+void LivePage::report(const std::vector<report::Fact>& figures) {
+  std::string text = report::facts_json(figures).dump();
   const std::lock_guard lock(mutex_);
   figures_ = std::move(text);
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::production

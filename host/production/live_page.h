@@ -13,18 +13,18 @@
 #include <thread>
 #include <vector>
 
-#include "host/images/float_image.h"
-#include "host/light_section/profile.h"
 #include "host/production/camera_view.h"
 #include "host/production/cutter.h"
 #include "host/production/endpoint.h"
 #include "host/production/part_result.h"
 #include "host/report/facts.h"
-#include "host/rig/rig.h"
-#include "model/column_moments.h"
-#include "model/packet.h"
+#include "selfproj/images/float_image.h"
+#include "selfproj/light_section/profile.h"
+#include "selfproj/model/column_moments.h"
+#include "selfproj/model/packet.h"
+#include "selfproj/rig/rig.h"
 
-namespace selfproj {
+namespace selfproj::production {
 
 // Serves, read only, by HTTP
 //   /         the page, its script and its style; three.js of this machine. Nothing comes from anywhere else
@@ -49,7 +49,7 @@ class LivePage {
   static constexpr std::size_t kPartsShown = 20;
 
   // Throws UserError about --live if it cannot listen there. `title` stands above the page.
-  LivePage(const Endpoint& endpoint, const Rig& rig, const std::string& title);
+  LivePage(const Endpoint& endpoint, const rig::Rig& rig, const std::string& title);
   LivePage(const LivePage&) = delete;
   LivePage& operator=(const LivePage&) = delete;
   ~LivePage();
@@ -59,14 +59,14 @@ class LivePage {
   void part(const PartResult& result, const PlacedMaps& maps, const PartStatistics& statistics);
 
   // For the thread that takes packets: a raw image, and the row of the line in each column (empty for a scanner).
-  void camera(const PacketHeader& header, const ImageView& image, const std::vector<float>& line,
+  void camera(const model::PacketHeader& header, const model::ImageView& image, const std::vector<float>& line,
               const ExposureFigures& exposure);
 
   // Whether anybody watches.
   [[nodiscard]] bool watched() const { return watchers_ > 0; }
 
   // For any thread: the figures that the page shows.
-  void report(const std::vector<Fact>& figures);
+  void report(const std::vector<report::Fact>& figures);
 
   // Where a browser finds it.
   [[nodiscard]] std::string url() const;
@@ -85,9 +85,9 @@ class LivePage {
   Message next_message(std::uint64_t number);
   std::shared_ptr<const std::string> last_part();
   std::shared_ptr<const std::string> last_image();
-  void profile(const ProfileView& profile);
-  void depth(const FloatImage& difference);
-  void add_row(const ProfileView& profile);
+  void profile(const light_section::ProfileView& profile);
+  void depth(const images::FloatImage& difference);
+  void add_row(const light_section::ProfileView& profile);
   bool message_is_due();
   void send(const std::string& kind, int rows, int columns, const std::string& floats);
 
@@ -117,6 +117,6 @@ class LivePage {
   std::unique_ptr<Server> server_;
 };
 
-}  // namespace selfproj
+}  // namespace selfproj::production
 
 #endif  // SELFPROJ_HOST_PRODUCTION_LIVE_PAGE_H

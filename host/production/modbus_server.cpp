@@ -21,9 +21,9 @@
 
 #include "host/files/file_descriptor.h"
 #include "host/files/signals_held.h"
-#include "host/files/user_error.h"
+#include "selfproj/files/user_error.h"
 
-namespace selfproj {
+namespace selfproj::production {
 namespace {
 
 constexpr int kMaxPending = 128;               // connections that wait to be accepted
@@ -80,7 +80,7 @@ class ModbusServer::Connection {
     }
     listening_.reset(modbus_tcp_listen(context_.get(), kMaxPending));
     if (listening_.number() < 0) {
-      throw UserError("--modbus " + endpoint.text(), error_text(errno));
+      throw UserError("--modbus " + endpoint.text(), files::error_text(errno));
     }
     fcntl(listening_.number(), F_SETFL, O_NONBLOCK);
     modbus_set_byte_timeout(context_.get(), 0, kByteWaitUs);
@@ -147,13 +147,13 @@ class ModbusServer::Connection {
 
   std::unique_ptr<modbus_t, void (*)(modbus_t*)> context_;
   std::unique_ptr<modbus_mapping_t, void (*)(modbus_mapping_t*)> mapping_;
-  FileDescriptor listening_;
+  files::FileDescriptor listening_;
   std::vector<int> clients_;
 };
 
 ModbusServer::ModbusServer(const Endpoint& endpoint, Registers registers)
     : registers_(std::move(registers)), connection_(std::make_unique<Connection>(endpoint)) {
-  const SignalsHeld held;
+  const files::SignalsHeld held;
   thread_ = std::jthread([this](const std::stop_token& stop) {
     while (!stop.stop_requested()) {
       connection_->serve(registers_);
@@ -163,4 +163,4 @@ ModbusServer::ModbusServer(const Endpoint& endpoint, Registers registers)
 
 ModbusServer::~ModbusServer() = default;
 
-}  // namespace selfproj
+}  // namespace selfproj::production

@@ -12,7 +12,7 @@
 #include "host/production/endpoint.h"
 #include "host/production/part_result.h"
 
-namespace selfproj {
+namespace selfproj::production {
 
 // The registers, 16 bits each; of two, the first has the higher half. The same as input registers (function 4) and as
 // holding registers (function 3). All other functions are refused: a controller can change nothing.
@@ -59,6 +59,6 @@ class ModbusServer {
   std::jthread thread_;
 };
 
-}  // namespace selfproj
+}  // namespace selfproj::production
 
 #endif  // SELFPROJ_HOST_PRODUCTION_MODBUS_SERVER_H

@@ -20,9 +20,9 @@
 
 #include "host/files/file_descriptor.h"
 #include "host/files/signals_held.h"
-#include "host/files/user_error.h"
+#include "selfproj/files/user_error.h"
 
-namespace selfproj {
+namespace selfproj::production {
 namespace {
 
 constexpr std::size_t kThreads = 16;  // of which those that watch take one each
@@ -184,9 +184,9 @@ PageServer::PageServer(const std::string& option, const Endpoint& endpoint, cons
   i.set_up();
   errno = 0;
   if (!i.server.bind_to_port(endpoint.address, endpoint.port)) {
-    throw UserError(option + " " + endpoint.text(), error_text(errno != 0 ? errno : EADDRINUSE));
+    throw UserError(option + " " + endpoint.text(), files::error_text(errno != 0 ? errno : EADDRINUSE));
   }
-  const SignalsHeld held;
+  const files::SignalsHeld held;
   i.thread = std::thread([&i] { i.server.listen_after_bind(); });
   while (!i.server.is_running()) {
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
@@ -199,4 +199,4 @@ PageServer::~PageServer() {
   implementation_->thread.join();
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::production

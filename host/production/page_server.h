@@ -11,7 +11,7 @@
 
 #include "host/production/endpoint.h"
 
-namespace selfproj {
+namespace selfproj::production {
 
 // What requests to an endpoint need: 128 random bits as text, or nothing on a loopback address.
 std::string page_token(const Endpoint& endpoint);
@@ -55,6 +55,6 @@ class PageServer {
   std::unique_ptr<Implementation> implementation_;
 };
 
-}  // namespace selfproj
+}  // namespace selfproj::production
 
 #endif  // SELFPROJ_HOST_PRODUCTION_PAGE_SERVER_H

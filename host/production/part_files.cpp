@@ -19,11 +19,11 @@
 #include "host/files/output_file.h"
 #include "host/files/output_folder.h"
 #include "host/files/signals_held.h"
-#include "host/files/user_error.h"
-#include "host/images/float_image.h"
 #include "host/report/map_picture.h"
+#include "selfproj/files/user_error.h"
+#include "selfproj/images/float_image.h"
 
-namespace selfproj {
+namespace selfproj::production {
 namespace fs = std::filesystem;
 namespace {
 
@@ -33,7 +33,7 @@ constexpr const char* kTable = "parts.csv";
 int open_new(const fs::path& file) {
   const int descriptor = open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_APPEND | O_CLOEXEC, 0666);
   if (descriptor < 0) {
-    throw UserError(file, error_text(errno));
+    throw UserError(file, files::error_text(errno));
   }
   return descriptor;
 }
@@ -56,23 +56,23 @@ fs::path made_folder(const std::string& name) {
   return name;
 }
 
-void append_line(const FileDescriptor& file, const fs::path& name, const std::string& line) {
-  if (!write_all(file.number(), line)) {
-    throw UserError(name, error_text(errno));
+void append_line(const files::FileDescriptor& file, const fs::path& name, const std::string& line) {
+  if (!files::write_all(file.number(), line)) {
+    throw UserError(name, files::error_text(errno));
   }
 }
 
 }  // namespace
 
 std::string part_picture(const PartResult& result, const PlacedMaps& maps) {
-  std::vector<MapMark> marks;
+  std::vector<report::MapMark> marks;
   for (const Defect& defect : result.defects) {
     marks.push_back({maps.grid.row_of(defect.along_mm), maps.grid.column_of(defect.across_mm),
                      defect.size_along_mm / maps.grid.pitch_mm, defect.size_across_mm / maps.grid.pitch_mm});
   }
-  const MapPitch pitch{.row_mm = maps.grid.pitch_mm, .column_mm = maps.grid.pitch_mm};
-  return labelled_map_png(maps.difference, difference_scale(maps.difference), pitch,
-                          fmt::format("part {}: {}", result.number, verdict_name(result.verdict)), marks);
+  const report::MapPitch pitch{.row_mm = maps.grid.pitch_mm, .column_mm = maps.grid.pitch_mm};
+  return report::labelled_map_png(maps.difference, report::difference_scale(maps.difference), pitch,
+                                  fmt::format("part {}: {}", result.number, verdict_name(result.verdict)), marks);
 }
 
 PartFiles::PartFiles(const std::string& folder, std::uint64_t max_folders)
@@ -81,7 +81,7 @@ PartFiles::PartFiles(const std::string& folder, std::uint64_t max_folders)
       lines_(open_new(folder_ / kLines)),
       table_(open_new(folder_ / kTable)) {
   append_line(table_, folder_ / kTable, part_csv_head());
-  const SignalsHeld held;  // signals are for the main thread
+  const files::SignalsHeld held;  // signals are for the main thread
   thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
 }
 
@@ -112,10 +112,10 @@ void PartFiles::add(const PartResult& result, const PlacedMaps& maps) {
 }
 
 void PartFiles::write_folder(const Waiting& part) const {
-  OutputFolder folder(folder_ / fmt::format("part_{:06}", part.result.number));
+  files::OutputFolder folder(folder_ / fmt::format("part_{:06}", part.result.number));
   folder.append("result.json", part_json(part.result).dump(2) + "\n");
-  folder.append("height.tiff", encode_float_tiff("height.tiff", part.maps.height));
-  folder.append("difference.tiff", encode_float_tiff("difference.tiff", part.maps.difference));
+  folder.append("height.tiff", images::encode_float_tiff("height.tiff", part.maps.height));
+  folder.append("difference.tiff", images::encode_float_tiff("difference.tiff", part.maps.difference));
   folder.append("difference.png", part_picture(part.result, part.maps));
   folder.commit();
 }
@@ -144,7 +144,7 @@ void PartFiles::finish(const PartStatistics& statistics) {
   thread_.request_stop();
   thread_.join();
   rethrow();
-  OutputFile(folder_ / "statistics.json").write(statistics_json(statistics).dump(2) + "\n");
+  files::OutputFile(folder_ / "statistics.json").write(statistics_json(statistics).dump(2) + "\n");
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::production

@@ -17,7 +17,7 @@
 #include "host/files/file_descriptor.h"
 #include "host/production/part_result.h"
 
-namespace selfproj {
+namespace selfproj::production {
 
 // Writes into a new or empty folder
 //   parts.jsonl, parts.csv   a line for each part, whole, as soon as it is classified
@@ -55,8 +55,8 @@ class PartFiles {
 
   std::filesystem::path folder_;
   std::uint64_t max_folders_;
-  FileDescriptor lines_;
-  FileDescriptor table_;
+  files::FileDescriptor lines_;
+  files::FileDescriptor table_;
   std::atomic<std::uint64_t> folders_{0};
   std::atomic<std::uint64_t> left_out_{0};
   std::mutex mutex_;
@@ -69,6 +69,6 @@ class PartFiles {
 // The picture of a part's difference, with its defects marked, as PNG.
 std::string part_picture(const PartResult& result, const PlacedMaps& maps);
 
-}  // namespace selfproj
+}  // namespace selfproj::production
 
 #endif  // SELFPROJ_HOST_PRODUCTION_PART_FILES_H

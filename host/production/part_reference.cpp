@@ -10,11 +10,11 @@
 #include <utility>
 #include <vector>
 
-#include "host/light_section/profile.h"
 #include "host/rig/geometry.h"
-#include "model/column_moments.h"
+#include "selfproj/light_section/profile.h"
+#include "selfproj/model/column_moments.h"
 
-namespace selfproj {
+namespace selfproj::production {
 namespace {
 
 cv::Mat1b square(int to_each_side) {
@@ -27,13 +27,13 @@ cv::Mat1b square(int to_each_side) {
 double SectionReference::at(double across, double widest_mm) const {
   const auto after = std::upper_bound(across_mm.begin(), across_mm.end(), across);
   if (after == across_mm.begin() || after == across_mm.end()) {
-    return kUnknown;
+    return rig::kUnknown;
   }
   const auto i = static_cast<std::size_t>(after - across_mm.begin());
   const double width = across_mm[i] - across_mm[i - 1];
   const double rise = height_mm[i] - height_mm[i - 1];
-  if (width > widest_mm || std::abs(rise) > kSteepest * width) {
-    return kUnknown;
+  if (width > widest_mm || std::abs(rise) > light_section::kSteepest * width) {
+    return rig::kUnknown;
   }
   return height_mm[i - 1] + rise * (across - across_mm[i - 1]) / width;
 }
@@ -48,13 +48,14 @@ std::vector<std::pair<double, double>> SectionReference::walls(double widest_mm)
   return walls;
 }
 
-SectionReference section_of(const Rig& rig, const ReferenceProfile& reference, const DifferentialProfiler& profiler) {
+SectionReference section_of(const rig::Rig& rig, const light_section::ReferenceProfile& reference,
+                            const light_section::DifferentialProfiler& profiler) {
   constexpr double kLight = 1 << 20;  // M0: fine enough for a thousandth of a row and below 2^31 as M1
   const int columns = profiler.columns();
-  Moments moments;
+  model::Moments moments;
   moments.resize(columns);
   for (std::size_t i = 0; i < static_cast<std::size_t>(columns); ++i) {
-    const double row = middle_row(rig.camera) + reference.offset_px[i];
+    const double row = rig::middle_row(rig.camera) + reference.offset_px[i];
     if (reference.valid[i] == 0 || !(row > 0)) {
       continue;
     }
@@ -62,12 +63,12 @@ SectionReference section_of(const Rig& rig, const ReferenceProfile& reference, c
     moments.m1[i] = static_cast<std::uint32_t>(std::lround(kLight * row));
     moments.n[i] = static_cast<std::uint32_t>(rig.measure.min_lit_px);
   }
-  Profile profile;
+  light_section::Profile profile;
   profile.resize(columns);
   profiler.profile(moments.view(), profile.view());
   std::vector<std::size_t> order;
   for (std::size_t i = 0; i < static_cast<std::size_t>(columns); ++i) {
-    if (profile.validity[i] == static_cast<std::uint8_t>(Validity::valid)) {
+    if (profile.validity[i] == static_cast<std::uint8_t>(light_section::Validity::valid)) {
       order.push_back(i);
     }
   }
@@ -80,7 +81,7 @@ SectionReference section_of(const Rig& rig, const ReferenceProfile& reference, c
   return section;
 }
 
-FloatImage without_steep_places(const FloatImage& heights, const Rig& rig) {
+images::FloatImage without_steep_places(const images::FloatImage& heights, const rig::Rig& rig) {
   const double pitch = rig.parts.value().grid_mm;
   const cv::Mat1f map(heights.rows, heights.columns, const_cast<float*>(heights.values.data()));  // NOLINT
   // A place without a height is neither a hill nor a hole.
@@ -91,18 +92,18 @@ FloatImage without_steep_places(const FloatImage& heights, const Rig& rig) {
   high.setTo(cv::Scalar(-1e9), ~there);
   cv::erode(low, low, square(1));
   cv::dilate(high, high, square(1));
-  cv::Mat steep = (high - low) > 2 * kSteepest * pitch;
+  cv::Mat steep = (high - low) > 2 * light_section::kSteepest * pitch;
   cv::bitwise_and(steep, there, steep);
   cv::dilate(steep, steep, square(static_cast<int>(std::ceil(kBesideWalls * pixel_mm(rig) / pitch))));
-  FloatImage result = heights;
+  images::FloatImage result = heights;
   for (int r = 0; r < result.rows; ++r) {
     for (int c = 0; c < result.columns; ++c) {
       if (steep.at<std::uint8_t>(r, c) != 0) {
-        result.row(r)[c] = kNoValue;
+        result.row(r)[c] = images::kNoValue;
       }
     }
   }
   return result;
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::production

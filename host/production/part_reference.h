@@ -5,12 +5,12 @@
 #include <utility>
 #include <vector>
 
-#include "host/images/float_image.h"
-#include "host/light_section/differential_profile.h"
-#include "host/light_section/reference.h"
-#include "host/rig/rig.h"
+#include "selfproj/images/float_image.h"
+#include "selfproj/light_section/differential_profile.h"
+#include "selfproj/light_section/reference.h"
+#include "selfproj/rig/rig.h"
 
-namespace selfproj {
+namespace selfproj::production {
 
 // The pattern has a jump at each wall of the reference, and columns beside it see light of both sides. It stays where
 // it is when a part is shifted, and then falls on a surface; so many columns beside it count as without a point.
@@ -32,12 +32,13 @@ struct SectionReference {
 
 // Asks the profiler itself where its reference lies, by moments that are exactly those of the reference. It holds for
 // every kind of rig, therefore.
-SectionReference section_of(const Rig& rig, const ReferenceProfile& reference, const DifferentialProfiler& profiler);
+SectionReference section_of(const rig::Rig& rig, const light_section::ReferenceProfile& reference,
+                            const light_section::DifferentialProfiler& profiler);
 
 // The heights on the rig's grid without those at walls, which say more about the place than about the part: where the
 // three cells to a side rise by more than kSteepest, and kBesideWalls camera pixels beside.
-FloatImage without_steep_places(const FloatImage& heights, const Rig& rig);
+images::FloatImage without_steep_places(const images::FloatImage& heights, const rig::Rig& rig);
 
-}  // namespace selfproj
+}  // namespace selfproj::production
 
 #endif  // SELFPROJ_HOST_PRODUCTION_PART_REFERENCE_H

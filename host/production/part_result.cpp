@@ -11,11 +11,11 @@
 
 #include "host/files/numbers.h"
 
-namespace selfproj {
+namespace selfproj::production {
 namespace {
 
 // Rounds to four decimals. No length in mm, share or angle in degrees is as accurate as that.
-double short_number(double value) { return rounded(value, 4); }
+double short_number(double value) { return files::rounded(value, 4); }
 
 double degrees(double radians) { return radians * 180 / std::numbers::pi; }
 
@@ -135,4 +135,4 @@ std::string time_text(std::int64_t ns) {
   return ns < 1'000'000 ? fmt::format("{:.1f} µs", value * 1e-3) : fmt::format("{:.2f} ms", value * 1e-6);
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::production

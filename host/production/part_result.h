@@ -13,11 +13,11 @@
 #include <string>
 #include <vector>
 
-#include "host/images/float_image.h"
 #include "host/production/height_map.h"
 #include "host/production/placement.h"
+#include "selfproj/images/float_image.h"
 
-namespace selfproj {
+namespace selfproj::production {
 
 enum class Verdict : std::uint8_t { good, bad, inconclusive };
 inline constexpr std::array<const char*, 3> kVerdictNames = {"good", "bad", "inconclusive"};
@@ -62,8 +62,8 @@ struct PartResult {
 // The maps of a part, placed on the reference, in mm. NaN where there is no point.
 struct PlacedMaps {
   MapGrid grid;
-  FloatImage height;
-  FloatImage difference;  // height minus that of the reference
+  images::FloatImage height;
+  images::FloatImage difference;  // height minus that of the reference
 };
 
 // Counts of parts, and the last one: what controllers get.
@@ -141,6 +141,6 @@ nlohmann::ordered_json statistics_json(const PartStatistics& statistics);
 // A duration as text: "12.3 µs" or "1.23 ms".
 std::string time_text(std::int64_t ns);
 
-}  // namespace selfproj
+}  // namespace selfproj::production
 
 #endif  // SELFPROJ_HOST_PRODUCTION_PART_RESULT_H

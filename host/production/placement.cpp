@@ -15,7 +15,7 @@
 #include "host/files/numbers.h"
 #include "host/production/height_map.h"
 
-namespace selfproj {
+namespace selfproj::production {
 namespace {
 
 constexpr int kInto = 4;            // cells inside an edge that may be only partly filled
@@ -125,16 +125,16 @@ std::optional<Fit> fit_line(const std::vector<Place>& places) {
     beside[1].push_back(places[places.size() - 1 - i].beside);
   }
   Fit fit;
-  const double way = median_of(beside[1]) - median_of(beside[0]);
-  fit.b = way > 0 ? (median_of(at[1]) - median_of(at[0])) / way : 0;
-  fit.a = median_of(at[0]) - fit.b * median_of(beside[0]);
+  const double way = files::median_of(beside[1]) - files::median_of(beside[0]);
+  fit.b = way > 0 ? (files::median_of(at[1]) - files::median_of(at[0])) / way : 0;
+  fit.a = files::median_of(at[0]) - fit.b * files::median_of(beside[0]);
   for (int pass = 0; pass < 5; ++pass) {
     std::vector<double> off;
     off.reserve(places.size());
     for (const Place& place : places) {
       off.push_back(std::abs(place.at - fit.a - fit.b * place.beside));
     }
-    const double limit = std::max(kTrim, 3 * 1.5 * median_of(off));  // 1.5 medians: about a standard deviation
+    const double limit = std::max(kTrim, 3 * 1.5 * files::median_of(off));  // 1.5 medians: about a standard deviation
     double n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0, syy = 0;
     for (std::size_t i = 0; i < places.size(); ++i) {
       if (off[i] <= limit) {
@@ -290,8 +290,8 @@ std::optional<Placement> place_by_edges(const EdgeLines& edges, const Outline& o
   return result;
 }
 
-FloatImage placed_heights(const HeightCells& cells, const Placement& placement, const MapGrid& grid) {
-  FloatImage result(grid.rows, grid.columns, kNoValue);
+images::FloatImage placed_heights(const HeightCells& cells, const Placement& placement, const MapGrid& grid) {
+  images::FloatImage result(grid.rows, grid.columns, images::kNoValue);
   const MapGrid& from = cells.grid;
   for (int r = 0; r < grid.rows; ++r) {
     for (int c = 0; c < grid.columns; ++c) {
@@ -326,4 +326,4 @@ FloatImage placed_heights(const HeightCells& cells, const Placement& placement, 
   return result;
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::production

@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "host/images/float_image.h"
 #include "host/production/height_map.h"
+#include "selfproj/images/float_image.h"
 
-namespace selfproj {
+namespace selfproj::production {
 
 enum class Edge : std::size_t { leading, trailing, left, right };
 inline constexpr std::size_t kEdges = 4;
@@ -71,8 +71,8 @@ std::optional<Placement> place_by_edges(const EdgeLines& edges, const Outline& o
 
 // The heights of the part on the reference's grid, linear between the cells; NaN outside of the map, and where cells
 // with less than half of the weight have a height.
-FloatImage placed_heights(const HeightCells& cells, const Placement& placement, const MapGrid& grid);
+images::FloatImage placed_heights(const HeightCells& cells, const Placement& placement, const MapGrid& grid);
 
-}  // namespace selfproj
+}  // namespace selfproj::production
 
 #endif  // SELFPROJ_HOST_PRODUCTION_PLACEMENT_H

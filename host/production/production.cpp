@@ -15,10 +15,10 @@
 
 #include "host/driver/clock.h"
 #include "host/files/signals_held.h"
-#include "host/files/user_error.h"
 #include "host/production/endpoint.h"
+#include "selfproj/files/user_error.h"
 
-namespace selfproj {
+namespace selfproj::production {
 namespace {
 
 constexpr std::size_t kQueuedProfiles = 2048;
@@ -33,7 +33,7 @@ constexpr double kLateS = 0.1;
 
 }  // namespace
 
-Production::Production(const ProductionOptions& options, const Rig& rig) : options_(options), rig_(rig) {
+Production::Production(const ProductionOptions& options, const rig::Rig& rig) : options_(options), rig_(rig) {
   if (options.tolerance.empty() && (!options.folder.empty() || !options.modbus.empty())) {
     throw UserError(options.folder.empty() ? "--modbus" : "--parts",
                     "needs --tolerance, by which parts are classified");
@@ -46,7 +46,7 @@ Production::Production(const ProductionOptions& options, const Rig& rig) : optio
   }
 }
 
-Production::Production(const ProductionOptions& options, const Rig& rig, const SectionReference& section,
+Production::Production(const ProductionOptions& options, const rig::Rig& rig, const SectionReference& section,
                        const std::string& title)
     : Production(options, rig) {
   if (tolerance_) {
@@ -58,7 +58,7 @@ Production::Production(const ProductionOptions& options, const Rig& rig, const S
   start(title, kQueuedProfiles, empty);
 }
 
-Production::Production(const ProductionOptions& options, const Rig& rig, const FloatImage& reference_depth,
+Production::Production(const ProductionOptions& options, const rig::Rig& rig, const images::FloatImage& reference_depth,
                        int patterns, const std::string& title)
     : Production(options, rig) {
   if (tolerance_) {
@@ -66,7 +66,7 @@ Production::Production(const ProductionOptions& options, const Rig& rig, const F
     cutter_ = std::make_unique<DepthCutter>(rig, patterns);
   }
   MeasuredFrame empty;
-  empty.depth = empty.difference = FloatImage(rig.camera.rows, rig.camera.columns);
+  empty.depth = empty.difference = images::FloatImage(rig.camera.rows, rig.camera.columns);
   start(title, kQueuedDepthImages, empty);
 }
 
@@ -83,12 +83,12 @@ void Production::start(const std::string& title, std::size_t queued, const Measu
   }
   if (!options_.modbus.empty()) {
     modbus_.emplace(endpoint_of_text("--modbus", options_.modbus),
-                    [this] { return modbus_registers(counts(), lost_, heartbeat_, now_ns()); });
+                    [this] { return modbus_registers(counts(), lost_, heartbeat_, driver::now_ns()); });
   }
   if (!options_.folder.empty()) {
     files_.emplace(options_.folder, options_.keep);
   }
-  const SignalsHeld held;  // signals are for the main thread
+  const files::SignalsHeld held;  // signals are for the main thread
   thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
 }
 
@@ -105,14 +105,14 @@ MeasuredFrame& Production::claim() {
   }
 }
 
-void Production::image(const PacketView& packet) {
+void Production::image(const model::PacketView& packet) {
   if (!page_ || !camera_.add(packet, page_->watched())) {
     return;
   }
-  RigMeasure measure = rig_.measure;
-  measure.apply(measure_of(camera_.header()));  // a device may measure otherwise than the rig says
+  rig::RigMeasure measure = rig_.measure;
+  measure.apply(model::measure_of(camera_.header()));  // a device may measure otherwise than the rig says
   const std::vector<float> line =
-      rig_.kind == RigKind::light_section ? line_in_image(camera_.image(), measure) : std::vector<float>();
+      rig_.kind == rig::RigKind::light_section ? line_in_image(camera_.image(), measure) : std::vector<float>();
   page_->camera(camera_.header(), camera_.image(), line, exposure_figures(camera_.image(), line, measure));
 }
 
@@ -155,12 +155,12 @@ void Production::work(MeasuredFrame& measured) {
 }
 
 void Production::look_at_the_clock() {
-  const std::int64_t now = now_ns();
+  const std::int64_t now = driver::now_ns();
   if (now >= next_beat_ns_) {
     next_beat_ns_ = now + kBeatNs;
     ++heartbeat_;
   }
-  const bool by_trigger = cutter_ && rig_.parts->cut == PartCut::trigger;
+  const bool by_trigger = cutter_ && rig_.parts->cut == rig::PartCut::trigger;
   if (by_trigger && cutter_->in_part() && filled_.peek() == nullptr &&
       static_cast<double>(now - last_arrival_ns_) * 1e-9 > rig_.parts->pause_s + kLateS) {
     classify(cutter_->finish());
@@ -175,7 +175,7 @@ void Production::classify(const std::optional<CutPart>& part) {
   {
     const std::lock_guard lock(mutex_);
     result.number = counts_.parts() + 1;
-    const std::int64_t now = now_ns();
+    const std::int64_t now = driver::now_ns();
     result.delay_ns = now - part->last_ns;
     ++counts_.verdicts.at(static_cast<std::size_t>(result.verdict));
     counts_.specks = cutter_->specks();
@@ -201,10 +201,10 @@ PartCounts Production::counts() const {
   return counts_;
 }
 
-void Production::report(const Counters& counters, std::vector<Fact> figures) {
+void Production::report(const driver::Counters& counters, std::vector<report::Fact> figures) {
   lost_ = counters.lost_board + counters.lost_ring + counters.lost_network;
   if (page_) {
-    const std::vector<Fact> more = facts();
+    const std::vector<report::Fact> more = facts();
     figures.insert(figures.end(), more.begin(), more.end());
     page_->report(figures);
   }
@@ -223,28 +223,28 @@ void Production::finish() {
   }
 }
 
-std::vector<Fact> Production::facts() const {
+std::vector<report::Fact> Production::facts() const {
   const auto ms = [](std::int64_t ns) { return static_cast<double>(ns) * 1e-6; };
-  std::vector<Fact> facts;
+  std::vector<report::Fact> facts;
   if (page_) {
-    facts.push_back({"live_dropped", "pictures dropped for slow browsers", fact_number(page_->dropped())});
+    facts.push_back({"live_dropped", "pictures dropped for slow browsers", report::fact_number(page_->dropped())});
   }
   if (!classifier_) {
     return facts;
   }
   const std::lock_guard lock(mutex_);
-  const std::vector<Fact> of_parts = {
-      {"parts", "parts", fact_number(counts_.parts())},
-      {"parts_good", "good parts", fact_number(counts_.verdicts[0])},
-      {"parts_bad", "bad parts", fact_number(counts_.verdicts[1])},
-      {"parts_inconclusive", "inconclusive parts", fact_number(counts_.verdicts[2])},
-      {"specks", "objects too short to be a part", fact_number(counts_.specks)},
+  const std::vector<report::Fact> of_parts = {
+      {"parts", "parts", report::fact_number(counts_.parts())},
+      {"parts_good", "good parts", report::fact_number(counts_.verdicts[0])},
+      {"parts_bad", "bad parts", report::fact_number(counts_.verdicts[1])},
+      {"parts_inconclusive", "inconclusive parts", report::fact_number(counts_.verdicts[2])},
+      {"specks", "objects too short to be a part", report::fact_number(counts_.specks)},
       {"result_delay_p50_ms", "a part's last frame to its result, median", ms(delays_.percentile_ns(0.5)), "ms"},
       {"result_delay_p99_ms", "a part's last frame to its result, 99 %", ms(delays_.percentile_ns(0.99)), "ms"}};
   facts.insert(facts.end(), of_parts.begin(), of_parts.end());
   if (files_) {
-    facts.push_back({"part_folders", "folders of parts", fact_number(files_->folders())});
-    facts.push_back({"part_folders_left_out", "folders left out", fact_number(files_->folders_left_out())});
+    facts.push_back({"part_folders", "folders of parts", report::fact_number(files_->folders())});
+    facts.push_back({"part_folders_left_out", "folders left out", report::fact_number(files_->folders_left_out())});
   }
   return facts;
 }
@@ -266,4 +266,4 @@ std::string Production::end_text() const {
                      time_text(delays_.percentile_ns(0.99)), files_ ? " → " + options_.folder : std::string());
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::production

@@ -17,8 +17,6 @@
 #include <vector>
 
 #include "host/driver/clock.h"
-#include "host/driver/counters.h"
-#include "host/images/float_image.h"
 #include "host/production/camera_view.h"
 #include "host/production/classifier.h"
 #include "host/production/cutter.h"
@@ -29,10 +27,12 @@
 #include "host/production/part_result.h"
 #include "host/production/tolerance.h"
 #include "host/report/facts.h"
-#include "host/rig/rig.h"
-#include "model/packet.h"
+#include "selfproj/driver/counters.h"
+#include "selfproj/images/float_image.h"
+#include "selfproj/model/packet.h"
+#include "selfproj/rig/rig.h"
 
-namespace selfproj {
+namespace selfproj::production {
 
 struct ProductionOptions {
   std::string folder;     // of the results of parts; empty: none
@@ -64,13 +64,13 @@ class Production {
  public:
   // Of a light section. Throws UserError about options, rig, tolerance, ports and folders, as the constructor below.
   // `title` stands above the page.
-  Production(const ProductionOptions& options, const Rig& rig, const SectionReference& section,
+  Production(const ProductionOptions& options, const rig::Rig& rig, const SectionReference& section,
              const std::string& title);
 
   // Of structured light. `reference_depth` is z_R in mm, NaN where there is none, and `patterns` are the frames of a
   // depth image.
-  Production(const ProductionOptions& options, const Rig& rig, const FloatImage& reference_depth, int patterns,
-             const std::string& title);
+  Production(const ProductionOptions& options, const rig::Rig& rig, const images::FloatImage& reference_depth,
+             int patterns, const std::string& title);
   Production(const Production&) = delete;
   Production& operator=(const Production&) = delete;
   ~Production() = default;
@@ -81,22 +81,22 @@ class Production {
   void publish() { free_.pop(), filled_.enqueue(claimed_); }
 
   // A packet that may belong to a raw image, which the page may show.
-  void image(const PacketView& packet);
+  void image(const model::PacketView& packet);
 
   // The counters so far, and the figures that the page shows.
-  void report(const Counters& counters, std::vector<Fact> figures);
+  void report(const driver::Counters& counters, std::vector<report::Fact> figures);
 
   // Classifies the parts that are left, and writes their results. Throws what the thread has thrown.
   void finish();
 
   // What was counted so far; the end of the status line on a terminal: "12 parts: 10 good, ..."; and at the end one
   // line, or nothing where no parts are classified.
-  [[nodiscard]] std::vector<Fact> facts() const;
+  [[nodiscard]] std::vector<report::Fact> facts() const;
   [[nodiscard]] std::string status_text() const;
   [[nodiscard]] std::string end_text() const;
 
  private:
-  Production(const ProductionOptions& options, const Rig& rig);
+  Production(const ProductionOptions& options, const rig::Rig& rig);
   void start(const std::string& title, std::size_t queued, const MeasuredFrame& empty);
   void run(const std::stop_token& stop);
   void work(MeasuredFrame& measured);
@@ -105,7 +105,7 @@ class Production {
   [[nodiscard]] PartCounts counts() const;
 
   ProductionOptions options_;
-  Rig rig_;
+  rig::Rig rig_;
   std::optional<Tolerance> tolerance_;
 
   std::vector<MeasuredFrame> slots_;
@@ -123,7 +123,7 @@ class Production {
   mutable std::mutex mutex_;  // of the next four
   PartCounts counts_;
   PartStatistics statistics_;
-  DurationHistogram delays_;  // from the arrival of a part's last frame to its result
+  driver::DurationHistogram delays_;  // from the arrival of a part's last frame to its result
   std::exception_ptr fault_;
   std::atomic<bool> failed_{false};
   std::atomic<std::uint16_t> heartbeat_{0};  // tenths of a second while the thread works
@@ -136,6 +136,6 @@ class Production {
   std::jthread thread_;
 };
 
-}  // namespace selfproj
+}  // namespace selfproj::production
 
 #endif  // SELFPROJ_HOST_PRODUCTION_PRODUCTION_H

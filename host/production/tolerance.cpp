@@ -15,11 +15,11 @@
 
 #include "host/files/input_file.h"
 #include "host/files/numbers.h"
-#include "host/files/user_error.h"
 #include "host/rig/geometry.h"
 #include "host/rig/yaml.h"
+#include "selfproj/files/user_error.h"
 
-namespace selfproj {
+namespace selfproj::production {
 namespace {
 
 const std::vector<std::pair<const char*, bool>> kPlaces = {{"edges", true}, {"belt", false}};
@@ -30,22 +30,22 @@ template <class ToleranceT, class Visitor>
 void visit_part(ToleranceT& tolerance, Visitor& v) {
   v.begin("part");
   v.choice("place_by", tolerance.by_edges, kPlaces);
-  v.number("length_mm", tolerance.length_mm, 1, kPositive);
-  v.number("left_mm", tolerance.left_mm, 1, kAny);
-  v.number("right_mm", tolerance.right_mm, 1, kAny);
-  v.number("max_shift_mm", tolerance.max_shift_mm, 1, kNotNegative);
+  v.number("length_mm", tolerance.length_mm, 1, rig::kPositive);
+  v.number("left_mm", tolerance.left_mm, 1, rig::kAny);
+  v.number("right_mm", tolerance.right_mm, 1, rig::kAny);
+  v.number("max_shift_mm", tolerance.max_shift_mm, 1, rig::kNotNegative);
   v.number("max_turn_deg", tolerance.max_turn_deg, 1, {.low = 0, .high = 45});
-  v.number("max_residual_mm", tolerance.max_residual_mm, 1, kNotNegative);
-  v.number("min_defect_mm2", tolerance.min_defect_mm2, 1, kPositive);
+  v.number("max_residual_mm", tolerance.max_residual_mm, 1, rig::kNotNegative);
+  v.number("min_defect_mm2", tolerance.min_defect_mm2, 1, rig::kPositive);
   v.end();
 }
 
 template <class RegionT, class Visitor>
 void visit_region(RegionT& region, Visitor& v) {
   v.text("name", region.name);
-  v.numbers("corners_mm", region.corners_mm, 1, kAny);
-  v.number("low_mm", region.low_mm, 1, kAny);
-  v.number("high_mm", region.high_mm, 1, kAny);
+  v.numbers("corners_mm", region.corners_mm, 1, rig::kAny);
+  v.number("low_mm", region.low_mm, 1, rig::kAny);
+  v.number("high_mm", region.high_mm, 1, rig::kAny);
   v.number("max_missing", region.max_missing, 1, {.low = 0, .high = 1});
 }
 
@@ -85,10 +85,10 @@ void check_region(const Tolerance& tolerance, const ToleranceRegion& region, con
   }
 }
 
-void read_section(FieldReader& reader, Tolerance& tolerance) {
+void read_section(rig::FieldReader& reader, Tolerance& tolerance) {
   reader.begin("section");
-  reader.number("step_mm", tolerance.section_step_mm, 1, kPositive);
-  reader.numbers("heights_mm", tolerance.section_mm, 1, kAny);
+  reader.number("step_mm", tolerance.section_step_mm, 1, rig::kPositive);
+  reader.numbers("heights_mm", tolerance.section_mm, 1, rig::kAny);
   reader.end();
   for (double& height : tolerance.section_mm) {
     height = height == kNoSection ? std::numeric_limits<double>::quiet_NaN() : height;
@@ -132,7 +132,7 @@ float height_at(const HeightCells& cells, double along, double across) {
   const auto row = std::lround(cells.grid.row_of(along));
   const auto column = std::lround(cells.grid.column_of(across));
   const bool there = row >= 0 && column >= 0 && row < cells.height.rows && column < cells.height.columns;
-  return there ? cells.height.row(static_cast<int>(row))[column] : kNoValue;
+  return there ? cells.height.row(static_cast<int>(row))[column] : images::kNoValue;
 }
 
 }  // namespace
@@ -148,7 +148,7 @@ MapGrid placed_grid(double pitch_mm, double length_mm, double left_mm, double ri
 }
 
 std::string to_yaml(const Tolerance& tolerance) {
-  FieldWriter writer;
+  rig::FieldWriter writer;
   visit_part(tolerance, writer);
   if (!tolerance.section_mm.empty()) {
     std::vector<double> heights = tolerance.section_mm;
@@ -156,13 +156,13 @@ std::string to_yaml(const Tolerance& tolerance) {
       height = std::isnan(height) ? kNoSection : height;
     }
     writer.begin("section");
-    writer.number("step_mm", tolerance.section_step_mm, 1, kPositive);
-    writer.numbers("heights_mm", heights, 1, kAny);
+    writer.number("step_mm", tolerance.section_step_mm, 1, rig::kPositive);
+    writer.numbers("heights_mm", heights, 1, rig::kAny);
     writer.end();
   }
   std::string text = writer.yaml() + "regions:\n";
   for (const ToleranceRegion& region : tolerance.regions) {
-    FieldWriter one;
+    rig::FieldWriter one;
     visit_region(region, one);
     text += indented(one.yaml());
   }
@@ -170,7 +170,7 @@ std::string to_yaml(const Tolerance& tolerance) {
 }
 
 Tolerance parse_tolerance(const std::string& yaml, const std::string& source) {
-  const YAML::Node root = parse_yaml(yaml, source);
+  const YAML::Node root = rig::parse_yaml(yaml, source);
   if (!root.IsMap()) {
     throw UserError(source, "is not a tolerance; keys and values are expected");
   }
@@ -193,7 +193,7 @@ Tolerance parse_tolerance(const std::string& yaml, const std::string& source) {
   if (old) {
     fmt::print(stderr, "note: {}: keys most_... and smallest_... are now max_... and min_...\n", source);
   }
-  FieldReader reader(source, rest);
+  rig::FieldReader reader(source, rest);
   visit_part(tolerance, reader);
   if (rest["section"].IsDefined()) {
     read_section(reader, tolerance);
@@ -208,7 +208,7 @@ Tolerance parse_tolerance(const std::string& yaml, const std::string& source) {
       throw UserError(source, fmt::format("region {} is not a map of keys", tolerance.regions.size() + 1));
     }
     ToleranceRegion region;
-    FieldReader one(fmt::format("{}: region {}", source, tolerance.regions.size() + 1), node);
+    rig::FieldReader one(fmt::format("{}: region {}", source, tolerance.regions.size() + 1), node);
     visit_region(region, one);
     one.end();
     check_region(tolerance, region, source);
@@ -217,21 +217,23 @@ Tolerance parse_tolerance(const std::string& yaml, const std::string& source) {
   return tolerance;
 }
 
-Tolerance load_tolerance(const std::string& file) { return parse_tolerance(read_input(file, kMostTextBytes), file); }
+Tolerance load_tolerance(const std::string& file) {
+  return parse_tolerance(files::read_input(file, files::kMostTextBytes), file);
+}
 
 std::vector<double> sampled_section(const SectionReference& section, double left_mm, double right_mm, double step_mm,
                                     double widest_mm) {
   std::vector<double> result;
   for (double across = left_mm; across <= right_mm; across += step_mm) {
     const double height = section.at(across, widest_mm);
-    result.push_back(rounded(height, 3));
+    result.push_back(files::rounded(height, 3));
   }
   return result;
 }
 
-void check_tolerance(const Tolerance& tolerance, const Rig& rig, const SectionReference& section,
+void check_tolerance(const Tolerance& tolerance, const rig::Rig& rig, const SectionReference& section,
                      const std::string& source) {
-  const double across = rig.plane_z_mm * tan_beta(rig.camera, rig.camera.columns - 0.5);
+  const double across = rig.plane_z_mm * rig::tan_beta(rig.camera, rig.camera.columns - 0.5);
   if (tolerance.left_mm < -across || tolerance.right_mm > across) {
     throw UserError(source, fmt::format("its part is from {} to {} mm across; the camera of {} sees from {:.1f} to "
                                         "{:.1f}",
@@ -258,12 +260,12 @@ void check_tolerance(const Tolerance& tolerance, const Rig& rig, const SectionRe
 std::vector<double> middle_section(const HeightCells& reference, const Tolerance& outline, double step_mm) {
   std::vector<double> result;
   for (double across = outline.left_mm; across <= outline.right_mm; across += step_mm) {
-    result.push_back(rounded(static_cast<double>(height_at(reference, 0.5 * outline.length_mm, across)), 3));
+    result.push_back(files::rounded(static_cast<double>(height_at(reference, 0.5 * outline.length_mm, across)), 3));
   }
   return result;
 }
 
-void check_map_tolerance(const Tolerance& tolerance, const Rig& rig, const HeightCells& reference,
+void check_map_tolerance(const Tolerance& tolerance, const rig::Rig& rig, const HeightCells& reference,
                          const std::string& source) {
   if (tolerance.by_edges) {
     throw UserError(source, "part.place_by is edges; structured light classifies parts where they lie: belt");
@@ -298,4 +300,4 @@ void check_map_tolerance(const Tolerance& tolerance, const Rig& rig, const Heigh
   }
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::production

@@ -8,9 +8,9 @@
 #include "host/production/height_map.h"
 #include "host/production/part_reference.h"
 #include "host/production/placement.h"
-#include "host/rig/rig.h"
+#include "selfproj/rig/rig.h"
 
-namespace selfproj {
+namespace selfproj::production {
 
 // A polygon on the placed map, and the band in which the difference from the reference must be there.
 struct ToleranceRegion {
@@ -56,7 +56,7 @@ std::vector<double> sampled_section(const SectionReference& section, double left
 // Throws UserError, naming `source`, if the tolerance was made for another part than the reference: the outline leaves
 // the view of the rig, or the section differs from the stored one by more than kOtherPart mm.
 inline constexpr double kOtherPart = 1;
-void check_tolerance(const Tolerance& tolerance, const Rig& rig, const SectionReference& section,
+void check_tolerance(const Tolerance& tolerance, const rig::Rig& rig, const SectionReference& section,
                      const std::string& source);
 
 // The heights across the middle of the reference, every step_mm from left_mm on, NaN where there is none: what a
@@ -66,9 +66,9 @@ std::vector<double> middle_section(const HeightCells& reference, const Tolerance
 // Throws UserError, naming `source`, if the tolerance places parts by their edges, its part leaves the view, or it was
 // made for another part: the heights across the middle differ from the stored ones by more than kOtherPart mm or 1 % of
 // the distance to the plane in more than half of the places.
-void check_map_tolerance(const Tolerance& tolerance, const Rig& rig, const HeightCells& reference,
+void check_map_tolerance(const Tolerance& tolerance, const rig::Rig& rig, const HeightCells& reference,
                          const std::string& source);
 
-}  // namespace selfproj
+}  // namespace selfproj::production
 
 #endif  // SELFPROJ_HOST_PRODUCTION_TOLERANCE_H

@@ -14,34 +14,34 @@
 #include <utility>
 #include <vector>
 
-#include "host/driver/counters.h"
 #include "host/files/numbers.h"
-#include "host/images/float_image.h"
 #include "host/images/frame_options.h"
 #include "host/images/image_files.h"
 #include "host/report/facts.h"
 #include "host/report/map_picture.h"
-#include "host/structured_light/point_cloud.h"
+#include "selfproj/driver/counters.h"
+#include "selfproj/images/float_image.h"
+#include "selfproj/structured_light/point_cloud.h"
 
-namespace selfproj {
+namespace selfproj::report {
 
 namespace {
 
 // The median of the depths in mm; 1 if there is none.
-float median_depth(const FloatImage& depth) {
+float median_depth(const images::FloatImage& depth) {
   std::vector<float> values;
   std::copy_if(depth.values.begin(), depth.values.end(), std::back_inserter(values),
                [](float value) { return !std::isnan(value); });
-  return values.empty() ? 1 : median_of(std::move(values));
+  return values.empty() ? 1 : files::median_of(std::move(values));
 }
 
-double distance(const Point3f& a, const Point3f& b) {
+double distance(const structured_light::Point3f& a, const structured_light::Point3f& b) {
   return std::hypot(static_cast<double>(a.x - b.x), static_cast<double>(a.y - b.y), static_cast<double>(a.z - b.z));
 }
 
 }  // namespace
 
-std::string depth_png(const FloatImage& depth) {
+std::string depth_png(const images::FloatImage& depth) {
   std::vector<std::uint16_t> units(depth.values.size());
   std::transform(depth.values.begin(), depth.values.end(), units.begin(), [](float z) {
     constexpr double kMax = 65535;
@@ -49,16 +49,17 @@ std::string depth_png(const FloatImage& depth) {
                ? std::uint16_t{0}
                : static_cast<std::uint16_t>(std::lround(std::clamp(static_cast<double>(z) / kDepthUnit, 0.0, kMax)));
   });
-  return encode_png16(depth.rows, depth.columns, units);
+  return images::encode_png16(depth.rows, depth.columns, units);
 }
 
-std::string depth_picture(const Triangulation& triangulation, const FloatImage& depth, const std::string& title) {
+std::string depth_picture(const structured_light::Triangulation& triangulation, const images::FloatImage& depth,
+                          const std::string& title) {
   const float z = median_depth(depth);
   const auto columns = static_cast<std::size_t>(depth.columns);
   const std::size_t row = static_cast<std::size_t>(depth.rows) / 2 - (depth.rows > 1 ? 1 : 0);
   const std::size_t column = columns / 2 - (columns > 1 ? 1 : 0);
   const std::size_t at = row * columns + column;
-  const Point3f middle = triangulation.point(at, z);
+  const structured_light::Point3f middle = triangulation.point(at, z);
   const double down = depth.rows > 1 ? distance(middle, triangulation.point(at + columns, z)) : 1;
   const double right = columns > 1 ? distance(middle, triangulation.point(at + 1, z)) : 1;
   const bool rows_are_x = triangulation.rows_are_x();
@@ -66,8 +67,9 @@ std::string depth_picture(const Triangulation& triangulation, const FloatImage& 
   return labelled_map_png(depth, height_scale(depth), pitch, title);
 }
 
-std::vector<Point3f> points_of(const Triangulation& triangulation, const FloatImage& depth) {
-  std::vector<Point3f> points;
+std::vector<structured_light::Point3f> points_of(const structured_light::Triangulation& triangulation,
+                                                 const images::FloatImage& depth) {
+  std::vector<structured_light::Point3f> points;
   for (std::size_t i = 0; i < depth.values.size(); ++i) {
     if (!std::isnan(depth.values[i])) {
       points.push_back(triangulation.point(i, depth.values[i]));
@@ -76,24 +78,24 @@ std::vector<Point3f> points_of(const Triangulation& triangulation, const FloatIm
   return points;
 }
 
-std::string cloud_ply(const Triangulation& triangulation, const FloatImage& depth) {
-  const std::vector<Point3f> points = points_of(triangulation, depth);
+std::string cloud_ply(const structured_light::Triangulation& triangulation, const images::FloatImage& depth) {
+  const std::vector<structured_light::Point3f> points = points_of(triangulation, depth);
   const MapScale scale = height_scale(depth);
-  PlyText ply(points.size());
-  for (const Point3f& point : points) {
+  structured_light::PlyText ply(points.size());
+  for (const structured_light::Point3f& point : points) {
     const Colour colour = colour_at(scale.map, (static_cast<double>(point.z) - scale.low) / (scale.high - scale.low));
     ply.add(point, colour.red, colour.green, colour.blue);
   }
   return ply.file("millimetres, colour by z");
 }
 
-std::string shares_csv(const std::vector<OfImage<DepthShares>>& shares) {
+std::string shares_csv(const std::vector<structured_light::OfImage<structured_light::DepthShares>>& shares) {
   std::string text = "pair";
-  for (int state = 0; state < kPointStates; ++state) {
-    text += fmt::format(",{}", name_of(static_cast<PointState>(state)));
+  for (int state = 0; state < structured_light::kPointStates; ++state) {
+    text += fmt::format(",{}", structured_light::name_of(static_cast<structured_light::PointState>(state)));
   }
   text += '\n';
-  for (const OfImage<DepthShares>& image : shares) {
+  for (const structured_light::OfImage<structured_light::DepthShares>& image : shares) {
     fmt::format_to(std::back_inserter(text), "{},{}\n", image.number, fmt::join(image.value.count, ","));
   }
   return text;
@@ -106,7 +108,7 @@ using Json = nlohmann::ordered_json;
 // Numbers that are not finite become null.
 Json number(double value) { return std::isfinite(value) ? Json(value) : Json(); }
 
-Json depth_json(const FloatImage& depth) {
+Json depth_json(const images::FloatImage& depth) {
   std::vector<float> values;
   std::copy_if(depth.values.begin(), depth.values.end(), std::back_inserter(values),
                [](float value) { return !std::isnan(value); });
@@ -118,9 +120,11 @@ Json depth_json(const FloatImage& depth) {
 }
 
 // Angle between the plane's normal and z.
-double tilt_deg(const PlaneFit& fit) { return std::atan(std::hypot(fit.a, fit.b)) * 180 / std::numbers::pi; }
+double tilt_deg(const structured_light::PlaneFit& fit) {
+  return std::atan(std::hypot(fit.a, fit.b)) * 180 / std::numbers::pi;
+}
 
-Json plane_json(const PlaneFit& plane) {
+Json plane_json(const structured_light::PlaneFit& plane) {
   return {{"points", plane.points},
           {"points_not_on_it", plane.left_out},
           {"z_on_axis_mm", number(plane.z0)},
@@ -133,17 +137,17 @@ Json plane_json(const PlaneFit& plane) {
 }
 
 // The newest depth image.
-Json newest_json(const DepthRun& run, const DepthGeometry& geometry) {
+Json newest_json(const structured_light::DepthRun& run, const structured_light::DepthGeometry& geometry) {
   const std::size_t total = run.shares.total();
   Json pixels;
   Json shares;
-  for (int i = 0; i < kPointStates; ++i) {
-    const auto state = static_cast<PointState>(i);
-    pixels[name_of(state)] = run.shares.of(state);
-    shares[name_of(state)] = static_cast<double>(run.shares.of(state)) / static_cast<double>(total);
+  for (int i = 0; i < structured_light::kPointStates; ++i) {
+    const auto state = static_cast<structured_light::PointState>(i);
+    pixels[structured_light::name_of(state)] = run.shares.of(state);
+    shares[structured_light::name_of(state)] = static_cast<double>(run.shares.of(state)) / static_cast<double>(total);
   }
   Json json{{"pixels", total},
-            {"measurable", total - run.shares.of(PointState::not_measurable)},
+            {"measurable", total - run.shares.of(structured_light::PointState::not_measurable)},
             {"by_state", pixels},
             {"share", shares},
             {"z_mm", depth_json(run.depth)}};
@@ -151,14 +155,14 @@ Json newest_json(const DepthRun& run, const DepthGeometry& geometry) {
     json["median_residual_px"] = number(run.median_residual_px);
   }
   if (!run.moved.empty()) {
-    const Foreground& moved = run.moved.back().value;
+    const structured_light::Foreground& moved = run.moved.back().value;
     json["moved"] = {{"pixels", moved.pixels}, {"x", number(moved.x)}, {"y", number(moved.y)}, {"z", number(moved.z)}};
   }
   return json;
 }
 
-std::string summary(const DepthRun& run, const DepthReport& report) {
-  const DepthGeometry& geometry = report.setup.geometry;
+std::string summary(const structured_light::DepthRun& run, const DepthReport& report) {
+  const structured_light::DepthGeometry& geometry = report.setup.geometry;
   Json json;
   json["geometry"] = geometry.rig.empty() ? geometry.calibration : geometry.rig;
   if (run.device) {
@@ -177,7 +181,7 @@ std::string summary(const DepthRun& run, const DepthReport& report) {
   json["depth_png_mm_per_unit"] = kDepthUnit;
   json["newest"] = newest_json(run, geometry);
   if (report.comparison) {
-    const CloudComparison& comparison = *report.comparison;
+    const structured_light::CloudComparison& comparison = *report.comparison;
     json["compare"] = {{"file", report.cloud},
                        {"points", comparison.ours},
                        {"points_of_file", comparison.theirs},
@@ -192,7 +196,7 @@ std::string summary(const DepthRun& run, const DepthReport& report) {
 }
 
 // One line for each depth image: pair,pixels,x,y,z. If nothing moved, pixels is 0 and the rest is empty.
-std::string moved_csv(const std::vector<OfImage<Foreground>>& all) {
+std::string moved_csv(const std::vector<structured_light::OfImage<structured_light::Foreground>>& all) {
   std::string text = "pair,pixels,x,y,z\n";
   for (const auto& [image, moved] : all) {
     if (moved.pixels == 0) {
@@ -207,25 +211,26 @@ std::string moved_csv(const std::vector<OfImage<Foreground>>& all) {
 
 }  // namespace
 
-nlohmann::ordered_json device_json(const std::string& uri, const DeviceCounts& counts) {
+nlohmann::ordered_json device_json(const std::string& uri, const structured_light::DeviceCounts& counts) {
   nlohmann::ordered_json json = {{"uri", uri}};
-  for (const CounterName& name : kCounterNames) {
+  for (const driver::CounterName& name : driver::kCounterNames) {
     json[name.key] = counts.counters.*name.field;
   }
   json["incomplete"] = counts.incomplete;
   return json;
 }
 
-std::string losses_of(const DeviceCounts& counts) {
-  return counters_text(counts.counters, {&Counters::lost_board, &Counters::lost_ring, &Counters::lost_network,
-                                         &Counters::missing, &Counters::bad}) +
+std::string losses_of(const structured_light::DeviceCounts& counts) {
+  return driver::counters_text(counts.counters,
+                               {&driver::Counters::lost_board, &driver::Counters::lost_ring,
+                                &driver::Counters::lost_network, &driver::Counters::missing, &driver::Counters::bad}) +
          fmt::format(", incomplete images {}", counts.incomplete);
 }
 
-std::string write_depth(const DepthRun& run, const DepthReport& report, OutputFolder& folder) {
+std::string write_depth(const structured_light::DepthRun& run, const DepthReport& report, files::OutputFolder& folder) {
   const std::string title =
-      fmt::format("depth z, {} of {} pixels", run.shares.of(PointState::valid), run.shares.total());
-  folder.append("depth.tiff", encode_float_tiff("depth.tiff", run.depth));
+      fmt::format("depth z, {} of {} pixels", run.shares.of(structured_light::PointState::valid), run.shares.total());
+  folder.append("depth.tiff", images::encode_float_tiff("depth.tiff", run.depth));
   folder.append("depth.png", depth_png(run.depth));
   std::string picture = depth_picture(*run.triangulation, run.depth, title);
   folder.append("depth_colour.png", picture);
@@ -235,28 +240,28 @@ std::string write_depth(const DepthRun& run, const DepthReport& report, OutputFo
     folder.append("moved.csv", moved_csv(run.moved));
   }
   if (run.moved_depth) {
-    folder.append("moved.tiff", encode_float_tiff("moved.tiff", *run.moved_depth));
+    folder.append("moved.tiff", images::encode_float_tiff("moved.tiff", *run.moved_depth));
   }
   folder.append("summary.json", summary(run, report));
   return picture;
 }
 
-std::string depth_text(const DepthRun& run, const DepthReport& report, const std::string& folder) {
+std::string depth_text(const structured_light::DepthRun& run, const DepthReport& report, const std::string& folder) {
   std::string shares;
-  for (int i = 0; i < kPointStates; ++i) {
-    const auto state = static_cast<PointState>(i);
-    if (state == PointState::valid || run.shares.of(state) > 0) {
-      shares += (shares.empty() ? "" : ", ") + share_text(run.shares, state);
+  for (int i = 0; i < structured_light::kPointStates; ++i) {
+    const auto state = static_cast<structured_light::PointState>(i);
+    if (state == structured_light::PointState::valid || run.shares.of(state) > 0) {
+      shares += (shares.empty() ? "" : ", ") + structured_light::share_text(run.shares, state);
     }
   }
   const std::string how =
       report.device.empty() ? fmt::format("threshold {}", report.setup.scanner.threshold) : report.device;
   std::string text = fmt::format(
       "{} {} of {}, {} bits, {}: {} → {}\n", run.depth_images, run.depth_images == 1 ? "depth image" : "depth images",
-      size_text(run.depth.rows, run.depth.columns), report.setup.geometry.bits, how, shares, folder);
+      images::size_text(run.depth.rows, run.depth.columns), report.setup.geometry.bits, how, shares, folder);
   const auto to = std::back_inserter(text);
   if (report.comparison) {
-    const CloudComparison& comparison = *report.comparison;
+    const structured_light::CloudComparison& comparison = *report.comparison;
     fmt::format_to(
         to,
         "{}: median distance of our {} points to its {}: {:.3f} mm; within 1 mm: {:.1f} % of ours, {:.1f} % of its\n",
@@ -266,7 +271,7 @@ std::string depth_text(const DepthRun& run, const DepthReport& report, const std
   if (!report.plane) {
     return text;
   }
-  const PlaneFit& plane = *report.plane;
+  const structured_light::PlaneFit& plane = *report.plane;
   if (std::isnan(plane.rms)) {
     fmt::format_to(to, "plane: {} points are too few, or on a line\n", plane.points);
   } else {
@@ -282,7 +287,7 @@ std::string depth_text(const DepthRun& run, const DepthReport& report, const std
 
 namespace {
 
-std::string summary(const MatchTable& table, const MatchReport& report) {
+std::string summary(const structured_light::MatchTable& table, const MatchReport& report) {
   nlohmann::ordered_json json{{"rig", report.rig},
                               {"reference", report.reference},
                               {"bits", report.bits},
@@ -300,27 +305,28 @@ std::string summary(const MatchTable& table, const MatchReport& report) {
   if (!report.line.empty()) {
     json["line"] = facts_json(report.line);
   }
-  for (int i = 0; i < kPointStates; ++i) {
-    const auto state = static_cast<PointState>(i);
-    json["newest"][name_of(state)] = report.all_shares.back().value.of(state);
+  for (int i = 0; i < structured_light::kPointStates; ++i) {
+    const auto state = static_cast<structured_light::PointState>(i);
+    json["newest"][structured_light::name_of(state)] = report.all_shares.back().value.of(state);
   }
   return json.dump(2) + "\n";
 }
 
 }  // namespace
 
-MatchPictures write_match(const Rig& rig, const MatchTable& table, const SelfScanner& scanner,
-                          const MatchReport& report, OutputFolder& folder) {
+MatchPictures write_match(const rig::Rig& rig, const structured_light::MatchTable& table,
+                          const structured_light::SelfScanner& scanner, const MatchReport& report,
+                          files::OutputFolder& folder) {
   const double pitch = rig.plane_z_mm * rig.camera.pixel_pitch_mm / rig.camera.focal_length_mm;
-  const FloatImage& depth = scanner.depth();
-  const FloatImage& difference = scanner.difference();
+  const images::FloatImage& depth = scanner.depth();
+  const images::FloatImage& difference = scanner.difference();
   MatchPictures pictures{.depth = depth_picture(scanner.triangulation(), depth, "depth z"),
                          .difference = labelled_map_png(difference, difference_scale(difference), {pitch, pitch},
                                                         "difference from the reference, mm")};
-  folder.append("depth.tiff", encode_float_tiff("depth.tiff", depth));
+  folder.append("depth.tiff", images::encode_float_tiff("depth.tiff", depth));
   folder.append("depth.png", depth_png(depth));
   folder.append("depth_colour.png", pictures.depth);
-  folder.append("difference.tiff", encode_float_tiff("difference.tiff", difference));
+  folder.append("difference.tiff", images::encode_float_tiff("difference.tiff", difference));
   folder.append("difference.png", pictures.difference);
   folder.append("cloud.ply", cloud_ply(scanner.triangulation(), depth));
   folder.append("shares.csv", shares_csv(report.all_shares));
@@ -328,14 +334,15 @@ MatchPictures write_match(const Rig& rig, const MatchTable& table, const SelfSca
   return pictures;
 }
 
-std::string match_text(const MatchTable& table, const MatchReport& report, const std::string& folder) {
-  const DepthShares& newest = report.all_shares.back().value;
+std::string match_text(const structured_light::MatchTable& table, const MatchReport& report,
+                       const std::string& folder) {
+  const structured_light::DepthShares& newest = report.all_shares.back().value;
   const std::string losses = report.counts ? losses_of(*report.counts) + "; " : std::string();
   return fmt::format(
       "{} depth images: {}{} of {} pixels valid; codes without a match {:.2f} %, with several candidates {:.2f} % "
       "→ {}\n",
-      report.depth_images, losses, newest.of(PointState::valid), newest.total(), 100 * table.missing(),
-      100 * table.doubled(), folder);
+      report.depth_images, losses, newest.of(structured_light::PointState::valid), newest.total(),
+      100 * table.missing(), 100 * table.doubled(), folder);
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::report

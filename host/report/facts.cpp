@@ -7,7 +7,7 @@
 #include <variant>
 #include <vector>
 
-namespace selfproj {
+namespace selfproj::report {
 
 nlohmann::ordered_json facts_json(const std::vector<Fact>& facts) {
   nlohmann::ordered_json result = nlohmann::ordered_json::object();
@@ -22,18 +22,18 @@ std::int64_t fact_number(std::uint64_t value) {
   return static_cast<std::int64_t>(std::min(value, kMax));
 }
 
-Fact counter_fact(std::uint64_t Counters::*counter, std::uint64_t value) {
-  const CounterName& name = name_of(counter);
+Fact counter_fact(std::uint64_t driver::Counters::*counter, std::uint64_t value) {
+  const driver::CounterName& name = driver::name_of(counter);
   return {name.key, name.label, fact_number(value)};
 }
 
-std::vector<Fact> counter_facts(const Counters& counters) {
+std::vector<Fact> counter_facts(const driver::Counters& counters) {
   std::vector<Fact> facts;
-  facts.reserve(kCounterNames.size());
-  for (const CounterName& name : kCounterNames) {
+  facts.reserve(driver::kCounterNames.size());
+  for (const driver::CounterName& name : driver::kCounterNames) {
     facts.push_back({name.key, name.label, fact_number(counters.*name.field)});
   }
   return facts;
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::report

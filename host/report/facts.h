@@ -8,9 +8,9 @@
 #include <variant>
 #include <vector>
 
-#include "host/driver/counters.h"
+#include "selfproj/driver/counters.h"
 
-namespace selfproj {
+namespace selfproj::report {
 
 // A number or word with a name: `key` in summary.json, `label` with its unit in the report.
 struct Fact {
@@ -26,9 +26,10 @@ nlohmann::ordered_json facts_json(const std::vector<Fact>& facts);
 // The same number, or the greatest that a fact can have.
 std::int64_t fact_number(std::uint64_t value);
 
-// A counter of the driver as a fact, with its names from host/driver/counters.h: one with a value; all of them.
-Fact counter_fact(std::uint64_t Counters::*counter, std::uint64_t value);
-std::vector<Fact> counter_facts(const Counters& counters);
+// A counter of the driver as a fact, with its names from include/selfproj/driver/counters.h: one with a value; all of
+// them.
+Fact counter_fact(std::uint64_t driver::Counters::*counter, std::uint64_t value);
+std::vector<Fact> counter_facts(const driver::Counters& counters);
 
 // A table. The first column names the subject of the row. Cells are plain text.
 struct ReportTable {
@@ -38,6 +39,6 @@ struct ReportTable {
   std::string note = {};  // printed below the table
 };
 
-}  // namespace selfproj
+}  // namespace selfproj::report
 
 #endif  // SELFPROJ_HOST_REPORT_FACTS_H

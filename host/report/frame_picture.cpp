@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-namespace selfproj {
+namespace selfproj::report {
 namespace {
 
 constexpr int kShift = 4;  // fractional bits of OpenCV's drawing coordinates
@@ -21,7 +21,7 @@ const cv::Scalar kLabelInk(40, 40, 40);
 const cv::Scalar kLine(0, 110, 255);       // orange
 const cv::Scalar kAmbiguous(255, 0, 220);  // magenta
 
-cv::Mat to_mat(const Image& image) {
+cv::Mat to_mat(const images::Image& image) {
   cv::Mat mat(image.rows, image.columns, CV_8UC1);
   for (int r = 0; r < image.rows; ++r) {
     std::copy_n(image.pixels.data() + static_cast<std::ptrdiff_t>(r) * image.columns, image.columns,
@@ -106,4 +106,4 @@ std::string frame_png(const CameraPicture& camera) {
   return {bytes.begin(), bytes.end()};
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::report

@@ -8,14 +8,14 @@
 #include <vector>
 
 #include "host/images/image_files.h"
-#include "model/column_moments.h"
+#include "selfproj/model/column_moments.h"
 
-namespace selfproj {
+namespace selfproj::report {
 
 // A camera image as it came, with the moments of its columns.
 struct CameraPicture {
-  Image image;
-  Moments moments;
+  images::Image image;
+  model::Moments moments;
   std::vector<std::uint8_t> ambiguous = {};  // not 0: the column is to be marked; empty: none
   std::size_t frame = 0;                     // from 1
 };
@@ -24,6 +24,6 @@ struct CameraPicture {
 // apart. Below it are the moments M0 (amount of light over the threshold) and n (lit pixels) of the columns.
 std::string frame_png(const CameraPicture& camera);
 
-}  // namespace selfproj
+}  // namespace selfproj::report
 
 #endif  // SELFPROJ_HOST_REPORT_FRAME_PICTURE_H

@@ -16,34 +16,35 @@
 #include <vector>
 
 #include "host/files/numbers.h"
-#include "host/files/user_error.h"
-#include "host/images/float_image.h"
 #include "host/images/frame_options.h"
-#include "host/light_section/profile.h"
 #include "host/report/facts.h"
 #include "host/report/frame_picture.h"
 #include "host/report/map_picture.h"
 #include "host/report/tables.h"
-#include "model/spec/generated/selfproj_spec.h"
+#include "selfproj/files/user_error.h"
+#include "selfproj/images/float_image.h"
+#include "selfproj/light_section/profile.h"
+#include "selfproj/model/generated/selfproj_spec.h"
 
-namespace selfproj {
+namespace selfproj::report {
 namespace {
 
-constexpr std::array<const char*, kValidities> kValidityNames = {
+constexpr std::array<const char*, light_section::kValidities> kValidityNames = {
     "valid", "unlit", "too_few", "too_wide", "cut_off", "no_reference", "out_of_range", "ambiguous"};
-constexpr std::array<const char*, kValidities> kValidityLabels = {"points",
-                                                                  "columns without light",
-                                                                  "columns with too few lit pixels",
-                                                                  "columns with too many lit pixels",
-                                                                  "columns whose line the image's border cuts off",
-                                                                  "columns without a reference",
-                                                                  "columns out of range",
-                                                                  "columns whose second run is nearly as strong"};
+constexpr std::array<const char*, light_section::kValidities> kValidityLabels = {
+    "points",
+    "columns without light",
+    "columns with too few lit pixels",
+    "columns with too many lit pixels",
+    "columns whose line the image's border cuts off",
+    "columns without a reference",
+    "columns out of range",
+    "columns whose second run is nearly as strong"};
 
 // Collects text and appends it to a file of the folder, one megabyte at a time.
 class Table {
  public:
-  Table(OutputFolder& folder, std::string file) : folder_(folder), file_(std::move(file)), text_(kBytes, '\0') {}
+  Table(files::OutputFolder& folder, std::string file) : folder_(folder), file_(std::move(file)), text_(kBytes, '\0') {}
 
   void append(std::string_view text) {
     char* at = room(text.size());
@@ -69,7 +70,7 @@ class Table {
  private:
   static constexpr std::size_t kBytes = std::size_t{1} << 20U;
 
-  OutputFolder& folder_;
+  files::OutputFolder& folder_;
   std::string file_;
   std::string text_;
   std::size_t used_ = 0;
@@ -92,7 +93,7 @@ struct Statistics {
   double rms = 0;
 };
 
-Statistics statistics(const FloatImage& image) {
+Statistics statistics(const images::FloatImage& image) {
   Statistics result;
   double sum = 0;
   double squares = 0;
@@ -115,7 +116,7 @@ Statistics statistics(const FloatImage& image) {
 }
 
 // Rounds to four decimals: tenths of a micrometre.
-double rounded(double millimetres) { return selfproj::rounded(millimetres, 4); }
+double rounded(double millimetres) { return selfproj::files::rounded(millimetres, 4); }
 
 nlohmann::ordered_json to_json(const Statistics& s) {
   if (s.count == 0) {
@@ -124,13 +125,13 @@ nlohmann::ordered_json to_json(const Statistics& s) {
   return {{"min", rounded(s.least)}, {"max", rounded(s.greatest)}, {"mean", rounded(s.mean)}, {"rms", rounded(s.rms)}};
 }
 
-MapPitch pitch_of(const Inspection& inspection) {
+MapPitch pitch_of(const light_section::Inspection& inspection) {
   return {.row_mm = inspection.frame_spacing_mm(), .column_mm = inspection.column_spacing_mm()};
 }
 
 using ValidityCounts = std::array<std::int64_t, kValidityNames.size()>;
 
-ValidityCounts count_validity(const Inspection& inspection) {
+ValidityCounts count_validity(const light_section::Inspection& inspection) {
   ValidityCounts counts{};
   for (const std::uint8_t validity : inspection.values().validity) {
     counts.at(validity)++;
@@ -138,11 +139,11 @@ ValidityCounts count_validity(const Inspection& inspection) {
   return counts;
 }
 
-void write_moments(const Inspection& inspection, OutputFolder& folder) {
-  const Inspection::Values& values = inspection.values();
+void write_moments(const light_section::Inspection& inspection, files::OutputFolder& folder) {
+  const light_section::Inspection::Values& values = inspection.values();
   Table table(folder, "moments.csv");
   const bool runs = inspection.has_runs();
-  table.append(moments_csv_header(runs ? Select::strongest : Select::all));
+  table.append(moments_csv_header(runs ? model::Select::strongest : model::Select::all));
   std::size_t at = 0;
   for (std::size_t frame = 1; frame <= inspection.frames(); ++frame) {
     std::array<char, kMaxNumberText> name{};
@@ -169,14 +170,14 @@ void write_moments(const Inspection& inspection, OutputFolder& folder) {
   table.flush();
 }
 
-void write_profile(const Inspection& inspection, OutputFolder& folder) {
-  const Inspection::Values& values = inspection.values();
+void write_profile(const light_section::Inspection& inspection, files::OutputFolder& folder) {
+  const light_section::Inspection::Values& values = inspection.values();
   Table table(folder, "profile.csv");
   table.append("frame,column,x,y,z,dx,dy,dz\n");
   std::size_t at = 0;
   for (std::size_t frame = 1; frame <= inspection.frames(); ++frame) {
     for (int column = 1; column <= inspection.columns(); ++column, ++at) {
-      if (values.validity[at] != static_cast<std::uint8_t>(Validity::valid)) {
+      if (values.validity[at] != static_cast<std::uint8_t>(light_section::Validity::valid)) {
         continue;
       }
       char* to = append_integer(table.room(9 * kMaxNumberText), frame);
@@ -194,10 +195,10 @@ void write_profile(const Inspection& inspection, OutputFolder& folder) {
   table.flush();
 }
 
-void write_cloud(const Inspection& inspection, OutputFolder& folder, const MapScale& scale) {
-  const Inspection::Values& values = inspection.values();
-  const auto points =
-      std::count(values.validity.begin(), values.validity.end(), static_cast<std::uint8_t>(Validity::valid));
+void write_cloud(const light_section::Inspection& inspection, files::OutputFolder& folder, const MapScale& scale) {
+  const light_section::Inspection::Values& values = inspection.values();
+  const auto points = std::count(values.validity.begin(), values.validity.end(),
+                                 static_cast<std::uint8_t>(light_section::Validity::valid));
   Table cloud(folder, "cloud.ply");
   cloud.append(
       fmt::format("ply\nformat binary_little_endian 1.0\n"
@@ -210,7 +211,7 @@ void write_cloud(const Inspection& inspection, OutputFolder& folder, const MapSc
   std::size_t at = 0;
   for (const double travel : belt) {
     for (int column = 0; column < inspection.columns(); ++column, ++at) {
-      if (values.validity[at] != static_cast<std::uint8_t>(Validity::valid)) {
+      if (values.validity[at] != static_cast<std::uint8_t>(light_section::Validity::valid)) {
         continue;
       }
       const double difference = -static_cast<double>(values.dz[at]);
@@ -228,9 +229,9 @@ void write_cloud(const Inspection& inspection, OutputFolder& folder, const MapSc
   cloud.flush();
 }
 
-std::string summary(const Inspection& inspection, const ReportParts& parts) {
-  const Rig& rig = inspection.rig();
-  const Inspection::Frame& first = inspection.frame(0);
+std::string summary(const light_section::Inspection& inspection, const ReportParts& parts) {
+  const rig::Rig& rig = inspection.rig();
+  const light_section::Inspection::Frame& first = inspection.frame(0);
   nlohmann::ordered_json json;
   json["title"] = parts.title;
   json["spec"] = {{"version", fmt::format("{}.{}", spec::kVersion >> 8U, spec::kVersion & 0xFFU)},
@@ -251,30 +252,31 @@ std::string summary(const Inspection& inspection, const ReportParts& parts) {
                   {"mm_per_column", rounded(pitch.column_mm)}};
   json["first_sequence"] = first.sequence;
   json["last_sequence"] = inspection.frame(inspection.frames() - 1).sequence;
-  json["mode"] = mode_name(static_cast<Mode>(first.mode));
+  json["mode"] = images::mode_name(static_cast<model::Mode>(first.mode));
   json["threshold"] = first.threshold;
-  if (first.measure().select != Select::all || first.measure().window != RowWindow{}) {
-    json["select"] = select_name(first.measure().select);
+  if (first.measure().select != model::Select::all || first.measure().window != model::RowWindow{}) {
+    json["select"] = images::select_name(first.measure().select);
     json["gap"] = first.gap;
     json["rows"] = {first.window.first, first.window.last};
   }
   json["counters"] = facts_json(parts.counters);
   json["settings"] = facts_json(parts.settings);
-  json["rig"] = {{"name", rig.name}, {"yaml", to_yaml(rig)}};
+  json["rig"] = {{"name", rig.name}, {"yaml", rig::to_yaml(rig)}};
   for (const ReportTable& table : parts.tables) {
     json["tables"].push_back({{"title", table.title}, {"header", table.header}, {"rows", table.rows}});
   }
   return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 
-ReportData report_data(const Inspection& inspection, const ReportParts& parts) {
-  const Rig& rig = inspection.rig();
-  const Inspection::Frame& first = inspection.frame(0);
+ReportData report_data(const light_section::Inspection& inspection, const ReportParts& parts) {
+  const rig::Rig& rig = inspection.rig();
+  const light_section::Inspection::Frame& first = inspection.frame(0);
   ReportData data;
   data.title = parts.title;
-  data.subtitle = fmt::format("rig {} · {} × {} px · mode {} · threshold {}", rig.name, rig.camera.rows,
-                              inspection.columns(), mode_name(static_cast<Mode>(first.mode)), first.threshold);
-  if (const std::string select = select_text(first.measure()); !select.empty()) {
+  data.subtitle =
+      fmt::format("rig {} · {} × {} px · mode {} · threshold {}", rig.name, rig.camera.rows, inspection.columns(),
+                  images::mode_name(static_cast<model::Mode>(first.mode)), first.threshold);
+  if (const std::string select = images::select_text(first.measure()); !select.empty()) {
     data.subtitle += " · " + select;
   }
   data.height = inspection.height();
@@ -319,18 +321,19 @@ ReportData report_data(const Inspection& inspection, const ReportParts& parts) {
 
 }  // namespace
 
-void write_inspection(const Inspection& inspection, OutputFolder& folder, const ReportParts& parts) {
+void write_inspection(const light_section::Inspection& inspection, files::OutputFolder& folder,
+                      const ReportParts& parts) {
   if (inspection.frames() == 0) {
     throw UserError(folder.name(), "there is no frame to write");
   }
   write_moments(inspection, folder);
   write_profile(inspection, folder);
-  const FloatImage heights = inspection.height();
-  const FloatImage differences = inspection.difference();
+  const images::FloatImage heights = inspection.height();
+  const images::FloatImage differences = inspection.difference();
   const MapScale scale = difference_scale(differences);
   write_cloud(inspection, folder, scale);
-  folder.append("height.tiff", encode_float_tiff("height.tiff", heights));
-  folder.append("difference.tiff", encode_float_tiff("difference.tiff", differences));
+  folder.append("height.tiff", images::encode_float_tiff("height.tiff", heights));
+  folder.append("difference.tiff", images::encode_float_tiff("difference.tiff", differences));
   folder.append("height.png", labelled_map_png(heights, height_scale(heights), pitch_of(inspection), "height"));
   folder.append("difference.png",
                 labelled_map_png(differences, scale, pitch_of(inspection), "difference from the reference"));
@@ -341,4 +344,4 @@ void write_inspection(const Inspection& inspection, OutputFolder& folder, const 
   folder.append("report.html", report_html(report_data(inspection, parts)));
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::report

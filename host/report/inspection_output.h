@@ -3,15 +3,16 @@
 #define SELFPROJ_HOST_REPORT_INSPECTION_OUTPUT_H
 
 #include "host/files/output_folder.h"
-#include "host/light_section/inspection.h"
 #include "host/report/report.h"
+#include "selfproj/light_section/inspection.h"
 
-namespace selfproj {
+namespace selfproj::report {
 
 // Writes all files into the folder, without committing it. Throws UserError if there is no frame to write, and as
 // OutputFolder does.
-void write_inspection(const Inspection& inspection, OutputFolder& folder, const ReportParts& parts = {});
+void write_inspection(const light_section::Inspection& inspection, files::OutputFolder& folder,
+                      const ReportParts& parts = {});
 
-}  // namespace selfproj
+}  // namespace selfproj::report
 
 #endif  // SELFPROJ_HOST_REPORT_INSPECTION_OUTPUT_H

@@ -12,11 +12,11 @@
 #include <string>
 #include <vector>
 
-#include "host/files/user_error.h"
-#include "host/images/float_image.h"
 #include "host/report/tables.h"
+#include "selfproj/files/user_error.h"
+#include "selfproj/images/float_image.h"
 
-namespace selfproj {
+namespace selfproj::report {
 
 namespace {
 
@@ -79,7 +79,7 @@ cv::Vec3b hatch(int row, int column) {
 // The first of `values` values that falls into pixel `i` of `count`.
 int begin_of(int i, int count, int values) { return static_cast<int>(static_cast<std::int64_t>(i) * values / count); }
 
-float mean_of_block(const FloatImage& map, int row_begin, int row_end, int column_begin, int column_end) {
+float mean_of_block(const images::FloatImage& map, int row_begin, int row_end, int column_begin, int column_end) {
   double sum = 0;
   int count = 0;
   for (int r = row_begin; r < row_end; ++r) {
@@ -94,7 +94,7 @@ float mean_of_block(const FloatImage& map, int row_begin, int row_end, int colum
   return count > 0 ? static_cast<float>(sum / count) : std::numeric_limits<float>::quiet_NaN();
 }
 
-cv::Mat draw_map(const FloatImage& map, const MapScale& scale, const MapSize& size) {
+cv::Mat draw_map(const images::FloatImage& map, const MapScale& scale, const MapSize& size) {
   constexpr int kColours = 1024;
   std::vector<cv::Vec3b> colours;
   for (int i = 0; i < kColours; ++i) {
@@ -171,7 +171,7 @@ double bar_length(double length) { return round_down(length / 4); }
 
 }  // namespace
 
-std::vector<int> full_rows(const FloatImage& map) {
+std::vector<int> full_rows(const images::FloatImage& map) {
   std::vector<std::ptrdiff_t> counts;
   for (int r = 0; r < map.rows; ++r) {
     counts.push_back(
@@ -187,7 +187,7 @@ std::vector<int> full_rows(const FloatImage& map) {
   return rows;
 }
 
-MapScale difference_scale(const FloatImage& difference) {
+MapScale difference_scale(const images::FloatImage& difference) {
   std::vector<float> values;
   for (const int r : full_rows(difference)) {
     for (const float* value = difference.row(r); value < difference.row(r) + difference.columns; ++value) {
@@ -206,7 +206,7 @@ MapScale difference_scale(const FloatImage& difference) {
   return {ColourMap::diverging, -reach, reach};
 }
 
-MapScale height_scale(const FloatImage& height) {
+MapScale height_scale(const images::FloatImage& height) {
   std::vector<float> values;
   std::copy_if(height.values.begin(), height.values.end(), std::back_inserter(values),
                [](float value) { return !std::isnan(value); });
@@ -236,14 +236,14 @@ MapSize map_size(int rows, int columns, const MapPitch& pitch, int longest) {
   return {side(width), side(height)};
 }
 
-std::string map_png(const FloatImage& map, const MapScale& scale, const MapSize& size) {
+std::string map_png(const images::FloatImage& map, const MapScale& scale, const MapSize& size) {
   if (map.values.empty()) {
     throw UserError("inspection", "there is nothing to draw");
   }
   return png(draw_map(map, scale, size));
 }
 
-std::string labelled_map_png(const FloatImage& map, const MapScale& scale, const MapPitch& pitch,
+std::string labelled_map_png(const images::FloatImage& map, const MapScale& scale, const MapPitch& pitch,
                              const std::string& title, const std::vector<MapMark>& marks) {
   if (map.values.empty()) {
     throw UserError("inspection", "there is nothing to draw");
@@ -293,4 +293,4 @@ std::string labelled_map_png(const FloatImage& map, const MapScale& scale, const
   return png(picture);
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::report

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "host/images/float_image.h"
+#include "selfproj/images/float_image.h"
 
-namespace selfproj {
+namespace selfproj::report {
 
 struct Colour {
   std::uint8_t red = 0;
@@ -50,13 +50,13 @@ struct MapSize {
 
 // Rows that have at least nine tenths as many values as the fullest row. These show the part, and not what is before
 // and behind it.
-std::vector<int> full_rows(const FloatImage& map);
+std::vector<int> full_rows(const images::FloatImage& map);
 
 // A diverging scale, symmetric about 0, that covers 99.5 % of the values in full rows; at least +-0.1 mm.
-MapScale difference_scale(const FloatImage& difference);
+MapScale difference_scale(const images::FloatImage& difference);
 
 // A sequential scale over the middle 99.8 % of the values; at least 1 mm wide.
-MapScale height_scale(const FloatImage& height);
+MapScale height_scale(const images::FloatImage& height);
 
 // The size of a picture of rows x columns > 0 whose longer side has `longest` pixels. Both directions have one scale,
 // except that no side is shorter than a fifth of `longest`.
@@ -64,7 +64,7 @@ MapSize map_size(int rows, int columns, const MapPitch& pitch, int longest);
 
 // The map alone as PNG. A pixel is the mean of the values that fall into it. A pixel without values is hatched in grey,
 // which is the colour of no value. Throws UserError if the map is empty.
-std::string map_png(const FloatImage& map, const MapScale& scale, const MapSize& size);
+std::string map_png(const images::FloatImage& map, const MapScale& scale, const MapSize& size);
 
 // A frame around a place of a map, in rows and columns from 0; its middle and its size.
 struct MapMark {
@@ -75,9 +75,9 @@ struct MapMark {
 };
 
 // The map as PNG on white, with a title, a colour bar in mm, a scale bar in mm for each direction, and the marks.
-std::string labelled_map_png(const FloatImage& map, const MapScale& scale, const MapPitch& pitch,
+std::string labelled_map_png(const images::FloatImage& map, const MapScale& scale, const MapPitch& pitch,
                              const std::string& title, const std::vector<MapMark>& marks = {});
 
-}  // namespace selfproj
+}  // namespace selfproj::report
 
 #endif  // SELFPROJ_HOST_REPORT_MAP_PICTURE_H

@@ -17,7 +17,7 @@
 #include "host/report/map_picture.h"
 #include "host/report/tables.h"
 
-namespace selfproj {
+namespace selfproj::report {
 
 namespace {
 
@@ -222,7 +222,7 @@ void add_camera(std::string& html, const CameraPicture& camera, std::string_view
   fmt::format_to(to,
                  "<section class=\"card\"><h2>Camera image of frame {}, with the line found</h2><div class=\"camera\">",
                  camera.frame);
-  html += picture_html(encode_png(camera.image), "camera image");
+  html += picture_html(images::encode_png(camera.image), "camera image");
   fmt::format_to(to,
                  "<svg viewBox=\"0 0 {} {}\" preserveAspectRatio=\"none\"><path stroke=\"#ff7a1a\" "
                  "stroke-width=\"1.8\" d=\"",
@@ -255,7 +255,7 @@ void add_foot(std::string& html, const std::vector<Fact>& counters, const std::v
   html += "</section>\n</main></body></html>\n";
 }
 
-void add_map(std::string& html, std::string_view title, std::string_view explanation, const FloatImage& map,
+void add_map(std::string& html, std::string_view title, std::string_view explanation, const images::FloatImage& map,
              const MapScale& scale, const MapPitch& pitch) {
   constexpr int kLongest = 900;
   auto to = std::back_inserter(html);
@@ -417,4 +417,4 @@ void add_plot(std::string& html, const ReportPlot& plot) {
   fmt::format_to(to, "<span class=\"xl\">{}</span></div></section>\n", escaped(plot.x_label));
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::report

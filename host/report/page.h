@@ -7,12 +7,12 @@
 #include <string_view>
 #include <vector>
 
-#include "host/images/float_image.h"
 #include "host/report/facts.h"
 #include "host/report/frame_picture.h"
 #include "host/report/map_picture.h"
+#include "selfproj/images/float_image.h"
 
-namespace selfproj {
+namespace selfproj::report {
 
 // The text with & < > and the double quote replaced by their HTML entities.
 std::string escaped(std::string_view text);
@@ -38,7 +38,7 @@ void add_foot(std::string& html, const std::vector<Fact>& counters, const std::v
 
 // Appends a map as HTML, with its scale bars beside and below it and an explanation of its colours. `title` and
 // `explanation` are HTML.
-void add_map(std::string& html, std::string_view title, std::string_view explanation, const FloatImage& map,
+void add_map(std::string& html, std::string_view title, std::string_view explanation, const images::FloatImage& map,
              const MapScale& scale, const MapPitch& pitch);
 
 // One line of a plot; NaN leaves a gap.
@@ -61,6 +61,6 @@ struct ReportPlot {
 // Appends the plot as HTML with an SVG in it.
 void add_plot(std::string& html, const ReportPlot& plot);
 
-}  // namespace selfproj
+}  // namespace selfproj::report
 
 #endif  // SELFPROJ_HOST_REPORT_PAGE_H

@@ -10,13 +10,13 @@
 #include <string>
 #include <vector>
 
-#include "host/images/float_image.h"
-#include "host/light_section/profile.h"
 #include "host/report/frame_picture.h"
 #include "host/report/map_picture.h"
 #include "host/report/page.h"
+#include "selfproj/images/float_image.h"
+#include "selfproj/light_section/profile.h"
 
-namespace selfproj {
+namespace selfproj::report {
 namespace {
 
 enum class Along : std::uint8_t { rows, columns };
@@ -24,7 +24,7 @@ enum class Along : std::uint8_t { rows, columns };
 // The row (or column) of the map with the greatest mean square of the differences. Only full rows count, and columns
 // that have at least nine tenths of their values in them. Rows near the first and the last full one are left out,
 // because the part's ends are there. -1 if there is none.
-int most_different(const FloatImage& difference, Along along) {
+int most_different(const images::FloatImage& difference, Along along) {
   const auto count = static_cast<std::size_t>(along == Along::rows ? difference.rows : difference.columns);
   std::vector<double> squares(count, 0.0);
   std::vector<int> entries(count, 0);
@@ -109,9 +109,9 @@ std::vector<std::string> line_row(const CameraPicture& camera) {
     if (camera.moments.m0[i] > 0) {
       rows.push_back(static_cast<double>(camera.moments.m1[i]) / camera.moments.m0[i]);  // (3.2)
       lit += camera.moments.n[i];
-      cut_off +=
-          static_cast<int>(line_is_cut_off(static_cast<float>(rows.back()), static_cast<float>(camera.moments.n[i]),
-                                           static_cast<float>(camera.image.rows)));
+      cut_off += static_cast<int>(light_section::line_is_cut_off(static_cast<float>(rows.back()),
+                                                                 static_cast<float>(camera.moments.n[i]),
+                                                                 static_cast<float>(camera.image.rows)));
     }
   }
   const std::string frame = fmt::format("frame {}", camera.frame);
@@ -198,4 +198,4 @@ std::string report_html(const ReportData& data) {
   return html;
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::report

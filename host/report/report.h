@@ -6,13 +6,13 @@
 #include <string>
 #include <vector>
 
-#include "host/images/float_image.h"
 #include "host/report/facts.h"
 #include "host/report/frame_picture.h"
 #include "host/report/map_picture.h"
 #include "host/report/page.h"
+#include "selfproj/images/float_image.h"
 
-namespace selfproj {
+namespace selfproj::report {
 
 // The program's additions to the collected data. All of it is optional.
 struct ReportParts {
@@ -32,9 +32,9 @@ struct ReportData {
   std::vector<Fact> settings;
   std::vector<ReportTable> tables;
   std::optional<CameraPicture> camera;
-  FloatImage height;      // mm; rows are frames
-  FloatImage difference;  // mm
-  FloatImage y;           // mm, of the same shape
+  images::FloatImage height;      // mm; rows are frames
+  images::FloatImage difference;  // mm
+  images::FloatImage y;           // mm, of the same shape
   MapPitch pitch;
 };
 
@@ -73,6 +73,6 @@ struct MomentsReport {
 // The page as text: the images with the line found in them, and a table of its properties.
 std::string report_html(const MomentsReport& data);
 
-}  // namespace selfproj
+}  // namespace selfproj::report
 
 #endif  // SELFPROJ_HOST_REPORT_REPORT_H

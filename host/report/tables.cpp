@@ -11,9 +11,9 @@
 #include <string>
 #include <vector>
 
-#include "model/column_runs.h"
+#include "selfproj/model/column_runs.h"
 
-namespace selfproj {
+namespace selfproj::report {
 
 char* append_integer(char* to, std::uint64_t value) { return std::to_chars(to, to + kMaxNumberText, value).ptr; }
 
@@ -77,12 +77,12 @@ std::string tick_text(double value, double step) {
   return fmt::format("{:.{}f}", value, digits > 0 ? digits : 0);
 }
 
-std::string moments_csv_header(Select select) {
-  return select == Select::strongest ? "frame,column,m0,m1,n,runs,second\n" : "frame,column,m0,m1,n\n";
+std::string moments_csv_header(model::Select select) {
+  return select == model::Select::strongest ? "frame,column,m0,m1,n,runs,second\n" : "frame,column,m0,m1,n\n";
 }
 
-void append_moments_csv(std::string& csv, std::size_t frame, const Runs& runs) {
-  const Moments& moments = runs.moments;
+void append_moments_csv(std::string& csv, std::size_t frame, const model::Runs& runs) {
+  const model::Moments& moments = runs.moments;
   for (std::size_t i = 0; i < moments.m0.size(); ++i) {
     const auto to = std::back_inserter(csv);
     fmt::format_to(to, "{},{},{},{},{}", frame, i + 1, moments.m0[i], moments.m1[i], moments.n[i]);
@@ -93,4 +93,4 @@ void append_moments_csv(std::string& csv, std::size_t frame, const Runs& runs) {
   }
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::report

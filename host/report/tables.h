@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "model/column_runs.h"
+#include "selfproj/model/column_runs.h"
 
-namespace selfproj {
+namespace selfproj::report {
 
 // The most characters that append_integer and append_tenth_micrometres write.
 inline constexpr int kMaxNumberText = 24;
@@ -35,12 +35,12 @@ std::vector<double> ticks(double low, double high, int count);
 std::string tick_text(double value, double step);
 
 // The first line of moments.csv: frame,column,m0,m1,n, and with Select::strongest also runs,second.
-std::string moments_csv_header(Select select);
+std::string moments_csv_header(model::Select select);
 
 // Appends one line for each column of a frame. Frames and columns count from 1; n is the number of lit pixels in every
 // mode. `runs` and `second` (in sixteenths of the strongest run) are left out where there are none.
-void append_moments_csv(std::string& csv, std::size_t frame, const Runs& runs);
+void append_moments_csv(std::string& csv, std::size_t frame, const model::Runs& runs);
 
-}  // namespace selfproj
+}  // namespace selfproj::report
 
 #endif  // SELFPROJ_HOST_REPORT_TABLES_H

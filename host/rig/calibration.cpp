@@ -1,4 +1,4 @@
-#include "host/rig/calibration.h"
+#include "selfproj/rig/calibration.h"
 
 #include <algorithm>
 #include <array>
@@ -9,7 +9,7 @@
 #include <stdexcept>
 #include <utility>
 
-namespace selfproj {
+namespace selfproj::rig {
 
 cv::Vec2d Lens::pixel(const cv::Vec2d& ray) const {
   cv::Matx22d unused;
@@ -245,4 +245,4 @@ DepthMatrices depth_matrices(const Calibration& c, CodedAxis axis) {
           {code[0], code[1], code[2], code[3], depth[0], depth[1], depth[2], depth[3]}};
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::rig

@@ -1,4 +1,4 @@
-#include "host/rig/calibration_file.h"
+#include "selfproj/rig/calibration_file.h"
 
 #include <fmt/format.h>
 
@@ -15,11 +15,11 @@
 
 #include "host/files/input_file.h"
 #include "host/files/stderr_capture.h"
-#include "host/files/user_error.h"
-#include "host/rig/calibration.h"
 #include "host/rig/yaml.h"
+#include "selfproj/files/user_error.h"
+#include "selfproj/rig/calibration.h"
 
-namespace selfproj {
+namespace selfproj::rig {
 namespace {
 
 bool is_digit(char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; }
@@ -117,9 +117,9 @@ namespace {
 class Reader {
  public:
   explicit Reader(const std::string& file) : file_(file) {
-    const std::string text = read_input(file, kMostTextBytes);
+    const std::string text = files::read_input(file, files::kMostTextBytes);
     check_calibration_text(text, file);
-    const StderrCapture capture;
+    const files::StderrCapture capture;
     try {
       // By its text, so that no name means something else to OpenCV (it unpacks NAME.gz).
       storage_.open(text, cv::FileStorage::READ | cv::FileStorage::MEMORY);
@@ -139,7 +139,7 @@ class Reader {
     }
     cv::Mat matrix;
     {
-      const StderrCapture capture;
+      const files::StderrCapture capture;
       try {
         constexpr double kMaxNumbers = 100;
         if (!node.isMap() || static_cast<double>(node["rows"]) * static_cast<double>(node["cols"]) <= kMaxNumbers) {
@@ -248,4 +248,4 @@ std::string calibration_yaml(const Calibration& calibration, const CalibrationRm
   return storage.releaseAndGetString();
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::rig

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <limits>
 
-#include "host/rig/rig.h"
+#include "selfproj/rig/rig.h"
 
-namespace selfproj {
+namespace selfproj::rig {
 
 // Stands for a value that is not known.
 inline constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
@@ -64,6 +64,6 @@ inline double projector_column_on_middle(const RigProjector& projector, double y
   return 0.5 * (projector.columns - 1) + (yp - projector.center_yp_mm) / projector.column_pitch_mm;
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::rig
 
 #endif  // SELFPROJ_HOST_RIG_GEOMETRY_H

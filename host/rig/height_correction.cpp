@@ -1,4 +1,4 @@
-#include "host/rig/height_correction.h"
+#include "selfproj/rig/height_correction.h"
 
 #include <algorithm>
 #include <array>
@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-namespace selfproj {
+namespace selfproj::rig {
 namespace {
 
 using Chebyshev = std::array<double, kMaxHeightOrder + 1>;
@@ -57,4 +57,4 @@ double HeightCorrection::at(double row, double column, double height_mm) const {
   return sum;
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::rig

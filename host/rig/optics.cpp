@@ -1,4 +1,4 @@
-#include "host/rig/optics.h"
+#include "selfproj/rig/optics.h"
 
 #include <cmath>
 #include <limits>
@@ -6,9 +6,9 @@
 #include <optional>
 #include <vector>
 
-#include "host/rig/calibration.h"
+#include "selfproj/rig/calibration.h"
 
-namespace selfproj {
+namespace selfproj::rig {
 namespace {
 
 // The square of the smallest ray length at which the radial part of the lens stops growing; infinite if it never does.
@@ -207,4 +207,4 @@ double RigOptics::uncorrected(const CameraPlace& place, double z) const {
   return result;
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::rig

@@ -1,4 +1,4 @@
-#include "host/rig/rig.h"
+#include "selfproj/rig/rig.h"
 
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
@@ -17,13 +17,13 @@
 
 #include "host/files/input_file.h"
 #include "host/files/numbers.h"
-#include "host/files/user_error.h"
 #include "host/images/frame_options.h"
 #include "host/rig/rigs_built_in.h"
 #include "host/rig/yaml.h"
-#include "model/pixel_clock.h"
+#include "selfproj/files/user_error.h"
+#include "selfproj/model/pixel_clock.h"
 
-namespace selfproj {
+namespace selfproj::rig {
 namespace {
 
 constexpr double kMicro = 1e-6;
@@ -31,7 +31,7 @@ constexpr double kMilli = 1e-3;
 constexpr double kMmPerUm = 1e-3;
 constexpr double kRadPerDeg = std::numbers::pi / 180;
 constexpr double kUnit = 1e-6;  // how far the length of a vector may be from 1
-const std::vector<std::pair<const char*, Mode>> kModeChoices(kModes.begin(), kModes.end());
+const std::vector<std::pair<const char*, model::Mode>> kModeChoices(images::kModes.begin(), images::kModes.end());
 const std::vector<std::pair<const char*, RigKind>> kKinds = {{"light-section", RigKind::light_section},
                                                              {"scanner", RigKind::scanner}};
 const std::vector<std::pair<const char*, PartCut>> kCuts = {
@@ -165,7 +165,7 @@ void visit_rig(RigT& rig, Visitor& v) {
   v.end();
   if (v.has_any({"board"}, rig.board)) {
     v.begin("board");
-    v.number("pixel_clock_hz", rig.board->pixel_clock_hz, 1, {kMinPixelClockHz, kMaxPixelClockHz});
+    v.number("pixel_clock_hz", rig.board->pixel_clock_hz, 1, {model::kMinPixelClockHz, model::kMaxPixelClockHz});
     v.end();
   }
   v.begin("measure");
@@ -178,7 +178,7 @@ void visit_rig(RigT& rig, Visitor& v) {
   v.number("max_z_per_line_mm", rig.measure.max_z_per_line_mm, 1, kPositive);
   if (v.has_any({"runs"}, rig.measure.runs)) {
     v.begin("runs");
-    v.integer("gap_rows", rig.measure.runs->gap_rows, 0, kMaxGap);
+    v.integer("gap_rows", rig.measure.runs->gap_rows, 0, model::kMaxGap);
     v.number("ambiguous_from", rig.measure.runs->ambiguous_from, 1, {.low = 1.0 / 16, .high = 2});
     v.end();
   }
@@ -348,7 +348,7 @@ Rig load_any_rig(const std::string& name_or_file) {
     throw UserError(name_or_file, fmt::format("is neither a readable file nor a built-in rig ({})",
                                               fmt::join(built_in_rigs(), ", ")));
   }
-  return parse_rig(read_input(name_or_file, kMostTextBytes), name_or_file);
+  return parse_rig(files::read_input(name_or_file, files::kMostTextBytes), name_or_file);
 }
 
 Rig load_rig(const std::string& name_or_file) {
@@ -424,4 +424,4 @@ std::vector<std::pair<std::string, double>> geometry_of(const Rig& rig) {
 
 bool same_geometry(double a, double b) { return std::abs(a - b) <= 1e-12 * std::max(std::abs(a), std::abs(b)); }
 
-}  // namespace selfproj
+}  // namespace selfproj::rig

@@ -12,9 +12,9 @@
 #include <string>
 #include <vector>
 
-#include "host/files/user_error.h"
+#include "selfproj/files/user_error.h"
 
-namespace selfproj {
+namespace selfproj::rig {
 namespace {
 
 using Fault = std::function<std::string(const std::string&)>;
@@ -102,4 +102,4 @@ std::vector<std::string> earlier_names(const std::string& key) {
   return {};
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::rig

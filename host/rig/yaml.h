@@ -19,9 +19,9 @@
 
 #include "host/files/notes.h"
 #include "host/files/numbers.h"
-#include "host/files/user_error.h"
+#include "selfproj/files/user_error.h"
 
-namespace selfproj {
+namespace selfproj::rig {
 
 // The document of the text. Throws UserError, naming `source` and the line: it is not YAML, has none or more than one
 // document, aliases (which could name each other without an end), or is nested deeper than any file of ours.
@@ -110,7 +110,7 @@ class FieldReader {
     }
     values.clear();
     for (const auto& entry : node) {
-      const auto given = entry.IsScalar() ? number_of_text<double>(entry.Scalar()) : std::nullopt;
+      const auto given = entry.IsScalar() ? files::number_of_text<double>(entry.Scalar()) : std::nullopt;
       if (!given || *given < range.low || *given > range.high) {
         fail(key, fmt::format("has an entry, number {}, that is not a number from {} to {}", values.size() + 1,
                               range.low, range.high));
@@ -212,8 +212,8 @@ class FieldReader {
     const std::string name = key;
     if (node.IsDefined()) {
       if (found != name) {
-        note(fmt::format("{}: line {}: {}: this key is now called {}; the old name is read for one version more",
-                         source_, node.Mark().line + 1, path(found.c_str()), name));
+        files::note(fmt::format("{}: line {}: {}: this key is now called {}; the old name is read for one version more",
+                                source_, node.Mark().line + 1, path(found.c_str()), name));
       }
       return node;
     }
@@ -240,7 +240,7 @@ class FieldReader {
   template <class T>
   T as(const char* key, const char* what) {
     const std::string text = scalar(key).Scalar();
-    const std::optional<T> value = number_of_text<T>(text);
+    const std::optional<T> value = files::number_of_text<T>(text);
     if (!value) {
       fail(key, fmt::format("is '{}', not {}", text, what));
     }
@@ -291,7 +291,7 @@ class FieldWriter {
   static std::string shortest(double value, double unit) {
     double shown = value / unit;
     for (int digits = 6; digits < 18; ++digits) {
-      const std::optional<double> candidate = number_of_text<double>(fmt::format("{:.{}g}", shown, digits));
+      const std::optional<double> candidate = files::number_of_text<double>(fmt::format("{:.{}g}", shown, digits));
       if (candidate && *candidate * unit == value) {
         shown = *candidate;
         break;
@@ -308,6 +308,6 @@ class FieldWriter {
   std::string yaml_;
 };
 
-}  // namespace selfproj
+}  // namespace selfproj::rig
 
 #endif  // SELFPROJ_HOST_RIG_YAML_H

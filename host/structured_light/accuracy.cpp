@@ -5,47 +5,47 @@
 #include <optional>
 
 #include "host/rig/geometry.h"
-#include "host/rig/optics.h"
 #include "host/structured_light/self_reference.h"
+#include "selfproj/rig/optics.h"
 
-namespace selfproj {
+namespace selfproj::structured_light {
 namespace {
 
-const cv::Vec3d kNowhere(kUnknown, kUnknown, kUnknown);
+const cv::Vec3d kNowhere(rig::kUnknown, rig::kUnknown, rig::kUnknown);
 
 // The point of a camera place at depth z.
-cv::Vec3d point_at(const RigOptics& optics, const CameraPlace& place, double z) {
+cv::Vec3d point_at(const rig::RigOptics& optics, const rig::CameraPlace& place, double z) {
   const std::optional<cv::Vec2d> ray = optics.ray(place);
   return ray ? cv::Vec3d((*ray)[0] * z, (*ray)[1] * z, z) : kNowhere;
 }
 
 // The point of a camera place in the light of a line.
-cv::Vec3d lit_point(const RigOptics& optics, const CameraPlace& place, double line) {
+cv::Vec3d lit_point(const rig::RigOptics& optics, const rig::CameraPlace& place, double line) {
   const std::optional<cv::Vec2d> ray = optics.ray(place);
-  const LightSheet sheet{line, 0, 0.5 * (optics.rig().projector.columns - 1)};
+  const rig::LightSheet sheet{line, 0, 0.5 * (optics.rig().projector.columns - 1)};
   const std::optional<double> z = ray ? optics.meet(*ray, sheet) : std::nullopt;
   return z ? cv::Vec3d((*ray)[0] * *z, (*ray)[1] * *z, *z) : kNowhere;
 }
 
-double line_at(const RigOptics& optics, const cv::Vec3d& point) {
-  const std::optional<ProjectorPlace> light = optics.lit_by(point);
-  return light ? light->line : kUnknown;
+double line_at(const rig::RigOptics& optics, const cv::Vec3d& point) {
+  const std::optional<rig::ProjectorPlace> light = optics.lit_by(point);
+  return light ? light->line : rig::kUnknown;
 }
 
 PointError error_of(const cv::Vec3d& p) { return {p[0], p[1], p[2]}; }
 
 // The camera row at which the light of the point falls on the plane z = plane_z.
-double row_on_plane(const RigOptics& optics, const cv::Vec3d& point, double plane_z) {
+double row_on_plane(const rig::RigOptics& optics, const cv::Vec3d& point, double plane_z) {
   const cv::Vec3d centre = optics.projector_centre();
   const cv::Vec3d on = centre + (point - centre) * ((plane_z - centre[2]) / (point[2] - centre[2]));
-  const std::optional<CameraPlace> place = optics.seen(on);
-  return place ? place->row : kUnknown;
+  const std::optional<rig::CameraPlace> place = optics.seen(on);
+  return place ? place->row : rig::kUnknown;
 }
 
-ErrorTerms lens_error_terms(const Rig& rig, const CameraPoint& point, double delta_xp_mm, double delta_xc_mm) {
+ErrorTerms lens_error_terms(const rig::Rig& rig, const CameraPoint& point, double delta_xp_mm, double delta_xc_mm) {
   constexpr double kStep = 1e-3;  // lines and rows
-  const RigOptics optics(rig);
-  const CameraPlace place{point.row, point.column};
+  const rig::RigOptics optics(rig);
+  const rig::CameraPlace place{point.row, point.column};
   const double line = line_at(optics, point_at(optics, place, point.z));
   const double lines = delta_xp_mm / rig.projector.line_pitch_mm;
   const double rows = delta_xc_mm / rig.camera.pixel_pitch_mm;
@@ -57,20 +57,20 @@ ErrorTerms lens_error_terms(const Rig& rig, const CameraPoint& point, double del
   return {error_of(by_line * lines), error_of(by_row * rows)};
 }
 
-DepthRange lens_range_of_lines(const Rig& rig, const CameraPoint& reference, double below, double above) {
-  const RigOptics optics(rig);
-  const CameraPlace place{reference.row, reference.column};
+DepthRange lens_range_of_lines(const rig::Rig& rig, const CameraPoint& reference, double below, double above) {
+  const rig::RigOptics optics(rig);
+  const rig::CameraPlace place{reference.row, reference.column};
   const double line = line_at(optics, point_at(optics, place, reference.z));
   const double way = optics.lines_rise() ? 1 : -1;
   return {lit_point(optics, place, line + way * above)[2], lit_point(optics, place, line - way * below)[2]};
 }
 
 // The end of a cell lies where the light of the pixel's point would fall on the reference at the edge of a camera row.
-DepthRange lens_range_of_cells(const Rig& rig, const CameraPoint& reference, int width, int bits, int e) {
+DepthRange lens_range_of_cells(const rig::Rig& rig, const CameraPoint& reference, int width, int bits, int e) {
   constexpr int kSteps = 50;
   constexpr double kStep = 1e-3;
-  const RigOptics optics(rig);
-  const CameraPlace place{reference.row, reference.column};
+  const rig::RigOptics optics(rig);
+  const rig::CameraPlace place{reference.row, reference.column};
   const double middle = 0.5 * (rig.camera.rows - 1);
   const int own = cell_of_row(reference.row, rig.camera.rows, width);
   const auto depth_of_cell = [&](int cell) {  // at its first edge
@@ -92,23 +92,23 @@ DepthRange lens_range_of_cells(const Rig& rig, const CameraPoint& reference, int
 }
 
 // Here rows count from 0, in geometry.h from 1.
-double alpha_of(const Rig& rig, double row) { return tan_alpha(rig.camera, row + 1); }
+double alpha_of(const rig::Rig& rig, double row) { return rig::tan_alpha(rig.camera, row + 1); }
 
 // tan θ of the light that hits the point.
-double theta_at(const Rig& rig, const CameraPoint& point) {
+double theta_at(const rig::Rig& rig, const CameraPoint& point) {
   return (rig.projector.x_mm - point.z * alpha_of(rig, point.row)) / (point.z - rig.projector.z_mm);
 }
 
 }  // namespace
 
-ErrorTerms error_terms(const Rig& rig, const CameraPoint& point, double delta_xp_mm, double delta_xc_mm) {
+ErrorTerms error_terms(const rig::Rig& rig, const CameraPoint& point, double delta_xp_mm, double delta_xc_mm) {
   if (!rig.is_pinholes()) {
     return lens_error_terms(rig, point, delta_xp_mm, delta_xc_mm);
   }
-  const RigProjector& p = rig.projector;
+  const rig::RigProjector& p = rig.projector;
   const double fc = rig.camera.focal_length_mm;
   const double alpha = alpha_of(rig, point.row);
-  const double beta = tan_beta(rig.camera, point.column);
+  const double beta = rig::tan_beta(rig.camera, point.column);
   const double theta = theta_at(rig, point);
   const double tilt = std::tan(p.tilt_rad);
   const double xp = p.focal_length_mm * std::tan(std::atan(theta) - p.tilt_rad);
@@ -120,39 +120,39 @@ ErrorTerms error_terms(const Rig& rig, const CameraPoint& point, double delta_xp
   return {{alpha * projector, beta * projector, projector}, {theta * camera, -beta * camera, -camera}};
 }
 
-double half_pixel_error(const Rig& rig, const CameraPoint& point) {
+double half_pixel_error(const rig::Rig& rig, const CameraPoint& point) {
   const ErrorTerms terms = error_terms(rig, point, 0.5 * rig.projector.line_pitch_mm, 0.5 * rig.camera.pixel_pitch_mm);
   return std::abs(terms.projector.z) + std::abs(terms.camera.z);
 }
 
-ErrorTerms approximate_error(const Rig& rig, double delta_xp_mm, double delta_xc_mm) {
-  const RigProjector& p = rig.projector;
+ErrorTerms approximate_error(const rig::Rig& rig, double delta_xp_mm, double delta_xc_mm) {
+  const rig::RigProjector& p = rig.projector;
   const double tilt = std::tan(p.tilt_rad);
   return {{0, 0, p.x_mm * (1 + tilt * tilt) / (p.focal_length_mm * tilt * tilt) * delta_xp_mm},
           {0, 0, -(p.z_mm * tilt + p.x_mm) / (rig.camera.focal_length_mm * tilt * tilt) * delta_xc_mm}};
 }
 
-double depth_of_line(const Rig& rig, double row, double line) {
-  const double theta = tan_theta(rig.projector, line);
+double depth_of_line(const rig::Rig& rig, double row, double line) {
+  const double theta = rig::tan_theta(rig.projector, line);
   return (rig.projector.x_mm + rig.projector.z_mm * theta) / (alpha_of(rig, row) + theta);
 }
 
-DepthRange range_of_lines(const Rig& rig, const CameraPoint& reference, double below, double above) {
+DepthRange range_of_lines(const rig::Rig& rig, const CameraPoint& reference, double below, double above) {
   if (!rig.is_pinholes()) {
     return lens_range_of_lines(rig, reference, below, above);
   }
-  const double line = line_of(rig.projector, theta_at(rig, reference));
+  const double line = rig::line_of(rig.projector, theta_at(rig, reference));
   return {depth_of_line(rig, reference.row, line + above), depth_of_line(rig, reference.row, line - below)};
 }
 
-DepthRange range_of_cells(const Rig& rig, const CameraPoint& reference, int width, int bits, int e) {
+DepthRange range_of_cells(const rig::Rig& rig, const CameraPoint& reference, int width, int bits, int e) {
   if (!rig.is_pinholes()) {
     return lens_range_of_cells(rig, reference, width, bits, e);
   }
   // The projector line that a camera row sees on the plane z = z_R.
   const auto line_of_row = [&](double row) {
-    return line_of(rig.projector,
-                   (rig.projector.x_mm - reference.z * alpha_of(rig, row)) / (reference.z - rig.projector.z_mm));
+    return rig::line_of(rig.projector,
+                        (rig.projector.x_mm - reference.z * alpha_of(rig, row)) / (reference.z - rig.projector.z_mm));
   };
   const double middle = 0.5 * (rig.camera.rows - 1);
   const int own = cell_of_row(reference.row, rig.camera.rows, width);
@@ -164,4 +164,4 @@ DepthRange range_of_cells(const Rig& rig, const CameraPoint& reference, int widt
   return {depth_of_line(rig, reference.row, upper), depth_of_line(rig, reference.row, lower)};
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::structured_light

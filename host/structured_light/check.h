@@ -3,7 +3,7 @@
 
 #include <stdexcept>
 
-namespace selfproj {
+namespace selfproj::structured_light {
 
 // Throws std::invalid_argument(reason) unless `holds`. For preconditions that a caller must meet; an error of a user
 // is a UserError.
@@ -13,6 +13,6 @@ inline void check(bool holds, const char* reason) {
   }
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::structured_light
 
 #endif  // SELFPROJ_HOST_STRUCTURED_LIGHT_CHECK_H

@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "host/structured_light/check.h"
-#include "model/gray_decoder.h"
+#include "selfproj/model/gray_decoder.h"
 
-namespace selfproj {
+namespace selfproj::structured_light {
 namespace {
 
 // Returns 1 if depth grows with the code, and -1 if it falls or if no pixel decides. It compares the depths of the
@@ -23,8 +23,9 @@ float direction(const Triangulation& triangulation) {
   const auto middle = static_cast<std::uint16_t>(1 << (triangulation.bits() - 1));
   std::vector<float> before(pixels);
   std::vector<float> after(pixels);
-  const std::vector<std::uint16_t> low(pixels, static_cast<std::uint16_t>((middle - 1) | GrayDecoder::kMeasurable));
-  const std::vector<std::uint16_t> high(pixels, static_cast<std::uint16_t>(middle | GrayDecoder::kMeasurable));
+  const std::vector<std::uint16_t> low(pixels,
+                                       static_cast<std::uint16_t>((middle - 1) | model::GrayDecoder::kMeasurable));
+  const std::vector<std::uint16_t> high(pixels, static_cast<std::uint16_t>(middle | model::GrayDecoder::kMeasurable));
   triangulation.depth(low.data(), before.data());
   triangulation.depth(high.data(), after.data());
   for (std::size_t i = 0; i < pixels; ++i) {
@@ -47,11 +48,11 @@ CodeBorders::CodeBorders(const Triangulation& triangulation, int threshold)
   check(threshold >= 0 && threshold <= 255, "borders between codes: the threshold is not in 0..255");
 }
 
-void CodeBorders::add_plane(int plane, const ImageView& positive, const ImageView& negative) {
+void CodeBorders::add_plane(int plane, const model::ImageView& positive, const model::ImageView& negative) {
   check(plane >= 0 && plane < triangulation_.bits(), "borders between codes: there is no such plane");
   const int rows = triangulation_.rows();
   const int columns = triangulation_.columns();
-  for (const ImageView& image : {positive, negative}) {
+  for (const model::ImageView& image : {positive, negative}) {
     check(image.pixels != nullptr && image.rows == rows && image.columns == columns,
           "borders between codes: an image has another size");
   }
@@ -73,8 +74,8 @@ void CodeBorders::depth(const std::uint16_t* codes, float* z) {
   std::fill(z, z + whole_.size(), std::numeric_limits<float>::quiet_NaN());
   for (std::size_t here = 0; here + columns < whole_.size(); ++here) {
     const std::size_t next = here + columns;  // the same column of the next row
-    const int code = codes[here] & GrayDecoder::kCode;
-    const int step = (codes[next] & GrayDecoder::kCode) - code;
+    const int code = codes[here] & model::GrayDecoder::kCode;
+    const int step = (codes[next] & model::GrayDecoder::kCode) - code;
     if (std::abs(step) != 1 || std::isnan(whole_[here]) || std::isnan(whole_[next])) {
       continue;
     }
@@ -98,4 +99,4 @@ void CodeBorders::depth(const std::uint16_t* codes, float* z) {
   }
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::structured_light

@@ -11,10 +11,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "host/structured_light/triangulation.h"
-#include "model/column_moments.h"
+#include "selfproj/model/column_moments.h"
+#include "selfproj/structured_light/triangulation.h"
 
-namespace selfproj {
+namespace selfproj::structured_light {
 
 class CodeBorders {
  public:
@@ -25,7 +25,7 @@ class CodeBorders {
 
   // Takes the two images of a bit plane. Plane 0 is the most significant one. Throws std::invalid_argument if the plane
   // does not exist or an image has another size.
-  void add_plane(int plane, const ImageView& positive, const ImageView& negative);
+  void add_plane(int plane, const model::ImageView& positive, const model::ImageView& negative);
 
   // Writes rows · columns depths (mm) from the images taken last. Each border's depth is written to the pixel that is
   // nearest to the border, and NaN to all other pixels. `codes` are the words decoded from these images. Call this when
@@ -40,6 +40,6 @@ class CodeBorders {
   std::vector<float> whole_;                           // depths in the middle of whole codes
 };
 
-}  // namespace selfproj
+}  // namespace selfproj::structured_light
 
 #endif  // SELFPROJ_HOST_STRUCTURED_LIGHT_CODE_BORDERS_H

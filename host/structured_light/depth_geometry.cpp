@@ -1,4 +1,4 @@
-#include "host/structured_light/depth_geometry.h"
+#include "selfproj/structured_light/depth_geometry.h"
 
 #include <fmt/format.h>
 
@@ -7,24 +7,24 @@
 #include <stdexcept>
 #include <string>
 
-#include "host/files/user_error.h"
 #include "host/images/frame_options.h"
-#include "host/rig/calibration.h"
-#include "host/rig/calibration_file.h"
-#include "host/rig/rig.h"
-#include "host/structured_light/lens_triangulation.h"
+#include "selfproj/files/user_error.h"
+#include "selfproj/rig/calibration.h"
+#include "selfproj/rig/calibration_file.h"
+#include "selfproj/rig/rig.h"
+#include "selfproj/structured_light/lens_triangulation.h"
 
-namespace selfproj {
+namespace selfproj::structured_light {
 namespace {
 
 // For images of the rig's camera, with its limit of z for a line.
-LensSettings settings_of(const Rig& rig, const DepthLimits& limits) {
+LensSettings settings_of(const rig::Rig& rig, const DepthLimits& limits) {
   LensSettings settings{.rows = rig.camera.rows, .columns = rig.camera.columns, .limits = limits, .rows_are_x = true};
   settings.limits.max_z_per_line_mm = rig.measure.max_z_per_line_mm;
   return settings;
 }
 
-std::unique_ptr<LensTriangulation> with_lens(const std::string& name, const Calibration& calibration,
+std::unique_ptr<LensTriangulation> with_lens(const std::string& name, const rig::Calibration& calibration,
                                              const LensSettings& settings) {
   try {
     return std::make_unique<LensTriangulation>(calibration, settings);
@@ -33,8 +33,8 @@ std::unique_ptr<LensTriangulation> with_lens(const std::string& name, const Cali
   }
 }
 
-Rig rig_for(const DepthGeometry& geometry, const ImageSource& source) {
-  Rig rig = load_rig(geometry.rig);
+rig::Rig rig_for(const DepthGeometry& geometry, const ImageSource& source) {
+  rig::Rig rig = rig::load_rig(geometry.rig);
   check_size("--rig " + geometry.rig, rig.camera.rows, rig.camera.columns, source);
   if (std::isfinite(geometry.limits.max_z_per_line_mm)) {
     rig.measure.max_z_per_line_mm = geometry.limits.max_z_per_line_mm;
@@ -44,20 +44,20 @@ Rig rig_for(const DepthGeometry& geometry, const ImageSource& source) {
 
 // The first code is that of the projector's lines, the second that of its columns: those of the images exchanged.
 std::unique_ptr<LensTriangulation> rig_triangulation_of_both(const DepthGeometry& geometry, const ImageSource& source) {
-  const Rig rig = rig_for(geometry, source);
+  const rig::Rig rig = rig_for(geometry, source);
   LensSettings settings = settings_of(rig, geometry.limits);
   settings.bits = geometry.row_bits;
   settings.row_bits = geometry.bits;
   settings.max_residual_px = geometry.max_residual_px;
-  return with_lens(geometry.rig, calibration_of(rig), settings);
+  return with_lens(geometry.rig, rig::calibration_of(rig), settings);
 }
 
 }  // namespace
 
 void check_size(const std::string& geometry, int rows, int columns, const ImageSource& source) {
   if (source.rows != rows || source.columns != columns) {
-    throw UserError(geometry, fmt::format("is for images of {}, but {} is {}", size_text(rows, columns), source.name,
-                                          size_text(source.rows, source.columns)));
+    throw UserError(geometry, fmt::format("is for images of {}, but {} is {}", images::size_text(rows, columns),
+                                          source.name, images::size_text(source.rows, source.columns)));
   }
 }
 
@@ -65,7 +65,7 @@ std::unique_ptr<LensTriangulation> make_lens_triangulation(const DepthGeometry& 
   if (!geometry.rig.empty()) {
     return rig_triangulation_of_both(geometry, source);
   }
-  const Calibration calibration = read_calibration(geometry.calibration);
+  const rig::Calibration calibration = rig::read_calibration(geometry.calibration);
   if (calibration.camera_rows > 0) {
     check_size(geometry.calibration, calibration.camera_rows, calibration.camera_columns, source);
   }
@@ -84,7 +84,7 @@ std::unique_ptr<Triangulation> make_triangulation(const DepthGeometry& geometry,
   if (geometry.rig.empty()) {
     return make_lens_triangulation(geometry, source);
   }
-  const Rig rig = rig_for(geometry, source);
+  const rig::Rig rig = rig_for(geometry, source);
   if (!rig.calibration) {
     return std::make_unique<PlaneTriangulation>(rig, geometry.bits, geometry.limits);
   }
@@ -95,14 +95,14 @@ std::unique_ptr<Triangulation> make_triangulation(const DepthGeometry& geometry,
   }
 }
 
-std::unique_ptr<Triangulation> triangulation_of_rig(const Rig& rig, int bits, const DepthLimits& limits) {
+std::unique_ptr<Triangulation> triangulation_of_rig(const rig::Rig& rig, int bits, const DepthLimits& limits) {
   if (rig.is_pinholes()) {
     return std::make_unique<PlaneTriangulation>(rig, bits, limits);
   }
   LensSettings settings = settings_of(rig, limits);
   settings.bits = bits;
   settings.lines = rig.projector.lines;
-  return std::make_unique<LensTriangulation>(calibration_of(rig), settings);
+  return std::make_unique<LensTriangulation>(rig::calibration_of(rig), settings);
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::structured_light

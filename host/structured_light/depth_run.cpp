@@ -14,16 +14,16 @@
 #include <vector>
 
 #include "host/files/numbers.h"
-#include "host/files/user_error.h"
 #include "host/images/frame_options.h"
-#include "host/structured_light/fast_decoder.h"
-#include "host/structured_light/lens_triangulation.h"
+#include "selfproj/files/user_error.h"
+#include "selfproj/structured_light/fast_decoder.h"
+#include "selfproj/structured_light/lens_triangulation.h"
 
-namespace selfproj {
+namespace selfproj::structured_light {
 namespace {
 
-ImageSource source_of(ImageSequence& images) {
-  const Image& first = images.first();
+ImageSource source_of(images::ImageSequence& images) {
+  const images::Image& first = images.first();
   return {images.files().front(), first.rows, first.columns};
 }
 
@@ -32,11 +32,11 @@ void set_background(const DepthSetup& setup, const Triangulation& triangulation,
   if (setup.background.empty()) {
     return;
   }
-  const FloatImage background = read_float_tiff(setup.background);
+  const images::FloatImage background = images::read_float_tiff(setup.background);
   if (background.rows != triangulation.rows() || background.columns != triangulation.columns()) {
     throw UserError(setup.background,
-                    fmt::format("is {}, but the images are {}", size_text(background.rows, background.columns),
-                                size_text(triangulation.rows(), triangulation.columns())));
+                    fmt::format("is {}, but the images are {}", images::size_text(background.rows, background.columns),
+                                images::size_text(triangulation.rows(), triangulation.columns())));
   }
   scanner.set_background(background);
 }
@@ -58,7 +58,7 @@ void finish(const Scanner& scanner, DepthRun& run) {
 // Reads the next 2 bits images and makes the words of one axis' code.
 class AxisDecoder {
  public:
-  AxisDecoder(ImageSequence& images, const ScannerSettings& settings, const OnImage& on_image)
+  AxisDecoder(images::ImageSequence& images, const ScannerSettings& settings, const OnImage& on_image)
       : images_(images), settings_(settings), on_image_(on_image) {}
 
   std::vector<std::uint16_t> words(const Triangulation& triangulation, int bits) {
@@ -66,7 +66,7 @@ class AxisDecoder {
     const int columns = triangulation.columns();
     FastGrayDecoder decoder({rows, columns, bits, settings_.threshold});
     for (int pattern = 0; pattern < 2 * bits; ++pattern, ++next_) {
-      Image& image = pair_[next_ % 2];
+      images::Image& image = pair_[next_ % 2];
       image = images_.read(next_);
       decoder.add_frame(image.view(), pattern);
       if (on_image_) {
@@ -83,16 +83,16 @@ class AxisDecoder {
   }
 
  private:
-  ImageSequence& images_;
+  images::ImageSequence& images_;
   ScannerSettings settings_;
   const OnImage& on_image_;
-  std::array<Image, 2> pair_;  // the decoder reads the positive when its negative comes
+  std::array<images::Image, 2> pair_;  // the decoder reads the positive when its negative comes
   std::size_t next_ = 0;
 };
 
 }  // namespace
 
-DepthRun depth_of_images(const DepthSetup& setup, ImageSequence& images, const OnDepth& on_depth,
+DepthRun depth_of_images(const DepthSetup& setup, images::ImageSequence& images, const OnDepth& on_depth,
                          const OnImage& on_image) {
   DepthRun run;
   run.triangulation = make_triangulation(setup.geometry, source_of(images));
@@ -101,10 +101,10 @@ DepthRun depth_of_images(const DepthSetup& setup, ImageSequence& images, const O
   set_background(setup, triangulation, scanner);
   const auto patterns = static_cast<std::size_t>(2 * setup.geometry.bits);
   std::vector<PointState> states(triangulation.pixels());
-  std::array<Image, 2> pair;  // the scanner reads the positive when its negative comes
+  std::array<images::Image, 2> pair;  // the scanner reads the positive when its negative comes
   std::string note;
   for (std::size_t i = 0; i < images.count(); ++i) {
-    Image& image = pair[i % 2];
+    images::Image& image = pair[i % 2];
     image = images.read(i);
     if (scanner.add_frame(image.view(), static_cast<int>(i % patterns))) {
       const std::size_t number = i / 2;
@@ -126,7 +126,7 @@ DepthRun depth_of_images(const DepthSetup& setup, ImageSequence& images, const O
   return run;
 }
 
-DepthRun depth_of_both_axes(const DepthSetup& setup, ImageSequence& images, const OnImage& on_image) {
+DepthRun depth_of_both_axes(const DepthSetup& setup, images::ImageSequence& images, const OnImage& on_image) {
   DepthRun run;
   std::unique_ptr<LensTriangulation> triangulation = make_lens_triangulation(setup.geometry, source_of(images));
   std::vector<std::uint16_t> column_codes;
@@ -139,7 +139,7 @@ DepthRun depth_of_both_axes(const DepthSetup& setup, ImageSequence& images, cons
   if (triangulation->rows_are_x()) {
     std::swap(column_codes, row_codes);
   }
-  run.depth = FloatImage(triangulation->rows(), triangulation->columns());
+  run.depth = images::FloatImage(triangulation->rows(), triangulation->columns());
   std::vector<PointState> states(triangulation->pixels());
   std::vector<float> residuals(triangulation->pixels());
   triangulation->depth_of_both(column_codes.data(), row_codes.data(), run.depth.values.data(), states.data(),
@@ -150,18 +150,18 @@ DepthRun depth_of_both_axes(const DepthSetup& setup, ImageSequence& images, cons
   residuals.erase(std::remove_if(residuals.begin(), residuals.end(), [](float value) { return std::isnan(value); }),
                   residuals.end());
   if (!residuals.empty()) {
-    run.median_residual_px = static_cast<double>(median_of(std::move(residuals)));
+    run.median_residual_px = static_cast<double>(files::median_of(std::move(residuals)));
   }
   run.triangulation = std::move(triangulation);
   return run;
 }
 
-bool DepthStream::add(const PacketView& packet) {
+bool DepthStream::add(const model::PacketView& packet) {
   const ScanStream::Got got = stream_.add(packet);
   if (got == ScanStream::Got::nothing) {
     return false;
   }
-  const PacketHeader& header = stream_.header();
+  const model::PacketHeader& header = stream_.header();
   const ImageSource source{"an image of " + uri_, header.rows, header.columns};
   if (!scanner_) {
     run_.triangulation = make_triangulation(setup_.geometry, source);
@@ -189,7 +189,7 @@ const Foreground* DepthStream::moved() const {
   return scanner_ && scanner_->has_background() ? &scanner_->foreground() : nullptr;
 }
 
-DepthRun DepthStream::result(const Counters& counters) {
+DepthRun DepthStream::result(const driver::Counters& counters) {
   if (run_.depth_images == 0) {
     throw UserError(uri_, "delivered no complete code image, nor images enough for one");
   }
@@ -201,4 +201,4 @@ DepthRun DepthStream::result(const Counters& counters) {
   return std::move(run_);
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::structured_light

@@ -12,17 +12,17 @@
 #include <utility>
 #include <vector>
 
-#include "host/driver/counters.h"
-#include "host/images/float_image.h"
 #include "host/images/image_sequence.h"
-#include "host/structured_light/depth_geometry.h"
-#include "host/structured_light/foreground.h"
 #include "host/structured_light/scan_stream.h"
-#include "host/structured_light/scanner.h"
-#include "host/structured_light/triangulation.h"
-#include "model/packet.h"
+#include "selfproj/driver/counters.h"
+#include "selfproj/images/float_image.h"
+#include "selfproj/model/packet.h"
+#include "selfproj/structured_light/depth_geometry.h"
+#include "selfproj/structured_light/foreground.h"
+#include "selfproj/structured_light/scanner.h"
+#include "selfproj/structured_light/triangulation.h"
 
-namespace selfproj {
+namespace selfproj::structured_light {
 
 struct DepthSetup {
   DepthGeometry geometry;
@@ -38,39 +38,39 @@ struct OfImage {
 };
 
 struct DeviceCounts {
-  Counters counters;
+  driver::Counters counters;
   std::uint64_t incomplete = 0;  // images or code images with lines missing
 };
 
 struct DepthRun {
   std::unique_ptr<Triangulation> triangulation;
   std::size_t depth_images = 0;
-  FloatImage depth;    // the newest, mm
-  DepthShares shares;  // shares of the newest
+  images::FloatImage depth;  // the newest, mm
+  DepthShares shares;        // shares of the newest
   // Values of all depth images in order. From a device only of the newest, because explaining takes longer than
   // computing.
   std::vector<OfImage<DepthShares>> all_shares;
   // With a background: of all depth images in order, and the depth in mm of what moved in the newest, NaN elsewhere.
   std::vector<OfImage<Foreground>> moved;
-  std::optional<FloatImage> moved_depth;
+  std::optional<images::FloatImage> moved_depth;
   double median_residual_px = std::numeric_limits<double>::quiet_NaN();  // both axes: over the pixels with a depth
   std::optional<DeviceCounts> device;
 };
 
 // Receives each depth image with the number of its newest pair.
-using OnDepth = std::function<void(std::size_t pair, const FloatImage& depth)>;
+using OnDepth = std::function<void(std::size_t pair, const images::FloatImage& depth)>;
 
 // Receives the number of images that are done, and a note on the newest depth image.
 using OnImage = std::function<void(std::size_t images, const std::string& note)>;
 
 // One coded axis: images pos0 neg0 pos1 neg1 ..., and a depth image after every pair from the m-th on. Throws UserError
 // as make_triangulation, read_float_tiff and ImageSequence do, and for a background of another size.
-DepthRun depth_of_images(const DepthSetup& setup, ImageSequence& images, const OnDepth& on_depth,
+DepthRun depth_of_images(const DepthSetup& setup, images::ImageSequence& images, const OnDepth& on_depth,
                          const OnImage& on_image = {});
 
 // Both axes: one depth image from 2 bits images of the columns' code, followed by 2 row_bits images of the rows' code.
 // Throws UserError as make_lens_triangulation and ImageSequence do.
-DepthRun depth_of_both_axes(const DepthSetup& setup, ImageSequence& images, const OnImage& on_image = {});
+DepthRun depth_of_both_axes(const DepthSetup& setup, images::ImageSequence& images, const OnImage& on_image = {});
 
 // Depth images from the code images of a device, or from its images, which are decoded here.
 class DepthStream {
@@ -80,20 +80,20 @@ class DepthStream {
 
   // Returns whether the packet has completed a depth image. Throws UserError as depth_of_images does, and if the images
   // change size.
-  bool add(const PacketView& packet);
+  bool add(const model::PacketView& packet);
 
   [[nodiscard]] std::size_t depth_images() const { return run_.depth_images; }
   [[nodiscard]] std::uint64_t incomplete() const { return stream_.incomplete(); }
 
   // Of the newest depth image: the number of its pair, and its depths in mm.
   [[nodiscard]] std::uint64_t pair() const { return stream_.pair(); }
-  [[nodiscard]] const FloatImage& depth() const { return scanner_->depth(); }
+  [[nodiscard]] const images::FloatImage& depth() const { return scanner_->depth(); }
 
   // What differs from the background in the newest depth image; null without a background.
   [[nodiscard]] const Foreground* moved() const;
 
   // The run so far; the stream is spent. Throws UserError if there is no depth image.
-  DepthRun result(const Counters& counters);
+  DepthRun result(const driver::Counters& counters);
 
  private:
   const DepthSetup& setup_;
@@ -104,6 +104,6 @@ class DepthStream {
   std::uint64_t sequence_ = 0;      // of the newest depth image
 };
 
-}  // namespace selfproj
+}  // namespace selfproj::structured_light
 
 #endif  // SELFPROJ_HOST_STRUCTURED_LIGHT_DEPTH_RUN_H

@@ -1,4 +1,4 @@
-#include "host/structured_light/fast_decoder.h"
+#include "selfproj/structured_light/fast_decoder.h"
 
 #include <algorithm>
 #include <array>
@@ -12,7 +12,7 @@
 // The compiler vectorizes the loops over pixels below. All their values have the width of a code, so that one vector
 // instruction handles 64 pixels (AVX-512, m <= 8). Steps that change the width are separate loops.
 
-namespace selfproj {
+namespace selfproj::structured_light {
 namespace {
 
 // --- decoder ---
@@ -65,7 +65,7 @@ void update_run(const Pair<std::uint16_t>& pair, std::ptrdiff_t count) { update_
 // Rows that follow each other without a gap are processed as one long row. Every update runs against the direction of
 // the one before, so that it first meets what the cache still holds.
 template <class T>
-void update_image(const ImageView& positive, const ImageView& negative, Pair<T> pair, bool downwards) {
+void update_image(const model::ImageView& positive, const model::ImageView& negative, Pair<T> pair, bool downwards) {
   constexpr std::ptrdiff_t kRun = 1 << 14;  // pixels
   const std::ptrdiff_t columns = negative.columns;
   const bool whole = positive.stride == columns && negative.stride == columns;
@@ -93,7 +93,7 @@ template <class T>
   for (std::ptrdiff_t i = 0; i < count; ++i) {
     const std::uint16_t a = ambiguous[i];
     const bool measurable = static_cast<std::uint16_t>(a & (a - 1U)) == 0;
-    out[i] = static_cast<std::uint16_t>(codes[i] | (measurable ? GrayDecoder::kMeasurable : 0U));
+    out[i] = static_cast<std::uint16_t>(codes[i] | (measurable ? model::GrayDecoder::kMeasurable : 0U));
   }
 }
 
@@ -242,7 +242,7 @@ template <class T>
   const T* __restrict result = lines.result;
   const T* __restrict total = lines.total;
   for (std::ptrdiff_t c = 0; c < columns; ++c) {
-    const auto value = static_cast<std::uint16_t>(result[c] | GrayDecoder::kMeasurable);
+    const auto value = static_cast<std::uint16_t>(result[c] | model::GrayDecoder::kMeasurable);
     out[c] = total[c] >= least ? value : std::uint16_t{0};
   }
 }
@@ -287,7 +287,8 @@ template <class T>
     emit(lines, width, least(3), out_row);
     for (const std::ptrdiff_t c : {std::ptrdiff_t{0}, width - 1}) {
       const bool valid = lines.total[c] >= least(width == 1 ? 1 : 2);
-      out_row[c] = valid ? static_cast<std::uint16_t>(lines.result[c] | GrayDecoder::kMeasurable) : std::uint16_t{0};
+      out_row[c] =
+          valid ? static_cast<std::uint16_t>(lines.result[c] | model::GrayDecoder::kMeasurable) : std::uint16_t{0};
     }
   }
 }
@@ -303,7 +304,7 @@ SELFPROJ_CLONES void filter_words(const CodeImageView& image, std::uint16_t* scr
 template <class T>
 [[gnu::always_inline]] inline void leave_out_ambiguous(const T* ambiguous, std::ptrdiff_t count, std::uint16_t* out) {
   for (std::ptrdiff_t i = 0; i < count; ++i) {
-    const int kept = ambiguous[i] == 0 ? 0xFFFF : 0xFFFF & ~GrayDecoder::kMeasurable;
+    const int kept = ambiguous[i] == 0 ? 0xFFFF : 0xFFFF & ~model::GrayDecoder::kMeasurable;
     out[i] = static_cast<std::uint16_t>(out[i] & kept);
   }
 }
@@ -338,10 +339,10 @@ void unambiguous_code_words(const CodeImageView& image, std::uint16_t* out) {
   }
 }
 
-FastGrayDecoder::FastGrayDecoder(const GraySettings& settings) : settings_(settings) {
+FastGrayDecoder::FastGrayDecoder(const model::GraySettings& settings) : settings_(settings) {
   check(settings.rows >= 1 && settings.rows <= kMaxSide, "fast gray decoder: rows out of range");
   check(settings.columns >= 1 && settings.columns <= kMaxSide, "fast gray decoder: columns out of range");
-  check(settings.bits >= 1 && settings.bits <= GrayDecoder::kMaxBits, "fast gray decoder: bits out of range");
+  check(settings.bits >= 1 && settings.bits <= model::GrayDecoder::kMaxBits, "fast gray decoder: bits out of range");
   check(settings.threshold >= 0 && settings.threshold <= 255, "fast gray decoder: threshold out of range");
   const std::size_t count = static_cast<std::size_t>(settings.rows) * static_cast<std::size_t>(settings.columns);
   if (settings.bits <= kByteBits) {
@@ -353,7 +354,7 @@ FastGrayDecoder::FastGrayDecoder(const GraySettings& settings) : settings_(setti
   }
 }
 
-bool FastGrayDecoder::add_frame(const ImageView& image, int pattern, bool good) {
+bool FastGrayDecoder::add_frame(const model::ImageView& image, int pattern, bool good) {
   check(image.rows == settings_.rows && image.columns == settings_.columns,
         "fast gray decoder: the image has not the size of the settings");
   check(image.pixels != nullptr, "fast gray decoder: null pointer");
@@ -420,4 +421,4 @@ void FastMedian::filter(const CodeImageView& image, std::uint16_t* out) {
   }
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::structured_light

@@ -1,4 +1,4 @@
-#include "host/structured_light/foreground.h"
+#include "selfproj/structured_light/foreground.h"
 
 #include <algorithm>
 #include <bit>
@@ -8,10 +8,10 @@
 #include <limits>
 #include <stdexcept>
 
-#include "host/structured_light/triangulation.h"
 #include "model/cpu_clones.h"
+#include "selfproj/structured_light/triangulation.h"
 
-namespace selfproj {
+namespace selfproj::structured_light {
 namespace {
 
 // Enough for the compiler to keep the loop over them and vectorize it.
@@ -164,4 +164,4 @@ Foreground foreground_of(const Triangulation& triangulation, const float* z, con
           static_cast<double>(origin.y) + sum_y / count, static_cast<double>(origin.z) + sum_z / count};
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::structured_light

@@ -1,4 +1,4 @@
-#include "host/structured_light/gray_sequence.h"
+#include "selfproj/structured_light/gray_sequence.h"
 
 #include <algorithm>
 #include <bit>
@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <vector>
 
-namespace selfproj {
+namespace selfproj::structured_light {
 namespace {
 
 constexpr std::uint8_t kWhite = 255;
@@ -61,4 +61,4 @@ std::vector<std::uint8_t> GraySequence::image(int index) const {
   return pixels;
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::structured_light

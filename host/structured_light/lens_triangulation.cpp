@@ -1,4 +1,4 @@
-#include "host/structured_light/lens_triangulation.h"
+#include "selfproj/structured_light/lens_triangulation.h"
 
 #include <fmt/format.h>
 
@@ -14,21 +14,22 @@
 #include <string>
 #include <vector>
 
-#include "host/files/user_error.h"
-#include "host/images/float_image.h"
-#include "host/rig/calibration.h"
-#include "host/rig/calibration_file.h"
 #include "host/structured_light/check.h"
-#include "host/structured_light/triangulation.h"
-#include "model/gray_decoder.h"
+#include "selfproj/files/user_error.h"
+#include "selfproj/images/float_image.h"
+#include "selfproj/model/gray_decoder.h"
+#include "selfproj/rig/calibration.h"
+#include "selfproj/rig/calibration_file.h"
+#include "selfproj/structured_light/triangulation.h"
 
-namespace selfproj {
+namespace selfproj::structured_light {
 
-LensTriangulation::LensTriangulation(const Calibration& calibration, const LensSettings& settings)
+LensTriangulation::LensTriangulation(const rig::Calibration& calibration, const LensSettings& settings)
     : Triangulation(settings.rows, settings.columns, settings.bits),
-      calibration_(settings.rows_are_x ? with_axes_exchanged(calibration) : calibration),
+      calibration_(settings.rows_are_x ? rig::with_axes_exchanged(calibration) : calibration),
       settings_(settings) {
-  check(settings.row_bits >= 0 && settings.row_bits <= GrayDecoder::kMaxBits, "triangulation: row bits out of range");
+  check(settings.row_bits >= 0 && settings.row_bits <= model::GrayDecoder::kMaxBits,
+        "triangulation: row bits out of range");
   if (settings_.lines <= 0) {
     settings_.lines = std::ldexp(1.0, settings.bits);
   }
@@ -77,16 +78,16 @@ LensTriangulation::Found LensTriangulation::solve(std::size_t pixel, std::uint16
     found.state = state;
     return found;
   };
-  const bool measurable =
-      (code & GrayDecoder::kMeasurable) != 0 && (row_code == nullptr || (*row_code & GrayDecoder::kMeasurable) != 0);
+  const bool measurable = (code & model::GrayDecoder::kMeasurable) != 0 &&
+                          (row_code == nullptr || (*row_code & model::GrayDecoder::kMeasurable) != 0);
   if (!measurable) {
     return fails(PointState::not_measurable);
   }
-  const Lens& lens = calibration_.projector;
-  const double column = ((code & GrayDecoder::kCode) + 0.5) * std::ldexp(settings_.lines, -settings_.bits) - 0.5;
+  const rig::Lens& lens = calibration_.projector;
+  const double column = ((code & model::GrayDecoder::kCode) + 0.5) * std::ldexp(settings_.lines, -settings_.bits) - 0.5;
   double row = lens.cy;
   if (row_code != nullptr) {
-    row = ((*row_code & GrayDecoder::kCode) + 0.5) * std::ldexp(settings_.row_lines, -settings_.row_bits) - 0.5;
+    row = ((*row_code & model::GrayDecoder::kCode) + 0.5) * std::ldexp(settings_.row_lines, -settings_.row_bits) - 0.5;
   }
   const bool on = (calibration_.projector_columns == 0 || column <= calibration_.projector_columns - 0.5) &&
                   (row_code == nullptr || calibration_.projector_rows == 0 || row <= calibration_.projector_rows - 0.5);
@@ -135,7 +136,7 @@ LensTriangulation::Found LensTriangulation::solve(std::size_t pixel, std::uint16
 void LensTriangulation::depth(const std::uint16_t* codes, float* z) const {
   for (std::size_t i = 0; i < pixels(); ++i) {
     const Found found = solve(i, codes[i], nullptr);
-    z[i] = found.state == PointState::valid ? static_cast<float>(found.z) : kNoValue;
+    z[i] = found.state == PointState::valid ? static_cast<float>(found.z) : images::kNoValue;
   }
 }
 
@@ -163,12 +164,12 @@ void LensTriangulation::depth_of_both(const std::uint16_t* codes, const std::uin
   for (std::size_t i = 0; i < pixels(); ++i) {
     const Found found = solve(i, codes[i], row_codes + i);
     const bool valid = found.state == PointState::valid;
-    z[i] = valid ? static_cast<float>(found.z) : kNoValue;
+    z[i] = valid ? static_cast<float>(found.z) : images::kNoValue;
     if (states != nullptr) {
       states[i] = found.state;
     }
     if (residual_px != nullptr) {
-      residual_px[i] = valid ? static_cast<float>(found.residual) : kNoValue;
+      residual_px[i] = valid ? static_cast<float>(found.residual) : images::kNoValue;
     }
   }
 }
@@ -190,7 +191,7 @@ struct LensLines::Nodes {
   std::array<double, kNodes> f{}, z{}, series{};
 };
 
-LensLines::LensLines(const Rig& rig, const std::vector<LineRange>& ranges, const DepthLimits& limits)
+LensLines::LensLines(const rig::Rig& rig, const std::vector<LineRange>& ranges, const DepthLimits& limits)
     : optics_(rig), limits_(limits), columns_(rig.camera.columns) {
   check(ranges.size() == rig.camera.pixels(), "lens lines: as many ranges are needed as the camera has pixels");
   const cv::Vec3d move = optics_.to_projector({0, 0, 0});
@@ -383,7 +384,7 @@ void LensLines::depth_of_lines(int row, const float* lines, float* z) const {
     // In double precision, as both terms vanish where the ray passes through the projector's centre.
     const auto found = static_cast<float>((f * move_z_ - move_x_) / (ray_x_[i] - f * ray_z_[i]));
     const bool valid = lines[c] >= first_[i] && lines[c] <= last_[i] && found > low && found < high;
-    z[c] = valid ? found : kNoValue;
+    z[c] = valid ? found : images::kNoValue;
   }
 }
 
@@ -405,4 +406,4 @@ PointState LensLines::explain_line(std::size_t pixel, float line, float z) const
   return coarse ? PointState::too_coarse : PointState::out_of_range;
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::structured_light

@@ -13,13 +13,13 @@
 #include "host/rig/geometry.h"
 #include "host/structured_light/check.h"
 
-namespace selfproj {
+namespace selfproj::structured_light {
 namespace {
 
 constexpr int kSteps = 4;     // steps of the walk for each line
 constexpr double kGap = 2.5;  // lines between pieces of one place
 
-void check_all(const Rig& rig, const SelfReference& reference, const MatchSettings& settings) {
+void check_all(const rig::Rig& rig, const SelfReference& reference, const MatchSettings& settings) {
   check_stripes(reference.stripes);
   check(settings.e >= 0 && settings.e < 1 << reference.stripes.bits, "match: e is not in 0..2^m - 1");
   check(settings.line_width > 0, "match: a' is not greater than 0");
@@ -33,7 +33,7 @@ double line_at(int step) { return (step + 0.5) / kSteps - 0.5; }
 
 }  // namespace
 
-MatchSearch::MatchSearch(const Rig& rig, const SelfReference& reference, const MatchSettings& settings)
+MatchSearch::MatchSearch(const rig::Rig& rig, const SelfReference& reference, const MatchSettings& settings)
     : rig_(&rig), reference_(&reference), settings_(settings) {
   check_all(rig, reference, settings);
   for (int c = 0; c < rig.projector.columns; ++c) {
@@ -46,7 +46,7 @@ MatchSearch::MatchSearch(const Rig& rig, const SelfReference& reference, const M
     codes_.push_back(code_of_cell(reference.stripes, cell));
   }
   for (int step = 0; step < rig.projector.lines * kSteps; ++step) {
-    tan_theta_.push_back(tan_theta(rig.projector, line_at(step)));
+    tan_theta_.push_back(rig::tan_theta(rig.projector, line_at(step)));
   }
   if (!rig.is_pinholes()) {
     optics_.emplace(rig);
@@ -58,7 +58,7 @@ int MatchSearch::Path::column(double line) const { return static_cast<int>(std::
 
 // kNoCell outside the projector's image, too.
 int MatchSearch::cell_at(int column, int step) const {
-  const RigProjector& projector = rig_->projector;
+  const rig::RigProjector& projector = rig_->projector;
   return column < 0 || column >= projector.columns
              ? kNoCell
              : cells_[static_cast<std::size_t>(column) * static_cast<std::size_t>(projector.lines) +
@@ -67,7 +67,7 @@ int MatchSearch::cell_at(int column, int step) const {
 
 // The first step at which the ray meets the light in front of the camera.
 int MatchSearch::first_step(double alpha) const {
-  const RigProjector& projector = rig_->projector;
+  const rig::RigProjector& projector = rig_->projector;
   const auto meets = [&](double tangent) {
     return alpha + tangent > 0 && projector.x_mm + projector.z_mm * tangent > 0;
   };
@@ -77,7 +77,7 @@ int MatchSearch::first_step(double alpha) const {
 
 // The line is straight, so two of its points determine it.
 MatchSearch::Path MatchSearch::epipolar_line(double alpha, double beta) const {
-  const RigProjector& p = rig_->projector;
+  const rig::RigProjector& p = rig_->projector;
   const auto point = [&](double z, double& line, double& column) {
     const double x = z * alpha - p.x_mm;
     const double depth = (z - p.z_mm) * std::cos(p.tilt_rad) - x * std::sin(p.tilt_rad);
@@ -138,7 +138,7 @@ bool MatchSearch::can_find(int row, int column) const {
   if (optics_) {
     return !curve({static_cast<double>(row), static_cast<double>(column)}).empty();
   }
-  const double alpha = tan_alpha(rig_->camera, row + 1.0);  // geometry.h counts rows of a centroid from 1
+  const double alpha = rig::tan_alpha(rig_->camera, row + 1.0);  // geometry.h counts rows of a centroid from 1
   return rig_->projector.z_mm * alpha < rig_->projector.x_mm;
 }
 
@@ -168,8 +168,8 @@ void MatchSearch::find(int row, int column, std::vector<Match>& matches) const {
   if (!can_find(row, column)) {
     return;
   }
-  const double alpha = tan_alpha(rig_->camera, row + 1.0);
-  const double beta = tan_beta(rig_->camera, column);
+  const double alpha = rig::tan_alpha(rig_->camera, row + 1.0);
+  const double beta = rig::tan_beta(rig_->camera, column);
   const Path path = settings_.printed_direction ? Path{own.column, 0} : epipolar_line(alpha, beta);
   const auto cell_on = [&](int step) { return cell_at(path.column(line_at(step)), step); };
   const int end = rig_->projector.lines * kSteps;
@@ -186,11 +186,11 @@ void MatchSearch::find(int row, int column, std::vector<Match>& matches) const {
 
 // Places of the projector along the pixel's ray, in the order of its lines: as far as its image goes, or the lens
 // model. Empty if the ray meets no light.
-std::vector<ProjectorPlace> MatchSearch::curve(const CameraPlace& place) const {
+std::vector<rig::ProjectorPlace> MatchSearch::curve(const rig::CameraPlace& place) const {
   constexpr int kParts = 16;
   constexpr int kPlaces = 49;
   const std::optional<cv::Vec2d> ray = optics_->ray(place);
-  const RigProjector& projector = rig_->projector;
+  const rig::RigProjector& projector = rig_->projector;
   const auto meet = [&](int part) {
     const double line = -0.5 + static_cast<double>(projector.lines) * part / kParts;
     return optics_->meet(*ray, {line, 0, 0.5 * (projector.columns - 1)});
@@ -204,12 +204,12 @@ std::vector<ProjectorPlace> MatchSearch::curve(const CameraPlace& place) const {
     last = meet(part);
   }
   return first && last && *first != *last ? optics_->epipolar_line(*ray, *first, *last, kPlaces)
-                                          : std::vector<ProjectorPlace>();
+                                          : std::vector<rig::ProjectorPlace>();
 }
 
 // Writes the projector columns of the curve's steps, linear between its places, and returns the first step and the one
 // after the last.
-std::pair<int, int> MatchSearch::columns_along(const std::vector<ProjectorPlace>& curve) const {
+std::pair<int, int> MatchSearch::columns_along(const std::vector<rig::ProjectorPlace>& curve) const {
   const int end = rig_->projector.lines * kSteps;
   const auto step_of = [](double line) { return (line + 0.5) * kSteps - 0.5; };
   const int first = std::clamp(static_cast<int>(std::ceil(step_of(curve.front().line))), 0, end);
@@ -227,8 +227,9 @@ std::pair<int, int> MatchSearch::columns_along(const std::vector<ProjectorPlace>
   return {first, last};
 }
 
-void MatchSearch::find_through_lenses(const CameraPlace& place, const Own& own, std::vector<Match>& matches) const {
-  const std::vector<ProjectorPlace> curve = this->curve(place);
+void MatchSearch::find_through_lenses(const rig::CameraPlace& place, const Own& own,
+                                      std::vector<Match>& matches) const {
+  const std::vector<rig::ProjectorPlace> curve = this->curve(place);
   if (curve.empty()) {
     return;
   }
@@ -253,14 +254,14 @@ void MatchSearch::find_through_lenses(const CameraPlace& place, const Own& own, 
   }
 }
 
-MatchTable::MatchTable(const Rig& rig, const SelfReference& reference, const MatchSettings& settings)
+MatchTable::MatchTable(const rig::Rig& rig, const SelfReference& reference, const MatchSettings& settings)
     : rows_(rig.camera.rows),
       columns_(rig.camera.columns),
       bits_(reference.stripes.bits),
       plane_(static_cast<std::ptrdiff_t>(rig.camera.rows) * rig.camera.columns) {
   const MatchSearch search(rig, reference, settings);
   const int codes = 1 << bits_;
-  words_.assign(static_cast<std::size_t>(codes) * static_cast<std::size_t>(plane_), GrayMatch::kNone);
+  words_.assign(static_cast<std::size_t>(codes) * static_cast<std::size_t>(plane_), model::GrayMatch::kNone);
   for (int r = 0; r < rows_; ++r) {
     own_.push_back(cell_of_row(r, rows_, reference.stripes.width));
   }
@@ -281,7 +282,7 @@ MatchTable::MatchTable(const Rig& rig, const SelfReference& reference, const Mat
         doubled += match.candidates > 1 ? 1 : 0;
         if (match.candidates > 0) {
           words_[static_cast<std::size_t>(row(r).of(static_cast<unsigned>(code)) - words_.data() + c)] =
-              GrayMatch::word_of(match.line);
+              model::GrayMatch::word_of(match.line);
         }
       }
     }
@@ -306,4 +307,4 @@ std::vector<std::uint16_t> MatchTable::by_pixels() const {
   return table;
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::structured_light

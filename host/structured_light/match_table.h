@@ -9,12 +9,12 @@
 #include <utility>
 #include <vector>
 
-#include "host/rig/optics.h"
-#include "host/rig/rig.h"
 #include "host/structured_light/self_reference.h"
-#include "model/gray_match.h"
+#include "selfproj/model/gray_match.h"
+#include "selfproj/rig/optics.h"
+#include "selfproj/rig/rig.h"
 
-namespace selfproj {
+namespace selfproj::structured_light {
 
 struct MatchSettings {
   int e = 0;  // cells below the reference that are searched, 0..2^m - 1
@@ -47,7 +47,7 @@ class MatchSearch {
  public:
   // Rig and reference must outlive the search. Throws std::invalid_argument if a setting is out of range or the
   // reference has not the rig's sizes.
-  MatchSearch(const Rig& rig, const SelfReference& reference, const MatchSettings& settings);
+  MatchSearch(const rig::Rig& rig, const SelfReference& reference, const MatchSettings& settings);
 
   // Whether anything can be matched at this pixel.
   [[nodiscard]] bool can_find(int row, int column) const;
@@ -69,19 +69,19 @@ class MatchSearch {
   [[nodiscard]] int cell_at(int column, int step) const;
   [[nodiscard]] int first_step(double alpha) const;
   [[nodiscard]] Path epipolar_line(double alpha, double beta) const;
-  [[nodiscard]] std::vector<ProjectorPlace> curve(const CameraPlace& place) const;
-  [[nodiscard]] std::pair<int, int> columns_along(const std::vector<ProjectorPlace>& curve) const;
-  void find_through_lenses(const CameraPlace& place, const Own& own, std::vector<Match>& matches) const;
+  [[nodiscard]] std::vector<rig::ProjectorPlace> curve(const rig::CameraPlace& place) const;
+  [[nodiscard]] std::pair<int, int> columns_along(const std::vector<rig::ProjectorPlace>& curve) const;
+  void find_through_lenses(const rig::CameraPlace& place, const Own& own, std::vector<Match>& matches) const;
   void add_run(int first, int last, int cell, const Own& own, std::vector<Match>& matches) const;
   void add(const Match& candidate, int cell, std::vector<Match>& matches) const;
 
-  const Rig* rig_;
+  const rig::Rig* rig_;
   const SelfReference* reference_;
   MatchSettings settings_;
   std::vector<int> cells_;  // cells of the projector pixels, column by column, because the search goes along the lines
   std::vector<int> codes_;  // codes of the cells of a period
   std::vector<double> tan_theta_;
-  std::optional<RigOptics> optics_;          // none: pinholes
+  std::optional<rig::RigOptics> optics_;     // none: pinholes
   mutable std::vector<int> column_of_step_;  // of the curve that is followed
 };
 
@@ -104,7 +104,7 @@ struct MatchRow {
 class MatchTable {
  public:
   // Searches all pixels. Throws as MatchSearch does.
-  MatchTable(const Rig& rig, const SelfReference& reference, const MatchSettings& settings);
+  MatchTable(const rig::Rig& rig, const SelfReference& reference, const MatchSettings& settings);
 
   [[nodiscard]] int rows() const { return rows_; }
   [[nodiscard]] int columns() const { return columns_; }
@@ -136,6 +136,6 @@ class MatchTable {
   double missing_ = 0, doubled_ = 0;
 };
 
-}  // namespace selfproj
+}  // namespace selfproj::structured_light
 
 #endif  // SELFPROJ_HOST_STRUCTURED_LIGHT_MATCH_TABLE_H

@@ -10,10 +10,10 @@
 #include <vector>
 
 #include "host/files/numbers.h"
-#include "host/images/float_image.h"
-#include "host/structured_light/triangulation.h"
+#include "selfproj/images/float_image.h"
+#include "selfproj/structured_light/triangulation.h"
 
-namespace selfproj {
+namespace selfproj::structured_light {
 namespace {
 
 struct Sample {
@@ -28,7 +28,8 @@ double residual(const Plane& plane, const Sample& sample) {
   return sample.at[2] - plane[0] - plane[1] * sample.at[0] - plane[2] * sample.at[1];
 }
 
-std::vector<Sample> samples_of(const Triangulation& triangulation, const FloatImage& depth, const PlaneRegion& region) {
+std::vector<Sample> samples_of(const Triangulation& triangulation, const images::FloatImage& depth,
+                               const PlaneRegion& region) {
   std::vector<Sample> samples;
   for (int row = region.row; row < region.row + region.rows; ++row) {
     for (int column = region.column; column < region.column + region.columns; ++column) {
@@ -130,16 +131,16 @@ double spread_of(const Plane& plane, const std::vector<Sample>& samples) {
       sizes.push_back(std::abs(residual(plane, sample)));
     }
   }
-  return kPerMedian * median_of(std::move(sizes));
+  return kPerMedian * files::median_of(std::move(sizes));
 }
 
 }  // namespace
 
-PlaneFit fit_plane(const Triangulation& triangulation, const FloatImage& depth) {
+PlaneFit fit_plane(const Triangulation& triangulation, const images::FloatImage& depth) {
   return fit_plane(triangulation, depth, {0, 0, depth.rows, depth.columns});
 }
 
-PlaneFit fit_plane(const Triangulation& triangulation, const FloatImage& depth, const PlaneRegion& region) {
+PlaneFit fit_plane(const Triangulation& triangulation, const images::FloatImage& depth, const PlaneRegion& region) {
   if (depth.rows != triangulation.rows() || depth.columns != triangulation.columns()) {
     throw std::invalid_argument("plane fit: the depth image has another size than the triangulation");
   }
@@ -189,4 +190,4 @@ PlaneFit fit_plane(const Triangulation& triangulation, const FloatImage& depth, 
   return fit;
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::structured_light

@@ -5,10 +5,10 @@
 #include <cstddef>
 #include <limits>
 
-#include "host/images/float_image.h"
-#include "host/structured_light/triangulation.h"
+#include "selfproj/images/float_image.h"
+#include "selfproj/structured_light/triangulation.h"
 
-namespace selfproj {
+namespace selfproj::structured_light {
 
 // A part of the depth image.
 struct PlaneRegion {
@@ -35,9 +35,9 @@ struct PlaneFit {
 // or, where the plane is not quite flat, within 4.5 of the points' own, by their median. The result is NaN if fewer
 // than 3 pixels have a depth or they lie on a line. Throws std::invalid_argument if the sizes differ or the region is
 // not within the image.
-PlaneFit fit_plane(const Triangulation& triangulation, const FloatImage& depth);
-PlaneFit fit_plane(const Triangulation& triangulation, const FloatImage& depth, const PlaneRegion& region);
+PlaneFit fit_plane(const Triangulation& triangulation, const images::FloatImage& depth);
+PlaneFit fit_plane(const Triangulation& triangulation, const images::FloatImage& depth, const PlaneRegion& region);
 
-}  // namespace selfproj
+}  // namespace selfproj::structured_light
 
 #endif  // SELFPROJ_HOST_STRUCTURED_LIGHT_PLANE_FIT_H

@@ -1,4 +1,4 @@
-#include "host/structured_light/point_cloud.h"
+#include "selfproj/structured_light/point_cloud.h"
 
 #include <algorithm>
 #include <array>
@@ -18,16 +18,16 @@
 
 #include "host/files/input_file.h"
 #include "host/files/numbers.h"
-#include "host/files/user_error.h"
-#include "model/little_endian.h"
+#include "selfproj/files/user_error.h"
+#include "selfproj/model/little_endian.h"
 
-namespace selfproj {
+namespace selfproj::structured_light {
 namespace {
 
 float float_at(const std::string& bytes, std::size_t at) {
   std::array<std::uint8_t, sizeof(float)> little{};
   std::memcpy(little.data(), bytes.data() + at, little.size());
-  return std::bit_cast<float>(load_little_endian<std::uint32_t>(little.data()));
+  return std::bit_cast<float>(model::load_little_endian<std::uint32_t>(little.data()));
 }
 
 constexpr float kFar = 1e9F;
@@ -68,7 +68,7 @@ PlyLayout layout_of(const std::string& file, const std::string& bytes) {
     } else if (word == "element") {
       ++elements;
       if (elements == 1) {
-        layout.count = number_of_text<std::size_t>(name).value_or(0);
+        layout.count = files::number_of_text<std::size_t>(name).value_or(0);
         binary = binary && type == "vertex";
       }
     } else if (word == "property" && elements == 1) {
@@ -97,7 +97,7 @@ void PlyText::add(const Point3f& point, std::uint8_t red, std::uint8_t green, st
   std::array<std::uint8_t, kBytes> vertex{};
   std::uint8_t* at = vertex.data();
   for (const float value : {point.x, point.y, point.z}) {
-    store_little_endian(at, std::bit_cast<std::uint32_t>(value));
+    model::store_little_endian(at, std::bit_cast<std::uint32_t>(value));
     at += sizeof(float);
   }
   std::copy_n(std::array{red, green, blue}.begin(), 3, at);
@@ -113,7 +113,7 @@ std::string PlyText::file(const std::string& comment) const {
 }
 
 std::vector<Point3f> read_ply(const std::string& file) {
-  const std::string bytes = read_input(file, kMostTableBytes);
+  const std::string bytes = files::read_input(file, files::kMostTableBytes);
   const PlyLayout layout = layout_of(file, bytes);
   std::vector<Point3f> points(layout.count);
   std::size_t at = layout.header;
@@ -187,4 +187,4 @@ CloudComparison compare_clouds(const std::vector<Point3f>& ours, const std::vect
   return result;
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::structured_light

@@ -11,16 +11,16 @@
 
 #include "host/structured_light/check.h"
 
-namespace selfproj {
+namespace selfproj::structured_light {
 namespace {
 
 constexpr float kApart = 4;  // lines between two separate places of light
 
 // Keeps the points of which both coordinates are known.
-ProjectorPoints both(FloatImage line, FloatImage column) {
+ProjectorPoints both(images::FloatImage line, images::FloatImage column) {
   for (std::size_t i = 0; i < line.values.size(); ++i) {
     if (std::isnan(line.values[i]) || std::isnan(column.values[i])) {
-      line.values[i] = column.values[i] = kNoValue;
+      line.values[i] = column.values[i] = images::kNoValue;
     }
   }
   return {std::move(line), std::move(column)};
@@ -35,10 +35,10 @@ AxisScan::AxisScan(int rows, int columns, int contrast) : rows_(rows), columns_(
   look_.assign(pixels_, static_cast<std::uint8_t>(std::clamp(contrast, 0, 255)));
   best_.assign(pixels_, 0);
   second_.assign(pixels_, 0);
-  place_.assign(pixels_, kNoValue);
+  place_.assign(pixels_, images::kNoValue);
 }
 
-void AxisScan::add(const ImageView& image) {
+void AxisScan::add(const model::ImageView& image) {
   check(image.rows == rows_ && image.columns == columns_, "axis scan: an image has another size");
   std::uint8_t* to = ring_.data() + static_cast<std::size_t>(lines_ % kRing) * pixels_;
   for (int r = 0; r < rows_; ++r) {
@@ -105,8 +105,8 @@ void AxisScan::weigh(int line, std::size_t pixel) {
   }
 }
 
-FloatImage AxisScan::coordinates() {
-  FloatImage result(rows_, columns_, kNoValue);
+images::FloatImage AxisScan::coordinates() {
+  images::FloatImage result(rows_, columns_, images::kNoValue);
   for (std::size_t i = 0; i < pixels_; ++i) {
     if (second_[i] <= 0.5F * best_[i]) {
       result.values[i] = place_[i];
@@ -115,13 +115,13 @@ FloatImage AxisScan::coordinates() {
   return result;
 }
 
-LinePointScan::LinePointScan(const Rig& rig)
+LinePointScan::LinePointScan(const rig::Rig& rig)
     : lines_(rig.projector.lines),
       columns_(rig.projector.columns),
       line_axis_(rig.camera.rows, rig.camera.columns, rig.measure.code_threshold),
       column_axis_(rig.camera.rows, rig.camera.columns, rig.measure.code_threshold) {}
 
-void LinePointScan::add(const ImageView& image) {
+void LinePointScan::add(const model::ImageView& image) {
   check(next_ < count(), "line scan: there are more images than lines and columns");
   (next_ < lines_ ? line_axis_ : column_axis_).add(image);
   ++next_;
@@ -142,31 +142,31 @@ float place_of_code(unsigned code, unsigned ambiguous, int max_open) {
   // All of the finest planes from `top` on are ambiguous: 2 top codes are left open, and their middle is taken.
   if (ambiguous == (top | below)) {
     if (2 * top > static_cast<unsigned>(max_open)) {
-      return kNoValue;
+      return images::kNoValue;
     }
     const unsigned first = code & ~(ambiguous);
     return static_cast<float>(first) + 0.5F * static_cast<float>(2 * top - 1);
   }
   if (ambiguous != top) {
-    return kNoValue;
+    return images::kNoValue;
   }
   // One plane alone is ambiguous. If it is taken for 0, the bits of the code from there on have the parity of the
   // planes above. The other choice inverts all of them. An edge lies only between neighbouring codes.
   const unsigned other = code ^ (top | below);
   const int apart = std::abs(static_cast<int>(code) - static_cast<int>(other));
-  return apart == 1 ? 0.5F * static_cast<float>(code + other) : kNoValue;
+  return apart == 1 ? 0.5F * static_cast<float>(code + other) : images::kNoValue;
 }
 
 }  // namespace
 
-FloatImage coordinates_of_codes(const AmbiguousCodes& codes, int max_open, int reach, double jump) {
+images::FloatImage coordinates_of_codes(const AmbiguousCodes& codes, int max_open, int reach, double jump) {
   const int rows = codes.rows;
   const int columns = codes.columns;
-  FloatImage raw(rows, columns);
+  images::FloatImage raw(rows, columns);
   for (std::size_t i = 0; i < raw.values.size(); ++i) {
     raw.values[i] = place_of_code(codes.codes[i], codes.ambiguous[i], max_open);
   }
-  FloatImage result = raw;
+  images::FloatImage result = raw;
   for (int r = 0; r < rows; ++r) {
     for (int c = 0; c < columns; ++c) {
       const auto middle = static_cast<double>(raw.row(r)[c]);
@@ -210,13 +210,13 @@ FloatImage coordinates_of_codes(const AmbiguousCodes& codes, int max_open, int r
   return result;
 }
 
-GrayPointScan::GrayPointScan(const Rig& rig)
+GrayPointScan::GrayPointScan(const rig::Rig& rig)
     : sequence_(rig.projector.columns, rig.projector.lines),
       columns_({rig.camera.rows, rig.camera.columns, sequence_.column_bits(), rig.measure.code_threshold}),
       lines_({rig.camera.rows, rig.camera.columns, sequence_.row_bits(), rig.measure.code_threshold}),
       positive_(static_cast<std::size_t>(rig.camera.rows) * static_cast<std::size_t>(rig.camera.columns)) {}
 
-void GrayPointScan::add(const ImageView& image) {
+void GrayPointScan::add(const model::ImageView& image) {
   check(next_ < count(), "gray scan: there are more images than patterns");
   check(image.rows == lines_.settings().rows && image.columns == lines_.settings().columns,
         "gray scan: an image has another size");
@@ -253,4 +253,4 @@ ProjectorPoints GrayPointScan::points() const {
   return both(coordinates(lines_.codes()), coordinates(columns_.codes()));
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::structured_light

@@ -7,19 +7,19 @@
 #include <cstdint>
 #include <vector>
 
-#include "host/images/float_image.h"
-#include "host/rig/rig.h"
-#include "host/structured_light/fast_decoder.h"
-#include "host/structured_light/gray_sequence.h"
-#include "model/column_moments.h"
+#include "selfproj/images/float_image.h"
+#include "selfproj/model/column_moments.h"
+#include "selfproj/rig/rig.h"
+#include "selfproj/structured_light/fast_decoder.h"
+#include "selfproj/structured_light/gray_sequence.h"
 
-namespace selfproj {
+namespace selfproj::structured_light {
 
 // For each camera pixel the projector point that lights what it sees: line and column, from 0 with a fraction, both NaN
 // if there is none.
 struct ProjectorPoints {
-  FloatImage line;
-  FloatImage column;
+  images::FloatImage line;
+  images::FloatImage column;
 };
 
 // One axis of a line scan. The images come in the order of the lines. For each pixel it keeps the place along the axis
@@ -32,12 +32,12 @@ class AxisScan {
   AxisScan(int rows, int columns, int contrast);
 
   // Adds the image under the next line, beginning with line 0. Throws std::invalid_argument for another size.
-  void add(const ImageView& image);
+  void add(const model::ImageView& image);
 
   // The coordinate of each pixel. NaN if the contrast is not reached, if the light lies at the end of the axis and is
   // not whole, or if two places more than four lines apart are lit alike (the dimmer by more than half as much): such a
   // pixel sees both sides of a step.
-  [[nodiscard]] FloatImage coordinates();
+  [[nodiscard]] images::FloatImage coordinates();
 
  private:
   // The light of one pixel spreads over no more than this many lines to either side. On rig B a pixel sees 1.2 to 3.4
@@ -63,12 +63,12 @@ class AxisScan {
 // Both axes: first the images of the lines, then those of the columns. Throws as AxisScan does.
 class LinePointScan {
  public:
-  explicit LinePointScan(const Rig& rig);
+  explicit LinePointScan(const rig::Rig& rig);
 
   // The number of images: one under each line, then one under each column of the projector.
   [[nodiscard]] int count() const { return lines_ + columns_; }
 
-  void add(const ImageView& image);
+  void add(const model::ImageView& image);
 
   [[nodiscard]] ProjectorPoints points();
 
@@ -94,18 +94,18 @@ struct AmbiguousCodes {
 // lines. Anything else gives NaN. In a second step each place is replaced by that of the plane fitted to its
 // neighbourhood, which averages the steps of the codes. The fit uses pixels up to `reach` rows and columns away whose
 // places are within `jump` lines for each pixel of distance. If these are fewer than half, the place stays.
-FloatImage coordinates_of_codes(const AmbiguousCodes& codes, int max_open = 4, int reach = 2, double jump = 4);
+images::FloatImage coordinates_of_codes(const AmbiguousCodes& codes, int max_open = 4, int reach = 2, double jump = 4);
 
 // The same from the images seen under the patterns of GraySequence: columns, lines, and finally white and black, which
 // are not needed. On rig B these are 42 images instead of 1792.
 class GrayPointScan {
  public:
-  explicit GrayPointScan(const Rig& rig);
+  explicit GrayPointScan(const rig::Rig& rig);
 
   [[nodiscard]] int count() const { return sequence_.count(); }
 
   // Adds the next image. Throws std::invalid_argument for another size, or for one image too many.
-  void add(const ImageView& image);
+  void add(const model::ImageView& image);
 
   // Coordinates as coordinates_of_codes gives them, for pixels that have both.
   [[nodiscard]] ProjectorPoints points() const;
@@ -117,6 +117,6 @@ class GrayPointScan {
   int next_ = 0;
 };
 
-}  // namespace selfproj
+}  // namespace selfproj::structured_light
 
 #endif  // SELFPROJ_HOST_STRUCTURED_LIGHT_POINT_SCAN_H

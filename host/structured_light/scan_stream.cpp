@@ -3,9 +3,9 @@
 #include <cstddef>
 #include <cstdint>
 
-namespace selfproj {
+namespace selfproj::structured_light {
 
-ScanStream::Got ScanStream::add(const PacketView& packet) {
+ScanStream::Got ScanStream::add(const model::PacketView& packet) {
   if (kind_ != Got::image && codes_.add(packet)) {
     kind_ = Got::codes;
     return Got::codes;
@@ -21,9 +21,11 @@ ScanStream::Got ScanStream::add(const PacketView& packet) {
   return Got::nothing;
 }
 
-const PacketHeader& ScanStream::header() const { return kind_ == Got::image ? images_.header() : codes_.header(); }
+const model::PacketHeader& ScanStream::header() const {
+  return kind_ == Got::image ? images_.header() : codes_.header();
+}
 
-ImageView ScanStream::image() const {
+model::ImageView ScanStream::image() const {
   return {pixels_.at(newest_).data(), images_.header().rows, images_.header().columns, images_.header().columns};
 }
 
@@ -31,4 +33,4 @@ std::uint64_t ScanStream::incomplete() const {
   return kind_ ? (kind_ == Got::image ? images_ : codes_).incomplete() : codes_.incomplete() + images_.incomplete();
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::structured_light

@@ -8,11 +8,11 @@
 #include <optional>
 #include <vector>
 
-#include "host/driver/image_assembler.h"
-#include "model/column_moments.h"
-#include "model/packet.h"
+#include "selfproj/driver/image_assembler.h"
+#include "selfproj/model/column_moments.h"
+#include "selfproj/model/packet.h"
 
-namespace selfproj {
+namespace selfproj::structured_light {
 
 // Puts images together from packets. Where a board sends both kinds, the one of which a whole image comes first is
 // taken from then on.
@@ -22,11 +22,11 @@ class ScanStream {
 
   // Takes a packet, and says what it has completed. header() and codes() or image() hold until the next call; the
   // pixels of an image also hold while the next image comes, as decoders need it.
-  Got add(const PacketView& packet);
+  Got add(const model::PacketView& packet);
 
-  [[nodiscard]] const PacketHeader& header() const;
+  [[nodiscard]] const model::PacketHeader& header() const;
   [[nodiscard]] const std::vector<std::uint16_t>& codes() const { return codes_.codes(); }
-  [[nodiscard]] ImageView image() const;
+  [[nodiscard]] model::ImageView image() const;
 
   // The pattern of the image where the projector shows `patterns` in turn, from the board's frame 0 on.
   [[nodiscard]] int pattern(int patterns) const {
@@ -44,8 +44,8 @@ class ScanStream {
   [[nodiscard]] std::uint64_t incomplete() const;
 
  private:
-  ImageAssembler codes_{spec::kKindCodes, 0};
-  ImageAssembler images_{spec::kKindImage, 0};
+  driver::ImageAssembler codes_{spec::kKindCodes, 0};
+  driver::ImageAssembler images_{spec::kKindImage, 0};
   std::optional<Got> kind_;
   std::array<std::vector<std::uint8_t>, 2> pixels_;  // of the newest image and the one before, by turns
   std::size_t newest_ = 0;
@@ -53,6 +53,6 @@ class ScanStream {
   bool follows_ = false;
 };
 
-}  // namespace selfproj
+}  // namespace selfproj::structured_light
 
 #endif  // SELFPROJ_HOST_STRUCTURED_LIGHT_SCAN_STREAM_H

@@ -1,4 +1,4 @@
-#include "host/structured_light/scanner.h"
+#include "selfproj/structured_light/scanner.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,18 +6,18 @@
 #include <cstdint>
 #include <stdexcept>
 
-#include "host/structured_light/foreground.h"
-#include "model/gray_decoder.h"
+#include "selfproj/model/gray_decoder.h"
+#include "selfproj/structured_light/foreground.h"
 
-namespace selfproj {
+namespace selfproj::structured_light {
 Scanner::Scanner(const Triangulation& triangulation, const ScannerSettings& settings)
     : triangulation_(&triangulation),
       settings_(settings),
       decoder_({triangulation.rows(), triangulation.columns(), triangulation.bits(), settings.threshold}),
       median_(triangulation.columns()),
       codes_(triangulation.pixels()),
-      depth_(triangulation.rows(), triangulation.columns(), kNoValue),
-      background_(triangulation.rows(), triangulation.columns(), kNoValue),
+      depth_(triangulation.rows(), triangulation.columns(), images::kNoValue),
+      background_(triangulation.rows(), triangulation.columns(), images::kNoValue),
       steady_(triangulation.rows(), triangulation.columns(), settings.steady) {
   if (!(settings.min_difference_mm >= 0)) {
     throw std::invalid_argument("scanner: the least difference is negative");
@@ -27,7 +27,7 @@ Scanner::Scanner(const Triangulation& triangulation, const ScannerSettings& sett
   }
 }
 
-bool Scanner::add_frame(const ImageView& image, int pattern, bool good) {
+bool Scanner::add_frame(const model::ImageView& image, int pattern, bool good) {
   if (!decoder_.add_frame(image, pattern, good)) {
     return false;
   }
@@ -61,7 +61,7 @@ void Scanner::triangulate() {
   }
 }
 
-void Scanner::set_background(const FloatImage& background) {
+void Scanner::set_background(const images::FloatImage& background) {
   if (background.rows != depth_.rows || background.columns != depth_.columns) {
     throw std::invalid_argument("scanner: the background has another size");
   }
@@ -69,12 +69,12 @@ void Scanner::set_background(const FloatImage& background) {
   has_background_ = true;
 }
 
-void Scanner::difference(FloatImage& out) const {
+void Scanner::difference(images::FloatImage& out) const {
   const float* const z = candidates();
   for (std::size_t i = 0; i < depth_.values.size(); ++i) {
     const bool differs = std::abs(z[i] - background_.values[i]) > settings_.min_difference_mm;
-    out.values[i] = differs ? z[i] : kNoValue;
+    out.values[i] = differs ? z[i] : images::kNoValue;
   }
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::structured_light

@@ -21,17 +21,17 @@
 
 #include "host/files/input_file.h"
 #include "host/files/numbers.h"
-#include "host/files/user_error.h"
-#include "host/images/float_image.h"
 #include "host/images/frame_options.h"
 #include "host/images/image_files.h"
 #include "host/rig/geometry.h"
-#include "host/rig/optics.h"
-#include "host/rig/rig.h"
 #include "host/rig/yaml.h"
 #include "host/structured_light/check.h"
+#include "selfproj/files/user_error.h"
+#include "selfproj/images/float_image.h"
+#include "selfproj/rig/optics.h"
+#include "selfproj/rig/rig.h"
 
-namespace selfproj {
+namespace selfproj::structured_light {
 
 int cell_of_row(double row, int rows, int width) {
   return static_cast<int>(std::floor((row - 0.5 * (rows - 1)) / width));
@@ -99,8 +99,8 @@ void fill_triangle(const std::array<Corner, 3>& t, SelfReference& reference) {
 
 void invert(SelfReference& reference) {
   constexpr double kJump = 8;
-  const FloatImage& line = reference.points.line;
-  const FloatImage& column = reference.points.column;
+  const images::FloatImage& line = reference.points.line;
+  const images::FloatImage& column = reference.points.column;
   const auto corner = [&](int r, int c) {
     return Corner{static_cast<double>(line.row(r)[c]), static_cast<double>(column.row(r)[c]), static_cast<double>(r),
                   static_cast<double>(c)};
@@ -126,13 +126,14 @@ void invert(SelfReference& reference) {
 // Gives every pixel that is not `seen` a value that continues smoothly from those that are: the solution of Laplace's
 // equation between them, level across the image's border. It starts from averages over larger and larger squares and
 // relaxes them.
-void fill_smoothly(FloatImage& image, const std::vector<std::uint8_t>& seen) {
+void fill_smoothly(images::FloatImage& image, const std::vector<std::uint8_t>& seen) {
   constexpr int kSweeps = 200;
   constexpr float kOver = 1.7F;  // over-relaxation
   struct Level {
-    FloatImage sum, count;
+    images::FloatImage sum, count;
   };
-  std::vector<Level> levels(1, {FloatImage(image.rows, image.columns), FloatImage(image.rows, image.columns)});
+  std::vector<Level> levels(
+      1, {images::FloatImage(image.rows, image.columns), images::FloatImage(image.rows, image.columns)});
   for (std::size_t i = 0; i < seen.size(); ++i) {
     levels[0].sum.values[i] = seen[i] != 0 ? image.values[i] : 0;
     levels[0].count.values[i] = seen[i] != 0 ? 1.0F : 0.0F;
@@ -141,7 +142,7 @@ void fill_smoothly(FloatImage& image, const std::vector<std::uint8_t>& seen) {
     const Level& fine = levels.back();
     const int rows = (fine.sum.rows + 1) / 2;
     const int columns = (fine.sum.columns + 1) / 2;
-    Level coarse{FloatImage(rows, columns), FloatImage(rows, columns)};
+    Level coarse{images::FloatImage(rows, columns), images::FloatImage(rows, columns)};
     for (int r = 0; r < fine.sum.rows; ++r) {
       for (int c = 0; c < fine.sum.columns; ++c) {
         const float count = fine.count.row(r)[c];
@@ -190,42 +191,42 @@ void fill_smoothly(FloatImage& image, const std::vector<std::uint8_t>& seen) {
 // The geometry of pinholes, in their own equations.
 class PinholeView {
  public:
-  explicit PinholeView(const Rig& rig) : rig_(rig) {}
+  explicit PinholeView(const rig::Rig& rig) : rig_(rig) {}
 
   // z of what a camera point sees under a projector line; NaN if there is none.
   [[nodiscard]] double depth(double row, double /*column*/, int line) const {
-    const double theta = tan_theta(rig_.projector, line);
-    const double alpha = tan_alpha(rig_.camera, row + 1);                          // rows from 1
+    const double theta = rig::tan_theta(rig_.projector, line);
+    const double alpha = rig::tan_alpha(rig_.camera, row + 1);                     // rows from 1
     return (rig_.projector.x_mm + rig_.projector.z_mm * theta) / (alpha + theta);  // (4.8)
   }
 
   // Where the camera sees what a projector pixel lights at depth z.
-  [[nodiscard]] std::optional<CameraPlace> seen(int line, int column, double z) const {
-    const RigProjector& p = rig_.projector;
-    const double theta = tan_theta(p, line);
+  [[nodiscard]] std::optional<rig::CameraPlace> seen(int line, int column, double z) const {
+    const rig::RigProjector& p = rig_.projector;
+    const double theta = rig::tan_theta(p, line);
     const double xp = p.center_xp_mm + p.line_pitch_mm * (line - 0.5 * (p.lines - 1));
     const double yp = p.center_yp_mm + p.column_pitch_mm * (column - 0.5 * (p.columns - 1));
     const double x = p.x_mm - (z - p.z_mm) * theta;
     const double y = (z - p.z_mm) * yp / (p.focal_length_mm * std::cos(p.tilt_rad) - xp * std::sin(p.tilt_rad));
-    return CameraPlace{centroid_of(rig_.camera, x / z) - 1, column_of(rig_.camera, y / z)};
+    return rig::CameraPlace{rig::centroid_of(rig_.camera, x / z) - 1, rig::column_of(rig_.camera, y / z)};
   }
 
  private:
-  const Rig& rig_;
+  const rig::Rig& rig_;
 };
 
 // The same through the lenses of a calibrated rig.
 class LensView {
  public:
-  explicit LensView(const Rig& rig) : optics_(rig) {}
+  explicit LensView(const rig::Rig& rig) : optics_(rig) {}
 
   [[nodiscard]] double depth(double row, double column, int line) const {
     const std::optional<cv::Vec2d> ray = optics_.ray({row, column});
-    const LightSheet sheet{static_cast<double>(line), 0, 0.5 * (optics_.rig().projector.columns - 1)};
-    return (ray ? optics_.meet(*ray, sheet) : std::nullopt).value_or(kUnknown);
+    const rig::LightSheet sheet{static_cast<double>(line), 0, 0.5 * (optics_.rig().projector.columns - 1)};
+    return (ray ? optics_.meet(*ray, sheet) : std::nullopt).value_or(rig::kUnknown);
   }
 
-  [[nodiscard]] std::optional<CameraPlace> seen(int line, int column, double z) const {
+  [[nodiscard]] std::optional<rig::CameraPlace> seen(int line, int column, double z) const {
     const auto light = optics_.light_of({static_cast<double>(line), static_cast<double>(column)});
     const cv::Vec3d centre = optics_.projector_centre();
     if (!light || !((z - centre[2]) / (*light)[2] > 0)) {
@@ -235,11 +236,11 @@ class LensView {
   }
 
  private:
-  RigOptics optics_;
+  rig::RigOptics optics_;
 };
 
 // Whether a camera point is near enough to the image to mean something.
-bool is_near(const RigCamera& camera, const std::optional<CameraPlace>& place) {
+bool is_near(const rig::RigCamera& camera, const std::optional<rig::CameraPlace>& place) {
   constexpr double kSizes = 4;
   return place && std::abs(place->row) < kSizes * camera.rows && std::abs(place->column) < kSizes * camera.columns;
 }
@@ -247,9 +248,9 @@ bool is_near(const RigCamera& camera, const std::optional<CameraPlace>& place) {
 // Continues the depth of the reference along the projector's rays. From it follows where the camera would see the
 // light.
 template <class View>
-void fill_in(const Rig& rig, const View& view, SelfReference& reference) {
-  const RigProjector& p = rig.projector;
-  FloatImage depth(p.lines, p.columns);
+void fill_in(const rig::Rig& rig, const View& view, SelfReference& reference) {
+  const rig::RigProjector& p = rig.projector;
+  images::FloatImage depth(p.lines, p.columns);
   std::vector<std::uint8_t> known = reference.seen;
   std::size_t i = 0;
   for (int l = 0; l < p.lines; ++l) {
@@ -269,10 +270,10 @@ void fill_in(const Rig& rig, const View& view, SelfReference& reference) {
       if (reference.seen[i] != 0) {
         continue;
       }
-      const std::optional<CameraPlace> place = view.seen(l, c, static_cast<double>(depth.values[i]));
+      const std::optional<rig::CameraPlace> place = view.seen(l, c, static_cast<double>(depth.values[i]));
       const bool near = is_near(rig.camera, place);
-      reference.row.values[i] = near ? static_cast<float>(place->row) : kNoValue;
-      reference.column.values[i] = near ? static_cast<float>(place->column) : kNoValue;
+      reference.row.values[i] = near ? static_cast<float>(place->row) : images::kNoValue;
+      reference.column.values[i] = near ? static_cast<float>(place->column) : images::kNoValue;
     }
   }
 }
@@ -293,9 +294,9 @@ void check_stripes(const Stripes& stripes) {
   check(stripes.width >= 1 && stripes.width <= Stripes::kMaxWidth, "stripes: width out of range");
 }
 
-SelfReference make_self_reference(const Rig& rig, const ProjectorPoints& points, const Stripes& stripes) {
+SelfReference make_self_reference(const rig::Rig& rig, const ProjectorPoints& points, const Stripes& stripes) {
   check_stripes(stripes);
-  for (const FloatImage* image : {&points.line, &points.column}) {
+  for (const images::FloatImage* image : {&points.line, &points.column}) {
     check(image->rows == rig.camera.rows && image->columns == rig.camera.columns,
           "self reference: the points have not the camera's size");
   }
@@ -305,10 +306,10 @@ SelfReference make_self_reference(const Rig& rig, const ProjectorPoints& points,
   reference.camera_rows = rig.camera.rows;
   for (std::size_t i = 0; i < points.line.values.size(); ++i) {
     if (!reference.measurable(i)) {
-      reference.points.line.values[i] = reference.points.column.values[i] = kNoValue;
+      reference.points.line.values[i] = reference.points.column.values[i] = images::kNoValue;
     }
   }
-  reference.row = FloatImage(rig.projector.lines, rig.projector.columns, kNoValue);
+  reference.row = images::FloatImage(rig.projector.lines, rig.projector.columns, images::kNoValue);
   reference.column = reference.row;
   invert(reference);
   reference.seen.resize(reference.row.values.size());
@@ -322,9 +323,9 @@ SelfReference make_self_reference(const Rig& rig, const ProjectorPoints& points,
   return reference;
 }
 
-FloatImage self_projected_pattern(const SelfReference& reference, int index) {
+images::FloatImage self_projected_pattern(const SelfReference& reference, int index) {
   check(index >= 0 && index < 2 * reference.stripes.bits, "self-projected pattern: index out of range");
-  FloatImage pattern(reference.row.rows, reference.row.columns);
+  images::FloatImage pattern(reference.row.rows, reference.row.columns);
   for (int l = 0; l < pattern.rows; ++l) {
     for (int c = 0; c < pattern.columns; ++c) {
       const int cell = reference.cell(l, c);
@@ -338,11 +339,11 @@ FloatImage self_projected_pattern(const SelfReference& reference, int index) {
   return pattern;
 }
 
-FloatImage scan_pattern(const Rig& rig, int index) {
+images::FloatImage scan_pattern(const rig::Rig& rig, int index) {
   const int lines = rig.projector.lines;
   const int columns = rig.projector.columns;
   check(index >= 0 && index < lines + columns, "scan pattern: index out of range");
-  FloatImage pattern(lines, columns);
+  images::FloatImage pattern(lines, columns);
   if (index < lines) {
     std::fill_n(pattern.row(index), columns, 1.0F);
   } else {
@@ -353,11 +354,11 @@ FloatImage scan_pattern(const Rig& rig, int index) {
   return pattern;
 }
 
-FloatImage gray_pattern(const Rig& rig, int bits, int lines, int index) {
+images::FloatImage gray_pattern(const rig::Rig& rig, int bits, int lines, int index) {
   check(bits >= 1 && bits <= 12, "gray pattern: bits out of range");
   check(lines >= 1 && lines <= rig.projector.lines, "gray pattern: lines out of range");
   check(index >= 0 && index < 2 * bits, "gray pattern: index out of range");
-  FloatImage pattern(rig.projector.lines, rig.projector.columns);
+  images::FloatImage pattern(rig.projector.lines, rig.projector.columns);
   const double first = 0.5 * (rig.projector.lines - lines);
   for (int l = 0; l < pattern.rows; ++l) {
     const double y = l - first + 0.5;  // middle of the line, in lines from the first coded one
@@ -380,7 +381,7 @@ constexpr int kVersion = 1;
 std::string code_name(StripeCode code) { return code == StripeCode::cyclic ? "cyclic" : "reflected"; }
 
 std::string codes_png(const SelfReference& reference) {
-  const FloatImage& line = reference.points.line;
+  const images::FloatImage& line = reference.points.line;
   std::vector<std::uint16_t> codes;
   codes.reserve(line.values.size());
   for (int r = 0; r < line.rows; ++r) {
@@ -389,14 +390,14 @@ std::string codes_png(const SelfReference& reference) {
       return std::isnan(value) ? std::uint16_t{0} : static_cast<std::uint16_t>(code);
     });
   }
-  return encode_png16(line.rows, line.columns, codes);
+  return images::encode_png16(line.rows, line.columns, codes);
 }
 
 std::string file_in(const std::string& folder, const std::string& name) { return (fs::path(folder) / name).string(); }
 
 // Where each camera pixel lies in the projector: NaN, or in one of its `count` lines (or columns). Gaps that are filled
 // at its border may lie outside, by less than its size.
-void check_places(const std::string& folder, const std::string& name, const FloatImage& image, int count) {
+void check_places(const std::string& folder, const std::string& name, const images::FloatImage& image, int count) {
   const auto size = static_cast<float>(count);
   if (!std::all_of(image.values.begin(), image.values.end(),
                    [size](float value) { return std::isnan(value) || (value > -size && value < 2 * size); })) {
@@ -404,12 +405,12 @@ void check_places(const std::string& folder, const std::string& name, const Floa
   }
 }
 
-FloatImage read_map(const std::string& folder, const std::string& name, int rows, int columns) {
+images::FloatImage read_map(const std::string& folder, const std::string& name, int rows, int columns) {
   const std::string file = file_in(folder, name);
-  FloatImage image = read_float_tiff(file);
+  images::FloatImage image = images::read_float_tiff(file);
   if (image.rows != rows || image.columns != columns) {
-    throw UserError(
-        file, fmt::format("is {}; the rig's is {}", size_text(image.rows, image.columns), size_text(rows, columns)));
+    throw UserError(file, fmt::format("is {}; the rig's is {}", images::size_text(image.rows, image.columns),
+                                      images::size_text(rows, columns)));
   }
   return image;
 }
@@ -424,7 +425,7 @@ T value_of(const YAML::Node& node, const std::string& file, const std::string& k
   if constexpr (std::is_same_v<T, std::string>) {
     return value.Scalar();
   } else {
-    const std::optional<T> number = number_of_text<T>(value.Scalar());
+    const std::optional<T> number = files::number_of_text<T>(value.Scalar());
     if (!number) {
       throw UserError(file, fmt::format("is damaged: {} is '{}', which is no such number", key, value.Scalar()));
     }
@@ -432,7 +433,7 @@ T value_of(const YAML::Node& node, const std::string& file, const std::string& k
   }
 }
 
-Stripes read_head(const Rig& rig, const std::string& folder) {
+Stripes read_head(const rig::Rig& rig, const std::string& folder) {
   const std::string file = file_in(folder, "reference.yaml");
   std::error_code error;
   if (!fs::is_directory(folder, error)) {
@@ -441,7 +442,7 @@ Stripes read_head(const Rig& rig, const std::string& folder) {
   if (!fs::is_regular_file(file, error)) {
     throw UserError(folder, "is not a reference of stripes; `selfproj pattern stripes` writes reference.yaml");
   }
-  const YAML::Node node = parse_yaml(read_input(file, kMostTextBytes), file);
+  const YAML::Node node = rig::parse_yaml(files::read_input(file, files::kMostTextBytes), file);
   if (!node.IsMap()) {
     throw UserError(file, "is damaged: it has no keys");
   }
@@ -453,9 +454,9 @@ Stripes read_head(const Rig& rig, const std::string& folder) {
   if (!geometry || !geometry.IsMap()) {
     throw UserError(file, "is damaged: geometry is missing");
   }
-  for (const auto& [key, here] : geometry_of(rig)) {
+  for (const auto& [key, here] : rig::geometry_of(rig)) {
     const auto there = value_of<double>(geometry, file, key);
-    if (!same_geometry(there, here)) {
+    if (!rig::same_geometry(there, here)) {
       throw UserError(file, fmt::format("was made for another rig: {} is {} there and {} here", key, there, here));
     }
   }
@@ -475,41 +476,42 @@ Stripes read_head(const Rig& rig, const std::string& folder) {
 
 }  // namespace
 
-void write_self_reference(const Rig& rig, const SelfReference& reference, OutputFolder& folder) {
+void write_self_reference(const rig::Rig& rig, const SelfReference& reference, files::OutputFolder& folder) {
   std::string head = fmt::format("selfproj_stripes: {}\nbits: {}\nrows_per_code: {}\ncode: {}\ngeometry:\n", kVersion,
                                  reference.stripes.bits, reference.stripes.width, code_name(reference.stripes.code));
-  for (const auto& [key, value] : geometry_of(rig)) {
+  for (const auto& [key, value] : rig::geometry_of(rig)) {
     head += fmt::format("  {}: {}\n", key, value);
   }
   folder.append("reference.yaml", head);
-  const auto add_map = [&](const std::string& name, const FloatImage& image) {
-    folder.append(name, encode_float_tiff(folder.name() + "/" + name, image));
+  const auto add_map = [&](const std::string& name, const images::FloatImage& image) {
+    folder.append(name, images::encode_float_tiff(folder.name() + "/" + name, image));
   };
   add_map("x_r_line.tiff", reference.points.line);
   add_map("x_r_column.tiff", reference.points.column);
   add_map("f_r_row.tiff", reference.row);
   add_map("f_r_column.tiff", reference.column);
   constexpr std::uint8_t kYes = 255;
-  Image seen{reference.row.rows, reference.row.columns, reference.seen};
+  images::Image seen{reference.row.rows, reference.row.columns, reference.seen};
   std::transform(seen.pixels.begin(), seen.pixels.end(), seen.pixels.begin(),
                  [](std::uint8_t value) { return value != 0 ? kYes : std::uint8_t{0}; });
-  folder.append("f_r_seen.png", encode_png(seen));
+  folder.append("f_r_seen.png", images::encode_png(seen));
   folder.append("c_r.png", codes_png(reference));
-  Image measurable{rig.camera.rows, rig.camera.columns, std::vector<std::uint8_t>(reference.points.line.values.size())};
+  images::Image measurable{rig.camera.rows, rig.camera.columns,
+                           std::vector<std::uint8_t>(reference.points.line.values.size())};
   for (std::size_t i = 0; i < measurable.pixels.size(); ++i) {
     measurable.pixels[i] = reference.measurable(i) ? kYes : std::uint8_t{0};
   }
-  folder.append("a_r.png", encode_png(measurable));
+  folder.append("a_r.png", images::encode_png(measurable));
   for (int i = 0; i < 2 * reference.stripes.bits; ++i) {
-    const FloatImage pattern = self_projected_pattern(reference, i);
-    Image image{pattern.rows, pattern.columns, std::vector<std::uint8_t>(pattern.values.size())};
+    const images::FloatImage pattern = self_projected_pattern(reference, i);
+    images::Image image{pattern.rows, pattern.columns, std::vector<std::uint8_t>(pattern.values.size())};
     std::transform(pattern.values.begin(), pattern.values.end(), image.pixels.begin(),
                    [](float value) { return value > 0.5F ? kYes : std::uint8_t{0}; });
-    folder.append(fmt::format("pattern_{:02}.png", i), encode_png(image));
+    folder.append(fmt::format("pattern_{:02}.png", i), images::encode_png(image));
   }
 }
 
-SelfReference read_self_reference(const Rig& rig, const std::string& folder) {
+SelfReference read_self_reference(const rig::Rig& rig, const std::string& folder) {
   SelfReference reference;
   reference.stripes = read_head(rig, folder);
   reference.camera_rows = rig.camera.rows;
@@ -519,11 +521,11 @@ SelfReference read_self_reference(const Rig& rig, const std::string& folder) {
   check_places(folder, "x_r_column.tiff", reference.points.column, rig.projector.columns);
   reference.row = read_map(folder, "f_r_row.tiff", rig.projector.lines, rig.projector.columns);
   reference.column = read_map(folder, "f_r_column.tiff", rig.projector.lines, rig.projector.columns);
-  const Image seen = read_image(file_in(folder, "f_r_seen.png"), std::nullopt);
+  const images::Image seen = images::read_image(file_in(folder, "f_r_seen.png"), std::nullopt);
   if (seen.rows != rig.projector.lines || seen.columns != rig.projector.columns) {
     throw UserError(file_in(folder, "f_r_seen.png"),
-                    fmt::format("is {}; the rig's is {}", size_text(seen.rows, seen.columns),
-                                size_text(rig.projector.lines, rig.projector.columns)));
+                    fmt::format("is {}; the rig's is {}", images::size_text(seen.rows, seen.columns),
+                                images::size_text(rig.projector.lines, rig.projector.columns)));
   }
   for (const std::uint8_t value : seen.pixels) {
     reference.seen.push_back(value != 0 ? 1 : 0);
@@ -541,4 +543,4 @@ SelfReference read_self_reference(const Rig& rig, const std::string& folder) {
   return reference;
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::structured_light

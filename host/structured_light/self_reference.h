@@ -10,11 +10,11 @@
 #include <vector>
 
 #include "host/files/output_folder.h"
-#include "host/images/float_image.h"
-#include "host/rig/rig.h"
 #include "host/structured_light/point_scan.h"
+#include "selfproj/images/float_image.h"
+#include "selfproj/rig/rig.h"
 
-namespace selfproj {
+namespace selfproj::structured_light {
 
 // How the stripes count.
 enum class StripeCode : std::uint8_t {
@@ -54,9 +54,9 @@ struct SelfReference {
   Stripes stripes;
   ProjectorPoints points;  // X_R: the projector point that each camera pixel sees on the reference; A_R says where
                            // there is one (both coordinates or neither)
-  FloatImage row;          // f_R: the camera point that each projector pixel lights on the reference (4.12); NaN where
+  images::FloatImage row;  // f_R: the camera point that each projector pixel lights on the reference (4.12); NaN where
                            // it would be far outside the camera's image
-  FloatImage column;
+  images::FloatImage column;
   std::vector<std::uint8_t> seen;  // for each projector pixel: 1 if the camera sees it, 0 if f_R is filled in
 
   // A_R of a camera pixel.
@@ -78,21 +78,21 @@ struct SelfReference {
 // rig does this through its lenses. f_R is NaN, and the patterns are dark, where the lens model has no ray, or the
 // camera would see the surface more than four sizes of its image away. Throws std::invalid_argument if sizes are not
 // the rig's, the stripes are out of range, or no pixel is seen.
-SelfReference make_self_reference(const Rig& rig, const ProjectorPoints& points, const Stripes& stripes);
+SelfReference make_self_reference(const rig::Rig& rig, const ProjectorPoints& points, const Stripes& stripes);
 
 // Throws std::invalid_argument if the stripes are out of range.
 void check_stripes(const Stripes& stripes);
 
 // Self-projected pattern i of (4.13), 0..2m - 1: even for the positive of plane i / 2, odd for its negative. Light 0 or
 // 1.
-FloatImage self_projected_pattern(const SelfReference& reference, int index);
+images::FloatImage self_projected_pattern(const SelfReference& reference, int index);
 
 // Pattern i of a line scan: first the projector's lines, then, from i = lines on, its columns.
-FloatImage scan_pattern(const Rig& rig, int index);
+images::FloatImage scan_pattern(const rig::Rig& rig, int index);
 
 // Pattern i of the conventional method (4.1): stripes along the projector's lines, 2^bits codes over the central
 // `lines` lines, which may be all. Beyond them positives and negatives are dark.
-FloatImage gray_pattern(const Rig& rig, int bits, int lines, int index);
+images::FloatImage gray_pattern(const rig::Rig& rig, int bits, int lines, int index);
 
 // A reference as a folder, which `selfproj pattern stripes` makes:
 //
@@ -105,13 +105,13 @@ FloatImage gray_pattern(const Rig& rig, int bits, int lines, int index);
 //
 // That command adds preview.png, the line coordinate of X_R in colours. Adds all other files to the folder, which the
 // caller must commit. Throws UserError.
-void write_self_reference(const Rig& rig, const SelfReference& reference, OutputFolder& folder);
+void write_self_reference(const rig::Rig& rig, const SelfReference& reference, files::OutputFolder& folder);
 
 // Reads such a folder back (reference.yaml, X_R, f_R and f_r_seen). Throws UserError with file and reason if there is
 // no folder, a file is missing, damaged, of another size or version, or made for a rig of another geometry, the stripes
 // are out of range, or a value of f_R is not a number.
-SelfReference read_self_reference(const Rig& rig, const std::string& folder);
+SelfReference read_self_reference(const rig::Rig& rig, const std::string& folder);
 
-}  // namespace selfproj
+}  // namespace selfproj::structured_light
 
 #endif  // SELFPROJ_HOST_STRUCTURED_LIGHT_SELF_REFERENCE_H

@@ -9,19 +9,19 @@
 #include <stdexcept>
 #include <vector>
 
-#include "host/structured_light/depth_geometry.h"
 #include "model/cpu_clones.h"
+#include "selfproj/structured_light/depth_geometry.h"
 
-namespace selfproj {
+namespace selfproj::structured_light {
 namespace {
 
-constexpr float kLinesPerUnit = 1.0F / (1U << GrayMatch::kFractionBits);
+constexpr float kLinesPerUnit = 1.0F / (1U << model::GrayMatch::kFractionBits);
 
 // The word for no match becomes NaN through its bits. The compiler treats a choice between two values as control flow,
 // and the loops would stay scalar.
 [[gnu::always_inline]] inline float line_of(std::uint16_t word) {
   constexpr std::uint32_t kNanBits = 0x7FC00000;
-  const std::uint32_t none = word == GrayMatch::kNone ? 1U : 0U;
+  const std::uint32_t none = word == model::GrayMatch::kNone ? 1U : 0U;
   const float line = static_cast<float>(static_cast<std::int32_t>(word)) * kLinesPerUnit;
   return std::bit_cast<float>(std::bit_cast<std::uint32_t>(line) | ((0U - none) & kNanBits));
 }
@@ -47,7 +47,7 @@ constexpr std::uint16_t kNoCode = 0xFFFF;
   std::uint16_t code = kNoCode;
   for (std::ptrdiff_t k = 0; k < kBlock; ++k) {
     keys[k] = static_cast<std::uint16_t>(codes[at + k] | ones_where(is_unmeasurable(ambiguous[at + k])));
-    found[k] = GrayMatch::kNone;
+    found[k] = model::GrayMatch::kNone;
     code = std::min(code, keys[k]);
   }
   while (code != kNoCode) {
@@ -69,7 +69,7 @@ SELFPROJ_CLONES void look_up(const std::uint8_t* codes, const std::uint8_t* ambi
                              const MatchRow& row, float* lines) {
   if (count < kBlock) {
     for (std::ptrdiff_t i = 0; i < count; ++i) {
-      lines[i] = line_of(is_unmeasurable(ambiguous[i]) ? GrayMatch::kNone : row.of(codes[i])[i]);
+      lines[i] = line_of(is_unmeasurable(ambiguous[i]) ? model::GrayMatch::kNone : row.of(codes[i])[i]);
     }
     return;
   }
@@ -113,7 +113,7 @@ std::vector<LineRange> line_ranges(const SelfReference& reference, const MatchTa
     }
     for (int code = 0; code < 1 << table.bits(); ++code) {
       const std::uint16_t word = table.word(static_cast<int>(i / columns), static_cast<int>(i % columns), code);
-      if (word != GrayMatch::kNone) {
+      if (word != model::GrayMatch::kNone) {
         widen(line_of(word));
       }
     }
@@ -123,7 +123,7 @@ std::vector<LineRange> line_ranges(const SelfReference& reference, const MatchTa
 
 }  // namespace
 
-SelfScanner::SelfScanner(const Rig& rig, const SelfReference& reference, const MatchTable& table, int threshold,
+SelfScanner::SelfScanner(const rig::Rig& rig, const SelfReference& reference, const MatchTable& table, int threshold,
                          const DepthLimits& limits)
     : reference_(&reference),
       table_(&table),
@@ -132,7 +132,7 @@ SelfScanner::SelfScanner(const Rig& rig, const SelfReference& reference, const M
       board_codes_(triangulation_->pixels()),
       board_ambiguous_(triangulation_->pixels()),
       lines_(static_cast<std::size_t>(rig.camera.columns)),
-      depth_(rig.camera.rows, rig.camera.columns, kNoValue),
+      depth_(rig.camera.rows, rig.camera.columns, images::kNoValue),
       difference_(depth_),
       reference_depth_(depth_) {
   if (table.rows() != rig.camera.rows || table.columns() != rig.camera.columns ||
@@ -157,7 +157,7 @@ void SelfScanner::depth_of_lines(int row, const float* lines, float* z) const {
   }
 }
 
-bool SelfScanner::add_frame(const ImageView& image, int pattern, bool good) {
+bool SelfScanner::add_frame(const model::ImageView& image, int pattern, bool good) {
   if (!decoder_.add_frame(image, pattern, good)) {
     return false;
   }
@@ -168,8 +168,8 @@ bool SelfScanner::add_frame(const ImageView& image, int pattern, bool good) {
 void SelfScanner::add_codes(const std::uint16_t* words) {
   constexpr std::uint8_t kTwoPairs = 3;
   for (std::size_t i = 0; i < board_codes_.size(); ++i) {
-    const unsigned code = code_of(words[i]);
-    const bool measurable = is_measurable(words[i]) && code >> static_cast<unsigned>(table_->bits()) == 0;
+    const unsigned code = model::code_of(words[i]);
+    const bool measurable = model::is_measurable(words[i]) && code >> static_cast<unsigned>(table_->bits()) == 0;
     board_codes_[i] = measurable ? static_cast<std::uint8_t>(code) : std::uint8_t{0};
     board_ambiguous_[i] = measurable ? std::uint8_t{0} : kTwoPairs;
   }
@@ -212,4 +212,4 @@ void SelfScanner::explain(std::vector<PointState>& states) const {
   }
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::structured_light

@@ -7,16 +7,16 @@
 #include <memory>
 #include <vector>
 
-#include "host/images/float_image.h"
-#include "host/rig/rig.h"
-#include "host/structured_light/fast_decoder.h"
-#include "host/structured_light/lens_triangulation.h"
 #include "host/structured_light/match_table.h"
 #include "host/structured_light/self_reference.h"
-#include "host/structured_light/triangulation.h"
-#include "model/column_moments.h"
+#include "selfproj/images/float_image.h"
+#include "selfproj/model/column_moments.h"
+#include "selfproj/rig/rig.h"
+#include "selfproj/structured_light/fast_decoder.h"
+#include "selfproj/structured_light/lens_triangulation.h"
+#include "selfproj/structured_light/triangulation.h"
 
-namespace selfproj {
+namespace selfproj::structured_light {
 
 // The projector lines of the pixels of one row (model/gray_match), NaN if nothing is matched. `codes` and `ambiguous`
 // are those of CodeImageView, table.columns() each. Allocates nothing.
@@ -31,12 +31,12 @@ class SelfScanner {
   // `threshold`: θ_b of (4.15). Allocates everything here; the table must outlive the scanner. Throws
   // std::invalid_argument if a size or setting does not fit, and UserError if depths through the rig's lenses cannot be
   // fitted.
-  SelfScanner(const Rig& rig, const SelfReference& reference, const MatchTable& table, int threshold,
+  SelfScanner(const rig::Rig& rig, const SelfReference& reference, const MatchTable& table, int threshold,
               const DepthLimits& limits = {});
 
   // Takes a frame with its pattern index, by the rules of FastGrayDecoder. Returns true if there is a new depth image:
   // codes (4.15 to 4.18), match (4.19, 4.20), triangulation (4.8), difference. `good` is false for a flagged frame.
-  bool add_frame(const ImageView& image, int pattern, bool good = true);
+  bool add_frame(const model::ImageView& image, int pattern, bool good = true);
 
   // The next frame does not follow the one before: decoding begins anew.
   void restart() { decoder_.restart(); }
@@ -46,14 +46,14 @@ class SelfScanner {
   void add_codes(const std::uint16_t* words);
 
   // The newest depth image in mm, NaN for pixels without depth, and z_R - z in mm, positive towards the camera.
-  [[nodiscard]] const FloatImage& depth() const { return depth_; }
-  [[nodiscard]] const FloatImage& difference() const { return difference_; }
+  [[nodiscard]] const images::FloatImage& depth() const { return depth_; }
+  [[nodiscard]] const images::FloatImage& difference() const { return difference_; }
 
   // The matches in a row of the newest image, as look_up_row gives them. At least one image must have come.
   void newest_lines(int row, float* lines) const;
 
   // Depth of the reference, from X_R.
-  [[nodiscard]] const FloatImage& reference_depth() const { return reference_depth_; }
+  [[nodiscard]] const images::FloatImage& reference_depth() const { return reference_depth_; }
 
   [[nodiscard]] const Triangulation& triangulation() const { return *triangulation_; }
 
@@ -75,9 +75,9 @@ class SelfScanner {
   const std::uint8_t* codes_ = nullptr;                      // newest codes
   const std::uint8_t* ambiguous_ = nullptr;
   std::vector<float> lines_;  // lines of one row
-  FloatImage depth_, difference_, reference_depth_;
+  images::FloatImage depth_, difference_, reference_depth_;
 };
 
-}  // namespace selfproj
+}  // namespace selfproj::structured_light
 
 #endif  // SELFPROJ_HOST_STRUCTURED_LIGHT_SELF_SCANNER_H

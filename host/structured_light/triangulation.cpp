@@ -1,4 +1,4 @@
-#include "host/structured_light/triangulation.h"
+#include "selfproj/structured_light/triangulation.h"
 
 #include <fmt/format.h>
 
@@ -16,9 +16,9 @@
 
 #include "host/structured_light/check.h"
 #include "model/cpu_clones.h"
-#include "model/gray_decoder.h"
+#include "selfproj/model/gray_decoder.h"
 
-namespace selfproj {
+namespace selfproj::structured_light {
 namespace {
 
 // Values that are the same for all pixels.
@@ -42,8 +42,8 @@ enum class Measurable : bool { no, yes };
 }
 
 [[gnu::always_inline]] inline float depth_of(std::uint16_t word, float at, float slope, float least, const Common& k) {
-  return depth_of(static_cast<float>(static_cast<int>(word & GrayDecoder::kCode)) + 0.5F,
-                  Measurable{(word & GrayDecoder::kMeasurable) != 0}, at, slope, least, k);
+  return depth_of(static_cast<float>(static_cast<int>(word & model::GrayDecoder::kCode)) + 0.5F,
+                  Measurable{(word & model::GrayDecoder::kMeasurable) != 0}, at, slope, least, k);
 }
 
 SELFPROJ_CLONES void depth_of_row(const std::uint16_t* __restrict codes, std::ptrdiff_t count, float at, float slope,
@@ -88,7 +88,7 @@ cv::Vec3d ray_of(const cv::Matx33d& inverse, double row, double column) {
 
 Triangulation::Triangulation(int rows, int columns, int bits) : rows_(rows), columns_(columns), bits_(bits) {
   check(rows >= 1 && columns >= 1, "triangulation: rows or columns are less than 1");
-  check(bits >= 1 && bits <= GrayDecoder::kMaxBits, "triangulation: bits out of range");
+  check(bits >= 1 && bits <= model::GrayDecoder::kMaxBits, "triangulation: bits out of range");
   const std::size_t count = static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns);
   x_per_z_.resize(count);
   y_per_z_.resize(count);
@@ -103,7 +103,7 @@ void Triangulation::set_ray(std::size_t i, const cv::Vec3d& direction) {
   y_per_z_[i] = static_cast<float>(direction[1]);
 }
 
-PlaneTriangulation::PlaneTriangulation(int rows, int columns, int bits, const DepthMatrices& matrices,
+PlaneTriangulation::PlaneTriangulation(int rows, int columns, int bits, const rig::DepthMatrices& matrices,
                                        const DepthLimits& limits, double codes_per_line)
     : Triangulation(rows, columns, bits), projector_(matrices.projector), high_(limits.max_z_mm) {
   check(codes_per_line > 0, "triangulation: codes per line are not positive");
@@ -144,9 +144,9 @@ PlaneTriangulation::PlaneTriangulation(int rows, int columns, int bits, const De
   }
 }
 
-PlaneTriangulation::PlaneTriangulation(const Rig& rig, int bits, DepthLimits limits, int coded_lines)
+PlaneTriangulation::PlaneTriangulation(const rig::Rig& rig, int bits, DepthLimits limits, int coded_lines)
     : PlaneTriangulation(
-          rig.camera.rows, rig.camera.columns, bits, depth_matrices(rig, bits, coded_lines),
+          rig.camera.rows, rig.camera.columns, bits, rig::depth_matrices(rig, bits, coded_lines),
           [&] {
             limits.max_z_per_line_mm = rig.measure.max_z_per_line_mm;
             return limits;
@@ -225,9 +225,9 @@ PointState PlaneTriangulation::explain_line(std::size_t pixel, float line, float
 
 void PlaneTriangulation::explain(const std::uint16_t* codes, const float* z, PointState* states) const {
   for (std::size_t i = 0; i < pixels(); ++i) {
-    states[i] = std::isnan(z[i]) && (codes[i] & GrayDecoder::kMeasurable) == 0
+    states[i] = std::isnan(z[i]) && (codes[i] & model::GrayDecoder::kMeasurable) == 0
                     ? PointState::not_measurable
-                    : explain_code(i, (codes[i] & GrayDecoder::kCode) + 0.5, z[i]);
+                    : explain_code(i, (codes[i] & model::GrayDecoder::kCode) + 0.5, z[i]);
   }
 }
 
@@ -255,4 +255,4 @@ std::string share_text(const DepthShares& shares, PointState state) {
                      name_of(state));
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::structured_light

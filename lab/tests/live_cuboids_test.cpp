@@ -15,11 +15,11 @@
 #include <vector>
 
 #include "host/files/results_file.h"
-#include "host/images/float_image.h"
 #include "host/images/image_files.h"
-#include "host/rig/rig.h"
-#include "host/structured_light/gray_sequence.h"
 #include "lab/cuboids.h"
+#include "selfproj/images/float_image.h"
+#include "selfproj/rig/rig.h"
+#include "selfproj/structured_light/gray_sequence.h"
 #include "sim/scene/scene.h"
 #include "sim/scene/scenes.h"
 #include "tests/cli/program.h"
@@ -48,7 +48,7 @@ class LiveCuboids : public testing::Test {
       GTEST_SKIP() << "this system allows no network of one's own";
     }
     screen_ = std::make_unique<VirtualScreen>(rig_.projector.columns, rig_.projector.lines, screen_folder_.path());
-    write_text(folder_ / "rig.yaml", to_yaml(rig_));
+    write_text(folder_ / "rig.yaml", rig::to_yaml(rig_));
     world_ = std::make_unique<LiveWorld>(rig_, *bare_, *screen_, WorldFaults{.max_delay_ms = 20, .same_noise = true});
   }
 
@@ -70,24 +70,24 @@ class LiveCuboids : public testing::Test {
     for (int i = 0; i < count; ++i) {
       const std::string pattern = (folder_ / patterns / fmt::format("pattern_{:02}.png", i)).string();
       write_text(folder_ / name / fmt::format("image_{:02}.png", i),
-                 encode_png(world_->image_under(read_image(pattern, std::nullopt))));
+                 images::encode_png(world_->image_under(images::read_image(pattern, std::nullopt))));
     }
   }
 
-  CuboidFigures figures(const std::string& folder, bool difference) {
-    const FloatImage depth = read_float_tiff((folder_ / folder / "depth.tiff").string());
-    const FloatImage off = difference ? read_float_tiff((folder_ / folder / "difference.tiff").string())
-                                      : FloatImage(depth.rows, depth.columns, 0);
-    return cuboid_figures(rig_, faces_, depth, off, lit_,
-                          [](std::size_t /*pixel*/) { return std::numeric_limits<double>::quiet_NaN(); });
+  lab::CuboidFigures figures(const std::string& folder, bool difference) {
+    const images::FloatImage depth = images::read_float_tiff((folder_ / folder / "depth.tiff").string());
+    const images::FloatImage off = difference ? images::read_float_tiff((folder_ / folder / "difference.tiff").string())
+                                              : images::FloatImage(depth.rows, depth.columns, 0);
+    return lab::cuboid_figures(rig_, faces_, depth, off, lit_,
+                               [](std::size_t /*pixel*/) { return std::numeric_limits<double>::quiet_NaN(); });
   }
 
-  Rig rig_ = small_scanner(sides_divided_by(), sides_divided_by());
-  GraySequence gray_{rig_.projector.columns, rig_.projector.lines};
-  std::unique_ptr<Scene> bare_ = make_scene("cuboids", rig_);
-  std::unique_ptr<Scene> marked_ = make_scene("cuboids-marked", rig_);
-  FloatImage lit_;
-  std::vector<Face> faces_;
+  rig::Rig rig_ = small_scanner(sides_divided_by(), sides_divided_by());
+  structured_light::GraySequence gray_{rig_.projector.columns, rig_.projector.lines};
+  std::unique_ptr<sim::Scene> bare_ = sim::make_scene("cuboids", rig_);
+  std::unique_ptr<sim::Scene> marked_ = sim::make_scene("cuboids-marked", rig_);
+  images::FloatImage lit_;
+  std::vector<lab::Face> faces_;
   ScratchFolder screen_folder_;
   ScratchFolder folder_;
   std::unique_ptr<VirtualScreen> screen_;
@@ -95,23 +95,23 @@ class LiveCuboids : public testing::Test {
 };
 
 // What experiment B4 asks of the self-projected method, in mm.
-void expect_published_heights(const CuboidFigures& figures) {
-  EXPECT_NEAR(figures[Face::low].height, Cuboids::kLow, 0.83);
-  EXPECT_NEAR(figures[Face::high].height, Cuboids::kHigh, 0.45);
-  EXPECT_NEAR(-figures[Face::letter].difference, Cuboids::kLetterDepth, 0.7);
-  EXPECT_NEAR(figures[Face::block_3].difference, Cuboids::kBlockHeights[0], 0.22);
-  EXPECT_NEAR(figures[Face::block_6].difference, Cuboids::kBlockHeights[1], 0.62);
-  EXPECT_NEAR(figures[Face::block_9].difference, Cuboids::kBlockHeights[2], 0.28);
+void expect_published_heights(const lab::CuboidFigures& figures) {
+  EXPECT_NEAR(figures[lab::Face::low].height, sim::Cuboids::kLow, 0.83);
+  EXPECT_NEAR(figures[lab::Face::high].height, sim::Cuboids::kHigh, 0.45);
+  EXPECT_NEAR(-figures[lab::Face::letter].difference, sim::Cuboids::kLetterDepth, 0.7);
+  EXPECT_NEAR(figures[lab::Face::block_3].difference, sim::Cuboids::kBlockHeights[0], 0.22);
+  EXPECT_NEAR(figures[lab::Face::block_6].difference, sim::Cuboids::kBlockHeights[1], 0.62);
+  EXPECT_NEAR(figures[lab::Face::block_9].difference, sim::Cuboids::kBlockHeights[2], 0.28);
 }
 
-nlohmann::ordered_json figures_json(const CuboidFigures& figures) {
+nlohmann::ordered_json figures_json(const lab::CuboidFigures& figures) {
   nlohmann::ordered_json json;
-  for (std::size_t i = 0; i < kFaceNames.size(); ++i) {
-    const FaceFigures& face = figures[static_cast<Face>(i)];
-    json[kFaceNames.at(i)] = {{"pixels", face.pixels},    {"valid", face.valid},
-                              {"height_mm", face.height}, {"difference_mm", face.difference},
-                              {"rms_mm", face.rms},       {"99_percent_mm", face.errors.quantile(0.99)},
-                              {"largest_mm", face.most}};
+  for (std::size_t i = 0; i < lab::kFaceNames.size(); ++i) {
+    const lab::FaceFigures& face = figures[static_cast<lab::Face>(i)];
+    json[lab::kFaceNames.at(i)] = {{"pixels", face.pixels},    {"valid", face.valid},
+                                   {"height_mm", face.height}, {"difference_mm", face.difference},
+                                   {"rms_mm", face.rms},       {"99_percent_mm", face.errors.quantile(0.99)},
+                                   {"largest_mm", face.most}};
   }
   return json;
 }
@@ -125,7 +125,7 @@ TEST_F(LiveCuboids, BothMethodsAreAsGoodAsFromFiles) {
   }
   world_->look_at(*marked_);
   lit_ = world_->lit();
-  faces_ = face_interiors(rig_, lit_);
+  faces_ = lab::face_interiors(rig_, lit_);
   live({"scan", "--rig", "rig.yaml", "--out", "scan"});
   live({"scan", "--rig", "rig.yaml", "--self-projected", "reference", "--e", "8", "--out", "part"});
 
@@ -148,20 +148,21 @@ TEST_F(LiveCuboids, BothMethodsAreAsGoodAsFromFiles) {
     EXPECT_EQ(read_text(folder_ / live / "depth.tiff"), read_text(folder_ / files / "depth.tiff")) << live;
   }
   EXPECT_EQ(read_text(folder_ / "part" / "difference.tiff"), read_text(folder_ / "known_part" / "difference.tiff"));
-  const CuboidFigures gray = figures("scan", false);
-  const CuboidFigures self = figures("part", true);
-  EXPECT_NEAR(gray[Face::high].height, Cuboids::kHigh, 1);
-  EXPECT_NEAR(self[Face::high].height, Cuboids::kHigh, 1);
+  const lab::CuboidFigures gray = figures("scan", false);
+  const lab::CuboidFigures self = figures("part", true);
+  EXPECT_NEAR(gray[lab::Face::high].height, sim::Cuboids::kHigh, 1);
+  EXPECT_NEAR(self[lab::Face::high].height, sim::Cuboids::kHigh, 1);
   if (sides_divided_by() == 1) {
     expect_published_heights(self);
   }
-  write_results("live_cuboids",
-                "Experiment B4 live, with Aravis' fake camera and a virtual display; files of the same images give the "
-                "same depths",
-                {{"camera", fmt::format("{} x {}", rig_.camera.columns, rig_.camera.rows)},
-                 {"projector", fmt::format("{} x {}", rig_.projector.columns, rig_.projector.lines)},
-                 {"gray_codes", figures_json(gray)},
-                 {"self_projected", figures_json(self)}});
+  files::write_results(
+      "live_cuboids",
+      "Experiment B4 live, with Aravis' fake camera and a virtual display; files of the same images give the "
+      "same depths",
+      {{"camera", fmt::format("{} x {}", rig_.camera.columns, rig_.camera.rows)},
+       {"projector", fmt::format("{} x {}", rig_.projector.columns, rig_.projector.lines)},
+       {"gray_codes", figures_json(gray)},
+       {"self_projected", figures_json(self)}});
 }
 
 }  // namespace

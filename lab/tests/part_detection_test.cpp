@@ -7,36 +7,36 @@
 #include <cstdint>
 #include <nlohmann/json.hpp>
 
-#include "host/rig/rig.h"
 #include "lab/planted_parts.h"
+#include "selfproj/rig/rig.h"
 #include "sim/scene/perturbed_rig.h"
 #include "sim/scene/random.h"
 #include "tests/sim/traced.h"
 
-namespace selfproj {
+namespace selfproj::test {
 namespace {
 
 TEST(PlantedPart, BlocksAreThoseOfTracedRays) {
-  const Rig rig = load_rig("light-section");
-  test::expect_images_of_traced_rays(rig,
-                                     PlantedPart(rig, {0.1, 0.3, 0.7}, {{1, 8, 10, 4, -0.5}, {0, 8, -10, 2, 0.3}}));
-  test::expect_shadows_of_points(hidden_rig(rig, 1), PlantedPart(rig, {0.1, 0.3, 0.7}, {{1, 8, 10, 4, -0.5}}), {0, 21},
-                                 20000);
+  const rig::Rig rig = rig::load_rig("light-section");
+  test::expect_images_of_traced_rays(
+      rig, lab::PlantedPart(rig, {0.1, 0.3, 0.7}, {{1, 8, 10, 4, -0.5}, {0, 8, -10, 2, 0.3}}));
+  test::expect_shadows_of_points(sim::hidden_rig(rig, 1), lab::PlantedPart(rig, {0.1, 0.3, 0.7}, {{1, 8, 10, 4, -0.5}}),
+                                 {0, 21}, 20000);
 }
 
 TEST(PlantedPart, RangesHoldAndConverge) {
-  const Rig rig = rig_of_planted_parts(load_rig("light-section"));
-  EvenNumbers numbers(1);
+  const rig::Rig rig = lab::rig_of_planted_parts(rig::load_rig("light-section"));
+  sim::EvenNumbers numbers(1);
   int sharp = 0;
   for (std::uint64_t i = 0; i < 50; ++i) {
-    const DrawnPart drawn = draw_part(rig, 7, i, true);
+    const lab::DrawnPart drawn = lab::draw_part(rig, 7, i, true);
     ASSERT_EQ(drawn.defects.size(), 2U);
-    const PlantedPart part(rig, drawn.pose, drawn.defects);
+    const lab::PlantedPart part(rig, drawn.pose, drawn.defects);
     // Within its tread, with its depth: in the middle of each defect and nowhere else is the surface higher or lower.
     for (int box = 0; box < 200; ++box) {
       const double x = numbers.within(11), y = numbers.within(25);
       const double size = box % 2 == 0 ? 2 * numbers.next() : 1e-6;
-      const HeightRange range = part.part_range({x, x + size, y, y + size});
+      const sim::HeightRange range = part.part_range({x, x + size, y, y + size});
       for (int k = 0; k < 5; ++k) {
         const double height = part.part_height(x + size * numbers.next(), y + size * numbers.next());
         EXPECT_GE(height, range.low);
@@ -49,14 +49,14 @@ TEST(PlantedPart, RangesHoldAndConverge) {
 }
 
 TEST(PartDetection, FindsWhatWasPlantedAndNothingElse) {
-  PartDetectionOptions options;
+  lab::PartDetectionOptions options;
   options.null_test = true;
   options.learn_parts = 5;
   options.parts = 3;
   options.good_parts = 1;
   std::size_t done = 0, all = 0;
-  const PartDetectionResult result =
-      run_part_detection(options, [&](std::size_t d, std::size_t a) { done = d, all = a; });
+  const lab::PartDetectionResult result =
+      lab::run_part_detection(options, [&](std::size_t d, std::size_t a) { done = d, all = a; });
   EXPECT_EQ(done, all);
   EXPECT_EQ(result.parts, 4U);
   EXPECT_EQ(result.goal.planted + result.goal_at_edges.planted, 3U);
@@ -74,4 +74,4 @@ TEST(PartDetection, FindsWhatWasPlantedAndNothingElse) {
 }
 
 }  // namespace
-}  // namespace selfproj
+}  // namespace selfproj::test

@@ -12,20 +12,20 @@
 #include <vector>
 
 #include "host/report/report.h"
-#include "host/rig/rig.h"
 #include "lab/cuboid_remedies.h"
 #include "lab/disturbed_measurements.h"
+#include "selfproj/rig/rig.h"
 #include "sim/scene/world.h"
 
-namespace selfproj {
+namespace selfproj::test {
 namespace {
 
-const ErrorSpread& errors_of(const std::vector<WayOfMeasuring>& ways, const std::string& name) {
+const lab::ErrorSpread& errors_of(const std::vector<lab::WayOfMeasuring>& ways, const std::string& name) {
   return std::find_if(ways.begin(), ways.end(), [&](const auto& way) { return way.name == name; })->errors;
 }
 
 TEST(Robustness, ErrorsOfManyPoints) {
-  ErrorSpread spread;
+  lab::ErrorSpread spread;
   for (int i = 1; i <= 100; ++i) {
     spread.add(i % 2 == 0 ? 0.01 * i : -0.01 * i);
   }
@@ -40,28 +40,28 @@ TEST(Robustness, ErrorsOfManyPoints) {
 
 // With all lit pixels a second reflection makes most points false; with the strongest run hardly any.
 TEST(Robustness, SecondReflectionNeedsTheStrongestRun) {
-  const DisturbedStairs stairs(load_rig("light-section"), 350, 4);
-  const WorldFile file = load_world(kBuiltInWorld);
+  const lab::DisturbedStairs stairs(rig::load_rig("light-section"), 350, 4);
+  const sim::WorldFile file = sim::load_world(sim::kBuiltInWorld);
   const auto ideal = stairs.measure({});
   ASSERT_EQ(ideal.size(), 6U);
-  for (const WayOfMeasuring& way : ideal) {
+  for (const lab::WayOfMeasuring& way : ideal) {
     EXPECT_GT(way.errors.points(), 1000U);
     EXPECT_LT(way.errors.rms(), 0.02) << way.name;
-    EXPECT_EQ(way.errors.beyond(kFalseMm), 0) << way.name;
+    EXPECT_EQ(way.errors.beyond(lab::kFalseMm), 0) << way.name;
   }
-  const World metal = world_of(file, {"gloss=painted-metal", "second-line", "defect-pixels"});
+  const sim::World metal = sim::world_of(file, {"gloss=painted-metal", "second-line", "defect-pixels"});
   const auto shiny = stairs.measure(metal);
-  EXPECT_GT(errors_of(shiny, "grey-over").beyond(kFalseMm), 0.5);
-  EXPECT_LT(errors_of(shiny, "grey-over, strongest run").beyond(kFalseMm), 0.002);
+  EXPECT_GT(errors_of(shiny, "grey-over").beyond(lab::kFalseMm), 0.5);
+  EXPECT_LT(errors_of(shiny, "grey-over, strongest run").beyond(lab::kFalseMm), 0.002);
   // In mode binary all lit pixels count alike. A reflection makes columns ambiguous until the threshold lies above it.
   EXPECT_EQ(errors_of(shiny, "binary, strongest run").missing(), 1);
-  Rig rig = stairs.rig();
-  rig.measure.threshold = stairs.half_of_the_line(world_of(file, {"gloss=painted-metal"}));
+  rig::Rig rig = stairs.rig();
+  rig.measure.threshold = stairs.half_of_the_line(sim::world_of(file, {"gloss=painted-metal"}));
   EXPECT_GT(rig.measure.threshold, stairs.rig().measure.threshold);
-  const ErrorSpread above = errors_of(DisturbedStairs(rig, 350, 4).measure(metal), "binary, strongest run");
+  const lab::ErrorSpread above = errors_of(lab::DisturbedStairs(rig, 350, 4).measure(metal), "binary, strongest run");
   EXPECT_LT(above.missing(), 0.02);
-  EXPECT_EQ(above.beyond(kFalseMm), 0);
-  const auto flickering = stairs.measure(world_of(file, {"flicker=30"}));
+  EXPECT_EQ(above.beyond(lab::kFalseMm), 0);
+  const auto flickering = stairs.measure(sim::world_of(file, {"flicker=30"}));
   EXPECT_GT(errors_of(flickering, "grey-over").missing(), 0.9) << "all pixels are lit";
 }
 
@@ -69,17 +69,17 @@ TEST(Robustness, SecondReflectionNeedsTheStrongestRun) {
 TEST(Robustness, Curves) {
   std::size_t last = 0;
   std::size_t most = 0;
-  const RobustnessResult result = run_robustness({.world = load_world(kBuiltInWorld),
-                                                  .every = 700,
-                                                  .reference_frames = 3,
-                                                  .cameras = 1,
-                                                  .strengths = 1,
-                                                  .coarser = 8},
-                                                 [&](std::size_t done, std::size_t all) {
-                                                   EXPECT_EQ(done, last + 1);
-                                                   last = done;
-                                                   most = all;
-                                                 });
+  const lab::RobustnessResult result = lab::run_robustness({.world = sim::load_world(sim::kBuiltInWorld),
+                                                            .every = 700,
+                                                            .reference_frames = 3,
+                                                            .cameras = 1,
+                                                            .strengths = 1,
+                                                            .coarser = 8},
+                                                           [&](std::size_t done, std::size_t all) {
+                                                             EXPECT_EQ(done, last + 1);
+                                                             last = done;
+                                                             most = all;
+                                                           });
   EXPECT_EQ(last, most) << "all worlds were foreseen";
   ASSERT_EQ(result.tables.size(), 5U);
   ASSERT_EQ(result.curves.size(), 2U);
@@ -92,20 +92,20 @@ TEST(Robustness, Curves) {
 class CuboidRemedies : public testing::Test {
  protected:
   // The errors of self-projection, and then of the conventional method, under noise that no remedy was chosen on.
-  [[nodiscard]] std::vector<WayOfMeasuring> with(const std::vector<std::string>& disturbances,
-                                                 const CuboidSettings& settings = {}) const {
-    return cuboids_.measure(world_of(file_, disturbances), settings, 11);
+  [[nodiscard]] std::vector<lab::WayOfMeasuring> with(const std::vector<std::string>& disturbances,
+                                                      const lab::CuboidSettings& settings = {}) const {
+    return cuboids_.measure(sim::world_of(file_, disturbances), settings, 11);
   }
 
-  WorldFile file_ = load_world(kBuiltInWorld);
-  DisturbedCuboids cuboids_{coarser_rig(load_rig("scanner"), 4)};
+  sim::WorldFile file_ = sim::load_world(sim::kBuiltInWorld);
+  lab::DisturbedCuboids cuboids_{lab::coarser_rig(rig::load_rig("scanner"), 4)};
 };
 
 TEST_F(CuboidRemedies, AThresholdAboveTheSecondReflection) {
-  const ErrorSpread before = with({"second-line"})[0].errors;
-  const ErrorSpread after = with({"second-line"}, {.threshold = 15})[0].errors;
-  EXPECT_GT(before.beyond(kFalseCodeMm), 0.01);
-  EXPECT_LT(after.beyond(kFalseCodeMm), 0.005);
+  const lab::ErrorSpread before = with({"second-line"})[0].errors;
+  const lab::ErrorSpread after = with({"second-line"}, {.threshold = 15})[0].errors;
+  EXPECT_GT(before.beyond(lab::kFalseCodeMm), 0.01);
+  EXPECT_LT(after.beyond(lab::kFalseCodeMm), 0.005);
   EXPECT_LT(after.missing(), before.missing());
 }
 
@@ -137,15 +137,15 @@ TEST_F(CuboidRemedies, RangeAndNeighbours) {
 // lines, so their rounding stays. A cycle that was shifted without its triangulation would agree nowhere.
 TEST_F(CuboidRemedies, ASecondCycleThatIsShifted) {
   constexpr std::array<double, 2> kMost{0.9, 1.02};  // of the RMS of one cycle
-  const auto false_points = [](const ErrorSpread& errors) {
-    return std::lround(errors.beyond(kFalseCodeMm) * static_cast<double>(errors.points()));
+  const auto false_points = [](const lab::ErrorSpread& errors) {
+    return std::lround(errors.beyond(lab::kFalseCodeMm) * static_cast<double>(errors.points()));
   };
   const auto one = with({});
   for (const double shift : {1.0, 3.0}) {
     const auto two = with({}, {.shift = shift});
     for (std::size_t way = 0; way < one.size(); ++way) {
-      const ErrorSpread& before = one[way].errors;
-      const ErrorSpread& after = two[way].errors;
+      const lab::ErrorSpread& before = one[way].errors;
+      const lab::ErrorSpread& after = two[way].errors;
       EXPECT_LT(after.rms(), kMost.at(way) * before.rms()) << one[way].name << ", " << shift;
       EXPECT_LE(false_points(after), false_points(before)) << one[way].name << ", " << shift;
       EXPECT_LE(after.points(), before.points()) << one[way].name << ", " << shift;
@@ -157,15 +157,15 @@ TEST_F(CuboidRemedies, ASecondCycleThatIsShifted) {
 TEST(CuboidRemediesTable, HasEachRemedyForBothWays) {
   std::size_t last = 0;
   std::size_t most = 0;
-  const DisturbedCuboids cuboids(coarser_rig(load_rig("scanner"), 8));
+  const lab::DisturbedCuboids cuboids(lab::coarser_rig(rig::load_rig("scanner"), 8));
   const auto count = [&](std::size_t done, std::size_t all) {
     EXPECT_EQ(done, last + 1);
     last = done;
     most = all;
   };
-  const auto tried = try_cuboid_remedies(cuboids, load_world(kBuiltInWorld), 1, count);
+  const auto tried = lab::try_cuboid_remedies(cuboids, sim::load_world(sim::kBuiltInWorld), 1, count);
   EXPECT_EQ(last, most) << "all measurements were foreseen";
-  const ReportTable table = remedies_table(tried, 1);
+  const report::ReportTable table = lab::remedies_table(tried, 1);
   ASSERT_EQ(table.rows.size(), 26U);
   EXPECT_EQ(table.rows[0][0], "second-line");
   for (const auto& row : table.rows) {
@@ -174,4 +174,4 @@ TEST(CuboidRemediesTable, HasEachRemedyForBothWays) {
 }
 
 }  // namespace
-}  // namespace selfproj
+}  // namespace selfproj::test

@@ -6,32 +6,32 @@
 #include <cstddef>
 #include <string>
 
-#include "host/files/user_error.h"
-#include "host/rig/rig.h"
 #include "lab/learned_rig.h"
 #include "lab/section_measurement.h"
+#include "selfproj/files/user_error.h"
+#include "selfproj/rig/rig.h"
 #include "sim/scene/perturbed_rig.h"
 #include "sim/scene/scenes.h"
 
-namespace selfproj {
+namespace selfproj::test {
 namespace {
 
-SectionResult run(const std::string& name, const SectionOptions& options) {
-  return run_section_experiment(name, options, [](std::size_t, std::size_t) {});
+lab::SectionResult run(const std::string& name, const lab::SectionOptions& options) {
+  return lab::run_section_experiment(name, options, [](std::size_t, std::size_t) {});
 }
 
-SectionOptions every(int frames) {
-  SectionOptions options;
-  options.rig = load_rig("light-section");
-  options.route = Route::null_test;
+lab::SectionOptions every(int frames) {
+  lab::SectionOptions options;
+  options.rig = rig::load_rig("light-section");
+  options.route = lab::Route::null_test;
   options.every = frames;
   return options;
 }
 
 // The thesis's way with the fewest images that determine a rig.
-SectionOptions learned(int frames) {
-  SectionOptions options = every(frames);
-  options.route = Route::learned;
+lab::SectionOptions learned(int frames) {
+  lab::SectionOptions options = every(frames);
+  options.route = lab::Route::learned;
   options.learning.board_heights_mm = {0, 24, 48};
   options.learning.plate_heights_mm = {0, 20, 40, 60};
   options.learning.every_line = 10;
@@ -39,9 +39,9 @@ SectionOptions learned(int frames) {
 }
 
 TEST(Experiment, MountainIsMeasured) {
-  const SectionResult result = run("A1", every(200));
+  const lab::SectionResult result = run("A1", every(200));
   EXPECT_TRUE(result.not_reached.empty()) << result.not_reached.front();
-  const SectionFigures& self = result.self_projected.modes[0];
+  const lab::SectionFigures& self = result.self_projected.modes[0];
   EXPECT_GE(self.errors.points, 5 * 512);
   EXPECT_GE(result.conventional.modes[0].range.greatest, 60);  // what self-projection saves
   EXPECT_GT(self.errors.rms, 0.001);                           // noise is on
@@ -50,9 +50,9 @@ TEST(Experiment, MountainIsMeasured) {
 }
 
 TEST(Experiment, StairsAndMarksAreMeasured) {
-  const SectionResult result = run("A2", every(70));
+  const lab::SectionResult result = run("A2", every(70));
   EXPECT_TRUE(result.not_reached.empty()) << result.not_reached.front();
-  const SectionFigures& self = result.self_projected.modes[0];
+  const lab::SectionFigures& self = result.self_projected.modes[0];
   ASSERT_EQ(self.steps.size(), 3U);
   EXPECT_NEAR(self.steps[1], 39, 0.05);
   EXPECT_GT(self.errors.left_out, 100);
@@ -62,9 +62,9 @@ TEST(Experiment, StairsAndMarksAreMeasured) {
 
 // The rig is another than its drawings, and only its images are known: all bounds hold, and null tests stand beside.
 TEST(Experiment, ByScanAndLearnedRig) {
-  const SectionResult result = run("A2", learned(100));
+  const lab::SectionResult result = run("A2", learned(100));
   EXPECT_TRUE(result.not_reached.empty()) << result.not_reached.front();
-  const SectionFigures& self = result.self_projected.modes[0];
+  const lab::SectionFigures& self = result.self_projected.modes[0];
   ASSERT_EQ(self.steps.size(), 3U);
   EXPECT_NEAR(self.steps[0], 30, 0.03);
   EXPECT_NEAR(self.steps[1], 39, 0.03);
@@ -83,21 +83,21 @@ TEST(Experiment, ByScanAndLearnedRig) {
 
 // What the rig learned matters: with the drawings alone heights are far off.
 TEST(Experiment, DrawingsAloneAreFarOff) {
-  const Rig drawn = load_rig("light-section");
-  const PerturbedRig actual = hidden_rig(drawn, 1);
-  const LightSection setup = scanned_projection(drawn, actual, "stairs", {{}, 10, true}, [] {});
-  const auto scene = make_scene("stairs-marked", drawn);
-  const Measurement measurement = measure(setup, *scene, {}, 200, 0, [](std::size_t) {});
-  const MethodFigures figures = section_figures(measurement, setup, *scene, 3, {});
+  const rig::Rig drawn = rig::load_rig("light-section");
+  const sim::PerturbedRig actual = sim::hidden_rig(drawn, 1);
+  const sim::LightSection setup = lab::scanned_projection(drawn, actual, "stairs", {{}, 10, true}, [] {});
+  const auto scene = sim::make_scene("stairs-marked", drawn);
+  const lab::Measurement measurement = lab::measure(setup, *scene, {}, 200, 0, [](std::size_t) {});
+  const lab::MethodFigures figures = lab::section_figures(measurement, setup, *scene, 3, {});
   EXPECT_GT(figures.modes[0].errors.rms, 0.1);
 }
 
 // The checks can fail: with ten times the noise the error is noticed.
 TEST(Experiment, NoiseIsSeen) {
-  SectionOptions options = every(400);
+  lab::SectionOptions options = every(400);
   options.rig.imaging.read_noise *= 10;
   options.rig.measure.threshold = 100;
-  const SectionResult result = run("A1", options);
+  const lab::SectionResult result = run("A1", options);
   EXPECT_GT(result.self_projected.modes[0].errors.rms, 0.01);
   EXPECT_FALSE(result.not_reached.empty());
 }
@@ -105,4 +105,4 @@ TEST(Experiment, NoiseIsSeen) {
 TEST(Experiment, OnlyThoseOfTheThesis) { EXPECT_THROW(run("A3", every(1)), UserError); }
 
 }  // namespace
-}  // namespace selfproj
+}  // namespace selfproj::test

@@ -13,17 +13,17 @@
 #include <vector>
 
 #include "host/report/report.h"
-#include "host/rig/rig.h"
 #include "lab/cuboids.h"
 #include "lab/gray_motion.h"
 #include "lab/moving_things.h"
+#include "selfproj/rig/rig.h"
 #include "sim/scene/optics.h"
 #include "sim/scene/scene.h"
 #include "sim/scene/virtual_capture.h"
 #include "tests/host/capture/small_scanner.h"
 #include "tests/host/light_section/seen_surface.h"
 
-namespace selfproj {
+namespace selfproj::test {
 namespace {
 
 // A depth image's figures of one thing, without those that no test needs.
@@ -50,11 +50,11 @@ std::vector<Row> rows_of(const std::string& series) {
 }
 
 TEST(StructuredLight, CuboidsAreMeasured) {
-  CuboidsOptions options;
-  options.rig = load_rig("scanner");
-  options.scan = ScanMethod::gray_codes;
+  lab::CuboidsOptions options;
+  options.rig = rig::load_rig("scanner");
+  options.scan = sim::ScanMethod::gray_codes;
   options.conventional_bits = {4};
-  const StructuredLightResult result = run_cuboids(options, [](std::size_t, std::size_t) {});
+  const lab::StructuredLightResult result = lab::run_cuboids(options, [](std::size_t, std::size_t) {});
   EXPECT_TRUE(result.not_reached.empty()) << result.not_reached.front();
   ASSERT_EQ(result.tables.size(), 6U);
   ASSERT_EQ(result.tables[5].rows.size(), 2U);
@@ -65,16 +65,16 @@ TEST(StructuredLight, CuboidsAreMeasured) {
 // The mouse in three depth images, on a rig with a quarter of the pixels along each side. Its codes are worth four
 // times as much.
 TEST(MovingThings, MouseIsMeasuredInEveryDepthImage) {
-  MovingOptions options;
+  lab::MovingOptions options;
   options.rig = test::coarse_scanner(4);
-  options.scan = ScanMethod::gray_codes;
+  options.scan = sim::ScanMethod::gray_codes;
   options.e = 2;
   options.first = 230;
   options.pairs = 3;
   options.strips = 1;
   std::size_t most = 0;
   std::size_t last = 0;
-  const StructuredLightResult result = run_moving("B7", options, [&](std::size_t done, std::size_t all) {
+  const lab::StructuredLightResult result = lab::run_moving("B7", options, [&](std::size_t done, std::size_t all) {
     ASSERT_EQ(done, last + 1);
     last = done;
     most = all;
@@ -93,18 +93,18 @@ TEST(MovingThings, MouseIsMeasuredInEveryDepthImage) {
   }
   EXPECT_EQ(rows.size(), static_cast<std::size_t>(2 * options.pairs));
   options.pairs = 300;
-  EXPECT_THROW(run_moving("B7", options, [](std::size_t, std::size_t) {}), std::invalid_argument);
+  EXPECT_THROW(lab::run_moving("B7", options, [](std::size_t, std::size_t) {}), std::invalid_argument);
 }
 
 // The same of the hands, far above their references, on a rig with half of the pixels along each side.
 TEST(MovingThings, HandsAreMeasuredInEveryDepthImage) {
-  MovingOptions options;
+  lab::MovingOptions options;
   options.rig = test::coarse_scanner(2);
-  options.scan = ScanMethod::gray_codes;
+  options.scan = sim::ScanMethod::gray_codes;
   options.first = 100;
   options.pairs = 2;
   options.strips = 1;
-  const StructuredLightResult result = run_moving("B8", options, [](std::size_t, std::size_t) {});
+  const lab::StructuredLightResult result = lab::run_moving("B8", options, [](std::size_t, std::size_t) {});
   const std::vector<Row> rows = rows_of(result.series);
   EXPECT_EQ(rows.size(), 2U * 2 * 2) << "two hands, two methods, two depth images";
   for (const Row& row : rows) {
@@ -116,12 +116,12 @@ TEST(MovingThings, HandsAreMeasuredInEveryDepthImage) {
 // Runs experiments B1 to B3 with a coarse rig and few frames.
 
 // Rig B with so many times fewer pixels along each side.
-Rig small_rig(int factor = 4) { return test::small_scanner(factor, factor); }
+rig::Rig small_rig(int factor = 4) { return test::small_scanner(factor, factor); }
 
-ReportTable table_of(const std::string& name, const GrayMotionOptions& options, std::size_t table) {
+report::ReportTable table_of(const std::string& name, const lab::GrayMotionOptions& options, std::size_t table) {
   std::size_t done = 0;
   std::size_t all = 1;
-  const StructuredLightResult result = run_gray_motion(name, options, [&](std::size_t now, std::size_t of) {
+  const lab::StructuredLightResult result = lab::run_gray_motion(name, options, [&](std::size_t now, std::size_t of) {
     EXPECT_EQ(now, done + 1);
     done = now;
     all = of;
@@ -132,7 +132,7 @@ ReportTable table_of(const std::string& name, const GrayMotionOptions& options, 
 
 // The filter makes the centroid better on a path on which it was not chosen.
 TEST(GrayMotion, FistOnAnotherPath) {
-  const ReportTable others =
+  const report::ReportTable others =
       table_of("B1", {.rig = small_rig(), .render = {}, .paths = 1, .pools = 0, .frames = 120}, 1);
   ASSERT_EQ(others.rows.size(), 2U);
   EXPECT_LT(std::stod(others.rows[1][3]), std::stod(others.rows[1][8]));
@@ -143,9 +143,9 @@ TEST(GrayMotion, FistOnAnotherPath) {
 // their speed comes out within the experiment's bound.
 TEST(GrayMotion, WavesAreThoseOfThreeCentimetres) {
   std::size_t last = 0;
-  const StructuredLightResult result =
-      run_gray_motion("B2", {.rig = small_rig(), .render = {}, .paths = 0, .pools = 0, .frames = 316},
-                      [&](std::size_t now, std::size_t /*of*/) { last = now; });
+  const lab::StructuredLightResult result =
+      lab::run_gray_motion("B2", {.rig = small_rig(), .render = {}, .paths = 0, .pools = 0, .frames = 316},
+                           [&](std::size_t now, std::size_t /*of*/) { last = now; });
   EXPECT_EQ(last, 16U + 316);
   ASSERT_EQ(result.tables.size(), 3U);
   const auto& rows = result.tables[0].rows;
@@ -157,7 +157,7 @@ TEST(GrayMotion, WavesAreThoseOfThreeCentimetres) {
 }
 
 TEST(GrayMotion, BothSetsOfTaps) {
-  const ReportTable table =
+  const report::ReportTable table =
       table_of("B3", {.rig = small_rig(2), .render = {}, .paths = 0, .pools = 0, .frames = 320}, 0);
   ASSERT_EQ(table.rows.size(), 4U);
   for (const auto& row : table.rows) {
@@ -166,26 +166,26 @@ TEST(GrayMotion, BothSetsOfTaps) {
 }
 
 TEST(GrayMotion, FewerFramesThanACycle) {
-  EXPECT_THROW(run_gray_motion("B1", {.rig = small_rig(), .render = {}, .paths = 0, .pools = 0, .frames = 8}, {}),
+  EXPECT_THROW(lab::run_gray_motion("B1", {.rig = small_rig(), .render = {}, .paths = 0, .pools = 0, .frames = 8}, {}),
                std::invalid_argument);
 }
 
 // Drawn paths differ, are circles of their size and slant, and the camera sees all of the fist on them.
 TEST(Fist, DrawnPathsAreSeen) {
-  const Rig rig = load_rig("scanner");
+  const rig::Rig rig = rig::load_rig("scanner");
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
-    const FistPath path = drawn_path(seed);
-    EXPECT_NE(path.radius, drawn_path(seed + 1).radius);
+    const sim::FistPath path = lab::drawn_path(seed);
+    EXPECT_NE(path.radius, lab::drawn_path(seed + 1).radius);
     EXPECT_LT(path.rise, path.radius);
-    const auto scene = make_fist(rig, path);
+    const auto scene = sim::make_fist(rig, path);
     double high = 0;
     for (int i = 0; i < 40; ++i) {
-      const Cuboid box = scene->bodies(i / (40 * path.frequency))[0]->bounds();
-      const Point3 c = 0.5 * (box.low + box.high);
+      const sim::Cuboid box = scene->bodies(i / (40 * path.frequency))[0]->bounds();
+      const sim::Point3 c = 0.5 * (box.low + box.high);
       EXPECT_NEAR(std::hypot(c.x - path.x, c.y - path.y, rig.plane_z_mm - path.height - c.z), path.radius, 1e-9);
       high = std::max(high, rig.plane_z_mm - path.height - c.z);
-      for (const Point3 corner : {box.low, box.high}) {
-        const PixelPoint at = Pinhole::of_camera(rig.camera).project({corner.x, corner.y, box.low.z});
+      for (const sim::Point3 corner : {box.low, box.high}) {
+        const sim::PixelPoint at = sim::Pinhole::of_camera(rig.camera).project({corner.x, corner.y, box.low.z});
         EXPECT_GE(std::min(at.row, at.column), 0) << "seed " << seed;
         EXPECT_LE(at.column, rig.camera.columns - 1) << "seed " << seed;
         EXPECT_LE(at.row, 440) << "seed " << seed << ": a projector line is worth too much there";
@@ -196,4 +196,4 @@ TEST(Fist, DrawnPathsAreSeen) {
 }
 
 }  // namespace
-}  // namespace selfproj
+}  // namespace selfproj::test

@@ -26,7 +26,7 @@ import tables
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
 SPEC = HERE / "selfproj.json"
-HEADER = HERE / "generated" / "selfproj_spec.h"
+HEADER = HERE.parents[1] / "include" / "selfproj" / "model" / "generated" / "selfproj_spec.h"
 REGISTERS = HERE / "generated" / "register_table.h"
 DATAGRAM = HERE / "generated" / "datagram_format.h"
 PACKAGE = ROOT / "rtl" / "common" / "sp_spec_pkg.sv"

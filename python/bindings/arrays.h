@@ -15,8 +15,8 @@
 #include <utility>
 #include <vector>
 
-#include "host/images/float_image.h"
-#include "model/column_moments.h"
+#include "selfproj/images/float_image.h"
+#include "selfproj/model/column_moments.h"
 
 namespace selfproj::python {
 
@@ -79,7 +79,7 @@ class Images {
   [[nodiscard]] std::size_t count() const { return several() ? array_.shape(0) : 1; }
   [[nodiscard]] std::size_t rows() const { return array_.shape(array_.ndim() - 2); }
   [[nodiscard]] std::size_t columns() const { return array_.shape(array_.ndim() - 1); }
-  [[nodiscard]] ImageView view(std::size_t i) const {
+  [[nodiscard]] model::ImageView view(std::size_t i) const {
     const std::ptrdiff_t from = several() ? static_cast<std::ptrdiff_t>(i) * array_.stride(0) : 0;
     return {array_.data() + from, static_cast<int>(rows()), static_cast<int>(columns()),
             static_cast<std::ptrdiff_t>(array_.stride(array_.ndim() - 2))};
@@ -91,7 +91,7 @@ class Images {
 };
 
 // One image.
-inline ImageView image_of(const In<std::uint8_t>& array) {
+inline model::ImageView image_of(const In<std::uint8_t>& array) {
   require(array.ndim() == 2, "image: an array of 2 dimensions is needed");
   return Images(array).view(0);
 }
@@ -150,7 +150,7 @@ void bind_structured_light(nb::module_& module);
 void bind_calibration(nb::module_& module);
 
 // The memory of the image as an array, (rows, columns), without a copy.
-inline Out<float> array_of_image(FloatImage image) {
+inline Out<float> array_of_image(images::FloatImage image) {
   return array_of(std::move(image.values),
                   {static_cast<std::size_t>(image.rows), static_cast<std::size_t>(image.columns)});
 }

@@ -20,8 +20,8 @@
 #include "host/images/frame_options.h"
 #include "host/images/image_files.h"
 #include "host/images/image_sequence.h"
-#include "host/rig/calibration_file.h"
 #include "python/bindings/arrays.h"
+#include "selfproj/rig/calibration_file.h"
 
 namespace selfproj::python {
 namespace {
@@ -38,11 +38,11 @@ Out<double> array_of_matrix(const cv::Matx<double, Rows, Columns>& matrix) {
   return array;
 }
 
-Out<double> camera_matrix(const Lens& lens) {
+Out<double> camera_matrix(const rig::Lens& lens) {
   return array_of_matrix(cv::Matx33d(lens.fx, 0, lens.cx, 0, lens.fy, lens.cy, 0, 0, 1));
 }
 
-Out<double> distortion(const Lens& lens) {
+Out<double> distortion(const rig::Lens& lens) {
   auto array = new_array<double>({lens.k.size()});
   std::memcpy(array.data(), lens.k.data(), sizeof lens.k);
   return array;
@@ -50,7 +50,7 @@ Out<double> distortion(const Lens& lens) {
 
 // Codes of both axes, moved into arrays; and the mean image.
 struct CaptureResult {
-  Capture capture;  // without what the arrays took
+  calibration::Capture capture;  // without what the arrays took
   std::string name;
   Out<std::int16_t> projector_column, projector_row;
   Out<std::uint8_t> mean;
@@ -58,13 +58,14 @@ struct CaptureResult {
 
 CaptureResult decode(const std::vector<std::string>& images, const Size& projector, int threshold, int contrast,
                      const std::string& channel) {
-  const GraySequence sequence(projector.first, projector.second);
+  const structured_light::GraySequence sequence(projector.first, projector.second);
   require(threshold >= 0 && threshold <= 255 && contrast >= 0 && contrast <= 255,
           "threshold, contrast: must be in 0..255");
   require(!images.empty(), "images: none are given");
-  Capture capture = without_gil([&] {
-    ImageSequence captured(image_arguments(images), channel_of(channel));
-    return decode_capture(images.front(), captured, sequence, {.threshold = threshold, .contrast = contrast});
+  calibration::Capture capture = without_gil([&] {
+    images::ImageSequence captured(images::image_arguments(images), images::channel_of(channel));
+    return calibration::decode_capture(images.front(), captured, sequence,
+                                       {.threshold = threshold, .contrast = contrast});
   });
   const std::vector<std::size_t> shape{static_cast<std::size_t>(capture.rows),
                                        static_cast<std::size_t>(capture.columns)};
@@ -74,7 +75,7 @@ CaptureResult decode(const std::vector<std::string>& images, const Size& project
   return {std::move(capture), images.front(), std::move(column), std::move(row), std::move(mean)};
 }
 
-Chessboard chessboard_of(const Size& corners, double square_mm) {
+calibration::Chessboard chessboard_of(const Size& corners, double square_mm) {
   require(corners.first >= 3 && corners.second >= 3 && corners.first <= 200 && corners.second <= 200,
           "corners: must be 3..200 along both sides");
   require(square_mm > 0 && square_mm < 1e6, "square_mm: must be above 0");
@@ -82,10 +83,11 @@ Chessboard chessboard_of(const Size& corners, double square_mm) {
 }
 
 std::optional<Out<double>> find_corners(const In<std::uint8_t>& array, const Size& corners) {
-  const ImageView view = image_of(array);
-  const Chessboard chessboard = chessboard_of(corners, 1);
+  const model::ImageView view = image_of(array);
+  const calibration::Chessboard chessboard = chessboard_of(corners, 1);
   require(view.rows > 0 && view.columns > 0, "image: has no pixels");
-  const FoundChessboard found = without_gil([&] { return find_chessboard(copy_of(view), chessboard); });
+  const calibration::FoundChessboard found =
+      without_gil([&] { return calibration::find_chessboard(images::copy_of(view), chessboard); });
   if (found.corners.empty()) {
     return std::nullopt;
   }
@@ -98,15 +100,15 @@ std::optional<Out<double>> find_corners(const In<std::uint8_t>& array, const Siz
 }
 
 struct Result {
-  CalibrationReport report;
-  [[nodiscard]] CalibrationRms rms() const {
+  calibration::CalibrationReport report;
+  [[nodiscard]] rig::CalibrationRms rms() const {
     return {report.bundle.camera_rms, report.bundle.projector_rms, report.bundle.rms};
   }
 };
 
 Result calibrate_captures(const std::vector<const CaptureResult*>& captures, const Size& corners, double square_mm,
                           const Size& projector, int camera_distortion, int projector_distortion) {
-  CalibrateSettings settings;
+  calibration::CalibrateSettings settings;
   settings.chessboard = chessboard_of(corners, square_mm);
   require(projector.first >= 1 && projector.second >= 1, "projector: its sides must be 1 or more");
   settings.projector_columns = projector.first;
@@ -119,42 +121,42 @@ Result calibrate_captures(const std::vector<const CaptureResult*>& captures, con
     require(capture != nullptr, "captures: None is no capture");
   }
   return without_gil([&] {
-    std::vector<PoseReport> poses;
+    std::vector<calibration::PoseReport> poses;
     for (const CaptureResult* capture : captures) {
-      poses.push_back(observe_pose(capture->name, capture->capture, settings));
+      poses.push_back(calibration::observe_pose(capture->name, capture->capture, settings));
     }
-    return Result{calibrate(std::move(poses), settings)};
+    return Result{calibration::calibrate(std::move(poses), settings)};
   });
 }
 
 void bind_result(nb::module_& module) {
-  nb::class_<Calibration>(module, "Calibration",
-                          "Camera and projector. In the camera's frame and in mm, x_projector = R x_camera + T.")
+  nb::class_<rig::Calibration>(module, "Calibration",
+                               "Camera and projector. In the camera's frame and in mm, x_projector = R x_camera + T.")
       .def_prop_ro(
-          "camera_matrix", [](const Calibration& self) { return camera_matrix(self.camera); }, nb::rv_policy::reference,
-          "3 x 3, float64.")
+          "camera_matrix", [](const rig::Calibration& self) { return camera_matrix(self.camera); },
+          nb::rv_policy::reference, "3 x 3, float64.")
       .def_prop_ro(
-          "camera_distortion", [](const Calibration& self) { return distortion(self.camera); },
+          "camera_distortion", [](const rig::Calibration& self) { return distortion(self.camera); },
           nb::rv_policy::reference, "k1, k2, p1, p2, k3, k4, k5, k6 of OpenCV.")
       .def_prop_ro(
-          "projector_matrix", [](const Calibration& self) { return camera_matrix(self.projector); },
+          "projector_matrix", [](const rig::Calibration& self) { return camera_matrix(self.projector); },
           nb::rv_policy::reference)
       .def_prop_ro(
-          "projector_distortion", [](const Calibration& self) { return distortion(self.projector); },
+          "projector_distortion", [](const rig::Calibration& self) { return distortion(self.projector); },
           nb::rv_policy::reference)
       .def_prop_ro(
-          "rotation", [](const Calibration& self) { return array_of_matrix(self.rotation); }, nb::rv_policy::reference,
-          "R, 3 x 3.")
+          "rotation", [](const rig::Calibration& self) { return array_of_matrix(self.rotation); },
+          nb::rv_policy::reference, "R, 3 x 3.")
       .def_prop_ro(
-          "translation", [](const Calibration& self) { return array_of_matrix<3, 1>(self.translation); },
+          "translation", [](const rig::Calibration& self) { return array_of_matrix<3, 1>(self.translation); },
           nb::rv_policy::reference, "T, mm.")
       .def_prop_ro(
           "camera_size",
-          [](const Calibration& self) {
+          [](const rig::Calibration& self) {
             return Size{self.camera_columns, self.camera_rows};
           },
           "Columns and rows; 0 if the file does not say.")
-      .def_prop_ro("projector_size", [](const Calibration& self) {
+      .def_prop_ro("projector_size", [](const rig::Calibration& self) {
         return Size{self.projector_columns, self.projector_rows};
       });
   nb::class_<Result>(module, "Result", "What the least squares found.")
@@ -166,14 +168,14 @@ void bind_result(nb::module_& module) {
       .def_prop_ro(
           "rms_px", [](const Result& self) { return self.report.bundle.rms; }, "Of all residuals.")
       .def(
-          "json", [](const Result& self) { return report_json(self.report); },
+          "json", [](const Result& self) { return calibration::report_json(self.report); },
           "All findings with standard deviations, as `selfproj calibrate` writes them.")
-      .def("__str__", [](const Result& self) { return report_text(self.report); })
+      .def("__str__", [](const Result& self) { return calibration::report_text(self.report); })
       .def(
           "save",
           [](const Result& self, const std::string& file) {
             require(self.report.model.refusal.empty(), "the result must not be used; see refusal");
-            OutputFile(file).write(calibration_yaml(self.report.calibration, self.rms()));
+            files::OutputFile(file).write(rig::calibration_yaml(self.report.calibration, self.rms()));
           },
           nb::arg("file"), "Writes OpenCV's YAML, whole or not at all.");
 }
@@ -202,7 +204,7 @@ void bind_calibration(nb::module_& module) {
              "Calibrates camera and projector from captures of a chessboard in two or more poses. Distortion\n"
              "coefficients: 0, 1, 2, 4, 5, or -1: as many as the captures support. InputError if the captures do\n"
              "not suffice.");
-  module.def("read_calibration", &read_calibration, nb::arg("file"), "Reads OpenCV's YAML.");
+  module.def("read_calibration", &rig::read_calibration, nb::arg("file"), "Reads OpenCV's YAML.");
 }
 
 }  // namespace selfproj::python

@@ -15,10 +15,10 @@
 #include <string>
 #include <utility>
 
-#include "host/driver/device.h"
-#include "host/driver/image_assembler.h"
 #include "python/bindings/arrays.h"
 #include "python/bindings/packet_view.h"
+#include "selfproj/driver/device.h"
+#include "selfproj/driver/image_assembler.h"
 
 namespace selfproj::python {
 namespace {
@@ -26,9 +26,9 @@ namespace {
 // A device, for one thread at a time. The packet that it gave last stays where it is until the next one is asked for.
 class DeviceHandle {
  public:
-  explicit DeviceHandle(std::unique_ptr<Device> device) : device_(std::move(device)) {}
+  explicit DeviceHandle(std::unique_ptr<driver::Device> device) : device_(std::move(device)) {}
 
-  [[nodiscard]] Device& device() const {
+  [[nodiscard]] driver::Device& device() const {
     require(device_ != nullptr, "the device is closed");
     return *device_;
   }
@@ -37,17 +37,17 @@ class DeviceHandle {
   std::optional<PacketHandle> next(const nb::object& self, std::optional<double> timeout) {
     const Busy::Entered entered(busy_);
     require(!timeout || *timeout >= 0, "timeout: must be 0 or more seconds");
-    Device& from = device();
+    driver::Device& from = device();
     leave_packet();
     const auto begin = std::chrono::steady_clock::now();
     for (;;) {
-      PacketView view;
-      const Next got = without_gil([&] { return from.next(view, slice_of(begin, timeout)); });
-      if (got == Next::packet) {
+      model::PacketView view;
+      const driver::Next got = without_gil([&] { return from.next(view, slice_of(begin, timeout)); });
+      if (got == driver::Next::packet) {
         place_ = std::make_shared<Place>();
         return PacketHandle(view, self, place_);
       }
-      ended_ = got == Next::end;
+      ended_ = got == driver::Next::end;
       if (ended_ || (timeout && seconds_since(begin) >= *timeout)) {
         return std::nullopt;
       }
@@ -94,24 +94,25 @@ class DeviceHandle {
     place_.reset();
   }
 
-  std::unique_ptr<Device> device_;
+  std::unique_ptr<driver::Device> device_;
   std::shared_ptr<Place> place_;  // of the newest packet
   bool ended_ = false;
   Busy busy_;
 };
 
-std::unique_ptr<DeviceHandle> open(const std::string& uri, Wait wait, bool wait_for_board, bool discard_backlog) {
-  DeviceOptions options;
+std::unique_ptr<DeviceHandle> open(const std::string& uri, driver::Wait wait, bool wait_for_board,
+                                   bool discard_backlog) {
+  driver::DeviceOptions options;
   options.wait = wait;
   options.wait_for_board = wait_for_board;
   options.discard_backlog = discard_backlog;
-  return std::make_unique<DeviceHandle>(without_gil([&] { return open_device(uri, options); }));
+  return std::make_unique<DeviceHandle>(without_gil([&] { return driver::open_device(uri, options); }));
 }
 
 std::map<std::string, std::uint64_t> counters_of(const DeviceHandle& handle) {
-  const Counters counters = handle.device().counters();
+  const driver::Counters counters = handle.device().counters();
   std::map<std::string, std::uint64_t> out;
-  for (const CounterName& name : kCounterNames) {
+  for (const driver::CounterName& name : driver::kCounterNames) {
     out[name.key] = counters.*name.field;
   }
   return out;
@@ -131,7 +132,7 @@ class Assembler {
                                                         : copy_of(assembler_.pixels(), shape);
   }
 
-  [[nodiscard]] const ImageAssembler& assembler() const { return assembler_; }
+  [[nodiscard]] const driver::ImageAssembler& assembler() const { return assembler_; }
 
  private:
   static std::uint8_t kind_of(int kind) {
@@ -145,7 +146,7 @@ class Assembler {
     return nb::cast(image);
   }
 
-  ImageAssembler assembler_;
+  driver::ImageAssembler assembler_;
 };
 
 void bind_device(nb::module_& module) {
@@ -183,12 +184,12 @@ void bind_device(nb::module_& module) {
 }  // namespace
 
 void bind_driver(nb::module_& module) {
-  nb::enum_<Wait>(module, "Wait", "How to wait for a packet.")
-      .value("POLLING", Wait::polling, "Shortest delay; occupies a processor.")
-      .value("BLOCKING", Wait::blocking, "Sleeps.")
-      .value("POLLING_THEN_BLOCKING", Wait::polling_then_blocking, "Polls for 50 us first.");
+  nb::enum_<driver::Wait>(module, "Wait", "How to wait for a packet.")
+      .value("POLLING", driver::Wait::polling, "Shortest delay; occupies a processor.")
+      .value("BLOCKING", driver::Wait::blocking, "Sleeps.")
+      .value("POLLING_THEN_BLOCKING", driver::Wait::polling_then_blocking, "Polls for 50 us first.");
   bind_device(module);
-  module.def("open", &open, nb::arg("uri"), nb::arg("wait") = Wait::polling_then_blocking,
+  module.def("open", &open, nb::arg("uri"), nb::arg("wait") = driver::Wait::polling_then_blocking,
              nb::arg("wait_for_board") = false, nb::arg("discard_backlog") = false,
              "Opens a device: ring:NAME, file:PATH, udp:HOST[:PORT] or litepcie:PATH (docs/driver.md). InputError if "
              "there is none.");

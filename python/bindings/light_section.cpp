@@ -9,17 +9,17 @@
 #include <utility>
 #include <vector>
 
-#include "host/images/float_image.h"
-#include "host/light_section/differential_profile.h"
-#include "host/light_section/fast_moments.h"
-#include "host/light_section/inspection.h"
-#include "host/light_section/profile.h"
-#include "host/light_section/reference.h"
-#include "host/light_section/reference_file.h"
-#include "host/rig/rig.h"
 #include "python/bindings/arrays.h"
 #include "python/bindings/moments_result.h"
 #include "python/bindings/packet_view.h"
+#include "selfproj/images/float_image.h"
+#include "selfproj/light_section/differential_profile.h"
+#include "selfproj/light_section/fast_moments.h"
+#include "selfproj/light_section/inspection.h"
+#include "selfproj/light_section/profile.h"
+#include "selfproj/light_section/reference.h"
+#include "selfproj/light_section/reference_file.h"
+#include "selfproj/rig/rig.h"
 
 namespace selfproj::python {
 namespace {
@@ -38,8 +38,8 @@ struct ProfileResult {
         dz(new_array<float>(shape)),
         validity(new_array<std::uint8_t>(shape)) {}
 
-  [[nodiscard]] ProfileView view(std::size_t first) const {
-    return from_column(
+  [[nodiscard]] light_section::ProfileView view(std::size_t first) const {
+    return light_section::from_column(
         {centroid.data(), x.data(), y.data(), z.data(), dx.data(), dy.data(), dz.data(), validity.data()},
         static_cast<int>(first));
   }
@@ -50,13 +50,15 @@ struct ProfileResult {
 
 class Profiler {
  public:
-  Profiler(const Rig& rig, const std::optional<std::string>& reference)
-      : rig_(rig), profiler_(rig, reference ? load_reference(rig, *reference) : reference_of_plane(rig)) {}
+  Profiler(const rig::Rig& rig, const std::optional<std::string>& reference)
+      : rig_(rig),
+        profiler_(
+            rig, reference ? light_section::load_reference(rig, *reference) : light_section::reference_of_plane(rig)) {}
 
-  [[nodiscard]] const Rig& rig() const { return rig_; }
+  [[nodiscard]] const rig::Rig& rig() const { return rig_; }
 
   [[nodiscard]] ProfileResult of_packet(const PacketHandle& packet) const {
-    const PacketView& view = packet.view();
+    const model::PacketView& view = packet.view();
     ProfileResult result({static_cast<std::size_t>(profiler_.columns())});
     const PacketHandle::Use use(packet);
     require(without_gil([&] { return profiler_.profile(view, result.view(0)); }),
@@ -84,19 +86,19 @@ class Profiler {
       for (std::size_t i = 0; i < frames * columns; i += columns) {
         // The view is one of arrays that may be written; profile only reads them.
         profiler_.profile(
-            MomentsView{const_cast<std::uint32_t*>(m0.data()) + i, const_cast<std::uint32_t*>(m1.data()) + i,
-                        const_cast<std::uint32_t*>(n.data()) + i},
+            model::MomentsView{const_cast<std::uint32_t*>(m0.data()) + i, const_cast<std::uint32_t*>(m1.data()) + i,
+                               const_cast<std::uint32_t*>(n.data()) + i},
             result.view(i));
       }
     });
     return result;
   }
 
-  [[nodiscard]] const DifferentialProfiler& profiler() const { return profiler_; }
+  [[nodiscard]] const light_section::DifferentialProfiler& profiler() const { return profiler_; }
 
  private:
-  Rig rig_;
-  DifferentialProfiler profiler_;
+  rig::Rig rig_;
+  light_section::DifferentialProfiler profiler_;
 };
 
 // Collects the frames of an inspection, for one thread at a time.
@@ -110,7 +112,7 @@ class Collected {
 
   bool add(const PacketHandle& packet) {
     const Busy::Entered entered(busy_);
-    const PacketView& view = packet.view();
+    const model::PacketView& view = packet.view();
     const PacketHandle::Use use(packet);
     return without_gil([&] {
       if (!profiler_.profile(view, profile_.view())) {
@@ -128,9 +130,9 @@ class Collected {
   }
 
  private:
-  DifferentialProfiler profiler_;
-  Inspection inspection_;
-  Profile profile_;
+  light_section::DifferentialProfiler profiler_;
+  light_section::Inspection inspection_;
+  light_section::Profile profile_;
   Busy busy_;
 };
 
@@ -138,41 +140,42 @@ void save_tiff(const std::string& file, const In<float, nb::ndim<2>, nb::c_conti
   require(image.shape(0) > 0 && image.shape(1) > 0 && image.shape(0) <= 65535 && image.shape(1) <= 65535,
           "image: both sides must be in 1..65535");
   without_gil([&] {
-    FloatImage copy(static_cast<int>(image.shape(0)), static_cast<int>(image.shape(1)));
+    images::FloatImage copy(static_cast<int>(image.shape(0)), static_cast<int>(image.shape(1)));
     copy.values.assign(image.data(), image.data() + image.size());
-    write_float_tiff(file, copy);
+    images::write_float_tiff(file, copy);
   });
 }
 
 void bind_rig(nb::module_& module) {
-  nb::class_<Rig>(module, "Rig", "Camera, projector and conveyor (docs/rigs.md).")
-      .def_ro("name", &Rig::name)
-      .def_prop_ro("kind",
-                   [](const Rig& rig) { return rig.kind == RigKind::light_section ? "light-section" : "scanner"; })
+  nb::class_<rig::Rig>(module, "Rig", "Camera, projector and conveyor (docs/rigs.md).")
+      .def_ro("name", &rig::Rig::name)
       .def_prop_ro(
-          "rows", [](const Rig& rig) { return rig.camera.rows; }, "Rows of the camera.")
+          "kind",
+          [](const rig::Rig& rig) { return rig.kind == rig::RigKind::light_section ? "light-section" : "scanner"; })
       .def_prop_ro(
-          "columns", [](const Rig& rig) { return rig.camera.columns; }, "Columns of the camera.")
-      .def_ro("plane_z_mm", &Rig::plane_z_mm, "z of the conveyor or table; height = plane_z_mm - z.")
+          "rows", [](const rig::Rig& rig) { return rig.camera.rows; }, "Rows of the camera.")
       .def_prop_ro(
-          "mode", [](const Rig& rig) { return rig.measure.mode; }, "How the board weighs pixels.")
+          "columns", [](const rig::Rig& rig) { return rig.camera.columns; }, "Columns of the camera.")
+      .def_ro("plane_z_mm", &rig::Rig::plane_z_mm, "z of the conveyor or table; height = plane_z_mm - z.")
       .def_prop_ro(
-          "threshold", [](const Rig& rig) { return rig.measure.threshold; }, "From where pixels are lit.")
-      .def("to_yaml", &to_yaml, "The rig as the text of a rig file.");
-  module.def("load_rig", &load_any_rig, nb::arg("name_or_file"),
+          "mode", [](const rig::Rig& rig) { return rig.measure.mode; }, "How the board weighs pixels.")
+      .def_prop_ro(
+          "threshold", [](const rig::Rig& rig) { return rig.measure.threshold; }, "From where pixels are lit.")
+      .def("to_yaml", &rig::to_yaml, "The rig as the text of a rig file.");
+  module.def("load_rig", &rig::load_any_rig, nb::arg("name_or_file"),
              "A built-in rig (light-section, scanner), or that of a YAML file. InputError with file, line and reason.");
 }
 
 void bind_profiles(nb::module_& module) {
-  nb::enum_<Validity>(module, "Validity", "Why a column has no point.")
-      .value("VALID", Validity::valid)
-      .value("UNLIT", Validity::unlit)
-      .value("TOO_FEW", Validity::too_few)
-      .value("TOO_WIDE", Validity::too_wide)
-      .value("CUT_OFF", Validity::cut_off)
-      .value("NO_REFERENCE", Validity::no_reference)
-      .value("OUT_OF_RANGE", Validity::out_of_range)
-      .value("AMBIGUOUS", Validity::ambiguous);
+  nb::enum_<light_section::Validity>(module, "Validity", "Why a column has no point.")
+      .value("VALID", light_section::Validity::valid)
+      .value("UNLIT", light_section::Validity::unlit)
+      .value("TOO_FEW", light_section::Validity::too_few)
+      .value("TOO_WIDE", light_section::Validity::too_wide)
+      .value("CUT_OFF", light_section::Validity::cut_off)
+      .value("NO_REFERENCE", light_section::Validity::no_reference)
+      .value("OUT_OF_RANGE", light_section::Validity::out_of_range)
+      .value("AMBIGUOUS", light_section::Validity::ambiguous);
   nb::class_<ProfileResult>(module, "Profile",
                             "Profiles: float32 arrays of shape (columns,) or (frames, columns), mm in the camera's\n"
                             "frame, NaN where a column has no point.")
@@ -185,7 +188,8 @@ void bind_profiles(nb::module_& module) {
       .def_ro("dz", &ProfileResult::dz, nb::rv_policy::reference, "Less than 0 is nearer to the camera.")
       .def_ro("validity", &ProfileResult::validity, nb::rv_policy::reference, "Values of Validity, uint8.");
   nb::class_<Profiler>(module, "Profiler", "Computes profiles; any number of threads may use it at once.")
-      .def(nb::init<const Rig&, const std::optional<std::string>&>(), nb::arg("rig"), nb::arg("reference") = nb::none(),
+      .def(nb::init<const rig::Rig&, const std::optional<std::string>&>(), nb::arg("rig"),
+           nb::arg("reference") = nb::none(),
            "reference: a folder that `selfproj pattern` wrote, or its reference.csv; None: the empty plane.")
       .def_prop_ro(
           "rig", [](const Profiler& profiler) { return profiler.rig(); }, "A copy of its rig.")
@@ -200,7 +204,8 @@ void bind_profiles(nb::module_& module) {
 }  // namespace
 
 void bind_light_section(nb::module_& module) {
-  def_moments(module, fast_measure_columns, "The same as selfproj.model.moments, at the speed of memory.");
+  def_moments(module, light_section::fast_measure_columns,
+              "The same as selfproj.model.moments, at the speed of memory.");
   bind_rig(module);
   bind_profiles(module);
   nb::class_<Collected>(module, "Inspection", "Collects frames, for one thread at a time.")
@@ -208,17 +213,18 @@ void bind_light_section(nb::module_& module) {
            "Frames after max_frames are only counted.")
       .def("add", &Collected::add, nb::arg("packet"),
            "Adds the profile of a packet. Returns False, and adds nothing, if it gives none.")
-      .def("__len__", [](Collected& self) { return self.get(&Inspection::frames); })
+      .def("__len__", [](Collected& self) { return self.get(&light_section::Inspection::frames); })
       .def(
-          "height", [](Collected& self) { return array_of_image(self.get(&Inspection::height)); },
+          "height", [](Collected& self) { return array_of_image(self.get(&light_section::Inspection::height)); },
           "Heights over the plane in mm, float32, (frames, columns), NaN where there is no point.")
       .def(
-          "difference", [](Collected& self) { return array_of_image(self.get(&Inspection::difference)); },
+          "difference",
+          [](Collected& self) { return array_of_image(self.get(&light_section::Inspection::difference)); },
           "Differences from the reference in mm, positive towards the camera.")
       .def(
           "belt_mm",
           [](Collected& self) {
-            std::vector<double> moved = self.get(&Inspection::belt_mm);
+            std::vector<double> moved = self.get(&light_section::Inspection::belt_mm);
             const std::size_t frames = moved.size();
             return array_of(std::move(moved), {frames});
           },
@@ -226,8 +232,8 @@ void bind_light_section(nb::module_& module) {
   module.def("save_tiff", &save_tiff, nb::arg("file"), nb::arg("image").noconvert(),
              "Writes a TIFF of 32-bit numbers, whole or not at all. InputError if it cannot be written.");
   module.def(
-      "load_tiff", [](const std::string& file) { return array_of_image(read_float_tiff(file)); }, nb::arg("file"),
-      "Reads such a file: float32, (rows, columns).");
+      "load_tiff", [](const std::string& file) { return array_of_image(images::read_float_tiff(file)); },
+      nb::arg("file"), "Reads such a file: float32, (rows, columns).");
 }
 
 }  // namespace selfproj::python

@@ -7,12 +7,12 @@
 #include <optional>
 #include <vector>
 
-#include "model/column_runs.h"
-#include "model/gray_decoder.h"
-#include "model/gray_match.h"
-#include "model/median3x3.h"
 #include "python/bindings/arrays.h"
 #include "python/bindings/moments_result.h"
+#include "selfproj/model/column_runs.h"
+#include "selfproj/model/gray_decoder.h"
+#include "selfproj/model/gray_match.h"
+#include "selfproj/model/median3x3.h"
 
 namespace selfproj::python {
 namespace {
@@ -35,7 +35,7 @@ class Decoder {
 
   std::optional<Out<std::uint16_t>> take(const In<std::uint8_t>& image, int pattern, bool good) {
     const Busy::Entered entered(busy_);
-    const ImageView view = image_of(image);
+    const model::ImageView view = image_of(image);
     if (!spare_) {
       spare_ = new_array<std::uint16_t>(
           {static_cast<std::size_t>(decoder_.settings().rows), static_cast<std::size_t>(decoder_.settings().columns)});
@@ -54,7 +54,7 @@ class Decoder {
   }
 
  private:
-  GrayDecoder decoder_;
+  model::GrayDecoder decoder_;
   std::optional<Out<std::uint16_t>> spare_;  // where the next code image goes
   Busy busy_;
 };
@@ -65,7 +65,7 @@ Out<std::uint16_t> median(const ModelCodes& codes) {
   require(codes.shape(0) <= kMaxSide && codes.shape(1) <= kMaxSide, "codes: too large");
   auto filtered = new_array<std::uint16_t>(shape_of(codes));
   without_gil([&] {
-    median3x3(codes.data(), static_cast<int>(codes.shape(0)), static_cast<int>(codes.shape(1)), filtered.data());
+    model::median3x3(codes.data(), static_cast<int>(codes.shape(0)), static_cast<int>(codes.shape(1)), filtered.data());
   });
   return filtered;
 }
@@ -80,8 +80,9 @@ Out<std::uint16_t> match(const ModelCodes& codes, const ModelCodes& table) {
   const std::size_t words = table.shape(dimensions);
   require(std::has_single_bit(words), "table: its last side must be a power of two, 2^bits");
   auto lines = new_array<std::uint16_t>(shape_of(codes));
-  without_gil(
-      [&] { GrayMatch::look_up(codes.data(), codes.size(), std::countr_zero(words), table.data(), lines.data()); });
+  without_gil([&] {
+    model::GrayMatch::look_up(codes.data(), codes.size(), std::countr_zero(words), table.data(), lines.data());
+  });
   return lines;
 }
 
@@ -99,13 +100,13 @@ std::optional<Out<std::uint8_t>> bytes_of(nb::pointer_and_handle<MomentsResult> 
 }  // namespace
 
 void bind_model(nb::module_& module) {
-  nb::enum_<Mode>(module, "Mode", "How much a lit pixel p > T weighs.")
-      .value("BINARY", Mode::binary, "1")
-      .value("GREY", Mode::grey, "p")
-      .value("GREY_OVER", Mode::grey_over, "p - T");
-  nb::enum_<Select>(module, "Select", "What of a column is measured.")
-      .value("ALL", Select::all, "All lit pixels.")
-      .value("STRONGEST", Select::strongest, "Its strongest run of lit pixels.");
+  nb::enum_<model::Mode>(module, "Mode", "How much a lit pixel p > T weighs.")
+      .value("BINARY", model::Mode::binary, "1")
+      .value("GREY", model::Mode::grey, "p")
+      .value("GREY_OVER", model::Mode::grey_over, "p - T");
+  nb::enum_<model::Select>(module, "Select", "What of a column is measured.")
+      .value("ALL", model::Select::all, "All lit pixels.")
+      .value("STRONGEST", model::Select::strongest, "Its strongest run of lit pixels.");
   nb::class_<MomentsResult>(module, "Moments",
                             "Moments of every column: arrays of shape (columns,) or (images, columns).")
       .def_prop_ro("m0", words_of<0>, "Sum of the weights w, uint32.")
@@ -115,7 +116,7 @@ void bind_model(nb::module_& module) {
       .def_prop_ro("second", bytes_of<1>,
                    "Select.STRONGEST: sixteenths of M0 that the second run has, uint8. Else None.");
   def_moments(
-      module, measure_columns,
+      module, model::measure_columns,
       "Column moments of an image, as sp_column_moments gives them, to the last bit.\n\n"
       "image: uint8, (rows, columns), or (images, rows, columns). Rows 1..1023. It is not copied.\n"
       "threshold: T, 0..255. gap: dark rows between two lit pixels of one run, 0..3. first_row, last_row: rows that\n"

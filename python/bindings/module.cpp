@@ -5,11 +5,11 @@
 #include <string>
 #include <utility>
 
-#include "host/files/user_error.h"
 #include "host/images/frame_options.h"
 #include "host/images/image_files.h"
-#include "model/spec/generated/selfproj_spec.h"
 #include "python/bindings/arrays.h"
+#include "selfproj/files/user_error.h"
+#include "selfproj/model/generated/selfproj_spec.h"
 
 NB_MODULE(_core, module) {
   using namespace selfproj::python;
@@ -20,7 +20,8 @@ NB_MODULE(_core, module) {
   module.def(
       "read_image",
       [](const std::string& file, const std::string& channel) {
-        selfproj::Image image = without_gil([&] { return selfproj::read_image(file, selfproj::channel_of(channel)); });
+        selfproj::images::Image image =
+            without_gil([&] { return selfproj::images::read_image(file, selfproj::images::channel_of(channel)); });
         return array_of(std::move(image.pixels),
                         {static_cast<std::size_t>(image.rows), static_cast<std::size_t>(image.columns)});
       },

@@ -8,8 +8,8 @@
 #include <memory>
 #include <optional>
 
-#include "model/column_runs.h"
 #include "python/bindings/arrays.h"
+#include "selfproj/model/column_runs.h"
 
 namespace selfproj::python {
 
@@ -18,15 +18,15 @@ namespace selfproj::python {
 class MomentsResult {
  public:
   // Without `images` it is of one image, and the arrays have one dimension.
-  MomentsResult(Select select, std::optional<std::size_t> images, std::size_t columns)
+  MomentsResult(model::Select select, std::optional<std::size_t> images, std::size_t columns)
       : shape_{images.value_or(1), columns},
         dimensions_(images ? 2 : 1),
         count_(shape_[0] * columns),
-        has_runs_(select == Select::strongest),
+        has_runs_(select == model::Select::strongest),
         words_(new std::uint32_t[kWords * count_ + (has_runs_ ? (2 * count_ + 3) / 4 : 0)]) {}
 
   // The entries from `first` on.
-  [[nodiscard]] RunsView view(std::size_t first) const {
+  [[nodiscard]] model::RunsView view(std::size_t first) const {
     std::uint8_t* const runs = has_runs_ ? bytes() + first : nullptr;
     return {{words(0) + first, words(1) + first, words(2) + first}, runs, runs != nullptr ? runs + count_ : nullptr};
   }
@@ -59,7 +59,7 @@ class MomentsResult {
 
 // The moments of images by `kernel`, which has the arguments of measure_columns.
 template <typename Kernel>
-MomentsResult measure_images(const In<std::uint8_t>& array, const Measure& measure, const Kernel& kernel) {
+MomentsResult measure_images(const In<std::uint8_t>& array, const model::Measure& measure, const Kernel& kernel) {
   const Images images(array);
   MomentsResult result(measure.select, images.several() ? std::optional(images.count()) : std::nullopt,
                        images.columns());
@@ -76,8 +76,8 @@ template <typename Kernel>
 void def_moments(nb::module_& module, const Kernel& kernel, const char* documentation) {
   module.def(
       "moments",
-      [kernel](const In<std::uint8_t>& image, int threshold, Mode mode, Select select, int gap, int first_row,
-               int last_row) {
+      [kernel](const In<std::uint8_t>& image, int threshold, model::Mode mode, model::Select select, int gap,
+               int first_row, int last_row) {
         return measure_images(image,
                               {.mode = mode,
                                .threshold = threshold,
@@ -86,8 +86,8 @@ void def_moments(nb::module_& module, const Kernel& kernel, const char* document
                                .window = {.first = first_row, .last = last_row}},
                               kernel);
       },
-      nb::arg("image").noconvert(), nb::arg("threshold"), nb::arg("mode") = Mode::grey_over,
-      nb::arg("select") = Select::all, nb::arg("gap") = 0, nb::arg("first_row") = 0, nb::arg("last_row") = 0,
+      nb::arg("image").noconvert(), nb::arg("threshold"), nb::arg("mode") = model::Mode::grey_over,
+      nb::arg("select") = model::Select::all, nb::arg("gap") = 0, nb::arg("first_row") = 0, nb::arg("last_row") = 0,
       documentation);
 }
 

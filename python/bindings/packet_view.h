@@ -7,8 +7,8 @@
 #include <memory>
 #include <utility>
 
-#include "model/packet.h"
 #include "python/bindings/arrays.h"
+#include "selfproj/model/packet.h"
 
 namespace selfproj::python {
 
@@ -22,16 +22,16 @@ struct Place {
 class PacketHandle {
  public:
   // `owner` is the array or device, which lives as long as the packet and the arrays that lead to it.
-  PacketHandle(const PacketView& view, nb::object owner, std::shared_ptr<Place> place)
+  PacketHandle(const model::PacketView& view, nb::object owner, std::shared_ptr<Place> place)
       : view_(view), owner_(std::move(owner)), place_(std::move(place)) {}
 
-  [[nodiscard]] const PacketHeader& header() const { return view_.header; }
+  [[nodiscard]] const model::PacketHeader& header() const { return view_.header; }
   [[nodiscard]] std::uint32_t status() const { return view_.status; }
   [[nodiscard]] std::size_t size() const { return view_.size; }
 
   // The packet in place. Throws ValueError if the device has moved on. A kernel that reads it without the GIL holds a
   // Use meanwhile.
-  [[nodiscard]] const PacketView& view() const {
+  [[nodiscard]] const model::PacketView& view() const {
     require(place_->current, "the device has moved on from this packet; take a copy() before that");
     return view_;
   }
@@ -65,7 +65,7 @@ class PacketHandle {
     return {data, 1, &count, owner};
   }
 
-  PacketView view_;
+  model::PacketView view_;
   nb::object owner_;
   std::shared_ptr<Place> place_;
 };

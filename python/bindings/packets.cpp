@@ -9,12 +9,12 @@
 #include <string>
 #include <vector>
 
-#include "model/board.h"
-#include "model/packet.h"
-#include "model/packet_payload.h"
 #include "python/bindings/arrays.h"
 #include "python/bindings/moments_result.h"
 #include "python/bindings/packet_view.h"
+#include "selfproj/model/board.h"
+#include "selfproj/model/packet.h"
+#include "selfproj/model/packet_payload.h"
 
 namespace selfproj::python {
 namespace {
@@ -23,10 +23,10 @@ using Bytes = In<std::uint8_t, nb::ndim<1>, nb::c_contig>;
 
 // A packet, or the reason why there is none.
 PacketHandle parse(const nb::object& owner, const std::uint8_t* data, std::size_t count) {
-  PacketView view;
-  const PacketError fault = without_gil([&] { return parse_packet({data, count}, view); });
-  if (fault != PacketError::none) {
-    throw std::invalid_argument(std::string("no packet: ") + to_string(fault));
+  model::PacketView view;
+  const model::PacketError fault = without_gil([&] { return model::parse_packet({data, count}, view); });
+  if (fault != model::PacketError::none) {
+    throw std::invalid_argument(std::string("no packet: ") + model::to_string(fault));
   }
   return {view, owner, std::make_shared<Place>()};
 }
@@ -48,81 +48,82 @@ PacketHandle copy(const PacketHandle& packet) {
   return parse(nb::cast(array), array.data(), packet.size());
 }
 
-Out<std::uint8_t> build(const PacketHeader& header, const Bytes& payload, std::uint32_t status) {
+Out<std::uint8_t> build(const model::PacketHeader& header, const Bytes& payload, std::uint32_t status) {
   std::vector<std::uint8_t> packet;
-  without_gil([&] { append_packet(header, {payload.data(), payload.size()}, status, packet); });
+  without_gil([&] { model::append_packet(header, {payload.data(), payload.size()}, status, packet); });
   return array_of_packet(packet);
 }
 
-Out<std::uint8_t> moments_packet(const In<std::uint8_t>& image, int threshold, Mode mode, Select select, int gap,
-                                 int first_row, int last_row, const PacketHeader& header) {
-  const ImageView view = image_of(image);
+Out<std::uint8_t> moments_packet(const In<std::uint8_t>& image, int threshold, model::Mode mode, model::Select select,
+                                 int gap, int first_row, int last_row, const model::PacketHeader& header) {
+  const model::ImageView view = image_of(image);
   require(view.columns % spec::kPixelsPerBeat == 0 && view.columns <= spec::kMaxColumns,
           "image: a board takes multiples of 4 columns up to 2048");
   require(first_row >= 0 && first_row <= spec::kMaxRows && last_row >= 0 && last_row <= spec::kMaxRows,
           "first_row, last_row: must be in 0..1023");
-  const Measure measure{.mode = mode,
-                        .threshold = threshold,
-                        .select = select,
-                        .gap = gap,
-                        .window = {.first = first_row, .last = last_row}};
+  const model::Measure measure{.mode = mode,
+                               .threshold = threshold,
+                               .select = select,
+                               .gap = gap,
+                               .window = {.first = first_row, .last = last_row}};
   std::vector<std::uint8_t> packet;
-  without_gil([&] { append_moments_packet(view, measure, header, packet); });
+  without_gil([&] { model::append_moments_packet(view, measure, header, packet); });
   return array_of_packet(packet);
 }
 
 MomentsResult moments_of(const PacketHandle& packet) {
-  const PacketView& view = packet.view();
+  const model::PacketView& view = packet.view();
   require(view.header.kind == spec::kKindMoments && !view.payload.empty(), "the packet has no moments");
-  const auto select = static_cast<Select>(view.header.select);
+  const auto select = static_cast<model::Select>(view.header.select);
   MomentsResult result(select, std::nullopt, view.header.columns);
   const PacketHandle::Use use(packet);
   without_gil([&] {
-    unpack_columns(select, static_cast<Mode>(view.header.mode), view.header.columns, view.payload.data(),
-                   result.view(0));
+    model::unpack_columns(select, static_cast<model::Mode>(view.header.mode), view.header.columns, view.payload.data(),
+                          result.view(0));
   });
   return result;
 }
 
 Out<std::uint16_t> codes_of(const PacketHandle& packet) {
-  const PacketView& view = packet.view();
+  const model::PacketView& view = packet.view();
   require(view.header.kind == spec::kKindCodes && !view.payload.empty(), "the packet has no codes");
   auto codes = new_array<std::uint16_t>({view.header.columns});
-  unpack_codes(view.header.columns, view.payload.data(), codes.data());
+  model::unpack_codes(view.header.columns, view.payload.data(), codes.data());
   return codes;
 }
 
 std::string text_of(const PacketHandle& packet) {
-  const PacketHeader& header = packet.header();
+  const model::PacketHeader& header = packet.header();
   return "Packet(kind=" + std::to_string(header.kind) + ", sequence=" + std::to_string(header.sequence) +
          ", columns=" + std::to_string(header.columns) + ", rows=" + std::to_string(header.rows) +
          ", status=" + std::to_string(packet.status()) + ")";
 }
 
 void bind_header(nb::module_& module) {
-  nb::class_<PacketHeader>(module, "Header", "The fields of a packet's header; docs/packet-reference.md explains them.")
+  nb::class_<model::PacketHeader>(module, "Header",
+                                  "The fields of a packet's header; docs/packet-reference.md explains them.")
       .def(nb::init<>())
-      .def_rw("kind", &PacketHeader::kind)
-      .def_rw("stream", &PacketHeader::stream)
-      .def_rw("lost", &PacketHeader::lost)
-      .def_rw("sequence", &PacketHeader::sequence)
-      .def_rw("time_stamp", &PacketHeader::time_stamp)
-      .def_rw("encoder", &PacketHeader::encoder)
-      .def_ro("payload_size", &PacketHeader::payload_size)
-      .def_rw("columns", &PacketHeader::columns)
-      .def_rw("rows", &PacketHeader::rows)
-      .def_rw("pattern", &PacketHeader::pattern)
-      .def_rw("mode", &PacketHeader::mode)
-      .def_rw("threshold", &PacketHeader::threshold)
-      .def_rw("first_line", &PacketHeader::first_line)
-      .def_rw("lines", &PacketHeader::lines)
-      .def_rw("flags", &PacketHeader::flags)
-      .def_rw("select", &PacketHeader::select)
-      .def_rw("first_row", &PacketHeader::first_row)
-      .def_rw("last_row", &PacketHeader::last_row)
-      .def_rw("gap", &PacketHeader::gap)
-      .def("__eq__", [](const PacketHeader& one, const PacketHeader& other) { return one == other; })
-      .def("__copy__", [](const PacketHeader& header) { return header; });
+      .def_rw("kind", &model::PacketHeader::kind)
+      .def_rw("stream", &model::PacketHeader::stream)
+      .def_rw("lost", &model::PacketHeader::lost)
+      .def_rw("sequence", &model::PacketHeader::sequence)
+      .def_rw("time_stamp", &model::PacketHeader::time_stamp)
+      .def_rw("encoder", &model::PacketHeader::encoder)
+      .def_ro("payload_size", &model::PacketHeader::payload_size)
+      .def_rw("columns", &model::PacketHeader::columns)
+      .def_rw("rows", &model::PacketHeader::rows)
+      .def_rw("pattern", &model::PacketHeader::pattern)
+      .def_rw("mode", &model::PacketHeader::mode)
+      .def_rw("threshold", &model::PacketHeader::threshold)
+      .def_rw("first_line", &model::PacketHeader::first_line)
+      .def_rw("lines", &model::PacketHeader::lines)
+      .def_rw("flags", &model::PacketHeader::flags)
+      .def_rw("select", &model::PacketHeader::select)
+      .def_rw("first_row", &model::PacketHeader::first_row)
+      .def_rw("last_row", &model::PacketHeader::last_row)
+      .def_rw("gap", &model::PacketHeader::gap)
+      .def("__eq__", [](const model::PacketHeader& one, const model::PacketHeader& other) { return one == other; })
+      .def("__copy__", [](const model::PacketHeader& header) { return header; });
 }
 
 }  // namespace
@@ -152,8 +153,8 @@ void bind_packets(nb::module_& module) {
   module.def("build", &build, nb::arg("header"), nb::arg("payload").noconvert(), nb::arg("status") = 0,
              "A whole packet, uint8: header, payload (uint8, a multiple of 16), trailer. The header is not checked.");
   module.def("moments_packet", &moments_packet, nb::arg("image").noconvert(), nb::arg("threshold"),
-             nb::arg("mode") = Mode::grey_over, nb::arg("select") = Select::all, nb::arg("gap") = 0,
-             nb::arg("first_row") = 0, nb::arg("last_row") = 0, nb::arg("header") = PacketHeader{},
+             nb::arg("mode") = model::Mode::grey_over, nb::arg("select") = model::Select::all, nb::arg("gap") = 0,
+             nb::arg("first_row") = 0, nb::arg("last_row") = 0, nb::arg("header") = model::PacketHeader{},
              "The packet that a board sends for a good frame, uint8. Of the header it takes stream, lost, sequence,\n"
              "time_stamp, encoder, pattern and flags. Other arguments as those of selfproj.model.moments.");
 }

@@ -19,12 +19,12 @@
 #include "host/images/frame_options.h"
 #include "host/images/image_files.h"
 #include "host/images/image_sequence.h"
-#include "host/structured_light/depth_geometry.h"
 #include "host/structured_light/depth_run.h"
-#include "host/structured_light/fast_decoder.h"
-#include "host/structured_light/gray_sequence.h"
-#include "host/structured_light/point_cloud.h"
 #include "python/bindings/arrays.h"
+#include "selfproj/structured_light/depth_geometry.h"
+#include "selfproj/structured_light/fast_decoder.h"
+#include "selfproj/structured_light/gray_sequence.h"
+#include "selfproj/structured_light/point_cloud.h"
 
 namespace selfproj::python {
 namespace {
@@ -46,8 +46,8 @@ class FastDecoder {
 
   std::optional<Out<std::uint16_t>> take(const In<std::uint8_t>& image, int pattern, bool good) {
     const Busy::Entered entered(busy_);
-    const ImageView view = image_of(image);
-    const GraySettings& settings = decoder_.settings();
+    const model::ImageView view = image_of(image);
+    const model::GraySettings& settings = decoder_.settings();
     require(view.rows == settings.rows && view.columns == settings.columns, "image: its size is not the decoder's");
     if (!without_gil([&] { return decoder_.add_frame(kept(view, pattern), pattern, good); })) {
       return std::nullopt;
@@ -58,7 +58,7 @@ class FastDecoder {
       if (median_) {
         median_->filter(decoder_.codes(), codes.data());
       } else {
-        code_words(decoder_.codes(), codes.data());
+        structured_light::code_words(decoder_.codes(), codes.data());
       }
     });
     return codes;
@@ -70,7 +70,7 @@ class FastDecoder {
   }
 
  private:
-  ImageView kept(const ImageView& image, int pattern) {
+  model::ImageView kept(const model::ImageView& image, int pattern) {
     if (pattern % 2 != 0) {
       return image;
     }
@@ -82,8 +82,8 @@ class FastDecoder {
     return {positive_.data(), image.rows, image.columns, image.columns};
   }
 
-  FastGrayDecoder decoder_;
-  std::optional<FastMedian> median_;
+  structured_light::FastGrayDecoder decoder_;
+  std::optional<structured_light::FastMedian> median_;
   std::vector<std::uint8_t> positive_;
   Busy busy_;
 };
@@ -91,9 +91,10 @@ class FastDecoder {
 // Depth from codes, and points from depth. It has no state; any number of threads may use it.
 class Depths {
  public:
-  explicit Depths(std::unique_ptr<Triangulation> triangulation) : triangulation_(std::move(triangulation)) {}
+  explicit Depths(std::unique_ptr<structured_light::Triangulation> triangulation)
+      : triangulation_(std::move(triangulation)) {}
 
-  [[nodiscard]] const Triangulation& triangulation() const { return *triangulation_; }
+  [[nodiscard]] const structured_light::Triangulation& triangulation() const { return *triangulation_; }
 
   [[nodiscard]] Out<float> depth(const CodeImage& codes) const {
     require_size(codes.shape(0), codes.shape(1), "codes: their size is not that of the images");
@@ -108,7 +109,7 @@ class Depths {
     without_gil([&] {
       for (std::size_t i = 0; i < triangulation_->pixels(); ++i) {
         if (!std::isnan(depth.data()[i])) {
-          const Point3f point = triangulation_->point(i, depth.data()[i]);
+          const structured_light::Point3f point = triangulation_->point(i, depth.data()[i]);
           points.insert(points.end(), {point.x, point.y, point.z});
         }
       }
@@ -125,7 +126,7 @@ class Depths {
     require(shape() == std::vector<std::size_t>{rows, columns}, text);
   }
 
-  std::unique_ptr<Triangulation> triangulation_;
+  std::unique_ptr<structured_light::Triangulation> triangulation_;
 };
 
 // What a folder of images gave.
@@ -137,11 +138,12 @@ struct Scan {
 Scan scan(const std::vector<std::string>& images, const std::string& rig, const std::string& calibration, int bits,
           int row_bits, int threshold, bool median, bool strict, const std::string& channel) {
   require(rig.empty() != calibration.empty(), "rig, calibration: give one of them");
-  require(bits >= 1 && bits <= GrayDecoder::kMaxBits && row_bits >= 0 && row_bits <= GrayDecoder::kMaxBits,
-          "bits: must be in 1..12, row_bits in 0..12");
+  require(
+      bits >= 1 && bits <= model::GrayDecoder::kMaxBits && row_bits >= 0 && row_bits <= model::GrayDecoder::kMaxBits,
+      "bits: must be in 1..12, row_bits in 0..12");
   require(threshold >= 0 && threshold <= 255, "threshold: must be in 0..255");
   require(!(median && (row_bits > 0 || strict)), "median: goes neither with row_bits nor with strict");
-  DepthSetup setup;
+  structured_light::DepthSetup setup;
   setup.geometry.rig = rig;
   setup.geometry.calibration = calibration;
   setup.geometry.bits = bits;
@@ -149,16 +151,17 @@ Scan scan(const std::vector<std::string>& images, const std::string& rig, const 
   setup.scanner.threshold = threshold;
   setup.scanner.median = median;
   setup.scanner.strict = strict;
-  std::vector<std::string> files = image_arguments(images);
+  std::vector<std::string> files = images::image_arguments(images);
   const std::size_t need = 2 * static_cast<std::size_t>(bits + row_bits);
   if (files.size() == need + 2) {
     files.resize(need);  // white and black come last
   }
   require(files.size() == need, "images: 2 (bits + row_bits) of them are needed; white and black may follow");
-  DepthRun run = without_gil([&] {
-    ImageSequence sequence(files, channel_of(channel));
-    return row_bits > 0 ? depth_of_both_axes(setup, sequence)
-                        : depth_of_images(setup, sequence, [](std::size_t, const FloatImage&) {});
+  structured_light::DepthRun run = without_gil([&] {
+    images::ImageSequence sequence(files, images::channel_of(channel));
+    return row_bits > 0
+               ? structured_light::depth_of_both_axes(setup, sequence)
+               : structured_light::depth_of_images(setup, sequence, [](std::size_t, const images::FloatImage&) {});
   });
   return {std::make_shared<Depths>(std::move(run.triangulation)), array_of_image(std::move(run.depth))};
 }
@@ -167,7 +170,7 @@ void save_ply(const std::string& file, const In<float, nb::shape<-1, 3>, nb::c_c
               const std::optional<In<std::uint8_t, nb::shape<-1, 3>, nb::c_contig>>& colours) {
   require(!colours || colours->shape(0) == points.shape(0), "colours: one is needed for each point");
   without_gil([&] {
-    PlyText ply(points.shape(0));
+    structured_light::PlyText ply(points.shape(0));
     for (std::size_t i = 0; i < points.shape(0); ++i) {
       constexpr std::uint8_t kGrey = 200;
       const float* at = points.data() + 3 * i;
@@ -175,30 +178,30 @@ void save_ply(const std::string& file, const In<float, nb::shape<-1, 3>, nb::c_c
       ply.add({at[0], at[1], at[2]}, colour != nullptr ? colour[0] : kGrey, colour != nullptr ? colour[1] : kGrey,
               colour != nullptr ? colour[2] : kGrey);
     }
-    OutputFile(file).write(ply.file("points in mm"));
+    files::OutputFile(file).write(ply.file("points in mm"));
   });
 }
 
 Out<float> load_ply(const std::string& file) {
-  const std::vector<Point3f> points = without_gil([&] { return read_ply(file); });
+  const std::vector<structured_light::Point3f> points = without_gil([&] { return structured_light::read_ply(file); });
   auto array = new_array<float>({points.size(), 3});
-  static_assert(sizeof(Point3f) == 3 * sizeof(float));
-  std::memcpy(array.data(), points.data(), points.size() * sizeof(Point3f));
+  static_assert(sizeof(structured_light::Point3f) == 3 * sizeof(float));
+  std::memcpy(array.data(), points.data(), points.size() * sizeof(structured_light::Point3f));
   return array;
 }
 
 void bind_patterns(nb::module_& module) {
-  nb::class_<GraySequence>(
+  nb::class_<structured_light::GraySequence>(
       module, "GraySequence",
       "The Gray-code patterns of both axes of a projector, in the order in which to show them: each\n"
       "positive and its inverse, columns before rows, then white and black.")
       .def(nb::init<int, int>(), nb::arg("columns"), nb::arg("rows"), "Sides 1..16384.")
-      .def_prop_ro("count", &GraySequence::count, "The number of images.")
-      .def_prop_ro("column_bits", &GraySequence::column_bits)
-      .def_prop_ro("row_bits", &GraySequence::row_bits)
+      .def_prop_ro("count", &structured_light::GraySequence::count, "The number of images.")
+      .def_prop_ro("column_bits", &structured_light::GraySequence::column_bits)
+      .def_prop_ro("row_bits", &structured_light::GraySequence::row_bits)
       .def(
           "image",
-          [](const GraySequence& self, int index) {
+          [](const structured_light::GraySequence& self, int index) {
             return array_of(self.image(index),
                             {static_cast<std::size_t>(self.rows()), static_cast<std::size_t>(self.columns())});
           },
@@ -225,7 +228,9 @@ void bind_structured_light(nb::module_& module) {
            "The points x, y, z in mm (float32, (n, 3)) of the pixels that have a depth.");
   module.def(
       "triangulation",
-      [](const Rig& rig, int bits) { return std::make_unique<Depths>(triangulation_of_rig(rig, bits)); },
+      [](const rig::Rig& rig, int bits) {
+        return std::make_unique<Depths>(structured_light::triangulation_of_rig(rig, bits));
+      },
       nb::arg("rig"), nb::arg("bits"), "For codes of `bits` bits along the lines of the rig's projector.");
   nb::class_<Scan>(module, "Scan", "A depth image, and how its points follow from it.")
       .def_ro("depth", &Scan::depth, nb::rv_policy::reference, "z in mm, float32, NaN where there is none.")

@@ -1,5 +1,5 @@
 // Matching for self-projected structured light: turns (pixel, code) into a projector line, four
-// pixels in every clock, with a table in a memory outside this module. model/gray_match.h is its
+// pixels in every clock, with a table in a memory outside this module. include/selfproj/model/gray_match.h is its
 // model.
 //
 //   codes ─▶ address {group, code} ─▶ memory port, 4 lanes ─▶ words

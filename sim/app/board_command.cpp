@@ -22,16 +22,16 @@
 #include "host/driver/ring_writer.h"
 #include "host/files/output_file.h"
 #include "host/files/stop_signal.h"
-#include "host/files/user_error.h"
-#include "model/packet.h"
-#include "model/pixel_clock.h"
+#include "selfproj/files/user_error.h"
+#include "selfproj/model/packet.h"
+#include "selfproj/model/pixel_clock.h"
 #include "sim/app/board_source.h"
 #include "sim/app/commands.h"
 #include "sim/board/etherbone_board.h"
 #include "sim/board/packet_recording.h"
 #include "sim/board/udp_sender.h"
 
-namespace selfproj {
+namespace selfproj::sim {
 namespace {
 
 constexpr double kDefaultRate = 10000;
@@ -46,7 +46,7 @@ struct BoardOptions {
   std::string control;
   std::string record;
   double rate = kDefaultRate;
-  double pixel_clock_hz = kDefaultPixelClockHz;
+  double pixel_clock_hz = model::kDefaultPixelClockHz;
   std::uint64_t count = 0;
   double seconds = 0;
   bool loop = false;
@@ -57,7 +57,7 @@ struct BoardOptions {
 
 void sleep_until(std::int64_t time_ns) {
   const timespec until{static_cast<std::time_t>(time_ns / kSecondNs), static_cast<long>(time_ns % kSecondNs)};
-  while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr) == EINTR && !StopSignal::came()) {
+  while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr) == EINTR && !files::StopSignal::came()) {
   }
 }
 
@@ -80,7 +80,7 @@ std::uint64_t frames_to_play(const BoardOptions& options, const PacketRecording&
 }
 
 void record(const BoardOptions& options, const PacketRecording& source) {
-  const OutputFile file(options.record);
+  const files::OutputFile file(options.record);
   std::uint64_t frames = frames_to_play(options, source);
   if (options.seconds > 0 && options.rate > 0) {
     frames = std::min(frames, static_cast<std::uint64_t>(options.seconds * options.rate));
@@ -94,7 +94,7 @@ void record(const BoardOptions& options, const PacketRecording& source) {
   const double clocks = clocks_per_frame(options);
   std::string stream;
   stream.reserve(static_cast<std::size_t>(bytes));
-  Progress progress("frame", static_cast<std::size_t>(frames));
+  cli::Progress progress("frame", static_cast<std::size_t>(frames));
   for (std::uint64_t frame = 0; frame < frames; ++frame) {
     source.play(frame, clocks, [&](std::size_t size, const auto& stamp) {
       stream.resize(stream.size() + size);
@@ -110,7 +110,8 @@ void record(const BoardOptions& options, const PacketRecording& source) {
 class RingOutput {
  public:
   explicit RingOutput(const BoardOptions& options)
-      : options_(options), writer_(options.ring, options.slots.value_or(RingWriter::deep_slots(options.ring))) {}
+      : options_(options),
+        writer_(options.ring, options.slots.value_or(driver::RingWriter::deep_slots(options.ring))) {}
 
   [[nodiscard]] bool has_reader() const { return writer_.has_reader(); }
   template <class Stamp>
@@ -123,7 +124,7 @@ class RingOutput {
   void glance() { renewed_ += writer_.renew_if_removed() ? 1 : 0; }
   void finish() const {
     if (!options_.keep) {
-      remove_ring(options_.ring);
+      driver::remove_ring(options_.ring);
     }
   }
   [[nodiscard]] std::string text() const {
@@ -132,7 +133,7 @@ class RingOutput {
 
  private:
   const BoardOptions& options_;
-  RingWriter writer_;
+  driver::RingWriter writer_;
   std::uint64_t renewed_ = 0;
 };
 
@@ -155,51 +156,51 @@ class UdpOutput {
 
  private:
   UdpSender sender_;
-  std::array<std::uint8_t, kLargestPacketBytes> packet_{};
+  std::array<std::uint8_t, model::kLargestPacketBytes> packet_{};
 };
 
 // A board in real time. Frames are due at fixed times from the start, not from each other, so that the rate is kept
 // exactly; a late one follows immediately. The summary says how late the latest was.
 template <class Output>
 void play(const BoardOptions& options, const PacketRecording& source, PlayedRegisters& registers, Output& output) {
-  const StopSignal stop;
-  StatusLine status;
+  const files::StopSignal stop;
+  cli::StatusLine status;
   prctl(PR_SET_TIMERSLACK, 1UL, 0UL, 0UL, 0UL);  // sleep to the point, not up to 50 µs longer
 
   constexpr std::int64_t kGlanceNs = kSecondNs / 10;
-  while (options.wait_for_reader && !output.has_reader() && !StopSignal::came()) {
+  while (options.wait_for_reader && !output.has_reader() && !files::StopSignal::came()) {
     status.show("waiting for a reader of ring:" + options.ring);
-    sleep_until(now_ns() + kGlanceNs / 10);
+    sleep_until(driver::now_ns() + kGlanceNs / 10);
   }
 
   const std::uint64_t frames = frames_to_play(options, source);
   const double period = options.rate > 0 ? static_cast<double>(kSecondNs) / options.rate : 0;
   const double clocks = clocks_per_frame(options);
-  const std::int64_t start = now_ns();
+  const std::int64_t start = driver::now_ns();
   const std::int64_t end = options.seconds > 0 ? start + std::llround(options.seconds * kSecondNs)
                                                : std::numeric_limits<std::int64_t>::max();
   std::int64_t next_glance = start + kGlanceNs;
   std::int64_t latest = 0;
   std::uint64_t packets = 0;
   std::uint64_t frame = 0;
-  for (; frame < frames && !StopSignal::came(); ++frame) {
+  for (; frame < frames && !files::StopSignal::came(); ++frame) {
     const std::int64_t due = start + static_cast<std::int64_t>(static_cast<double>(frame) * period);
-    if (period > 0 ? due >= end : now_ns() >= end) {
+    if (period > 0 ? due >= end : driver::now_ns() >= end) {
       break;
     }
     if (period > 0) {
-      if (now_ns() < due) {
+      if (driver::now_ns() < due) {
         sleep_until(due);
       }
-      latest = std::max(latest, now_ns() - due);
+      latest = std::max(latest, driver::now_ns() - due);
     }
     source.play(frame, clocks, [&](std::size_t size, const auto& stamp) {
       ++packets;
       output.packet(size, stamp);
     });
     registers.set_frames(frame + 1);
-    if (due >= next_glance || (period == 0 && frame % 1024 == 0 && now_ns() >= next_glance)) {
-      const std::int64_t now = now_ns();
+    if (due >= next_glance || (period == 0 && frame % 1024 == 0 && driver::now_ns() >= next_glance)) {
+      const std::int64_t now = driver::now_ns();
       next_glance = std::max(now, due) + kGlanceNs;
       output.glance();
       if (status.visible()) {
@@ -208,7 +209,7 @@ void play(const BoardOptions& options, const PacketRecording& source, PlayedRegi
       }
     }
   }
-  const double seconds = static_cast<double>(now_ns() - start) / kSecondNs;
+  const double seconds = static_cast<double>(driver::now_ns() - start) / kSecondNs;
   status.show("");
   output.finish();
   fmt::print("{} frames in {:.3f} s: {:.0f} frames/s, {} packets, {}; latest frame {:.3f} ms late\n", frame, seconds,
@@ -251,7 +252,7 @@ void run_board(const BoardOptions& options) {
 }  // namespace
 
 void add_board_command(CLI::App& app) {
-  CLI::App* command = add_command(
+  CLI::App* command = cli::add_command(
       app,
       {.name = "board",
        .purpose = "Plays a board in real time, into a shared-memory ring or over the network.",
@@ -276,13 +277,13 @@ selfproj inspect --device ring:line1 --wait-for-board --seconds 3
 )"});
   const auto options = std::make_shared<BoardOptions>();
   add_source_options(*command, options->source);
-  begin_group(*command, "Destination (one of --ring, --udp and --record is required)");
+  cli::begin_group(*command, "Destination (one of --ring, --udp and --record is required)");
   command->add_option("--ring", options->ring, "Ring to write into. A driver reads it as ring:NAME.")
       ->type_name("NAME");
   command->add_option("--slots", options->slots, "Packets that the ring holds, a power of two.")
-      ->transform(whole_number(1, 65536))
+      ->transform(cli::whole_number(1, 65536))
       ->type_name("N")
-      ->default_str(fmt::format("{}, or fewer where /dev/shm is small", RingWriter::kDeepSlots));
+      ->default_str(fmt::format("{}, or fewer where /dev/shm is small", driver::RingWriter::kDeepSlots));
   command->add_flag("--wait-for-reader", options->wait_for_reader, "Begin when a reader has opened the ring.");
   command->add_flag("--keep", options->keep, "Leave the ring in place at the end, for a later reader.");
   CLI::Option* const udp = command
@@ -303,26 +304,26 @@ selfproj inspect --device ring:line1 --wait-for-board --seconds 3
       ->type_name("ADDRESS");
   command->add_option("--record", options->record, "File for the same packets, written as fast as possible.")
       ->type_name("FILE");
-  begin_group(*command, "Timing");
+  cli::begin_group(*command, "Timing");
   command
       ->add_option("--rate", options->rate,
                    "Frames a second. 0 plays as fast as possible, whether they are read or not.")
-      ->transform(real_number(0, 1e9))
+      ->transform(cli::real_number(0, 1e9))
       ->type_name("FPS")
       ->capture_default_str();
   command->add_option("--pixel-clock-hz", options->pixel_clock_hz, "Pixel clock in Hz, which the time stamps count.")
-      ->transform(real_number(kMinPixelClockHz, kMaxPixelClockHz))
+      ->transform(cli::real_number(model::kMinPixelClockHz, model::kMaxPixelClockHz))
       ->type_name("HZ")
       ->capture_default_str();
   command->add_option("--count", options->count, "Frames to play, repeating the source as needed.")
-      ->transform(whole_number(1))
+      ->transform(cli::whole_number(1))
       ->type_name("N")
       ->default_str("the source once");
   command->add_option("--seconds", options->seconds, "Seconds to play, repeating the source as needed.")
-      ->transform(real_number(0, 1e9))
+      ->transform(cli::real_number(0, 1e9))
       ->type_name("S");
   command->add_flag("--loop", options->loop, "Repeat the source until Ctrl-C.");
   command->callback([options] { run_board(*options); });
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::sim

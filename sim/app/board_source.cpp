@@ -11,33 +11,34 @@
 
 #include "host/cli/command_line.h"
 #include "host/cli/progress.h"
-#include "host/driver/counters.h"
-#include "host/files/user_error.h"
 #include "host/images/frame_options.h"
 #include "host/images/image_files.h"
 #include "host/images/image_sequence.h"
-#include "model/board.h"
-#include "model/column_moments.h"
-#include "model/gray_decoder.h"
-#include "model/packet.h"
+#include "selfproj/driver/counters.h"
+#include "selfproj/files/user_error.h"
+#include "selfproj/model/board.h"
+#include "selfproj/model/column_moments.h"
+#include "selfproj/model/gray_decoder.h"
+#include "selfproj/model/packet.h"
 
-namespace selfproj {
+namespace selfproj::sim {
 namespace {
 
 PacketRecording make_line(const BoardSource& options) {
-  const auto [rows, columns] = size_of_text("--line", options.line, std::max(spec::kMaxColumns, spec::kMaxRows));
+  const auto [rows, columns] =
+      images::size_of_text("--line", options.line, std::max(spec::kMaxColumns, spec::kMaxRows));
   if (columns > spec::kMaxColumns || columns % spec::kPixelsPerBeat != 0 || rows > spec::kMaxRows) {
     throw UserError("--line " + options.line,
                     fmt::format("is not an image size such as 512x96: columns a multiple of {} up to {}, rows up to {}",
                                 spec::kPixelsPerBeat, spec::kMaxColumns, spec::kMaxRows));
   }
-  return moving_line(rows, columns, options.line_frames, mode_of(options.mode), options.threshold);
+  return moving_line(rows, columns, options.line_frames, images::mode_of(options.mode), options.threshold);
 }
 
 PacketRecording make_images(const BoardSource& options, std::uint64_t frames) {
   constexpr int kDefaultThreshold = 5;
   const bool codes = options.bits > 0;
-  ImageSequence images(options.images, channel_of(options.channel));
+  images::ImageSequence images(options.images, images::channel_of(options.channel));
   const int patterns = codes ? 2 * options.bits : 1;
   if (codes && frames > images.count() && images.count() % static_cast<std::size_t>(patterns) != 0) {
     throw UserError("--images", fmt::format("{} images are no whole number of the {} patterns of --bits {}, and cannot "
@@ -46,21 +47,21 @@ PacketRecording make_images(const BoardSource& options, std::uint64_t frames) {
   }
   const auto [rows, columns] = std::pair(images.first().rows, images.first().columns);
   if (rows > spec::kMaxRows || columns > spec::kMaxColumns || columns % spec::kPixelsPerBeat != 0) {
-    throw UserError(images.files().front(),
-                    fmt::format("is {}; the board takes columns that are a multiple of {}, up "
-                                "to {}, and up to {} rows",
-                                size_text(rows, columns), spec::kPixelsPerBeat, spec::kMaxColumns, spec::kMaxRows));
+    throw UserError(images.files().front(), fmt::format("is {}; the board takes columns that are a multiple of {}, up "
+                                                        "to {}, and up to {} rows",
+                                                        images::size_text(rows, columns), spec::kPixelsPerBeat,
+                                                        spec::kMaxColumns, spec::kMaxRows));
   }
-  const BoardSettings settings{.image = !codes,
-                               .columns = columns,
-                               .rows = rows,
-                               .mode = mode_of(options.mode),
-                               .threshold = options.threshold,
-                               .codes = codes,
-                               .code_bits = codes ? options.bits : 1,
-                               .code_threshold = options.code_threshold.value_or(kDefaultThreshold)};
-  Image image;
-  Progress progress("image", images.count());
+  const model::BoardSettings settings{.image = !codes,
+                                      .columns = columns,
+                                      .rows = rows,
+                                      .mode = images::mode_of(options.mode),
+                                      .threshold = options.threshold,
+                                      .codes = codes,
+                                      .code_bits = codes ? options.bits : 1,
+                                      .code_threshold = options.code_threshold.value_or(kDefaultThreshold)};
+  images::Image image;
+  cli::Progress progress("image", images.count());
   return recording_of_images(settings, images.count(), patterns, [&](std::size_t i) {
     image = images.read(i);
     progress.update(i + 1);
@@ -84,7 +85,7 @@ PacketRecording read_source(const BoardSource& options, std::uint64_t frames) {
   if (!options.line.empty()) {
     return make_line(options);
   }
-  Counters counters;
+  driver::Counters counters;
   PacketRecording recording = read_recording(options.replay, counters);
   if (counters.bad + counters.missing + counters.bytes_discarded > 0) {
     fmt::print(stderr, "selfproj-sim: {}: {} bad packets and {} missing frames in the recording are left out\n",
@@ -94,45 +95,45 @@ PacketRecording read_source(const BoardSource& options, std::uint64_t frames) {
 }
 
 void add_source_options(CLI::App& command, BoardSource& options) {
-  begin_group(command, "Source (one of --replay, --images and --line is required)");
+  cli::begin_group(command, "Source (one of --replay, --images and --line is required)");
   command
       .add_option("--replay", options.replay,
                   "Recorded packets, of --record or of `selfproj-sim cosim --packets`. Bad ones are left out.")
       ->type_name("FILE");
-  add_files(command, "--images", options.images,
-            "Recorded 8-bit images of one size. The model of the board sends their moments and "
-            "the images themselves, line by line; with --bits the codes that it decodes.");
+  cli::add_files(command, "--images", options.images,
+                 "Recorded 8-bit images of one size. The model of the board sends their moments and "
+                 "the images themselves, line by line; with --bits the codes that it decodes.");
   command
       .add_option("--bits", options.bits,
                   "With --images: bits M of their Gray code. Image k shows pattern k modulo 2M.")
-      ->transform(whole_number(1, GrayDecoder::kMaxBits))
+      ->transform(cli::whole_number(1, model::GrayDecoder::kMaxBits))
       ->type_name("M")
       ->default_str("the images are not decoded");
   command
       .add_option("--code-threshold", options.code_threshold,
                   "With --bits: a pair of images that differs by at most this many grey levels is ambiguous.")
-      ->transform(whole_number(0, 255))
+      ->transform(cli::whole_number(0, 255))
       ->type_name("T")
       ->default_str("5");
-  add_channel_option(command, options.channel);
+  cli::add_channel_option(command, options.channel);
   command
       .add_option("--line", options.line,
                   "A line of light that moves in frames of this size, in pixels, sent through the model of the board.")
       ->type_name("WxH");
   command.add_option("--mode", options.mode, "With --line and --images: what a lit pixel weighs.")
-      ->check(one_of(mode_names()))
+      ->check(cli::one_of(images::mode_names()))
       ->type_name("MODE")
       ->capture_default_str();
   command
       .add_option("--threshold", options.threshold,
                   "With --line and --images: a pixel is lit where its grey value is greater.")
-      ->transform(whole_number(0, 255))
+      ->transform(cli::whole_number(0, 255))
       ->type_name("T")
       ->capture_default_str();
   command.add_option("--line-frames", options.line_frames, "With --line: frames until the line is where it began.")
-      ->transform(whole_number(1, 100000))
+      ->transform(cli::whole_number(1, 100000))
       ->type_name("N")
       ->capture_default_str();
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::sim

@@ -10,7 +10,7 @@
 
 #include "sim/board/packet_recording.h"
 
-namespace selfproj {
+namespace selfproj::sim {
 
 // Exactly one of replay, images and line is given.
 struct BoardSource {
@@ -31,6 +31,6 @@ void add_source_options(CLI::App& command, BoardSource& options);
 // The packets, of which `frames` are to be played. Throws UserError about options and files.
 PacketRecording read_source(const BoardSource& options, std::uint64_t frames);
 
-}  // namespace selfproj
+}  // namespace selfproj::sim
 
 #endif  // SELFPROJ_SIM_APP_BOARD_SOURCE_H

@@ -13,10 +13,10 @@
 #include "host/cli/command_line.h"
 #include "host/cli/progress.h"
 #include "host/files/output_folder.h"
-#include "host/files/user_error.h"
 #include "host/images/frame_options.h"
 #include "host/images/image_files.h"
-#include "host/rig/rig.h"
+#include "selfproj/files/user_error.h"
+#include "selfproj/rig/rig.h"
 #include "sim/app/commands.h"
 #include "sim/cosim/render_options.h"
 #include "sim/scene/perturbed_rig.h"
@@ -27,7 +27,7 @@
 #include "sim/scene/targets.h"
 #include "sim/scene/virtual_capture.h"
 
-namespace selfproj {
+namespace selfproj::sim {
 namespace {
 
 struct CaptureOptions {
@@ -81,7 +81,7 @@ std::vector<ChessboardPlace> places_of(const CaptureOptions& options, const Pert
 }
 
 // What stands still under the patterns, unless it is a chessboard.
-std::unique_ptr<Scene> scene_of(const CaptureOptions& options, const Rig& rig) {
+std::unique_ptr<Scene> scene_of(const CaptureOptions& options, const rig::Rig& rig) {
   const TargetTolerance tolerance = options.target_seed ? options.tolerance : TargetTolerance{};
   if (options.plate_mm) {
     return std::make_unique<FlatPlate>(*options.plate_mm, tolerance, options.target_seed.value_or(0));
@@ -113,25 +113,25 @@ std::string what_of(const CaptureOptions& options) {
 
 void run_capture(const CaptureOptions& options) {
   constexpr int kMaxCorners = 200;
-  OutputFolder out(options.out);
+  files::OutputFolder out(options.out);
   if (!options.chessboard.empty() && std::filesystem::exists(options.out)) {
     throw UserError(options.out, "exists already; poses need a new folder");
   }
-  Rig rig = load_rig(options.rig);
+  rig::Rig rig = rig::load_rig(options.rig);
   rig.imaging.seed = options.seed.value_or(rig.imaging.seed);
   if (options.stopped) {
     rig.conveyor.speed_mm_per_s = 0;
   }
   const PerturbedRig actual = rig_of_seed(rig, options.perturbed_rig_seed);
-  const std::vector<std::string> files = files_of_folder(options.patterns);
+  const std::vector<std::string> files = images::files_of_folder(options.patterns);
   std::vector<ProjectedLight> patterns;
   patterns.reserve(files.size());
   CaptureSettings settings;
   settings.render.world = options.world.world();
   for (const std::string& file : files) {
-    patterns.push_back(project_image(rig, read_image(file, Channel::grey), settings.render, file));
+    patterns.push_back(project_image(rig, images::read_image(file, images::Channel::grey), settings.render, file));
   }
-  std::optional<Progress> progress;
+  std::optional<cli::Progress> progress;
   std::size_t done = 0;
   settings.render.shot_noise = settings.render.read_noise = !options.without_noise;
   settings.threads = options.threads;
@@ -141,7 +141,7 @@ void run_capture(const CaptureOptions& options) {
     progress.emplace("image", files.size());
     capture_scene(actual, *scene, patterns, settings, out);
   } else {
-    const FrameSize corners = size_of_text("--chessboard", options.chessboard, kMaxCorners);
+    const images::FrameSize corners = images::size_of_text("--chessboard", options.chessboard, kMaxCorners);
     const ChessboardShape shape{corners.columns, corners.rows, options.square_mm};
     const std::vector<ChessboardPlace> places = places_of(options, actual, shape);
     const ChessboardFlaws flaws = options.target_seed
@@ -152,8 +152,8 @@ void run_capture(const CaptureOptions& options) {
   }
   progress.reset();
   out.commit();
-  fmt::print("{} images of {}, {}, rig {}{}, seed {} → {}\n", done, size_text(rig.camera.rows, rig.camera.columns),
-             what_of(options), rig.name,
+  fmt::print("{} images of {}, {}, rig {}{}, seed {} → {}\n", done,
+             images::size_text(rig.camera.rows, rig.camera.columns), what_of(options), rig.name,
              options.perturbed_rig_seed ? fmt::format(" (perturbed rig {})", *options.perturbed_rig_seed) : "",
              rig.imaging.seed, out.name());
 }
@@ -173,23 +173,23 @@ void add_target_options(CLI::App& command, OptionFamilies& families, CaptureOpti
   command.add_flag("--stopped", options.stopped, "Stop the belt, with the middle of the scene's part at x = 0.");
   families.begin("Steps (--steps)", {kSteps});
   command.add_option("--tread", options.tread_mm, "Width of a tread in mm, across the belt.")
-      ->transform(number_above_zero())
+      ->transform(cli::number_above_zero())
       ->type_name("MM")
       ->capture_default_str();
   command.add_option("--shift", options.shift_mm, "Place of the block's middle across the belt in mm.")
-      ->transform(real_number(-1e4, 1e4))
+      ->transform(cli::real_number(-1e4, 1e4))
       ->type_name("MM")
       ->capture_default_str();
   families.begin("Chessboard (--chessboard)", {kBoard});
   command.add_option("--square", options.square_mm, "Side of a square in mm. Required with --chessboard.")
-      ->transform(number_above_zero())
+      ->transform(cli::number_above_zero())
       ->type_name("MM");
   command.add_option("--poses", options.poses, "Number of poses of the chessboard.")
-      ->transform(whole_number(1, 99))
+      ->transform(cli::whole_number(1, 99))
       ->type_name("N")
       ->capture_default_str();
   command.add_option("--tilt", options.tilt_deg, "Angle in degrees by which it leans in all poses but the first.")
-      ->transform(real_number(0, 60))
+      ->transform(cli::real_number(0, 60))
       ->type_name("DEG")
       ->capture_default_str();
   command
@@ -197,28 +197,28 @@ void add_target_options(CLI::App& command, OptionFamilies& families, CaptureOpti
                   "Heights in mm over the belt of a plate that carries it, instead of --poses.")
       ->delimiter(',')
       ->allow_extra_args(false)
-      ->transform(real_number(-1e4, 1e4))
+      ->transform(cli::real_number(-1e4, 1e4))
       ->type_name("MM,...");
   command
       .add_option("--moves", options.visits.belt_mm,
                   "Places of the belt in mm. The belt takes the plate to all of them at each height.")
       ->delimiter(',')
       ->allow_extra_args(false)
-      ->transform(real_number(-1e4, 1e4))
+      ->transform(cli::real_number(-1e4, 1e4))
       ->type_name("MM,...")
       ->default_str("0");
   command.add_option("--print-scale", options.print_scale, "Relative error of its squares, to either side.")
-      ->transform(real_number(0, 0.1))
+      ->transform(cli::real_number(0, 0.1))
       ->type_name("SHARE")
       ->capture_default_str();
   command.add_option("--bend", options.bend_mm, "How far it bends out of its plane, mm to either side.")
-      ->transform(real_number(0, 100))
+      ->transform(cli::real_number(0, 100))
       ->type_name("MM")
       ->capture_default_str();
   command
       .add_option("--fence", options.fence_mm,
                   "With --heights: how far the plate misses its place on the belt, to either side, in mm.")
-      ->transform(real_number(0, 10))
+      ->transform(cli::real_number(0, 10))
       ->type_name("MM")
       ->capture_default_str();
   families.begin("Flaws of chessboard and plate", {kBoard, kPlate});
@@ -227,20 +227,20 @@ void add_target_options(CLI::App& command, OptionFamilies& families, CaptureOpti
           "--flatness", options.tolerance.flatness_mm,
           "Plate: mm from the lowest point of its surface to the highest. --heights: mm by which one end of the "
           "chessboard is higher than the other, to either side.")
-      ->transform(real_number(0, 10))
+      ->transform(cli::real_number(0, 10))
       ->type_name("MM")
       ->capture_default_str();
   families.begin("Flaws of chessboard, plate and steps", {kBoard, kPlate, kSteps});
   command
       .add_option("--target-seed", options.target_seed,
                   "Seed of the target's flaws, each drawn within the tolerances that go with it.")
-      ->transform(whole_number(0))
+      ->transform(cli::whole_number(0))
       ->type_name("N")
       ->default_str("no flaws");
   command
       .add_option("--height-tolerance", options.tolerance.height_mm,
                   "Plate, steps, --heights: error of a height, mm to either side.")
-      ->transform(real_number(0, 10))
+      ->transform(cli::real_number(0, 10))
       ->type_name("MM")
       ->capture_default_str();
 }
@@ -248,7 +248,7 @@ void add_target_options(CLI::App& command, OptionFamilies& families, CaptureOpti
 }  // namespace
 
 void add_capture_command(CLI::App& app) {
-  CLI::App* command = add_command(
+  CLI::App* command = cli::add_command(
       app, {.name = "capture",
             .purpose = "Captures a scene or a target under each pattern of a folder, with a simulated camera.",
             .details = "A chessboard (--chessboard) gives pose_01/image_00.png and so on, and truth.json with the true "
@@ -273,39 +273,39 @@ selfproj-sim capture --rig light-section --perturbed-rig-seed 7 --plate 10 --tar
   --patterns lines --out plate
 )"});
   const auto options = std::make_shared<CaptureOptions>();
-  begin_group(*command, "Rig and patterns");
+  cli::begin_group(*command, "Rig and patterns");
   command->add_option("--rig", options->rig, "Built-in rig or YAML file.")->type_name("RIG")->required();
   command
       ->add_option("--patterns", options->patterns,
                    "Folder of images of the projector's size, such as `selfproj pattern gray` writes.")
       ->type_name("DIR")
       ->required();
-  begin_group(*command, "What is captured (one of --scene, --chessboard, --plate and --steps is required)");
+  cli::begin_group(*command, "What is captured (one of --scene, --chessboard, --plate and --steps is required)");
   command->add_option("--scene", options->scene, "A scene that stands still, of `selfproj-sim scene list`.")
       ->type_name("NAME");
   command->add_option("--chessboard", options->chessboard, "Inner corners along the two sides of a chessboard.")
       ->type_name("NxM");
   command->add_option("--plate", options->plate_mm, "A flat plate, this many mm over the belt.")
-      ->transform(real_number(-1e4, 1e4))
+      ->transform(cli::real_number(-1e4, 1e4))
       ->type_name("MM");
   command
       ->add_option("--steps", options->steps_mm, "A block of treads side by side, with commas between their heights.")
       ->delimiter(',')
       ->allow_extra_args(false)
-      ->transform(real_number(-1e4, 1e4))
+      ->transform(cli::real_number(-1e4, 1e4))
       ->type_name("MM,...");
   OptionFamilies families(*command);
   add_target_options(*command, families, *options);
-  begin_group(*command, "Simulation");
+  cli::begin_group(*command, "Simulation");
   add_perturbed_rig_option(*command, options->perturbed_rig_seed);
   add_noise_seed_option(*command, options->seed);
   command->add_flag("--without-noise", options->without_noise, "Leave out shot noise and read noise.");
   add_world_options(*command, options->world);
   command->add_option("--threads", options->threads, "Threads to use.")
-      ->transform(whole_number(1, 1024))
+      ->transform(cli::whole_number(1, 1024))
       ->type_name("N")
       ->default_str("one for each core");
-  begin_group(*command, "Output");
+  cli::begin_group(*command, "Output");
   command->add_option("--out", options->out, "Folder for the images. With --chessboard it must be new.")
       ->type_name("DIR")
       ->required();
@@ -316,4 +316,4 @@ selfproj-sim capture --rig light-section --perturbed-rig-seed 7 --plate 10 --tar
   });
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::sim

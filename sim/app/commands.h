@@ -6,7 +6,7 @@ namespace CLI {  // NOLINT(readability-identifier-naming): the library's
 class App;
 }
 
-namespace selfproj {
+namespace selfproj::sim {
 
 void add_board_command(CLI::App& app);    // a board that sends packets to a ring, over the network or into a file
 void add_capture_command(CLI::App& app);  // camera images under projected patterns
@@ -15,6 +15,6 @@ void add_decode_command(CLI::App& app);   // Gray codes of image files, by an en
 void add_moments_command(CLI::App& app);  // column moments of image files, by an engine
 void add_scene_command(CLI::App& app);    // scenes listed and rendered
 
-}  // namespace selfproj
+}  // namespace selfproj::sim
 
 #endif  // SELFPROJ_SIM_APP_COMMANDS_H

@@ -7,13 +7,13 @@
 #include "host/cli/command_line.h"
 #include "host/images/frame_options.h"
 #include "host/structured_light/self_reference.h"
-#include "model/gray_decoder.h"
+#include "selfproj/model/gray_decoder.h"
 #include "sim/app/commands.h"
 #include "sim/cosim/cosim.h"
 #include "sim/cosim/render_options.h"
 #include "sim/scene/scenes.h"
 
-namespace selfproj {
+namespace selfproj::sim {
 namespace {
 
 constexpr std::int64_t kLastFrame = std::int64_t{1} << 30U;
@@ -40,30 +40,30 @@ std::string case_of(const CosimOptions& options) {
 }
 
 void add_source_options(CLI::App& command, OptionFamilies& families, CosimOptions& options, WorldOptions& world) {
-  begin_group(command, "Source of the frames");
+  cli::begin_group(command, "Source of the frames");
   CLI::Option* scene =
       command.add_option("--scene", options.scene, "Scene under the simulated camera, of `selfproj-sim scene list`.")
           ->type_name("NAME")
           ->capture_default_str();
-  add_files(command, "--frames", options.frames,
-            "Recorded images instead: files, or quoted patterns such as 'run/*.png'.")
+  cli::add_files(command, "--frames", options.frames,
+                 "Recorded images instead: files, or quoted patterns such as 'run/*.png'.")
       ->type_name("PATTERN")
       ->excludes(scene);
   command.add_option("--first", options.first, "First frame of them, from 1.")
-      ->transform(whole_number(1, kLastFrame))
+      ->transform(cli::whole_number(1, kLastFrame))
       ->type_name("N")
       ->capture_default_str();
   command.add_option("--count", options.count, "Number of frames.")
-      ->transform(whole_number(1, kLastFrame))
+      ->transform(cli::whole_number(1, kLastFrame))
       ->type_name("N")
       ->default_str("all");
   families.begin("Recorded images (--frames)", {kRecorded});
-  add_files(
+  cli::add_files(
       command, "--background", options.preparation.background,
       "The same view without the line: one image for all frames, or one for each. It is subtracted before the board "
       "sees the frames.")
       ->type_name("PATTERN");
-  add_preparation_options(command, options.preparation);
+  cli::add_preparation_options(command, options.preparation);
   families.begin("Scenes (--scene)", {kSection, kGrayCodes, kSelfProjected});
   add_error_source_option(command, "--without", options.without,
                           "Sources of error to leave out of the images, with commas between them.", true);
@@ -71,12 +71,12 @@ void add_source_options(CLI::App& command, OptionFamilies& families, CosimOption
 }
 
 void add_measuring_options(CLI::App& command, OptionFamilies& families, CosimOptions& options) {
-  begin_group(command, "Measuring");
+  cli::begin_group(command, "Measuring");
   command
       .add_option("--engine", options.engine,
                   "Implementation that computes: the board's RTL, the same with the HLS circuits in place of its own, "
                   "or the model.")
-      ->check(one_of({"rtl", "hls", "model"}))
+      ->check(cli::one_of({"rtl", "hls", "model"}))
       ->type_name("ENGINE")
       ->capture_default_str();
   command
@@ -90,32 +90,32 @@ void add_measuring_options(CLI::App& command, OptionFamilies& families, CosimOpt
           "--threshold", options.threshold,
           "A pixel is lit where its grey value is greater than T. With a scanner, a pair of images that differs "
           "by at most T is ambiguous.")
-      ->transform(whole_number(0, 255))
+      ->transform(cli::whole_number(0, 255))
       ->type_name("T")
       ->default_str("the rig's");
   command
       .add_option("--bus-stall", options.bus_stall,
                   "Share of the bus clocks in which the bus takes nothing, in percent.")
-      ->transform(whole_number(0, 95))
+      ->transform(cli::whole_number(0, 95))
       ->type_name("PERCENT")
       ->capture_default_str();
   command.add_option("--seed", options.seed, "Seed of everything random.")
-      ->transform(whole_number(0))
+      ->transform(cli::whole_number(0))
       ->type_name("N")
       ->default_str("the rig's");
   families.begin("Light section (scenes of rig light-section, and recorded images)", {kSection, kRecorded});
   command
       .add_option("--mode", options.mode,
                   "Weight of a lit pixel: 1 (binary), its grey value (grey), or its grey value less T (grey-over).")
-      ->check(one_of(mode_names()))
+      ->check(cli::one_of(images::mode_names()))
       ->type_name("MODE")
       ->default_str("the rig's");
-  add_select_options(command, options.select, "the rig's");
+  cli::add_select_options(command, options.select, "the rig's");
   CLI::Option* trace =
       command.add_option("--trace", options.trace, "File for the waveforms of the board (engine rtl).")
           ->type_name("FILE.fst");
   command.add_option("--trace-from", options.trace_from, "First frame of this run, from 1, in the waveforms.")
-      ->transform(whole_number(1, kLastFrame))
+      ->transform(cli::whole_number(1, kLastFrame))
       ->type_name("F")
       ->needs(trace)
       ->capture_default_str();
@@ -133,7 +133,7 @@ void add_measuring_options(CLI::App& command, OptionFamilies& families, CosimOpt
 void add_scanner_options(CLI::App& command, OptionFamilies& families, CosimOptions& options) {
   families.begin("Scenes of a scanner", {kGrayCodes, kSelfProjected});
   command.add_option("--bits", options.bits, "Bits of the Gray code.")
-      ->transform(whole_number(1, GrayDecoder::kMaxBits))
+      ->transform(cli::whole_number(1, model::GrayDecoder::kMaxBits))
       ->type_name("M")
       ->default_str("8; 4 where self-projected");
   families.begin("Scenes of a scanner under Gray codes: codes, and what is foreground", {kGrayCodes});
@@ -141,13 +141,13 @@ void add_scanner_options(CLI::App& command, OptionFamilies& families, CosimOptio
   command
       .add_option("--min-difference", options.min_difference,
                   "A pixel is foreground only if it differs from the background by more than this many mm.")
-      ->transform(real_number(0, 1000))
+      ->transform(cli::real_number(0, 1000))
       ->type_name("MM")
       ->default_str("10");
   command
       .add_option("--max-change", options.max_change,
                   "A pixel is foreground only if its depth changed by at most this many mm since the last depth image.")
-      ->transform(real_number(0, 1000))
+      ->transform(cli::real_number(0, 1000))
       ->type_name("MM")
       ->default_str("10");
   command
@@ -155,18 +155,18 @@ void add_scanner_options(CLI::App& command, OptionFamilies& families, CosimOptio
           "--min-neighbours", options.min_neighbours,
           "A pixel is foreground only if at least this many of the 8 pixels around it are, too, and are as close in "
           "z.")
-      ->transform(whole_number(0, 8))
+      ->transform(cli::whole_number(0, 8))
       ->type_name("N")
       ->default_str("6");
   families.begin("Scenes of a scanner under self-projected codes", {kSelfProjected});
   command.add_option("--e", options.e, "Codes that are searched below the reference.")
-      ->transform(whole_number(0, (1 << Stripes::kMaxBits) - 1))
+      ->transform(cli::whole_number(0, (1 << structured_light::Stripes::kMaxBits) - 1))
       ->type_name("E")
       ->default_str("8 for the cuboids, else 0");
 }
 
 void add_output_options(CLI::App& command, CosimOptions& options) {
-  begin_group(command, "Output");
+  cli::begin_group(command, "Output");
   command
       .add_option("--out", options.out,
                   "Folder for tables, cloud, images and report. Without it the packets are only compared.")
@@ -175,7 +175,7 @@ void add_output_options(CLI::App& command, CosimOptions& options) {
       .add_option("--picture-frame", options.pictures,
                   "Frames of this run, from 1, to save as frame_K.png with the line found. With a scanner they must "
                   "complete a code image.")
-      ->transform(whole_number(1, kLastFrame))
+      ->transform(cli::whole_number(1, kLastFrame))
       ->type_name("K")
       ->default_str("the middle one; of recorded images the first ten; with a scanner four");
   command.add_option("--packets", options.packets, "File for the stream of packets, as a device delivers it.")
@@ -185,7 +185,7 @@ void add_output_options(CLI::App& command, CosimOptions& options) {
 }  // namespace
 
 void add_cosim_command(CLI::App& app) {
-  CLI::App* command = add_command(
+  CLI::App* command = cli::add_command(
       app,
       {.name = "cosim",
        .purpose =
@@ -229,4 +229,4 @@ selfproj-sim cosim --scene fist --count 588 --out fist
   });
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::sim

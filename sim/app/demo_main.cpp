@@ -4,7 +4,7 @@
 #include "sim/app/commands.h"
 
 int main(int argc, char** argv) {
-  return selfproj::program_main(
+  return selfproj::cli::program_main(
       {.name = "selfproj-sim",
        .purpose = "The commands of the demonstration: co-simulation and a simulated board.",
        .details = "This program belongs to scripts/demo.sh. scripts/build.sh builds selfproj-sim with all commands.",
@@ -13,8 +13,8 @@ int main(int argc, char** argv) {
 selfproj-sim cosim --count 20 --out part
 )"},
       [](CLI::App& app) {
-        selfproj::add_cosim_command(app);
-        selfproj::add_board_command(app);
+        selfproj::sim::add_cosim_command(app);
+        selfproj::sim::add_board_command(app);
       },
       argc, argv);
 }

@@ -4,7 +4,7 @@
 #include "sim/app/commands.h"
 
 int main(int argc, char** argv) {
-  return selfproj::program_main(
+  return selfproj::cli::program_main(
       {.name = "selfproj-sim",
        .purpose = "Simulates what surrounds the board, and runs the board's circuits cycle by cycle.",
        .details =
@@ -20,12 +20,12 @@ int main(int argc, char** argv) {
 selfproj-sim cosim --count 20 --out part
 )"},
       [](CLI::App& app) {
-        selfproj::add_cosim_command(app);
-        selfproj::add_moments_command(app);
-        selfproj::add_decode_command(app);
-        selfproj::add_board_command(app);
-        selfproj::add_scene_command(app);
-        selfproj::add_capture_command(app);
+        selfproj::sim::add_cosim_command(app);
+        selfproj::sim::add_moments_command(app);
+        selfproj::sim::add_decode_command(app);
+        selfproj::sim::add_board_command(app);
+        selfproj::sim::add_scene_command(app);
+        selfproj::sim::add_capture_command(app);
       },
       argc, argv);
 }

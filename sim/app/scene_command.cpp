@@ -21,11 +21,11 @@
 #include "host/cli/progress.h"
 #include "host/files/output_file.h"
 #include "host/files/output_folder.h"
-#include "host/files/user_error.h"
-#include "host/images/float_image.h"
 #include "host/images/image_files.h"
 #include "host/light_section/pattern.h"
-#include "host/rig/rig.h"
+#include "selfproj/files/user_error.h"
+#include "selfproj/images/float_image.h"
+#include "selfproj/rig/rig.h"
 #include "sim/app/commands.h"
 #include "sim/cosim/render_options.h"
 #include "sim/scene/optics.h"
@@ -36,7 +36,7 @@
 #include "sim/scene/scene.h"
 #include "sim/scene/scenes.h"
 
-namespace selfproj {
+namespace selfproj::sim {
 namespace {
 
 namespace fs = std::filesystem;
@@ -73,25 +73,25 @@ RenderOptions render_options(const SceneOptions& options) {
   return result;
 }
 
-Rig rig_of(const SceneOptions& options) {
+rig::Rig rig_of(const SceneOptions& options) {
   std::string name = options.rig;
   if (name.empty()) {
     name = options.scene.empty() ? SceneInfo{}.rig() : find_scene(options.scene).rig();
   }
-  Rig rig = load_rig(name);
+  rig::Rig rig = rig::load_rig(name);
   rig.imaging.seed = options.seed.value_or(rig.imaging.seed);
   return rig;
 }
 
 // Light 0..1 from a file: 32-bit TIFF as it is, 8-bit images with 255 for full light.
-FloatImage read_pattern(const std::string& file, const Rig& rig) {
-  FloatImage pattern;
+images::FloatImage read_pattern(const std::string& file, const rig::Rig& rig) {
+  images::FloatImage pattern;
   const std::string extension = fs::path(file).extension().string();
   if (extension == ".tiff" || extension == ".tif") {
-    pattern = read_float_tiff(file);
+    pattern = images::read_float_tiff(file);
   } else {
-    const Image image = read_image(file, std::nullopt);
-    pattern = FloatImage(image.rows, image.columns);
+    const images::Image image = images::read_image(file, std::nullopt);
+    pattern = images::FloatImage(image.rows, image.columns);
     std::transform(image.pixels.begin(), image.pixels.end(), pattern.values.begin(),
                    [](std::uint8_t value) { return static_cast<float>(value) / 255; });
   }
@@ -100,9 +100,10 @@ FloatImage read_pattern(const std::string& file, const Rig& rig) {
 }
 
 // Without a file, a straight line that the camera sees in the middle of its image of the plane.
-FloatImage pattern_of(const SceneOptions& options, const Rig& rig) {
+images::FloatImage pattern_of(const SceneOptions& options, const rig::Rig& rig) {
   if (options.patterns.empty()) {
-    return draw_straight_line(rig, Pinhole::of_projector(rig.projector).project({0, 0, rig.plane_z_mm}).row);
+    return light_section::draw_straight_line(rig,
+                                             Pinhole::of_projector(rig.projector).project({0, 0, rig.plane_z_mm}).row);
   }
   return read_pattern(options.patterns.front(), rig);
 }
@@ -136,13 +137,13 @@ bool is_in(const std::string& folder, const std::string& file) {
 struct FrameMaker {
   std::function<void(int frame, std::span<float> pixels)> render;
   std::function<void(int frame, std::span<float> values)> truth;
-  int truth_rows = 1;  // a frame
-  FloatImage pattern;  // where there is one alone
+  int truth_rows = 1;          // a frame
+  images::FloatImage pattern;  // where there is one alone
 };
 
 FrameMaker light_section(const SceneOptions& options, const PerturbedRig& actual, const Scene& scene,
                          const RenderOptions& render_with) {
-  const Rig& rig = actual.rig;
+  const rig::Rig& rig = actual.rig;
   if (options.bits > 0) {
     throw UserError("--bits", "goes only with rigs of kind scanner; " + rig.name + " is not one");
   }
@@ -159,7 +160,7 @@ FrameMaker light_section(const SceneOptions& options, const PerturbedRig& actual
 
 FrameMaker whole_patterns(const SceneOptions& options, const PerturbedRig& actual, const Scene& scene,
                           const RenderOptions& render_with) {
-  const Rig& rig = actual.rig;
+  const rig::Rig& rig = actual.rig;
   if (scene.speed() != 0) {
     throw UserError("--rig " + rig.name, "its conveyor moves; a scanner needs a surface that stands still");
   }
@@ -171,7 +172,7 @@ FrameMaker whole_patterns(const SceneOptions& options, const PerturbedRig& actua
     light->push_back(throw_light(rig, read_pattern(file, rig), render_with));
   }
   if (options.patterns.empty()) {
-    for (const Image& image : gray_patterns(rig.projector, options.bits > 0 ? options.bits : kDefaultBits)) {
+    for (const images::Image& image : gray_patterns(rig.projector, options.bits > 0 ? options.bits : kDefaultBits)) {
       light->push_back(project_image(rig, image, render_with));
     }
   }
@@ -189,17 +190,17 @@ FrameMaker whole_patterns(const SceneOptions& options, const PerturbedRig& actua
 }
 
 void render(const SceneOptions& options) {
-  OutputFolder out(options.out);
-  std::optional<OutputFile> truth_file;
+  files::OutputFolder out(options.out);
+  std::optional<files::OutputFile> truth_file;
   const bool truth_inside = !options.truth.empty() && is_in(options.out, options.truth);
   if (!options.truth.empty() && !truth_inside) {
     truth_file.emplace(options.truth);
   }
-  const Rig rig = rig_of(options);
-  const std::unique_ptr<Scene> scene =
-      options.height_map.empty()
-          ? make_scene(options.scene, rig)
-          : height_map_scene(read_float_tiff(options.height_map), options.mm_per_pixel, rig, options.height_map);
+  const rig::Rig rig = rig_of(options);
+  const std::unique_ptr<Scene> scene = options.height_map.empty()
+                                           ? make_scene(options.scene, rig)
+                                           : height_map_scene(images::read_float_tiff(options.height_map),
+                                                              options.mm_per_pixel, rig, options.height_map);
   if (options.count == 0 && options.first > scene->frames()) {
     throw UserError(fmt::format("--first {}", options.first),
                     fmt::format("the scene ends after {} frames; give --count to see more", scene->frames()));
@@ -209,32 +210,32 @@ void render(const SceneOptions& options) {
   const PerturbedRig actual = rig_of_seed(rig, options.perturbed_rig_seed);
   const bool quantized = render_with.quantization;
   check_for_other_frames(options.out, options.first, count, quantized);
-  const FrameMaker maker = rig.kind == RigKind::scanner ? whole_patterns(options, actual, *scene, render_with)
-                                                        : light_section(options, actual, *scene, render_with);
+  const FrameMaker maker = rig.kind == rig::RigKind::scanner ? whole_patterns(options, actual, *scene, render_with)
+                                                             : light_section(options, actual, *scene, render_with);
   if (!options.truth.empty() && maker.truth_rows > 1 && count > kMaxDepths) {
     throw UserError("--truth " + options.truth,
                     fmt::format("takes at most {} frames of depth, not {}", kMaxDepths, count));
   }
   if (!maker.pattern.values.empty()) {
-    out.append(kPatternFile, encode_float_tiff(kPatternFile, maker.pattern));
+    out.append(kPatternFile, images::encode_float_tiff(kPatternFile, maker.pattern));
   }
-  FloatImage truth(options.truth.empty() ? 0 : count * maker.truth_rows, rig.camera.columns);
+  images::FloatImage truth(options.truth.empty() ? 0 : count * maker.truth_rows, rig.camera.columns);
   {
-    Progress progress("frame", static_cast<std::size_t>(count));
+    cli::Progress progress("frame", static_cast<std::size_t>(count));
     std::mutex mutex;
     std::size_t done = 0;
     parallel_for(count, options.threads, [&](int i) {
       const int number = options.first + i;
       const std::string file = frame_file(number, quantized);
       std::string bytes;
-      FloatImage values(rig.camera.rows, rig.camera.columns);
+      images::FloatImage values(rig.camera.rows, rig.camera.columns);
       maker.render(number - 1, values.values);
       if (quantized) {
-        Image image{values.rows, values.columns, std::vector<std::uint8_t>(values.values.size())};
+        images::Image image{values.rows, values.columns, std::vector<std::uint8_t>(values.values.size())};
         quantize(values.values, image.pixels);
-        bytes = encode_png(image);
+        bytes = images::encode_png(image);
       } else {
-        bytes = encode_float_tiff(file, values);
+        bytes = images::encode_float_tiff(file, values);
       }
       if (truth.rows > 0) {
         maker.truth(number - 1, {truth.row(i * maker.truth_rows),
@@ -246,11 +247,11 @@ void render(const SceneOptions& options) {
     });
   }
   if (truth_inside) {
-    out.append(fs::path(options.truth).filename().string(), encode_float_tiff(options.truth, truth));
+    out.append(fs::path(options.truth).filename().string(), images::encode_float_tiff(options.truth, truth));
   }
   out.commit();
   if (truth_file) {
-    truth_file->write(encode_float_tiff(options.truth, truth));
+    truth_file->write(images::encode_float_tiff(options.truth, truth));
   }
   fmt::print("{} {} of {} x {}, {}, rig {}, seed {}{} → {}\n", count, count == 1 ? "frame" : "frames",
              rig.camera.columns, rig.camera.rows,
@@ -271,7 +272,7 @@ void list() {
 
 void add_part_options(CLI::App& command, SceneOptions& options) {
   CLI::Option* name = command.add_option("SCENE", options.scene, "A scene of `selfproj-sim scene list`.");
-  begin_group(command, "Part and rig");
+  cli::begin_group(command, "Part and rig");
   CLI::Option* map =
       command.add_option("--height-map", options.height_map,
                          "A part instead of a scene: heights over the plane in mm as 32-bit floats. Rows run "
@@ -279,30 +280,31 @@ void add_part_options(CLI::App& command, SceneOptions& options) {
   map->type_name("FILE.tiff")->excludes(name);
   CLI::Option* scale =
       command.add_option("--mm-per-pixel", options.mm_per_pixel, "Side of a pixel of the height map in mm.");
-  scale->transform(number_above_zero())->type_name("MM")->needs(map);
+  scale->transform(cli::number_above_zero())->type_name("MM")->needs(map);
   map->needs(scale);
   command.add_option("--rig", options.rig, "Built-in rig or YAML file.")->type_name("RIG")->default_str("the scene's");
-  begin_group(command, "Frames");
+  cli::begin_group(command, "Frames");
   command.add_option("--first", options.first, "First frame, from 1.")
-      ->transform(whole_number(1, kMaxFrames))
+      ->transform(cli::whole_number(1, kMaxFrames))
       ->type_name("N")
       ->capture_default_str();
   command.add_option("--count", options.count, "Number of frames.")
-      ->transform(whole_number(1, kMaxFrames))
+      ->transform(cli::whole_number(1, kMaxFrames))
       ->type_name("N")
       ->default_str("all to the end of the scene");
 }
 
 void add_light_options(CLI::App& command, SceneOptions& options) {
-  begin_group(command, "Light and camera");
-  add_files(command, "--pattern", options.patterns,
-            "Image of the projector's size that it shows: light 0 to 1 as 32-bit floats (.tiff), or 0 to 255. With a "
-            "scanner several, with commas between them: one for each frame, over and over.")
+  cli::begin_group(command, "Light and camera");
+  cli::add_files(
+      command, "--pattern", options.patterns,
+      "Image of the projector's size that it shows: light 0 to 1 as 32-bit floats (.tiff), or 0 to 255. With a "
+      "scanner several, with commas between them: one for each frame, over and over.")
       ->delimiter(',')
       ->allow_extra_args(false)
       ->default_str("a straight line on the plane; Gray codes with a scanner");
   command.add_option("--bits", options.bits, "With a scanner: bits of the Gray codes that are shown.")
-      ->transform(whole_number(1, kMaxBits))
+      ->transform(cli::whole_number(1, kMaxBits))
       ->type_name("M")
       ->default_str(std::to_string(kDefaultBits));
   add_error_source_option(
@@ -313,13 +315,13 @@ void add_light_options(CLI::App& command, SceneOptions& options) {
   add_perturbed_rig_option(command, options.perturbed_rig_seed);
   add_noise_seed_option(command, options.seed);
   command.add_option("--threads", options.threads, "Threads to use.")
-      ->transform(whole_number(1, 1024))
+      ->transform(cli::whole_number(1, 1024))
       ->type_name("N")
       ->default_str("one for each core");
 }
 
 void add_render(CLI::App& scene) {
-  CLI::App* command = add_command(
+  CLI::App* command = cli::add_command(
       scene,
       {.name = "render",
        .purpose = "Renders the camera images of a scene, and the true heights.",
@@ -339,7 +341,7 @@ selfproj-sim scene render stairs --first 700 --count 2 --disturb gloss,defect-pi
   const auto options = std::make_shared<SceneOptions>();
   add_part_options(*command, *options);
   add_light_options(*command, *options);
-  begin_group(*command, "Output");
+  cli::begin_group(*command, "Output");
   command
       ->add_option(
           "--truth", options->truth,
@@ -359,20 +361,20 @@ selfproj-sim scene render stairs --first 700 --count 2 --disturb gloss,defect-pi
 }  // namespace
 
 void add_scene_command(CLI::App& app) {
-  CLI::App* command = add_command(app, {.name = "scene",
-                                        .purpose = "Lists and renders the scenes under the simulated camera.",
-                                        .details = {},
-                                        .examples = R"(
+  CLI::App* command = cli::add_command(app, {.name = "scene",
+                                             .purpose = "Lists and renders the scenes under the simulated camera.",
+                                             .details = {},
+                                             .examples = R"(
 # What scenes there are.
 selfproj-sim scene list
 )"});
   command->require_subcommand(1);
-  add_command(*command,
-              {.name = "list",
-               .purpose = "Lists the built-in scenes.",
-               .details = "A line shows the scene, its number of frames, its rig, its good part or background, "
-                          "and what is to be seen.",
-               .examples = R"(
+  cli::add_command(*command,
+                   {.name = "list",
+                    .purpose = "Lists the built-in scenes.",
+                    .details = "A line shows the scene, its number of frames, its rig, its good part or background, "
+                               "and what is to be seen.",
+                    .examples = R"(
 # What scenes there are.
 selfproj-sim scene list
 )"})
@@ -380,4 +382,4 @@ selfproj-sim scene list
   add_render(*command);
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::sim

@@ -10,15 +10,15 @@
 #include <vector>
 
 #include "host/driver/register_port.h"
-#include "host/files/user_error.h"
 #include "model/register_file.h"
+#include "selfproj/files/user_error.h"
 
-namespace selfproj {
+namespace selfproj::sim {
 
-class AccessPort final : public RegisterPort {
+class AccessPort final : public driver::RegisterPort {
  public:
   // One access on the bus.
-  using Access = std::function<RegisterAnswer(bool write, std::uint32_t address, std::uint32_t data)>;
+  using Access = std::function<model::RegisterAnswer(bool write, std::uint32_t address, std::uint32_t data)>;
 
   explicit AccessPort(Access access) : access_(std::move(access)) {}
 
@@ -26,7 +26,7 @@ class AccessPort final : public RegisterPort {
     std::vector<std::uint32_t> words;
     words.reserve(addresses.size());
     for (const std::uint32_t address : addresses) {
-      const RegisterAnswer answer = access_(false, address, 0);
+      const model::RegisterAnswer answer = access_(false, address, 0);
       if (answer.error) {
         throw UserError(uri_, "the board has no register at " + std::to_string(address));
       }
@@ -35,8 +35,8 @@ class AccessPort final : public RegisterPort {
     return words;
   }
 
-  Written write(std::uint32_t address, std::uint32_t value) override {
-    return access_(true, address, value).error ? Written::refused : Written::applied;
+  driver::Written write(std::uint32_t address, std::uint32_t value) override {
+    return access_(true, address, value).error ? driver::Written::refused : driver::Written::applied;
   }
 
   [[nodiscard]] const std::string& uri() const override { return uri_; }
@@ -46,6 +46,6 @@ class AccessPort final : public RegisterPort {
   Access access_;
 };
 
-}  // namespace selfproj
+}  // namespace selfproj::sim
 
 #endif  // SELFPROJ_SIM_BOARD_ACCESS_PORT_H

@@ -28,19 +28,19 @@
 #include <utility>
 #include <vector>
 
-#include "model/board.h"
-#include "model/column_moments.h"
-#include "model/packet.h"
-#include "model/pixel_clock.h"
 #include "model/register_file.h"
+#include "selfproj/model/board.h"
+#include "selfproj/model/column_moments.h"
+#include "selfproj/model/packet.h"
+#include "selfproj/model/pixel_clock.h"
 #include "sim/board/clocks.h"
 #include "sim/board/verilated_model.h"
 
-namespace selfproj {
+namespace selfproj::sim {
 
 struct BoardDeviceOptions {
   std::uint64_t seed = 1;
-  std::uint64_t video_period_ps = pixel_clock_period_ps(kDefaultPixelClockHz);
+  std::uint64_t video_period_ps = model::pixel_clock_period_ps(model::kDefaultPixelClockHz);
   std::uint64_t bus_period_ps = 8000;  // 125 MHz
   std::uint64_t bus_phase_ps = 1234;
   int bus_stall_percent = 0;    // share of bus clocks in which the sink is not ready
@@ -55,7 +55,7 @@ class BoardDevice {
   // Called before each video clock with its number; may set the encoder's lines.
   using ClockHook = std::function<void(std::uint64_t clock)>;
   // Called with every beat that the board takes, and the number of its clock.
-  using BeatHook = std::function<void(std::uint64_t clock, const VideoBeat& beat)>;
+  using BeatHook = std::function<void(std::uint64_t clock, const model::VideoBeat& beat)>;
 
   explicit BoardDevice(BoardDeviceOptions options = {})
       : options_(std::move(options)),
@@ -112,7 +112,7 @@ class BoardDevice {
   [[nodiscard]] bool camera_trigger() const { return model_->camera_trigger_o != 0; }
 
   // Queues one beat, or clocks without a beat.
-  void send(const VideoBeat& beat) { beats_.push_back({beat, 0}); }
+  void send(const model::VideoBeat& beat) { beats_.push_back({beat, 0}); }
   void gap(std::uint32_t clocks) {
     if (clocks != 0) {
       beats_.push_back({{}, clocks});
@@ -120,11 +120,11 @@ class BoardDevice {
   }
 
   // Queues a whole frame; columns must be a multiple of 4.
-  void send(const ImageView& image) {
+  void send(const model::ImageView& image) {
     for (int row = 0; row < image.rows; ++row) {
       const std::uint8_t* line = image.pixels + row * image.stride;
       for (int column = 0; column < image.columns; column += spec::kPixelsPerBeat) {
-        VideoBeat beat;
+        model::VideoBeat beat;
         std::memcpy(beat.pixels.data(), line + column, beat.pixels.size());
         beat.start = row == 0 && column == 0;
         beat.line_end = column + spec::kPixelsPerBeat == image.columns;
@@ -157,7 +157,7 @@ class BoardDevice {
 
   // Accesses a register while the board continues to run. A write that is refused throws std::runtime_error, unless the
   // caller asks for the error.
-  RegisterAnswer access(bool write, std::uint32_t address, std::uint32_t data, unsigned strobe = 0xF) {
+  model::RegisterAnswer access(bool write, std::uint32_t address, std::uint32_t data, unsigned strobe = 0xF) {
     auto& m = *model_;
     if (write) {
       m.s_axil_awvalid = 1;
@@ -186,7 +186,7 @@ class BoardDevice {
     }
   }
   std::uint32_t read(std::uint32_t address) {
-    const RegisterAnswer answer = access(false, address, 0);
+    const model::RegisterAnswer answer = access(false, address, 0);
     if (answer.error) {
       throw std::runtime_error("register read refused: address " + std::to_string(address));
     }
@@ -194,7 +194,7 @@ class BoardDevice {
   }
 
   // Writes all settings. They count from the next frame start on. `hold` keeps them together, and stays if they say so.
-  void write(const BoardSettings& settings) {
+  void write(const model::BoardSettings& settings) {
     const std::uint32_t control =
         (settings.run ? 1U << spec::kRegControlRunLsb : 0U) | (settings.image ? 1U << spec::kRegControlImageLsb : 0U);
     write(spec::kRegControl, control | 1U << spec::kRegControlHoldLsb);
@@ -260,7 +260,7 @@ class BoardDevice {
   }();
 
   struct QueuedBeat {
-    VideoBeat beat;
+    model::VideoBeat beat;
     std::uint32_t gap;  // clocks without a beat; 0 stands for the beat itself
   };
 
@@ -411,13 +411,13 @@ class BoardDevice {
   BeatHook beat_hook_;
 
   std::optional<bool> decodes_;  // whether the build has the decoder; empty until asked
-  RegisterAnswer answer_;
+  model::RegisterAnswer answer_;
   bool access_done_ = true;
   bool drop_aw_ = false;
   bool drop_w_ = false;
   bool drop_ar_ = false;
 };
 
-}  // namespace selfproj
+}  // namespace selfproj::sim
 
 #endif  // SELFPROJ_SIM_BOARD_BOARD_DEVICE_H

@@ -15,7 +15,7 @@
 #include <cstdint>
 #include <utility>
 
-namespace selfproj {
+namespace selfproj::sim {
 
 // Updates the model at a rising edge of those clocks that are 1, all of which have been 0 since the edge before; inputs
 // may have changed with it. The model's clocks are clk_i and perhaps bus_clk_i.
@@ -82,6 +82,6 @@ class BoardClocks {
   std::uint64_t next_bus_;
 };
 
-}  // namespace selfproj
+}  // namespace selfproj::sim
 
 #endif  // SELFPROJ_SIM_BOARD_CLOCKS_H

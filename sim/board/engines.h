@@ -8,17 +8,17 @@
 #include <string>
 #include <vector>
 
-#include "model/column_moments.h"
-#include "model/column_runs.h"
-#include "model/gray_decoder.h"
+#include "selfproj/model/column_moments.h"
+#include "selfproj/model/column_runs.h"
+#include "selfproj/model/gray_decoder.h"
 
-namespace selfproj {
+namespace selfproj::sim {
 
 // The settings of the board before the first of several frames.
 struct MomentsSettings {
   int rows = 0;     // 1..spec::kMaxRows
   int columns = 0;  // a multiple of spec::kPixelsPerBeat, up to spec::kMaxColumns
-  Measure measure;
+  model::Measure measure;
 };
 
 class MomentsEngine {
@@ -35,7 +35,8 @@ class MomentsEngine {
   // `second` is 8 or 0, as in a packet (unpack_runs). All frames have the size in the
   // settings, and `out` has as many entries as `frames`. Throws std::runtime_error if the engine itself fails, for
   // example if a simulated board lost a frame.
-  virtual void process(std::span<const ImageView> frames, const MomentsSettings& settings, std::span<Runs> out) = 0;
+  virtual void process(std::span<const model::ImageView> frames, const MomentsSettings& settings,
+                       std::span<model::Runs> out) = 0;
 };
 
 // The bit-exact model.
@@ -63,12 +64,12 @@ class GrayEngine {
   [[nodiscard]] virtual int max_columns() const = 0;
 
   // Waits for plane 0 with these settings, and with or without the 3 x 3 median on the codes. Must be called first.
-  virtual void start(const GraySettings& settings, bool median) = 0;
+  virtual void start(const model::GraySettings& settings, bool median) = 0;
 
   // Takes the next frame, which has the size in the settings, with its pattern index. If a code image is due, writes
   // rows · columns words to `codes`, as GrayDecoder and median3x3 do, and returns true. Throws std::runtime_error if
   // the engine itself fails.
-  virtual bool take(const ImageView& image, int pattern, std::uint16_t* codes) = 0;
+  virtual bool take(const model::ImageView& image, int pattern, std::uint16_t* codes) = 0;
 };
 
 // The bit-exact models.
@@ -93,8 +94,8 @@ class MatchEngine {
   // The name for the option --engine of the programs.
   [[nodiscard]] virtual std::string name() const = 0;
 
-  // Writes the rows x columns lines (model/gray_match.h) of a code image to `lines`. Throws std::runtime_error if the
-  // engine itself fails.
+  // Writes the rows x columns lines (include/selfproj/model/gray_match.h) of a code image to `lines`. Throws
+  // std::runtime_error if the engine itself fails.
   virtual void look_up(const std::uint16_t* codes, int rows, int columns, std::uint16_t* lines) = 0;
 };
 
@@ -106,6 +107,6 @@ std::unique_ptr<MatchEngine> make_match_model_engine(std::vector<std::uint16_t> 
 // selfproj_sim_rtl_engine. Throws std::invalid_argument if the table does not belong to such an image.
 std::unique_ptr<MatchEngine> make_match_rtl_engine(std::vector<std::uint16_t> table, int bits);
 
-}  // namespace selfproj
+}  // namespace selfproj::sim
 
 #endif  // SELFPROJ_SIM_BOARD_ENGINES_H

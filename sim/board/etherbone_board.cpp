@@ -15,22 +15,22 @@
 
 #include "host/driver/etherbone.h"
 #include "host/driver/udp_socket.h"
-#include "host/files/user_error.h"
 #include "model/write_mailbox.h"
+#include "selfproj/files/user_error.h"
 
-namespace selfproj {
+namespace selfproj::sim {
 
-EtherboneBoard::EtherboneBoard(const WriteMailbox::Access& registers, bool mailbox, std::uint32_t ticket,
-                               const VideoBuild& video, ReplayModel* replay)
+EtherboneBoard::EtherboneBoard(const model::WriteMailbox::Access& registers, bool mailbox, std::uint32_t ticket,
+                               const model::VideoBuild& video, model::ReplayModel* replay)
     : registers_(registers) {
   if (mailbox) {
     mailbox_.emplace(registers, ticket, video, replay);
   }
 }
 
-std::optional<EtherboneRecord> EtherboneBoard::answer(const EtherboneRecord& question) {
+std::optional<driver::EtherboneRecord> EtherboneBoard::answer(const driver::EtherboneRecord& question) {
   if (question.probe) {
-    return EtherboneRecord{.probe_answer = true};
+    return driver::EtherboneRecord{.probe_answer = true};
   }
   std::uint32_t address = question.write_address;
   for (const std::uint32_t value : question.writes) {
@@ -40,7 +40,7 @@ std::optional<EtherboneRecord> EtherboneBoard::answer(const EtherboneRecord& que
   if (question.reads.empty()) {
     return std::nullopt;
   }
-  EtherboneRecord answer{.write_address = question.tag};
+  driver::EtherboneRecord answer{.write_address = question.tag};
   for (const std::uint32_t from : question.reads) {
     answer.writes.push_back((mailbox_ ? mailbox_->read(from) : registers_(false, from, 0)).data);
   }
@@ -48,11 +48,11 @@ std::optional<EtherboneRecord> EtherboneBoard::answer(const EtherboneRecord& que
 }
 
 EtherboneServer::EtherboneServer(const std::string& name, const std::string& place,
-                                 const WriteMailbox::Access& registers)
+                                 const model::WriteMailbox::Access& registers)
     : board_(registers), socket_(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
-  const sockaddr_in here = udp_address(name, udp_place(name, place, kEtherbonePort));
+  const sockaddr_in here = driver::udp_address(name, driver::udp_place(name, place, driver::kEtherbonePort));
   if (socket_.number() < 0 || bind(socket_.number(), reinterpret_cast<const sockaddr*>(&here), sizeof here) != 0) {
-    throw UserError(name, error_text(errno));
+    throw UserError(name, files::error_text(errno));
   }
   thread_ = std::thread([this] { run(); });
 }
@@ -77,14 +77,15 @@ void EtherboneServer::run() {
     if (count < 0) {
       continue;
     }
-    const std::optional<EtherboneRecord> question = etherbone_record({bytes.data(), static_cast<std::size_t>(count)});
-    const std::optional<EtherboneRecord> answer = question ? board_.answer(*question) : std::nullopt;
+    const std::optional<driver::EtherboneRecord> question =
+        driver::etherbone_record({bytes.data(), static_cast<std::size_t>(count)});
+    const std::optional<driver::EtherboneRecord> answer = question ? board_.answer(*question) : std::nullopt;
     if (answer) {
-      const std::vector<std::uint8_t> reply = etherbone_bytes(*answer);
+      const std::vector<std::uint8_t> reply = driver::etherbone_bytes(*answer);
       static_cast<void>(sendto(socket_.number(), reply.data(), reply.size(), MSG_DONTWAIT,
                                reinterpret_cast<const sockaddr*>(&from), size));
     }
   }
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::sim

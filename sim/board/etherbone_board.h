@@ -12,25 +12,25 @@
 #include "host/files/file_descriptor.h"
 #include "model/write_mailbox.h"
 
-namespace selfproj {
+namespace selfproj::sim {
 
 // The registers of a board behind its link.
 class EtherboneBoard {
  public:
   // `mailbox`: whether the link has the mailbox for writes, and the registers beside it. The rest is that of
   // WriteMailbox.
-  explicit EtherboneBoard(const WriteMailbox::Access& registers, bool mailbox = true, std::uint32_t ticket = 0,
-                          const VideoBuild& video = {}, ReplayModel* replay = nullptr);
+  explicit EtherboneBoard(const model::WriteMailbox::Access& registers, bool mailbox = true, std::uint32_t ticket = 0,
+                          const model::VideoBuild& video = {}, model::ReplayModel* replay = nullptr);
 
   // Does what a record asks for. Returns the answer, if one belongs to it.
-  std::optional<EtherboneRecord> answer(const EtherboneRecord& question);
+  std::optional<driver::EtherboneRecord> answer(const driver::EtherboneRecord& question);
 
   // The register `source`.
   [[nodiscard]] std::uint32_t source() const { return mailbox_ ? mailbox_->source() : spec::kSourceCamera; }
 
  private:
-  WriteMailbox::Access registers_;
-  std::optional<WriteMailbox> mailbox_;
+  model::WriteMailbox::Access registers_;
+  std::optional<model::WriteMailbox> mailbox_;
 };
 
 // A thread that answers in the place of a board.
@@ -38,7 +38,7 @@ class EtherboneServer {
  public:
   // At `place`, ADDRESS or ADDRESS:PORT of this machine, port kEtherbonePort unless given. `name` is what the user
   // gave, for errors. `registers` is called by the thread. Throws UserError.
-  EtherboneServer(const std::string& name, const std::string& place, const WriteMailbox::Access& registers);
+  EtherboneServer(const std::string& name, const std::string& place, const model::WriteMailbox::Access& registers);
   EtherboneServer(const EtherboneServer&) = delete;
   EtherboneServer& operator=(const EtherboneServer&) = delete;
   ~EtherboneServer();
@@ -47,11 +47,11 @@ class EtherboneServer {
   void run();
 
   EtherboneBoard board_;
-  FileDescriptor socket_;
+  files::FileDescriptor socket_;
   std::atomic<bool> stop_ = false;
   std::thread thread_;
 };
 
-}  // namespace selfproj
+}  // namespace selfproj::sim
 
 #endif  // SELFPROJ_SIM_BOARD_ETHERBONE_BOARD_H

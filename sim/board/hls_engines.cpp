@@ -10,29 +10,30 @@
 #include "hls/column_moments.h"
 #include "hls/column_runs.h"
 #include "hls/gray_decoder.h"
-#include "model/packet.h"
+#include "selfproj/model/packet.h"
 #include "sim/board/engines.h"
 #include "sim/board/hls_streams.h"
 
-namespace selfproj {
+namespace selfproj::sim {
 namespace {
 
 class HlsEngine final : public MomentsEngine {
  public:
   [[nodiscard]] std::string name() const override { return "hls"; }
 
-  void process(std::span<const ImageView> frames, const MomentsSettings& settings, std::span<Runs> out) override {
-    const Measure& measure = settings.measure;
+  void process(std::span<const model::ImageView> frames, const MomentsSettings& settings,
+               std::span<model::Runs> out) override {
+    const model::Measure& measure = settings.measure;
     hls::MomentsSetup setup;
     setup.columns = settings.columns;
     setup.rows = settings.rows;
     setup.mode = static_cast<unsigned>(measure.mode);
     setup.threshold = measure.threshold;
-    setup.strongest = measure.select == Select::strongest;
+    setup.strongest = measure.select == model::Select::strongest;
     setup.gap = measure.gap;
     setup.first_row = measure.window.first;
     setup.last_row = measure.window.last;
-    const std::size_t size = moments_payload_bytes(measure.mode, settings.columns);
+    const std::size_t size = model::moments_payload_bytes(measure.mode, settings.columns);
     for (std::size_t i = 0; i < frames.size(); ++i) {
       push_frame(frames[i], video_);
       bool more = true;
@@ -51,7 +52,7 @@ class HlsEngine final : public MomentsEngine {
         throw std::runtime_error("engine hls: frame " + std::to_string(i + 1) + " gave no whole payload");
       }
       out[i].resize(measure.select, settings.columns);
-      unpack_columns(measure.select, measure.mode, settings.columns, bytes_.data(), out[i].view());
+      model::unpack_columns(measure.select, measure.mode, settings.columns, bytes_.data(), out[i].view());
     }
   }
 
@@ -77,7 +78,7 @@ class GrayHlsEngine final : public GrayEngine {
   [[nodiscard]] int max_rows() const override { return kRows; }
   [[nodiscard]] int max_columns() const override { return kColumns; }
 
-  void start(const GraySettings& settings, bool median) override {
+  void start(const model::GraySettings& settings, bool median) override {
     kernel_ = std::make_unique<Kernel>();
     setup_.columns = settings.columns;
     setup_.rows = settings.rows;
@@ -86,7 +87,7 @@ class GrayHlsEngine final : public GrayEngine {
     setup_.median = median;
   }
 
-  bool take(const ImageView& image, int pattern, std::uint16_t* codes) override {
+  bool take(const model::ImageView& image, int pattern, std::uint16_t* codes) override {
     push_frame(image, video_);
     const hls::PatternIndex index = pattern;
     bool more = true;
@@ -126,4 +127,4 @@ class GrayHlsEngine final : public GrayEngine {
 
 std::unique_ptr<GrayEngine> make_gray_hls_engine() { return std::make_unique<GrayHlsEngine>(); }
 
-}  // namespace selfproj
+}  // namespace selfproj::sim

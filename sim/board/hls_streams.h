@@ -6,13 +6,13 @@
 #include <vector>
 
 #include "hls/types.h"
-#include "model/column_moments.h"
-#include "model/spec/generated/selfproj_spec.h"
+#include "selfproj/model/column_moments.h"
+#include "selfproj/model/generated/selfproj_spec.h"
 
-namespace selfproj {
+namespace selfproj::sim {
 
 // A whole frame as beats of video; columns must be a multiple of 4.
-inline void push_frame(const ImageView& image, hls::Stream<hls::AxisBeat<32>>& video) {
+inline void push_frame(const model::ImageView& image, hls::Stream<hls::AxisBeat<32>>& video) {
   for (int row = 0; row < image.rows; ++row) {
     const std::uint8_t* line = image.pixels + row * image.stride;
     for (int column = 0; column < image.columns; column += spec::kPixelsPerBeat) {
@@ -34,6 +34,6 @@ inline void append_beat(const hls::AxisBeat<128>& beat, std::vector<std::uint8_t
   }
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::sim
 
 #endif  // SELFPROJ_SIM_BOARD_HLS_STREAMS_H

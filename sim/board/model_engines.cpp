@@ -7,29 +7,30 @@
 #include <utility>
 #include <vector>
 
-#include "model/column_runs.h"
-#include "model/gray_decoder.h"
-#include "model/gray_match.h"
-#include "model/median3x3.h"
-#include "model/packet_payload.h"
+#include "selfproj/model/column_runs.h"
+#include "selfproj/model/gray_decoder.h"
+#include "selfproj/model/gray_match.h"
+#include "selfproj/model/median3x3.h"
+#include "selfproj/model/packet_payload.h"
 #include "sim/board/engines.h"
 
-namespace selfproj {
+namespace selfproj::sim {
 namespace {
 
 class ModelEngine final : public MomentsEngine {
  public:
   [[nodiscard]] std::string name() const override { return "model"; }
 
-  void process(std::span<const ImageView> frames, const MomentsSettings& settings, std::span<Runs> out) override {
-    const Measure& measure = settings.measure;
-    std::vector<std::uint8_t> payload(moments_payload_bytes(measure.mode, settings.columns));
+  void process(std::span<const model::ImageView> frames, const MomentsSettings& settings,
+               std::span<model::Runs> out) override {
+    const model::Measure& measure = settings.measure;
+    std::vector<std::uint8_t> payload(model::moments_payload_bytes(measure.mode, settings.columns));
     for (std::size_t i = 0; i < frames.size(); ++i) {
       out[i].resize(measure.select, settings.columns);
-      measure_columns(frames[i], measure, out[i].view());
-      if (measure.select == Select::strongest) {  // as a packet tells it
-        pack_runs(measure.mode, settings.columns, out[i].view(), payload.data());
-        unpack_runs(measure.mode, settings.columns, payload.data(), out[i].view());
+      model::measure_columns(frames[i], measure, out[i].view());
+      if (measure.select == model::Select::strongest) {  // as a packet tells it
+        model::pack_runs(measure.mode, settings.columns, out[i].view(), payload.data());
+        model::unpack_runs(measure.mode, settings.columns, payload.data(), out[i].view());
       }
     }
   }
@@ -47,22 +48,22 @@ class GrayModelEngine final : public GrayEngine {
   [[nodiscard]] int max_rows() const override { return 1 << 15; }
   [[nodiscard]] int max_columns() const override { return 1 << 15; }
 
-  void start(const GraySettings& settings, bool median) override {
+  void start(const model::GraySettings& settings, bool median) override {
     decoder_.emplace(settings);
     median_ = median;
     raw_.resize(median ? static_cast<std::size_t>(settings.rows) * static_cast<std::size_t>(settings.columns) : 0);
   }
 
-  bool take(const ImageView& image, int pattern, std::uint16_t* codes) override {
+  bool take(const model::ImageView& image, int pattern, std::uint16_t* codes) override {
     const bool due = decoder_->add_frame(image, pattern, true, median_ ? raw_.data() : codes);
     if (due && median_) {
-      median3x3(raw_.data(), image.rows, image.columns, codes);
+      model::median3x3(raw_.data(), image.rows, image.columns, codes);
     }
     return due;
   }
 
  private:
-  std::optional<GrayDecoder> decoder_;
+  std::optional<model::GrayDecoder> decoder_;
   bool median_ = false;
   std::vector<std::uint16_t> raw_;
 };
@@ -80,8 +81,8 @@ class MatchModelEngine final : public MatchEngine {
   [[nodiscard]] std::string name() const override { return "model"; }
 
   void look_up(const std::uint16_t* codes, int rows, int columns, std::uint16_t* lines) override {
-    GrayMatch::look_up(codes, static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns), bits_, table_.data(),
-                       lines);
+    model::GrayMatch::look_up(codes, static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns), bits_,
+                              table_.data(), lines);
   }
 
  private:
@@ -95,4 +96,4 @@ std::unique_ptr<MatchEngine> make_match_model_engine(std::vector<std::uint16_t> 
   return std::make_unique<MatchModelEngine>(std::move(table), bits);
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::sim

@@ -13,14 +13,14 @@
 #include <string>
 #include <vector>
 
-#include "host/driver/device.h"
-#include "host/files/user_error.h"
-#include "model/board.h"
-#include "model/packet.h"
+#include "selfproj/driver/device.h"
+#include "selfproj/files/user_error.h"
+#include "selfproj/model/board.h"
+#include "selfproj/model/packet.h"
 
-namespace selfproj {
+namespace selfproj::sim {
 
-void PacketRecording::add(const PacketHeader& header, std::span<const std::uint8_t> packet) {
+void PacketRecording::add(const model::PacketHeader& header, std::span<const std::uint8_t> packet) {
   if (frames_.empty() || frames_.back().sequence != header.sequence) {
     frames_.push_back({header.sequence, header.encoder, packets_.size(), 0});
   }
@@ -45,7 +45,8 @@ void PacketRecording::stamp(std::size_t packet, std::uint64_t frame, double cloc
                                 static_cast<std::uint32_t>(loops) * way_of_loop;
 
   const auto time_stamp = static_cast<std::uint64_t>(static_cast<double>(frame) * clocks_per_frame);
-  stamp_packet({room, recorded.size}, {.sequence = frame, .time_stamp = time_stamp, .encoder = encoder, .lost = 0});
+  model::stamp_packet({room, recorded.size},
+                      {.sequence = frame, .time_stamp = time_stamp, .encoder = encoder, .lost = 0});
 }
 
 namespace {
@@ -55,12 +56,13 @@ constexpr std::uint64_t kMaxSearched = std::uint64_t{1} << 28U;  // bytes: a fil
 
 }  // namespace
 
-PacketRecording read_recording(const std::string& file, Counters& counters) {
+PacketRecording read_recording(const std::string& file, driver::Counters& counters) {
   PacketRecording recording;
-  const std::unique_ptr<Device> device = open_device("file:" + file);
-  PacketView packet;
-  for (Next next = Next::timeout; next != Next::end; next = device->next(packet, std::chrono::seconds(1))) {
-    if (next == Next::packet) {
+  const std::unique_ptr<driver::Device> device = driver::open_device("file:" + file);
+  model::PacketView packet;
+  for (driver::Next next = driver::Next::timeout; next != driver::Next::end;
+       next = device->next(packet, std::chrono::seconds(1))) {
+    if (next == driver::Next::packet) {
       recording.add(packet.header, packet.bytes());
     }
     if (recording.frames() == 0 && device->counters().bytes_discarded > kMaxSearched) {
@@ -77,7 +79,7 @@ PacketRecording read_recording(const std::string& file, Counters& counters) {
   return recording;
 }
 
-PacketRecording moving_line(int rows, int columns, int frames, Mode mode, int threshold) {
+PacketRecording moving_line(int rows, int columns, int frames, model::Mode mode, int threshold) {
   constexpr double kPeak = 200;
   constexpr double kBackground = 10;
   constexpr double kSigma = 2;
@@ -88,9 +90,9 @@ PacketRecording moving_line(int rows, int columns, int frames, Mode mode, int th
   }
   PacketRecording recording;
   std::vector<std::uint8_t> pixels(static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns));
-  std::vector<std::uint8_t> payload(moments_payload_bytes(mode, columns));
+  std::vector<std::uint8_t> payload(model::moments_payload_bytes(mode, columns));
   std::vector<std::uint8_t> packet;
-  Moments moments;
+  model::Moments moments;
   moments.resize(columns);
   for (int frame = 0; frame < frames; ++frame) {
     for (int column = 0; column < columns; ++column) {
@@ -103,37 +105,37 @@ PacketRecording moving_line(int rows, int columns, int frames, Mode mode, int th
             static_cast<std::uint8_t>(std::lround(grey));
       }
     }
-    column_moments({pixels.data(), rows, columns, columns}, mode, threshold, moments.view());
-    pack_moments(mode, columns, moments.view(), payload.data());
-    PacketHeader header;
+    model::column_moments({pixels.data(), rows, columns, columns}, mode, threshold, moments.view());
+    model::pack_moments(mode, columns, moments.view(), payload.data());
+    model::PacketHeader header;
     header.kind = spec::kKindMoments;
     header.sequence = static_cast<std::uint64_t>(frame);
     header.encoder = static_cast<std::uint32_t>(frame) * kEncoderPerFrame;
-    describe_frame(header, rows, columns, {.mode = mode, .threshold = threshold});
+    model::describe_frame(header, rows, columns, {.mode = mode, .threshold = threshold});
     packet.clear();
-    append_packet(header, payload, 0, packet);
+    model::append_packet(header, payload, 0, packet);
     recording.add(header, packet);
   }
   return recording;
 }
 
-PacketRecording recording_of_images(const BoardSettings& settings, std::size_t images, int patterns,
-                                    const std::function<ImageView(std::size_t)>& image) {
+PacketRecording recording_of_images(const model::BoardSettings& settings, std::size_t images, int patterns,
+                                    const std::function<model::ImageView(std::size_t)>& image) {
   constexpr std::uint64_t kPause = 100;  // clocks between two frames: enough for the decoder
   PacketRecording recording;
   std::vector<std::uint8_t> packet;
-  BoardModel board(
-      [&](BoardPacket&& made) {
+  model::BoardModel board(
+      [&](model::BoardPacket&& made) {
         packet.clear();
-        append_packet(made.header, made.payload, made.status, packet);
+        model::append_packet(made.header, made.payload, made.status, packet);
         recording.add(made.header, packet);
       },
       settings.median);
   board.write(settings);
-  BoardInputs inputs;
-  VideoBeat beat;
+  model::BoardInputs inputs;
+  model::VideoBeat beat;
   for (std::size_t i = 0; i < images; ++i) {
-    const ImageView view = image(i);
+    const model::ImageView view = image(i);
     inputs.clock += kPause;
     inputs.pattern = static_cast<std::uint16_t>(i % static_cast<std::size_t>(patterns));
     for (int row = 0; row < settings.rows; ++row) {
@@ -149,4 +151,4 @@ PacketRecording recording_of_images(const BoardSettings& settings, std::size_t i
   return recording;
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::sim

@@ -11,13 +11,13 @@
 #include <vector>
 
 #include "host/driver/clock.h"
-#include "host/driver/counters.h"
-#include "model/board.h"
-#include "model/column_moments.h"
-#include "model/packet.h"
 #include "model/register_file.h"
+#include "selfproj/driver/counters.h"
+#include "selfproj/model/board.h"
+#include "selfproj/model/column_moments.h"
+#include "selfproj/model/packet.h"
 
-namespace selfproj {
+namespace selfproj::sim {
 
 // The packets of a run of frames, held in memory. A frame consists of the packets with one sequence number: its
 // moments, and the lines of its image and code image if there are any.
@@ -27,7 +27,7 @@ namespace selfproj {
 class PacketRecording {
  public:
   // Adds a packet, which must be right.
-  void add(const PacketHeader& header, std::span<const std::uint8_t> packet);
+  void add(const model::PacketHeader& header, std::span<const std::uint8_t> packet);
 
   [[nodiscard]] std::size_t frames() const { return frames_.size(); }
   [[nodiscard]] std::size_t packets() const { return packets_.size(); }
@@ -64,7 +64,7 @@ class PacketRecording {
 
 // Reads a recorded stream to its end. The driver's counts go to `counters`. Throws UserError if the file cannot be read
 // or has no good packet.
-PacketRecording read_recording(const std::string& file, Counters& counters);
+PacketRecording read_recording(const std::string& file, driver::Counters& counters);
 
 // A line of light that moves over the image, through the model of the board: `frames` images of rows x columns 8-bit
 // pixels (peak 200, background 10, standard deviation two pixels, no noise), after which it is back where it began. The
@@ -73,26 +73,26 @@ PacketRecording read_recording(const std::string& file, Counters& counters);
 //     (rows - 1)/2 + (rows/4) sin(2π (η/columns + k/frames))
 //
 // Every pixel and moment is thus known. Throws std::invalid_argument if a number is out of the circuit's range.
-PacketRecording moving_line(int rows, int columns, int frames, Mode mode, int threshold);
+PacketRecording moving_line(int rows, int columns, int frames, model::Mode mode, int threshold);
 
 // The packets that the model of the board makes of `images` images, image i under pattern i % patterns. The settings
 // say their size and what is sent besides the moments. `image` is asked in order.
-PacketRecording recording_of_images(const BoardSettings& settings, std::size_t images, int patterns,
-                                    const std::function<ImageView(std::size_t)>& image);
+PacketRecording recording_of_images(const model::BoardSettings& settings, std::size_t images, int patterns,
+                                    const std::function<model::ImageView(std::size_t)>& image);
 
 // The registers of a board that plays recorded packets: settings are taken or refused as a board does, but change no
 // packet; frames and time go on. One thread counts, another one accesses.
 class PlayedRegisters {
  public:
-  explicit PlayedRegisters(double pixel_clock_hz) : clocks_per_ns_(pixel_clock_hz / 1e9), start_ns_(now_ns()) {}
+  explicit PlayedRegisters(double pixel_clock_hz) : clocks_per_ns_(pixel_clock_hz / 1e9), start_ns_(driver::now_ns()) {}
 
   void set_frames(std::uint64_t frames) { frames_ = static_cast<std::uint32_t>(frames); }
 
-  RegisterAnswer access(bool write, std::uint32_t address, std::uint32_t data) {
+  model::RegisterAnswer access(bool write, std::uint32_t address, std::uint32_t data) {
     if (write) {
       return registers_.write(address, data);
     }
-    const double clocks = static_cast<double>(now_ns() - start_ns_) * clocks_per_ns_;
+    const double clocks = static_cast<double>(driver::now_ns() - start_ns_) * clocks_per_ns_;
     return registers_.read(address, {.frames = frames_, .time = static_cast<std::uint64_t>(clocks)});
   }
 
@@ -100,9 +100,9 @@ class PlayedRegisters {
   double clocks_per_ns_;
   std::int64_t start_ns_;
   std::atomic<std::uint32_t> frames_ = 0;
-  RegisterFile registers_;
+  model::RegisterFile registers_;
 };
 
-}  // namespace selfproj
+}  // namespace selfproj::sim
 
 #endif  // SELFPROJ_SIM_BOARD_PACKET_RECORDING_H

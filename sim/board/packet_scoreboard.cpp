@@ -7,12 +7,12 @@
 #include <string>
 #include <utility>
 
-#include "model/packet.h"
+#include "selfproj/model/packet.h"
 
-namespace selfproj {
+namespace selfproj::sim {
 namespace {
 
-std::string name_of(const PacketHeader& header) {
+std::string name_of(const model::PacketHeader& header) {
   return "packet of frame " + std::to_string(header.sequence + 1) + " (" + std::to_string(header.columns) + " x " +
          std::to_string(header.rows) + ", mode " + std::to_string(header.mode) + "), line " +
          std::to_string(header.first_line) + ", kind " + std::to_string(header.kind);
@@ -20,29 +20,30 @@ std::string name_of(const PacketHeader& header) {
 
 }  // namespace
 
-void PacketScoreboard::expect(BoardPacket&& packet) {
+void PacketScoreboard::expect(model::BoardPacket&& packet) {
   streams_[index(packet.header.kind)].expected.push_back(std::move(packet));
 }
 
 bool PacketScoreboard::compare(std::span<const std::uint8_t> bytes) {
-  PacketView got;
-  const PacketError error = parse_packet(bytes, got);
-  if (error != PacketError::none) {
-    return fail(std::string("no packet: ") + to_string(error) + ", " + std::to_string(bytes.size()) + " bytes");
+  model::PacketView got;
+  const model::PacketError error = model::parse_packet(bytes, got);
+  if (error != model::PacketError::none) {
+    return fail(std::string("no packet: ") + model::to_string(error) + ", " + std::to_string(bytes.size()) + " bytes");
   }
   Stream& stream = streams_[index(got.header.kind)];
-  const auto found = std::find_if(stream.expected.begin(), stream.expected.end(), [&](const BoardPacket& packet) {
-    return packet.header.sequence == got.header.sequence && packet.header.first_line == got.header.first_line;
-  });
+  const auto found =
+      std::find_if(stream.expected.begin(), stream.expected.end(), [&](const model::BoardPacket& packet) {
+        return packet.header.sequence == got.header.sequence && packet.header.first_line == got.header.first_line;
+      });
   if (found == stream.expected.end()) {
     return fail(name_of(got.header) + ": none is expected");
   }
   stream.known.lost += static_cast<std::uint64_t>(found - stream.expected.begin());
-  BoardPacket packet = std::move(*found);
+  model::BoardPacket packet = std::move(*found);
   stream.expected.erase(stream.expected.begin(), found + 1);
   packet.header.lost = stream.lost_in_all();
   want_.clear();
-  append_packet(packet.header, packet.payload, packet.status, want_);
+  model::append_packet(packet.header, packet.payload, packet.status, want_);
   if (!std::equal(want_.begin(), want_.end(), bytes.begin(), bytes.end())) {
     const auto at = std::mismatch(want_.begin(), want_.end(), bytes.begin(), bytes.end()).first - want_.begin();
     const auto both = [](const char* what, std::size_t is, std::size_t expected) {
@@ -96,4 +97,4 @@ bool PacketScoreboard::fail(const std::string& what) {
   return false;
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::sim

@@ -11,10 +11,10 @@
 #include <string>
 #include <vector>
 
-#include "model/board.h"
-#include "model/packet.h"
+#include "selfproj/model/board.h"
+#include "selfproj/model/packet.h"
 
-namespace selfproj {
+namespace selfproj::sim {
 
 // Every packet must be the next one of its kind that the model expects, or a later one. The packets in between were
 // lost, and the packet's own count of losses must say exactly that. Packets that are still expected at the end were
@@ -23,9 +23,9 @@ class PacketScoreboard {
  public:
   // The state of one kind of packet.
   struct Kind {
-    std::uint64_t matched = 0;  // packets equal to the model's
-    std::uint64_t lost = 0;     // packets that never came; after finish() all of them
-    PacketHeader last_header;   // header of the last packet that matched
+    std::uint64_t matched = 0;        // packets equal to the model's
+    std::uint64_t lost = 0;           // packets that never came; after finish() all of them
+    model::PacketHeader last_header;  // header of the last packet that matched
     std::uint32_t last_status = 0;
   };
 
@@ -33,7 +33,7 @@ class PacketScoreboard {
   void lost_before(std::uint8_t kind, std::uint32_t count) { streams_[index(kind)].lost_before = count; }
 
   // A packet of the model, with `lost` 0. Must come before the board's own.
-  void expect(BoardPacket&& packet);
+  void expect(model::BoardPacket&& packet);
 
   // A packet of the board, no byte more or less. Returns false if it is not a packet, was not expected, or differs.
   bool compare(std::span<const std::uint8_t> bytes);
@@ -60,7 +60,7 @@ class PacketScoreboard {
  private:
   struct Stream {
     Kind known;
-    std::deque<BoardPacket> expected;
+    std::deque<model::BoardPacket> expected;
     std::uint32_t lost_before = 0;
 
     [[nodiscard]] std::uint32_t lost_in_all() const { return lost_before + static_cast<std::uint32_t>(known.lost); }
@@ -79,6 +79,6 @@ class PacketScoreboard {
   std::string first_mismatch_;
 };
 
-}  // namespace selfproj
+}  // namespace selfproj::sim
 
 #endif  // SELFPROJ_SIM_BOARD_PACKET_SCOREBOARD_H

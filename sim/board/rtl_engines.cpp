@@ -17,20 +17,21 @@
 #include "Vboard_runs.h"
 #include "Vgray.h"
 #include "Vmatch.h"
-#include "model/packet.h"
-#include "model/spec/generated/selfproj_spec.h"
+#include "selfproj/model/generated/selfproj_spec.h"
+#include "selfproj/model/packet.h"
 #include "sim/board/board_device.h"
 #include "sim/board/engines.h"
 
-namespace selfproj {
+namespace selfproj::sim {
 namespace {
 
 class RtlEngine final : public MomentsEngine {
  public:
   [[nodiscard]] std::string name() const override { return "rtl"; }
 
-  void process(std::span<const ImageView> frames, const MomentsSettings& settings, std::span<Runs> out) override {
-    if (settings.measure.select == Select::strongest) {
+  void process(std::span<const model::ImageView> frames, const MomentsSettings& settings,
+               std::span<model::Runs> out) override {
+    if (settings.measure.select == model::Select::strongest) {
       process_on<Vboard_runs>(frames, settings, out);
     } else {
       process_on<Vboard>(frames, settings, out);
@@ -39,35 +40,37 @@ class RtlEngine final : public MomentsEngine {
 
  private:
   template <class Model>
-  void process_on(std::span<const ImageView> frames, const MomentsSettings& settings, std::span<Runs> out) {
-    const Measure& measure = settings.measure;
+  void process_on(std::span<const model::ImageView> frames, const MomentsSettings& settings,
+                  std::span<model::Runs> out) {
+    const model::Measure& measure = settings.measure;
     BoardDevice<Model> board;
     std::size_t received = 0;
     std::string problem;
     board.on_packet([&](std::span<const std::uint8_t> bytes) {
-      PacketView packet;
-      const PacketError error = parse_packet(bytes, packet);
-      if (error != PacketError::none) {
-        problem = std::string("bad packet: ") + to_string(error);
+      model::PacketView packet;
+      const model::PacketError error = model::parse_packet(bytes, packet);
+      if (error != model::PacketError::none) {
+        problem = std::string("bad packet: ") + model::to_string(error);
       } else if (packet.status != 0 || packet.header.lost != 0 || packet.header.sequence != received ||
                  received == out.size()) {
         problem = "frame " + std::to_string(received + 1) + " was lost or broken on the board";
       } else {
         out[received].resize(measure.select, settings.columns);
-        unpack_columns(measure.select, measure.mode, settings.columns, packet.payload.data(), out[received].view());
+        model::unpack_columns(measure.select, measure.mode, settings.columns, packet.payload.data(),
+                              out[received].view());
         ++received;
       }
     });
-    board.write(BoardSettings{.columns = settings.columns,
-                              .rows = settings.rows,
-                              .mode = measure.mode,
-                              .threshold = measure.threshold,
-                              .select = measure.select,
-                              .gap = measure.gap,
-                              .window = measure.window});
+    board.write(model::BoardSettings{.columns = settings.columns,
+                                     .rows = settings.rows,
+                                     .mode = measure.mode,
+                                     .threshold = measure.threshold,
+                                     .select = measure.select,
+                                     .gap = measure.gap,
+                                     .window = measure.window});
     // Frames of few rows must not follow each other immediately. Leave the time that two packets need.
-    const auto gap = static_cast<std::uint32_t>(moments_payload_bytes(measure.mode, settings.columns) / 8 + 64);
-    for (const ImageView& frame : frames) {
+    const auto gap = static_cast<std::uint32_t>(model::moments_payload_bytes(measure.mode, settings.columns) / 8 + 64);
+    for (const model::ImageView& frame : frames) {
       board.send(frame);
       board.gap(gap);
       board.drain(gap);
@@ -111,7 +114,7 @@ class GrayRtlEngine final : public GrayEngine {
   [[nodiscard]] int max_rows() const override { return 4095; }  // parameters of Vgray in sim/board/CMakeLists.txt
   [[nodiscard]] int max_columns() const override { return 4096; }
 
-  void start(const GraySettings& settings, bool median) override {
+  void start(const model::GraySettings& settings, bool median) override {
     settings_ = settings;
     dut_->decode_i = 1;
     dut_->median_i = median;
@@ -126,7 +129,7 @@ class GrayRtlEngine final : public GrayEngine {
     idle();
   }
 
-  bool take(const ImageView& image, int pattern, std::uint16_t* codes) override {
+  bool take(const model::ImageView& image, int pattern, std::uint16_t* codes) override {
     out_ = codes;
     left_ = static_cast<std::int64_t>(image.rows) * image.columns;
     const std::int64_t all = left_;
@@ -185,7 +188,7 @@ class GrayRtlEngine final : public GrayEngine {
 
   VerilatedContext context_;
   std::unique_ptr<Vgray> dut_;
-  GraySettings settings_;
+  model::GraySettings settings_;
   std::uint16_t* out_ = nullptr;
   std::int64_t left_ = 0;  // codes still to come
 };
@@ -311,4 +314,4 @@ std::unique_ptr<MatchEngine> make_match_rtl_engine(std::vector<std::uint16_t> ta
   return std::make_unique<MatchRtlEngine>(std::move(table), bits);
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::sim

@@ -2,7 +2,7 @@
 
 #include <cstddef>
 
-namespace selfproj {
+namespace selfproj::sim {
 namespace {
 
 Wide128 words_of(const hls::WideUint<128>& wide) {
@@ -314,4 +314,4 @@ void Median3x3Block::clock(Median3x3Pins& pins) {
   pins.m_status_o = static_cast<std::uint8_t>(status_o_.read().to_uint());
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::sim

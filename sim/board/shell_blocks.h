@@ -14,7 +14,7 @@
 #include "hls/shells/median3x3_shell.h"
 #include "hls/types.h"
 
-namespace selfproj {
+namespace selfproj::sim {
 
 // Words of up to 64 bits. The word at rd_addr appears at rd_data one clock after rd_en, and stays until the next read.
 // A read in the same clock as a write to the same address gives a word with every bit wrong, so that nobody can rely on
@@ -305,6 +305,6 @@ class Median3x3Block : public ShellBlock {
   Signal<hls::CodeLine> near_out_{"near_out"}, near_in_{"near_in"}, far_out_{"far_out"}, far_in_{"far_in"};
 };
 
-}  // namespace selfproj
+}  // namespace selfproj::sim
 
 #endif  // SELFPROJ_SIM_BOARD_SHELL_BLOCKS_H

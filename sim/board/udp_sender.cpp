@@ -18,24 +18,26 @@
 
 #include "host/driver/udp_socket.h"
 #include "host/files/file_descriptor.h"
-#include "host/files/user_error.h"
-#include "model/packet.h"
+#include "selfproj/files/user_error.h"
+#include "selfproj/model/packet.h"
 
-namespace selfproj {
+namespace selfproj::sim {
 
 UdpSender::UdpSender(const std::string& to, const std::string& from, bool jumbo)
-    : cutter_(static_cast<std::uint16_t>(std::random_device()()), jumbo ? kJumboDatagramBytes : kDatagramBytes),
-      to_(udp_address("--udp " + to, udp_place("--udp " + to, to, kDatagramPort))),
-      waiting_(datagrams_of(kLargestPacketBytes, datagram_piece(kDatagramBytes))) {
+    : cutter_(static_cast<std::uint16_t>(std::random_device()()),
+              jumbo ? model::kJumboDatagramBytes : model::kDatagramBytes),
+      to_(driver::udp_address("--udp " + to, driver::udp_place("--udp " + to, to, model::kDatagramPort))),
+      waiting_(model::datagrams_of(model::kLargestPacketBytes, model::datagram_piece(model::kDatagramBytes))) {
   socket_ = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   if (socket_ < 0) {
-    throw UserError("--udp " + to, error_text(errno));
+    throw UserError("--udp " + to, files::error_text(errno));
   }
   if (!from.empty()) {
     try {
-      const sockaddr_in here = udp_address("--from " + from, udp_place("--from " + from, from, ntohs(to_.sin_port)));
+      const sockaddr_in here =
+          driver::udp_address("--from " + from, driver::udp_place("--from " + from, from, ntohs(to_.sin_port)));
       if (bind(socket_, reinterpret_cast<const sockaddr*>(&here), sizeof here) != 0) {
-        throw UserError("--from " + from, error_text(errno));
+        throw UserError("--from " + from, files::error_text(errno));
       }
     } catch (const UserError&) {
       close(socket_);
@@ -64,7 +66,7 @@ void UdpSender::finish() {
 
 void UdpSender::flush() {
   constexpr std::size_t kMost = 16;
-  static_assert(datagrams_of(kLargestPacketBytes, datagram_piece(kDatagramBytes)) <= kMost);
+  static_assert(model::datagrams_of(model::kLargestPacketBytes, model::datagram_piece(model::kDatagramBytes)) <= kMost);
   std::array<iovec, kMost> pieces{};
   std::array<mmsghdr, kMost> messages{};
   for (std::size_t i = 0; i < count_; ++i) {
@@ -89,4 +91,4 @@ void UdpSender::flush() {
   count_ = 0;
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::sim

@@ -12,7 +12,7 @@
 
 #include "model/datagram.h"
 
-namespace selfproj {
+namespace selfproj::sim {
 
 // A socket that sends packets to one host.
 class UdpSender {
@@ -37,7 +37,7 @@ class UdpSender {
  private:
   void flush();
 
-  DatagramCutter cutter_;
+  model::DatagramCutter cutter_;
   sockaddr_in to_{};
   int socket_ = -1;
   std::vector<std::vector<std::uint8_t>> waiting_;  // datagrams of one packet; the first count_ of them
@@ -45,6 +45,6 @@ class UdpSender {
   std::uint64_t failed_ = 0;
 };
 
-}  // namespace selfproj
+}  // namespace selfproj::sim
 
 #endif  // SELFPROJ_SIM_BOARD_UDP_SENDER_H

@@ -16,7 +16,7 @@
 #include <verilated_cov.h>
 #endif
 
-namespace selfproj {
+namespace selfproj::sim {
 
 // Coverage of the RTL by a program, in builds with SELFPROJ_COVERAGE (scripts/coverage.sh).
 //
@@ -105,6 +105,6 @@ void choose_mutant(Model& model) {
   }
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::sim
 
 #endif  // SELFPROJ_SIM_BOARD_VERILATED_MODEL_H

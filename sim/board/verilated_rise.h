@@ -9,7 +9,7 @@
 
 #include "sim/board/clocks.h"
 
-namespace selfproj {
+namespace selfproj::sim {
 namespace {
 
 template <class Root>
@@ -111,6 +111,6 @@ bool rises_fast<SELFPROJ_MODEL>() {
   return HasParts<SELFPROJ_MODEL>;
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::sim
 
 #endif  // SELFPROJ_SIM_BOARD_VERILATED_RISE_H

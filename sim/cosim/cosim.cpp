@@ -23,18 +23,18 @@
 #include "host/files/output_folder.h"
 #include "host/files/results_file.h"
 #include "host/files/temporary.h"
-#include "host/files/user_error.h"
 #include "host/images/image_files.h"
 #include "host/report/facts.h"
 #include "host/report/report.h"
-#include "model/packet.h"
+#include "selfproj/files/user_error.h"
+#include "selfproj/model/packet.h"
 #include "sim/board/packet_scoreboard.h"
 #include "sim/cosim/cosim_measurement.h"
 #include "sim/cosim/cosim_options.h"
 #include "sim/platform/platform.h"
 #include "sim/scene/scenes.h"
 
-namespace selfproj {
+namespace selfproj::sim {
 namespace {
 
 namespace fs = std::filesystem;
@@ -63,10 +63,10 @@ class TraceFile {
     if (name_.empty()) {
       return;
     }
-    const OutputFile check(name_);
-    const OutputFile check_part(part);
+    const files::OutputFile check(name_);
+    const files::OutputFile check_part(part);
     std::error_code error;
-    parents_.emplace(parent_of(name_), error);
+    parents_.emplace(files::parent_of(name_), error);
     if (error) {
       throw UserError(name_, error.message());
     }
@@ -88,9 +88,9 @@ class TraceFile {
 
  private:
   std::string name_;
-  std::optional<MadeFolders> parents_;
-  std::optional<RemovedAtEnd> part_;
-  std::optional<RemovedAtEnd> hierarchy_;
+  std::optional<files::MadeFolders> parents_;
+  std::optional<files::RemovedAtEnd> part_;
+  std::optional<files::RemovedAtEnd> hierarchy_;
 };
 
 PlatformOptions platform_of(const CosimOptions& options, CosimMeasurement& measurement) {
@@ -139,17 +139,17 @@ void compare_counters(CosimResult& result, std::uint64_t misframed) {
 class Run {
  public:
   // `stream` and `folder` may be null.
-  Run(CosimMeasurement& measurement, std::string* stream, OutputFolder* folder)
+  Run(CosimMeasurement& measurement, std::string* stream, files::OutputFolder* folder)
       : measurement_(measurement), stream_(stream), folder_(folder) {}
 
   CosimResult operator()(const PlatformOptions& options) {
     FrameSource& source = measurement_.source();
-    Progress progress("frame", source.total());
+    cli::Progress progress("frame", source.total());
     std::size_t given = 0;
     Platform platform(
         options,
-        [&]() -> std::optional<ImageView> {
-          const Image* image = source.next();
+        [&]() -> std::optional<model::ImageView> {
+          const images::Image* image = source.next();
           if (image == nullptr) {
             return std::nullopt;
           }
@@ -158,7 +158,7 @@ class Run {
           return image->view();
         },
         [&](std::span<const std::uint8_t> bytes, std::uint64_t /*time_ps*/) { receive(bytes); },
-        [&](BoardPacket&& packet) { scoreboard_.expect(std::move(packet)); });
+        [&](model::BoardPacket&& packet) { scoreboard_.expect(std::move(packet)); });
     platform.run();
     device_.finish();
     next_packets();
@@ -188,8 +188,8 @@ class Run {
   }
 
   void next_packets() {
-    PacketView packet;
-    while (device_.next(packet, std::chrono::nanoseconds(0)) == Next::packet) {
+    model::PacketView packet;
+    while (device_.next(packet, std::chrono::nanoseconds(0)) == driver::Next::packet) {
       const std::span<const std::uint8_t> bytes = packet.bytes();
       if (scoreboard_.compare(bytes) && packet.header.kind == spec::kKindMoments) {
         ++result_.frames;
@@ -204,31 +204,31 @@ class Run {
 
   CosimMeasurement& measurement_;
   std::string* stream_;
-  OutputFolder* folder_;
+  files::OutputFolder* folder_;
   PacketScoreboard scoreboard_;
-  SimDevice device_;
+  driver::SimDevice device_;
   CosimResult result_;
 };
 
-std::vector<Fact> counters_of(const CosimMeasurement& measurement, const CosimResult& result) {
-  std::vector<Fact> facts = measurement.counters(result);
+std::vector<report::Fact> counters_of(const CosimMeasurement& measurement, const CosimResult& result) {
+  std::vector<report::Fact> facts = measurement.counters(result);
   const auto add = [&](const char* key, const char* label, std::uint64_t value) {
     facts.push_back({key, label, static_cast<std::int64_t>(value)});
   };
   add("matched_columns", "columns of moments equal to the model's", result.columns);
   add("matched_frames", "frames equal to the model's", result.frames);
   add("mismatches", "mismatches with the model", result.mismatches);
-  facts.push_back(counter_fact(&Counters::delivered, result.driver.delivered));
+  facts.push_back(report::counter_fact(&driver::Counters::delivered, result.driver.delivered));
   // Also those after the last packet that came, which the driver cannot know of.
-  facts.push_back(counter_fact(&Counters::lost_board, result.lost));
-  facts.push_back(counter_fact(&Counters::lost_ring, result.driver.lost_ring));
-  facts.push_back(counter_fact(&Counters::bad, result.driver.bad));
-  facts.push_back(counter_fact(&Counters::resynchronized, result.driver.resynchronized));
+  facts.push_back(report::counter_fact(&driver::Counters::lost_board, result.lost));
+  facts.push_back(report::counter_fact(&driver::Counters::lost_ring, result.driver.lost_ring));
+  facts.push_back(report::counter_fact(&driver::Counters::bad, result.driver.bad));
+  facts.push_back(report::counter_fact(&driver::Counters::resynchronized, result.driver.resynchronized));
   return facts;
 }
 
 CosimFacts facts_of(const CosimOptions& options, const CosimMeasurement& measurement, const CosimResult& result) {
-  std::vector<Fact> settings = measurement.settings();
+  std::vector<report::Fact> settings = measurement.settings();
   settings.push_back({"clocks", "pixel clocks simulated", static_cast<std::int64_t>(result.platform.clocks)});
   settings.push_back({"bus_stall", "bus not ready", std::int64_t{options.bus_stall}, "%"});
   return {.title = options.frames.empty() ? "Co-simulation: " + options.scene : "Co-simulation of recorded images",
@@ -240,12 +240,12 @@ CosimFacts facts_of(const CosimOptions& options, const CosimMeasurement& measure
 void keep_results(const CosimOptions& options, const CosimMeasurement& measurement, const CosimResult& result) {
   if (options.frames.empty()) {
     const CosimFacts facts = facts_of(options, measurement, result);
-    write_results("cosim_" + options.scene + (options.engine == "rtl" ? "" : "_" + options.engine),
-                  "Co-simulation of the scene " + options.scene + ", every packet compared with the model",
-                  {{"matched", measurement.matched(result)},
-                   {"counters", facts_json(facts.counters)},
-                   {"findings", facts_json(measurement.findings())},
-                   {"settings", facts_json(facts.settings)}});
+    files::write_results("cosim_" + options.scene + (options.engine == "rtl" ? "" : "_" + options.engine),
+                         "Co-simulation of the scene " + options.scene + ", every packet compared with the model",
+                         {{"matched", measurement.matched(result)},
+                          {"counters", report::facts_json(facts.counters)},
+                          {"findings", report::facts_json(measurement.findings())},
+                          {"settings", report::facts_json(facts.settings)}});
   }
 }
 
@@ -276,9 +276,9 @@ void print_outcome(const CosimOptions& options, const CosimMeasurement& measurem
 }  // namespace
 
 void run_cosim(const CosimOptions& options) {
-  const std::optional<OutputFile> packets_file =
-      options.packets.empty() ? std::nullopt : std::optional<OutputFile>(options.packets);
-  std::optional<OutputFolder> folder;
+  const std::optional<files::OutputFile> packets_file =
+      options.packets.empty() ? std::nullopt : std::optional<files::OutputFile>(options.packets);
+  std::optional<files::OutputFolder> folder;
   if (!options.out.empty()) {
     folder.emplace(options.out);
   }
@@ -306,4 +306,4 @@ void run_cosim(const CosimOptions& options) {
   print_outcome(options, *measurement, result, seconds);
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::sim

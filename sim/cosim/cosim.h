@@ -5,13 +5,13 @@
 
 #include "sim/cosim/cosim_options.h"
 
-namespace selfproj {
+namespace selfproj::sim {
 
 // `selfproj-sim cosim`: runs, writes the requested files, and prints the findings. The last line says what was
 // compared: "matched 716800 columns in 1400 frames, 0 mismatches". Throws UserError about bad options or input, and
 // CheckFailed if something differs from the model.
 void run_cosim(const CosimOptions& options);
 
-}  // namespace selfproj
+}  // namespace selfproj::sim
 
 #endif  // SELFPROJ_SIM_COSIM_COSIM_H

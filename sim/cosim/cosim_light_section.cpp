@@ -12,19 +12,19 @@
 #include <vector>
 
 #include "host/files/output_folder.h"
-#include "host/files/user_error.h"
 #include "host/images/frame_options.h"
 #include "host/images/image_files.h"
 #include "host/images/prepared_images.h"
-#include "host/light_section/differential_profile.h"
-#include "host/light_section/inspection.h"
-#include "host/light_section/reference.h"
 #include "host/report/frame_picture.h"
 #include "host/report/inspection_output.h"
 #include "host/report/line_images.h"
 #include "host/report/report.h"
-#include "host/rig/rig.h"
-#include "model/packet.h"
+#include "selfproj/files/user_error.h"
+#include "selfproj/light_section/differential_profile.h"
+#include "selfproj/light_section/inspection.h"
+#include "selfproj/light_section/reference.h"
+#include "selfproj/model/packet.h"
+#include "selfproj/rig/rig.h"
 #include "sim/cosim/cosim_measurement.h"
 #include "sim/cosim/cosim_options.h"
 #include "sim/cosim/light_section.h"
@@ -33,42 +33,42 @@
 #include "sim/scene/scene.h"
 #include "sim/scene/scenes.h"
 
-namespace selfproj {
+namespace selfproj::sim {
 namespace {
 
 // All that frames and profiles need, for scenes and for recorded images.
 struct Setup {
-  Rig rig;
+  rig::Rig rig;
   std::unique_ptr<Scene> scene;
   std::unique_ptr<LineRenderer> renderer;
   std::unique_ptr<FrameSource> source;
-  int image_columns = 0;                           // of the frames without padding; 0: there is none
-  std::unique_ptr<DifferentialProfiler> profiler;  // null without a geometry
-  std::vector<Fact> facts;
+  int image_columns = 0;                                          // of the frames without padding; 0: there is none
+  std::unique_ptr<light_section::DifferentialProfiler> profiler;  // null without a geometry
+  std::vector<report::Fact> facts;
 };
 
-Rig light_section_rig(const std::string& name) {
-  Rig rig = load_rig(name);
-  if (rig.kind != RigKind::light_section) {
+rig::Rig light_section_rig(const std::string& name) {
+  rig::Rig rig = rig::load_rig(name);
+  if (rig.kind != rig::RigKind::light_section) {
     throw UserError("--rig " + name, "is not a rig of kind light-section");
   }
   return rig;
 }
 
 // The rig that computes the profiles.
-Rig rig_of(const CosimOptions& options) {
-  Rig rig = light_section_rig(options.rig.empty() ? "light-section" : options.rig);
+rig::Rig rig_of(const CosimOptions& options) {
+  rig::Rig rig = light_section_rig(options.rig.empty() ? "light-section" : options.rig);
   if (!options.mode.empty()) {
-    rig.measure.mode = mode_of(options.mode);
+    rig.measure.mode = images::mode_of(options.mode);
   }
   rig.measure.threshold = options.threshold.value_or(rig.measure.threshold);
-  Measure measure = rig.measure.of_board();
+  model::Measure measure = rig.measure.of_board();
   options.select.apply(measure);
   rig.measure.apply(measure);
-  if (measure.select == Select::strongest && options.engine == "hls") {
+  if (measure.select == model::Select::strongest && options.engine == "hls") {
     throw UserError("--select strongest", "the SystemC shell has no runs; --engine rtl and model have them");
   }
-  if (measure.select == Select::strongest && !options.trace.empty()) {
+  if (measure.select == model::Select::strongest && !options.trace.empty()) {
     throw UserError("--select strongest", "the board with waveforms has no runs; leave out --trace");
   }
   rig.imaging.seed = options.seed.value_or(rig.imaging.seed);
@@ -76,24 +76,24 @@ Rig rig_of(const CosimOptions& options) {
 }
 
 // The rig that takes the images.
-Rig perturbed_rig_of(const CosimOptions& options, const Rig& rig) {
+rig::Rig perturbed_rig_of(const CosimOptions& options, const rig::Rig& rig) {
   if (options.perturbed_rig.empty()) {
     return rig;
   }
-  Rig actual = light_section_rig(options.perturbed_rig);
+  rig::Rig actual = light_section_rig(options.perturbed_rig);
   if (actual.camera.rows != rig.camera.rows || actual.camera.columns != rig.camera.columns) {
     throw UserError("--perturbed-rig " + options.perturbed_rig,
                     fmt::format("has images of {}, but --rig has images of {}",
-                                size_text(actual.camera.rows, actual.camera.columns),
-                                size_text(rig.camera.rows, rig.camera.columns)));
+                                images::size_text(actual.camera.rows, actual.camera.columns),
+                                images::size_text(rig.camera.rows, rig.camera.columns)));
   }
   actual.imaging.seed = rig.imaging.seed;
   return actual;
 }
 
-std::vector<Fact> scene_facts(const CosimOptions& options, const SceneInfo& scene, const Rig& rig,
-                              const ReferenceProfile& reference) {
-  std::vector<Fact> facts = {
+std::vector<report::Fact> scene_facts(const CosimOptions& options, const SceneInfo& scene, const rig::Rig& rig,
+                                      const light_section::ReferenceProfile& reference) {
+  std::vector<report::Fact> facts = {
       {"scene", "scene", options.scene},
       {"reference", "reference", scene.reference_name()},
       {"residual", "residual of the reference", std::string(options.residual ? "measured and removed" : "left")},
@@ -111,15 +111,15 @@ std::vector<Fact> scene_facts(const CosimOptions& options, const SceneInfo& scen
 Setup scene_setup(const CosimOptions& options, const SceneInfo& info) {
   Setup setup;
   setup.rig = rig_of(options);
-  const Rig& rig = setup.rig;
-  const Rig actual = perturbed_rig_of(options, rig);
+  const rig::Rig& rig = setup.rig;
+  const rig::Rig actual = perturbed_rig_of(options, rig);
   setup.scene = make_scene(info.name, actual);
   const RenderOptions render = options.render();
   const LightSection light =
       self_projection(rig, actual, *make_scene(info.reference_name(), actual), render, options.residual);
   const auto mode =
       static_cast<std::size_t>(std::find(kAllModes.begin(), kAllModes.end(), rig.measure.mode) - kAllModes.begin());
-  const ReferenceProfile& reference = light.references.at(mode);
+  const light_section::ReferenceProfile& reference = light.references.at(mode);
   if (reference.valid_columns() == 0) {
     throw UserError("--scene " + options.scene, "the rig's camera sees the projected line in no column");
   }
@@ -129,7 +129,7 @@ Setup scene_setup(const CosimOptions& options, const SceneInfo& info) {
   setup.source = std::make_unique<SceneFrames>(
       [renderer = setup.renderer.get()](int frame, std::span<std::uint8_t> pixels) { renderer->render(frame, pixels); },
       rig.camera.rows, rig.camera.columns, options.first - 1, count);
-  setup.profiler = std::make_unique<DifferentialProfiler>(rig, reference);
+  setup.profiler = std::make_unique<light_section::DifferentialProfiler>(rig, reference);
   setup.facts = scene_facts(options, info, rig, reference);
   return setup;
 }
@@ -147,7 +147,7 @@ std::vector<std::string> files_of(const std::string& option, const std::vector<s
 std::unique_ptr<RecordedFrames> recorded_frames(const CosimOptions& options) {
   std::vector<std::string> files = files_of("--frames", options.frames);
   const std::size_t count = frames_of_run(options, files.size(), "--frames " + options.frames.front());
-  Preparation preparation = options.preparation;
+  images::Preparation preparation = options.preparation;
   preparation.background = files_of("--background", options.preparation.background);
   if (preparation.background.size() == 1 && files.size() > 1) {
     // one for all frames
@@ -161,13 +161,13 @@ std::unique_ptr<RecordedFrames> recorded_frames(const CosimOptions& options) {
       list->resize(count);
     }
   }
-  auto source = std::make_unique<RecordedFrames>(PreparedImages(files, preparation), 0, count);
+  auto source = std::make_unique<RecordedFrames>(images::PreparedImages(files, preparation), 0, count);
   if (!options.rig.empty()) {
-    const RigCamera& camera = light_section_rig(options.rig).camera;
+    const rig::RigCamera& camera = light_section_rig(options.rig).camera;
     if (source->rows() != camera.rows || source->image_columns() != camera.columns) {
       throw UserError(files.front(), fmt::format("is {}, but the camera of --rig {} has {}",
-                                                 size_text(source->rows(), source->image_columns()), options.rig,
-                                                 size_text(camera.rows, camera.columns)));
+                                                 images::size_text(source->rows(), source->image_columns()),
+                                                 options.rig, images::size_text(camera.rows, camera.columns)));
     }
   }
   return source;
@@ -192,11 +192,12 @@ Setup recorded_setup(const CosimOptions& options) {
   }
   // The straight line that lies on the middle row where it meets the plane.
   const double far = setup.rig.plane_z_mm;
-  const ReferenceProfile reference = reference_of_curve(setup.rig, {{-far, far}, {far, far}});
+  const light_section::ReferenceProfile reference =
+      light_section::reference_of_curve(setup.rig, {{-far, far}, {far, far}});
   if (reference.valid_columns() == 0) {
     throw UserError("--rig " + options.rig, "the camera sees the projected line on the plane in no column");
   }
-  setup.profiler = std::make_unique<DifferentialProfiler>(setup.rig, reference);
+  setup.profiler = std::make_unique<light_section::DifferentialProfiler>(setup.rig, reference);
   setup.facts.push_back({"reference", "reference", std::string("the plane, straight line")});
   return setup;
 }
@@ -211,7 +212,8 @@ class LightSectionCosim final : public CosimMeasurement {
         line_images_(setup_.source->rows(), setup_.image_columns > 0 ? setup_.image_columns : columns_,
                      setup_.rig.measure) {
     if (setup_.profiler != nullptr) {
-      inspection_.emplace(setup_.rig, columns_, InspectionOptions{.expected_frames = setup_.source->total()});
+      inspection_.emplace(setup_.rig, columns_,
+                          light_section::InspectionOptions{.expected_frames = setup_.source->total()});
       profile_.resize(columns_);
     }
     runs_.resize(measure_.select, columns_);
@@ -220,7 +222,7 @@ class LightSectionCosim final : public CosimMeasurement {
   FrameSource& source() override { return *setup_.source; }
 
   [[nodiscard]] PlatformOptions platform() const override {
-    const Rig& rig = setup_.rig;
+    const rig::Rig& rig = setup_.rig;
     PlatformOptions platform;
     platform.engine = engine_of(options_);
     platform.settings = {.columns = columns_,
@@ -264,20 +266,20 @@ class LightSectionCosim final : public CosimMeasurement {
     }
   }
 
-  void frame(std::size_t frame, const Image& image) override {
+  void frame(std::size_t frame, const images::Image& image) override {
     if (std::find(pictures_.begin(), pictures_.end(), frame + 1) != pictures_.end()) {
       camera_[frame + 1].image = image;
       camera_[frame + 1].frame = frame + 1;
     }
   }
 
-  void packet(const PacketView& packet, OutputFolder* folder) override {
+  void packet(const model::PacketView& packet, files::OutputFolder* folder) override {
     if (folder == nullptr || packet.header.kind != spec::kKindMoments || packet.payload.empty() ||
         packet.header.columns != columns_) {
       return;
     }
     const std::size_t frame = packet.header.sequence + 1;
-    unpack_columns(measure_.select, measure_.mode, columns_, packet.payload.data(), runs_.view());
+    model::unpack_columns(measure_.select, measure_.mode, columns_, packet.payload.data(), runs_.view());
     if (const auto picture = camera_.find(frame); picture != camera_.end()) {
       picture->second = line_images_.picture(frame, std::move(picture->second.image), runs_);
     }
@@ -289,8 +291,8 @@ class LightSectionCosim final : public CosimMeasurement {
     }
   }
 
-  [[nodiscard]] std::vector<Fact> settings() const override {
-    std::vector<Fact> facts = setup_.facts;
+  [[nodiscard]] std::vector<report::Fact> settings() const override {
+    std::vector<report::Fact> facts = setup_.facts;
     const CameraTiming timing = this->timing();
     facts.push_back({"engine", "engine", options_.engine});
     facts.push_back({"frame_rate", "frame rate", rate(timing), "Hz"});
@@ -298,15 +300,15 @@ class LightSectionCosim final : public CosimMeasurement {
     return facts;
   }
 
-  void write(OutputFolder& folder, const CosimFacts& facts) override {
-    std::vector<CameraPicture> pictures;  // those whose packet came
+  void write(files::OutputFolder& folder, const CosimFacts& facts) override {
+    std::vector<report::CameraPicture> pictures;  // those whose packet came
     for (const auto& [frame, picture] : camera_) {
       if (!picture.moments.m0.empty()) {
         pictures.push_back(picture);
       }
     }
     if (inspection_) {
-      ReportParts parts;
+      report::ReportParts parts;
       parts.title = facts.title;
       parts.counters = facts.counters;
       parts.settings = facts.settings;
@@ -314,22 +316,23 @@ class LightSectionCosim final : public CosimMeasurement {
         parts.camera = pictures.front();
         pictures.erase(pictures.begin());  // the inspection writes this one
       }
-      write_inspection(*inspection_, folder, parts);
+      report::write_inspection(*inspection_, folder, parts);
     } else {
       line_images_.write(folder, {.title = facts.title, .counters = facts.counters, .settings = facts.settings},
                          setup_.source->total(), pictures);
     }
-    for (const CameraPicture& picture : pictures) {
-      folder.append(fmt::format("frame_{}.png", picture.frame), frame_png(picture));
+    for (const report::CameraPicture& picture : pictures) {
+      folder.append(fmt::format("frame_{}.png", picture.frame), report::frame_png(picture));
     }
   }
 
   [[nodiscard]] std::string text() const override {
-    const RigMeasure& measure = setup_.rig.measure;
-    const std::string select = select_text(measure_);
+    const rig::RigMeasure& measure = setup_.rig.measure;
+    const std::string select = images::select_text(measure_);
     return fmt::format("{}: {} frames of {} at {:.0f} fps, {}, threshold {}{}{}, engine {}\n", options_.what(),
-                       setup_.source->total(), size_text(setup_.source->rows(), columns_), rate(timing()),
-                       mode_name(measure.mode), measure.threshold, select.empty() ? "" : ", ", select, options_.engine);
+                       setup_.source->total(), images::size_text(setup_.source->rows(), columns_), rate(timing()),
+                       images::mode_name(measure.mode), measure.threshold, select.empty() ? "" : ", ", select,
+                       options_.engine);
   }
 
   [[nodiscard]] std::string matched(const CosimResult& result) const override {
@@ -347,13 +350,13 @@ class LightSectionCosim final : public CosimMeasurement {
   const CosimOptions& options_;
   Setup setup_;
   int columns_;
-  Measure measure_;
+  model::Measure measure_;
   std::vector<std::size_t> pictures_;  // frames to show, from 1
-  std::map<std::size_t, CameraPicture> camera_;
-  Profile profile_;
-  Runs runs_;
-  std::optional<Inspection> inspection_;
-  LineImages line_images_;  // used without a geometry
+  std::map<std::size_t, report::CameraPicture> camera_;
+  light_section::Profile profile_;
+  model::Runs runs_;
+  std::optional<light_section::Inspection> inspection_;
+  report::LineImages line_images_;  // used without a geometry
 };
 
 }  // namespace
@@ -366,4 +369,4 @@ std::unique_ptr<CosimMeasurement> make_recorded_cosim(const CosimOptions& option
   return std::make_unique<LightSectionCosim>(options, recorded_setup(options));
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::sim

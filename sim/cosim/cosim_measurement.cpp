@@ -10,23 +10,23 @@
 #include <utility>
 #include <vector>
 
-#include "host/files/user_error.h"
 #include "host/images/frame_options.h"
 #include "host/images/natural_order.h"
 #include "host/images/prepared_images.h"
-#include "model/spec/generated/selfproj_spec.h"
+#include "selfproj/files/user_error.h"
+#include "selfproj/model/generated/selfproj_spec.h"
 
-namespace selfproj {
+namespace selfproj::sim {
 
 SceneFrames::SceneFrames(Render render, int rows, int columns, std::size_t first, std::size_t count)
     : render_(std::move(render)), rows_(rows), columns_(columns), first_(first), count_(count) {}
 
-const Image* SceneFrames::next() {
+const images::Image* SceneFrames::next() {
   const std::size_t wanted = std::max(1U, std::thread::hardware_concurrency());
   while (ahead_.size() < wanted && asked_ < count_) {
     const auto frame = static_cast<int>(first_ + asked_++);
     ahead_.push_back(std::async(std::launch::async, [this, frame] {
-      Image image{rows_, columns_, {}};
+      images::Image image{rows_, columns_, {}};
       image.pixels.resize(static_cast<std::size_t>(rows_) * static_cast<std::size_t>(columns_));
       render_(frame, image.pixels);
       return image;
@@ -40,22 +40,22 @@ const Image* SceneFrames::next() {
   return &image_;
 }
 
-RecordedFrames::RecordedFrames(PreparedImages images, std::size_t first, std::size_t count)
+RecordedFrames::RecordedFrames(images::PreparedImages images, std::size_t first, std::size_t count)
     : images_(std::move(images)),
       first_(first),
       count_(count),
       columns_((images_.columns() + spec::kPixelsPerBeat - 1) / spec::kPixelsPerBeat * spec::kPixelsPerBeat) {
-  check_frame_size(images_.files().front(), {.rows = images_.rows(), .columns = columns_, .pixels = {}}, spec::kMaxRows,
-                   spec::kMaxColumns);
+  images::check_frame_size(images_.files().front(), {.rows = images_.rows(), .columns = columns_, .pixels = {}},
+                           spec::kMaxRows, spec::kMaxColumns);
 }
 
-const Image* RecordedFrames::next() {
+const images::Image* RecordedFrames::next() {
   if (given_ == count_) {
     return nullptr;
   }
   image_ = images_.frame(first_ + given_++, &as_taken_);
   if (columns_ != image_.columns) {
-    image_ = with_columns(image_, columns_);
+    image_ = images::with_columns(image_, columns_);
   }
   return &image_;
 }
@@ -68,7 +68,7 @@ std::vector<std::string> files_of_pattern(const std::string& option, const std::
   if (files.empty()) {
     throw UserError(option + " " + pattern, "no file matches");
   }
-  return in_natural_order(std::move(files));
+  return images::in_natural_order(std::move(files));
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::sim

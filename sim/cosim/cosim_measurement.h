@@ -12,17 +12,17 @@
 #include <string>
 #include <vector>
 
-#include "host/driver/counters.h"
 #include "host/files/output_folder.h"
 #include "host/images/image_files.h"
 #include "host/images/prepared_images.h"
 #include "host/report/report.h"
-#include "model/packet.h"
+#include "selfproj/driver/counters.h"
+#include "selfproj/model/packet.h"
 #include "sim/cosim/cosim_options.h"
 #include "sim/platform/platform.h"
 #include "sim/scene/scenes.h"
 
-namespace selfproj {
+namespace selfproj::sim {
 
 struct CosimResult {
   std::uint64_t columns = 0;     // columns whose moments matched
@@ -32,7 +32,7 @@ struct CosimResult {
   std::uint64_t lost = 0;        // expected packets that did not arrive
   std::string first_mismatch;
   PlatformReport platform;
-  Counters driver;
+  driver::Counters driver;
 
   // Counts a mismatch, and keeps its description if it is the first.
   void mismatch(const std::string& what) {
@@ -55,11 +55,11 @@ class FrameSource {
   [[nodiscard]] virtual int columns() const = 0;
 
   // The next frame, valid until the next call; null after the last one. Throws UserError about bad input.
-  virtual const Image* next() = 0;
+  virtual const images::Image* next() = 0;
 
   // The picture to show for the frame that next() gave last. It differs from the frame only if a background was
   // subtracted.
-  [[nodiscard]] virtual const Image& picture() const = 0;
+  [[nodiscard]] virtual const images::Image& picture() const = 0;
 };
 
 // Frames first..first + count - 1 (from 0) of a rendered scene. Several threads render some of them ahead.
@@ -72,8 +72,8 @@ class SceneFrames final : public FrameSource {
   [[nodiscard]] std::size_t total() const override { return count_; }
   [[nodiscard]] int rows() const override { return rows_; }
   [[nodiscard]] int columns() const override { return columns_; }
-  const Image* next() override;
-  [[nodiscard]] const Image& picture() const override { return image_; }
+  const images::Image* next() override;
+  [[nodiscard]] const images::Image& picture() const override { return image_; }
 
  private:
   Render render_;
@@ -82,31 +82,31 @@ class SceneFrames final : public FrameSource {
   std::size_t first_;
   std::size_t count_;
   std::size_t asked_ = 0;  // frames whose rendering has begun
-  std::deque<std::future<Image>> ahead_;
-  Image image_;
+  std::deque<std::future<images::Image>> ahead_;
+  images::Image image_;
 };
 
 // Images of one size, padded with dark columns to a size that fits the board.
 class RecordedFrames final : public FrameSource {
  public:
   // The images from `first`, from 0, on. Throws UserError as PreparedImages does, and if they do not fit the board.
-  RecordedFrames(PreparedImages images, std::size_t first, std::size_t count);
+  RecordedFrames(images::PreparedImages images, std::size_t first, std::size_t count);
 
   [[nodiscard]] std::size_t total() const override { return count_; }
   [[nodiscard]] int rows() const override { return images_.rows(); }
   [[nodiscard]] int columns() const override { return columns_; }
   // Columns of the images, without the padding.
   [[nodiscard]] int image_columns() const { return images_.columns(); }
-  const Image* next() override;
-  [[nodiscard]] const Image& picture() const override { return as_taken_; }
+  const images::Image* next() override;
+  [[nodiscard]] const images::Image& picture() const override { return as_taken_; }
 
  private:
-  PreparedImages images_;
+  images::PreparedImages images_;
   std::size_t first_;
   std::size_t count_;
   int columns_;
-  Image as_taken_;
-  Image image_;
+  images::Image as_taken_;
+  images::Image image_;
   std::size_t given_ = 0;
 };
 
@@ -119,8 +119,8 @@ std::vector<std::string> files_of_pattern(const std::string& option, const std::
 // The runner's contribution to a measurement's page.
 struct CosimFacts {
   std::string title;
-  std::vector<Fact> counters;
-  std::vector<Fact> settings;
+  std::vector<report::Fact> counters;
+  std::vector<report::Fact> settings;
 };
 
 // One run. The runner asks for frames, hands back each packet, and at the end has the page written. `folder` is null if
@@ -141,23 +141,23 @@ class CosimMeasurement {
   virtual void choose_pictures() = 0;
 
   // Called with each frame as the source shows it, from 0.
-  virtual void frame(std::size_t frame, const Image& image) = 0;
+  virtual void frame(std::size_t frame, const images::Image& image) = 0;
 
   // Called with each packet of the driver, which is valid during the call.
-  virtual void packet(const PacketView& packet, OutputFolder* folder) = 0;
+  virtual void packet(const model::PacketView& packet, files::OutputFolder* folder) = 0;
 
   // Called after the last packet: adds to the result what this measurement compared and what did not match.
   virtual void compare(CosimResult& /*result*/) const {}
 
   // Its own counters, shown before those of board and driver; and its settings.
-  [[nodiscard]] virtual std::vector<Fact> counters(const CosimResult& /*result*/) const { return {}; }
-  [[nodiscard]] virtual std::vector<Fact> settings() const = 0;
+  [[nodiscard]] virtual std::vector<report::Fact> counters(const CosimResult& /*result*/) const { return {}; }
+  [[nodiscard]] virtual std::vector<report::Fact> settings() const = 0;
 
   // The findings, if there is a truth to compare with.
-  [[nodiscard]] virtual std::vector<Fact> findings() const { return {}; }
+  [[nodiscard]] virtual std::vector<report::Fact> findings() const { return {}; }
 
   // Writes tables, pictures and page. Does not commit the folder.
-  virtual void write(OutputFolder& folder, const CosimFacts& facts) = 0;
+  virtual void write(files::OutputFolder& folder, const CosimFacts& facts) = 0;
 
   // Complete lines for the terminal: what ran and what was found.
   [[nodiscard]] virtual std::string text() const = 0;
@@ -189,6 +189,6 @@ std::unique_ptr<CosimMeasurement> make_scanner_cosim(const CosimOptions& options
 // For a scene of method self_projected. Options and scene must outlive the result. Throws UserError about the options.
 std::unique_ptr<CosimMeasurement> make_self_projected_cosim(const CosimOptions& options, const SceneInfo& scene);
 
-}  // namespace selfproj
+}  // namespace selfproj::sim
 
 #endif  // SELFPROJ_SIM_COSIM_COSIM_MEASUREMENT_H

@@ -5,10 +5,10 @@
 #include <cstddef>
 #include <string>
 
-#include "host/files/user_error.h"
+#include "selfproj/files/user_error.h"
 #include "sim/platform/platform.h"
 
-namespace selfproj {
+namespace selfproj::sim {
 
 std::size_t frames_of_run(const CosimOptions& options, std::size_t total, const std::string& what,
                           std::size_t still_frames) {
@@ -42,4 +42,4 @@ PlatformEngine engine_of(const CosimOptions& options) {
   throw UserError("--engine " + options.engine, "this engine is not part of this build");
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::sim

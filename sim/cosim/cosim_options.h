@@ -15,12 +15,12 @@
 #include "sim/scene/scenes.h"
 #include "sim/scene/world.h"
 
-namespace selfproj {
+namespace selfproj::sim {
 
 struct CosimOptions {
   std::string scene = "stairs-marked";
   std::vector<std::string> frames = {};    // files or patterns of recorded images; empty: use the scene
-  Preparation preparation = {};            // how recorded images become frames; `background` has patterns
+  images::Preparation preparation = {};    // how recorded images become frames; `background` has patterns
   std::string engine = "rtl";              // rtl, hls or model
   std::string rig = {};                    // empty: the scene's own; none for recorded images
   std::optional<int> threshold = {};       // for lit pixels, or for codes (4.15); nothing: the rig's
@@ -38,7 +38,7 @@ struct CosimOptions {
   std::string perturbed_rig = {};  // the rig that takes the images; empty: `rig`
   bool residual = false;           // measure the reference's own residual and remove it
   std::string mode = {};           // empty: the rig's
-  SelectOptions select = {};       // nothing: the rig's
+  cli::SelectOptions select = {};  // nothing: the rig's
   std::string trace = {};          // FST file of waveforms; empty: none
   std::size_t trace_from = 1;
 
@@ -69,6 +69,6 @@ std::size_t frames_of_run(const CosimOptions& options, std::size_t total, const 
 // The engine by its name. Throws UserError if it is not part of this build.
 PlatformEngine engine_of(const CosimOptions& options);
 
-}  // namespace selfproj
+}  // namespace selfproj::sim
 
 #endif  // SELFPROJ_SIM_COSIM_COSIM_OPTIONS_H

@@ -13,16 +13,16 @@
 #include <vector>
 
 #include "host/files/output_folder.h"
-#include "host/images/float_image.h"
 #include "host/images/image_files.h"
 #include "host/report/depth_output.h"
 #include "host/report/map_picture.h"
 #include "host/report/report.h"
-#include "host/rig/rig.h"
-#include "host/structured_light/depth_geometry.h"
-#include "host/structured_light/foreground.h"
-#include "host/structured_light/scanner.h"
-#include "host/structured_light/triangulation.h"
+#include "selfproj/images/float_image.h"
+#include "selfproj/rig/rig.h"
+#include "selfproj/structured_light/depth_geometry.h"
+#include "selfproj/structured_light/foreground.h"
+#include "selfproj/structured_light/scanner.h"
+#include "selfproj/structured_light/triangulation.h"
 #include "sim/cosim/cosim_measurement.h"
 #include "sim/cosim/cosim_options.h"
 #include "sim/cosim/depth_cosim.h"
@@ -31,7 +31,7 @@
 #include "sim/scene/scene.h"
 #include "sim/scene/scenes.h"
 
-namespace selfproj {
+namespace selfproj::sim {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -43,8 +43,8 @@ constexpr double kBelowPlane = 15;
 constexpr int kDefaultBits = 8;
 
 // Background less depth, where both exist.
-FloatImage difference_of(const FloatImage& depth, const FloatImage& background) {
-  FloatImage result = depth;
+images::FloatImage difference_of(const images::FloatImage& depth, const images::FloatImage& background) {
+  images::FloatImage result = depth;
   std::transform(background.values.begin(), background.values.end(), depth.values.begin(), result.values.begin(),
                  [](float before, float now) { return before - now; });
   return result;
@@ -57,7 +57,7 @@ class ScannerCosim final : public DepthCosim {
         min_difference_(options.min_difference.value_or(kMovedMm)),
         steady_{options.max_change.value_or(kSteady.max_change_mm),
                 options.min_neighbours.value_or(kSteady.min_neighbours)},
-        triangulation_(triangulation_of_rig(rig(), bits(), {0, rig().plane_z_mm + kBelowPlane})),
+        triangulation_(structured_light::triangulation_of_rig(rig(), bits(), {0, rig().plane_z_mm + kBelowPlane})),
         scanner_(*triangulation_, {.threshold = rig().measure.code_threshold,
                                    .median = median() == Median::on,
                                    .min_difference_mm = static_cast<float>(min_difference_),
@@ -68,14 +68,14 @@ class ScannerCosim final : public DepthCosim {
     measure_background(*find_scene(info.reference_name()).make(rig()), patterns);
   }
 
-  [[nodiscard]] std::vector<Fact> counters(const CosimResult& result) const override {
+  [[nodiscard]] std::vector<report::Fact> counters(const CosimResult& result) const override {
     return {{"depth_images", "depth images", static_cast<std::int64_t>(images())},
             {"matched_codes", "codes equal to the model's", static_cast<std::int64_t>(result.codes)},
             {"incomplete", "incomplete code images", static_cast<std::int64_t>(incomplete())}};
   }
 
-  [[nodiscard]] std::vector<Fact> settings() const override {
-    std::vector<Fact> facts = scene_facts("background");
+  [[nodiscard]] std::vector<report::Fact> settings() const override {
+    std::vector<report::Fact> facts = scene_facts("background");
     facts.push_back({"threshold", "threshold", std::int64_t{rig().measure.code_threshold}});
     facts.push_back({"min_difference_mm", "moved: differs by more than", min_difference_, "mm"});
     facts.push_back({"max_change_mm", "... changes from one depth image to the next by no more than",
@@ -84,9 +84,9 @@ class ScannerCosim final : public DepthCosim {
     return facts;
   }
 
-  [[nodiscard]] std::vector<Fact> findings() const override {
-    std::vector<Fact> facts = findings_of(info().analysis, samples_).facts;
-    for (Fact& fact : error_facts()) {
+  [[nodiscard]] std::vector<report::Fact> findings() const override {
+    std::vector<report::Fact> facts = findings_of(info().analysis, samples_).facts;
+    for (report::Fact& fact : error_facts()) {
       facts.push_back(std::move(fact));
     }
     return facts;
@@ -94,7 +94,7 @@ class ScannerCosim final : public DepthCosim {
 
   [[nodiscard]] std::string text() const override {
     std::string text = run_text(fmt::format("{} bits", bits()));
-    for (const Fact& fact : findings_of(info().analysis, samples_).facts) {
+    for (const report::Fact& fact : findings_of(info().analysis, samples_).facts) {
       text += fmt::format("{}: {:.4g} {}\n", fact.label, std::get<double>(fact.value), fact.unit);
     }
     return text + errors_text();
@@ -107,16 +107,16 @@ class ScannerCosim final : public DepthCosim {
 
  private:
   void add_codes(const std::uint16_t* codes) override { scanner_.add_codes(codes); }
-  [[nodiscard]] const Triangulation& triangulation() const override { return *triangulation_; }
-  [[nodiscard]] const FloatImage& depth() const override { return scanner_.depth(); }
+  [[nodiscard]] const structured_light::Triangulation& triangulation() const override { return *triangulation_; }
+  [[nodiscard]] const images::FloatImage& depth() const override { return scanner_.depth(); }
 
   void followed() override {
     DepthSample sample;
     sample.frame = newest_frame();
     sample.t = middle_frame() / rig().camera.frame_rate_hz;
     sample.moved = scanner_.foreground();
-    sample.true_moved = foreground_of(*triangulation_, truth().values.data(), true_background_.values.data(),
-                                      static_cast<float>(min_difference_));
+    sample.true_moved = structured_light::foreground_of(
+        *triangulation_, truth().values.data(), true_background_.values.data(), static_cast<float>(min_difference_));
     if (info().analysis == SceneAnalysis::wave_front) {
       sample.front = front(sample.t, depth(), background_);
       sample.true_front = front(sample.t, truth(), true_background_);
@@ -133,41 +133,42 @@ class ScannerCosim final : public DepthCosim {
   }
 
   [[nodiscard]] ShownMap shown_map(const std::string& when) const override {
-    FloatImage moved = depth();
+    images::FloatImage moved = depth();
     scanner_.difference(moved);
     return {.file = "moved",
             .title = "What moved",
-            .png = depth_picture(*triangulation_, moved, "moved, " + when),
+            .png = report::depth_picture(*triangulation_, moved, "moved, " + when),
             .note = fmt::format("pixels whose depth differs from the background's by more than {} mm and stays",
                                 min_difference_)};
   }
 
-  void complete_page(ReportPage& page) override {
+  void complete_page(report::ReportPage& page) override {
     const DepthFindings found = findings_of(info().analysis, samples_);
     page.subtitle = subtitle(fmt::format("{} bits", bits()), median() == Median::on ? ", median" : "");
     page.highlights = findings();
     page.plots = found.plots;
   }
 
-  void write_maps(OutputFolder& folder) const override {
-    const FloatImage difference = difference_of(depth(), background_);
-    folder.append("background.tiff", encode_float_tiff("background.tiff", background_));
-    folder.append("difference.tiff", encode_float_tiff("difference.tiff", difference));
-    folder.append("difference.png", labelled_map_png(difference, difference_scale(difference), {1, 1, 'x', 'y'},
-                                                     "background − depth, newest; a pixel is shown as 1 mm"));
+  void write_maps(files::OutputFolder& folder) const override {
+    const images::FloatImage difference = difference_of(depth(), background_);
+    folder.append("background.tiff", images::encode_float_tiff("background.tiff", background_));
+    folder.append("difference.tiff", images::encode_float_tiff("difference.tiff", difference));
+    folder.append("difference.png",
+                  report::labelled_map_png(difference, report::difference_scale(difference), {1, 1, 'x', 'y'},
+                                           "background − depth, newest; a pixel is shown as 1 mm"));
     const DepthFindings found = findings_of(info().analysis, samples_);
     folder.append(found.table_name, found.table);
   }
 
   // Decodes a cycle of frames of the reference on the host before the run.
   void measure_background(const Scene& reference, const PatternSet& patterns) {
-    Rig still_rig = rig();
+    rig::Rig still_rig = rig();
     ++still_rig.imaging.seed;
     const PatternRenderer still(still_rig, reference, options().render());
-    Image positive{background_.rows, background_.columns, std::vector<std::uint8_t>(background_.values.size())};
-    Image negative = positive;
+    images::Image positive{background_.rows, background_.columns, std::vector<std::uint8_t>(background_.values.size())};
+    images::Image negative = positive;
     for (int k = 0; k < patterns.size(); ++k) {
-      Image& image = k % 2 == 0 ? positive : negative;
+      images::Image& image = k % 2 == 0 ? positive : negative;
       still.render(k, patterns[k], std::span<std::uint8_t>(image.pixels));
       scanner_.add_frame(image.view(), k);
     }
@@ -182,7 +183,7 @@ class ScannerCosim final : public DepthCosim {
     }
   }
 
-  [[nodiscard]] double front(double t, const FloatImage& depth, const FloatImage& background) const {
+  [[nodiscard]] double front(double t, const images::FloatImage& depth, const images::FloatImage& background) const {
     if (!is_open_wave(t - PoolWave::kImpact)) {
       return kNan;
     }
@@ -191,12 +192,12 @@ class ScannerCosim final : public DepthCosim {
   }
 
   double min_difference_;  // mm
-  SteadySettings steady_;
-  std::unique_ptr<Triangulation> triangulation_;
-  Scanner scanner_;
-  FloatImage background_;
-  FloatImage true_background_;
-  FloatImage moved_;
+  structured_light::SteadySettings steady_;
+  std::unique_ptr<structured_light::Triangulation> triangulation_;
+  structured_light::Scanner scanner_;
+  images::FloatImage background_;
+  images::FloatImage true_background_;
+  images::FloatImage moved_;
   std::vector<DepthSample> samples_;
 };
 
@@ -208,4 +209,4 @@ std::unique_ptr<CosimMeasurement> make_scanner_cosim(const CosimOptions& options
   return std::make_unique<ScannerCosim>(options, scene, std::move(setup), patterns);
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::sim

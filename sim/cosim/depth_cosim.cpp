@@ -15,16 +15,16 @@
 #include <utility>
 #include <vector>
 
-#include "host/files/user_error.h"
 #include "host/report/depth_output.h"
 #include "host/report/facts.h"
 #include "host/report/frame_picture.h"
 #include "host/report/report.h"
-#include "model/spec/generated/selfproj_spec.h"
+#include "selfproj/files/user_error.h"
+#include "selfproj/model/generated/selfproj_spec.h"
 #include "sim/cosim/motion_analysis.h"
 #include "sim/scene/scenes.h"
 
-namespace selfproj {
+namespace selfproj::sim {
 namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
@@ -124,7 +124,7 @@ DepthFindings wave_findings(const std::vector<DepthSample>& samples) {
     found.facts.push_back({"theory_cm_per_s", "long waves, √(g h) at 3 cm", PoolWave::kSpeed * kCmPerMm, "cm/s"});
   }
   // Adds a line with the theory's speed through the middle of the measurement.
-  ReportTrace theory{{}, {}, "b", "long waves, 54.2 cm/s"};
+  report::ReportTrace theory{{}, {}, "b", "long waves, 54.2 cm/s"};
   double sum_t = 0;
   double sum_r = 0;
   double count = 0;
@@ -135,7 +135,7 @@ DepthFindings wave_findings(const std::vector<DepthSample>& samples) {
       ++count;
     }
   }
-  ReportTrace measured{{}, {}, "a", "foremost crest, measured"};
+  report::ReportTrace measured{{}, {}, "a", "foremost crest, measured"};
   for (std::size_t i = 0; i < t.size() && count > 0; ++i) {
     if (std::isfinite(front[i])) {
       measured.x.push_back(t[i]);
@@ -204,10 +204,10 @@ constexpr std::size_t kMaxPictures = 4;
 std::string scene_text(const CosimOptions& options) { return "scene " + options.scene; }
 
 // The scanner with the seed and threshold of the options. Throws UserError if the board cannot take its images.
-Rig scanner_rig(const CosimOptions& options) {
+rig::Rig scanner_rig(const CosimOptions& options) {
   const std::string name = options.rig.empty() ? "scanner" : options.rig;
-  Rig rig = load_rig(name);
-  if (rig.kind != RigKind::scanner) {
+  rig::Rig rig = rig::load_rig(name);
+  if (rig.kind != rig::RigKind::scanner) {
     throw UserError("--rig " + name, fmt::format("is not a scanner, which scene {} needs", options.scene));
   }
   rig.imaging.seed = options.seed.value_or(rig.imaging.seed);
@@ -237,12 +237,12 @@ std::size_t frames_of_cycles(const CosimOptions& options, const Scene& scene, in
 }
 
 // summary.json of a page.
-std::string summary_json(const ReportPage& page) {
+std::string summary_json(const report::ReportPage& page) {
   nlohmann::ordered_json json;
   json["title"] = page.title;
-  json["measured"] = facts_json(page.highlights);
-  json["counters"] = facts_json(page.counters);
-  json["settings"] = facts_json(page.settings);
+  json["measured"] = report::facts_json(page.highlights);
+  json["counters"] = report::facts_json(page.counters);
+  json["settings"] = report::facts_json(page.settings);
   return json.dump(2) + "\n";
 }
 
@@ -277,7 +277,7 @@ PlatformOptions DepthCosim::platform() const {
   platform.engine = engine_of(options_);
   platform.settings = {.columns = setup_.rig.camera.columns,
                        .rows = setup_.rig.camera.rows,
-                       .mode = Mode::binary,
+                       .mode = model::Mode::binary,
                        .threshold = setup_.rig.measure.threshold,
                        .codes = true,
                        .median = median_ == Median::on,
@@ -311,13 +311,13 @@ void DepthCosim::choose_pictures() {
   }
 }
 
-void DepthCosim::frame(std::size_t frame, const Image& image) {
+void DepthCosim::frame(std::size_t frame, const images::Image& image) {
   if (std::find(pictures_.begin(), pictures_.end(), frame + 1) != pictures_.end()) {
     camera_[frame + 1] = image;
   }
 }
 
-void DepthCosim::packet(const PacketView& packet, OutputFolder* folder) {
+void DepthCosim::packet(const model::PacketView& packet, files::OutputFolder* folder) {
   if (!assembler_.add(packet)) {
     return;
   }
@@ -331,22 +331,22 @@ void DepthCosim::packet(const PacketView& packet, OutputFolder* folder) {
   }
 }
 
-void DepthCosim::show(OutputFolder& folder) {
+void DepthCosim::show(files::OutputFolder& folder) {
   const std::size_t frame = newest_frame();
   const double t =
       (static_cast<double>(options_.first) - 1 + static_cast<double>(frame) - 1) / setup_.rig.camera.frame_rate_hz;
   const std::string when = fmt::format("frame {}, t = {:.3f} s", frame, t);
-  const std::string depth_png = depth_picture(triangulation(), depth(), "depth, " + when);
+  const std::string depth_png = report::depth_picture(triangulation(), depth(), "depth, " + when);
   const ShownMap map = shown_map(when);
   const std::string name = fmt::format("{:05}.", frame);
-  folder.append("depth_" + name + "tiff", encode_float_tiff("depth.tiff", depth()));
+  folder.append("depth_" + name + "tiff", images::encode_float_tiff("depth.tiff", depth()));
   if (!map.values.values.empty()) {
-    folder.append(map.file + "_" + name + "tiff", encode_float_tiff(map.file + ".tiff", map.values));
+    folder.append(map.file + "_" + name + "tiff", images::encode_float_tiff(map.file + ".tiff", map.values));
   }
   folder.append("depth_" + name + "png", depth_png);
   folder.append(map.file + "_" + name + "png", map.png);
   if (const auto image = camera_.find(frame); image != camera_.end()) {
-    const std::string camera_png = encode_png(image->second);
+    const std::string camera_png = images::encode_png(image->second);
     folder.append("frame_" + name + "png", camera_png);
     page_.pictures.push_back({"Camera, " + when, camera_png, "the newest image of its cycle"});
   }
@@ -360,16 +360,16 @@ void DepthCosim::compare(CosimResult& result) const {
   }
 }
 
-void DepthCosim::write(OutputFolder& folder, const CosimFacts& facts) {
+void DepthCosim::write(files::OutputFolder& folder, const CosimFacts& facts) {
   page_.title = facts.title;
   page_.counters = facts.counters;
   page_.settings = facts.settings;
   complete_page(page_);
-  folder.append("depth.tiff", encode_float_tiff("depth.tiff", depth()));
+  folder.append("depth.tiff", images::encode_float_tiff("depth.tiff", depth()));
   write_maps(folder);
-  folder.append("cloud.ply", cloud_ply(triangulation(), depth()));
+  folder.append("cloud.ply", report::cloud_ply(triangulation(), depth()));
   folder.append("summary.json", summary_json(page_));
-  folder.append("report.html", page_html(page_));
+  folder.append("report.html", report::page_html(page_));
 }
 
 std::string DepthCosim::run_text(const std::string& method) const {
@@ -390,12 +390,12 @@ std::string DepthCosim::errors_text() const {
                      100 * errors_.far_off());
 }
 
-std::vector<Fact> DepthCosim::error_facts() const {
+std::vector<report::Fact> DepthCosim::error_facts() const {
   return {{"depth_rms_mm", "depth from the truth, RMS", errors_.rms(), "mm"},
           {"depth_far_off", "pixels more than 15 mm off", 100 * errors_.far_off(), "%"}};
 }
 
-std::vector<Fact> DepthCosim::scene_facts(const char* reference_label) const {
+std::vector<report::Fact> DepthCosim::scene_facts(const char* reference_label) const {
   return {{"scene", "scene", options_.scene},
           {"reference", reference_label, info_.reference_name()},
           {"engine", "engine", options_.engine},
@@ -405,4 +405,4 @@ std::vector<Fact> DepthCosim::scene_facts(const char* reference_label) const {
           {"bits", "bits", std::int64_t{setup_.bits}}};
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::sim

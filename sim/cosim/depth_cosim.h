@@ -11,14 +11,14 @@
 #include <string>
 #include <vector>
 
-#include "host/driver/image_assembler.h"
 #include "host/files/output_folder.h"
-#include "host/images/float_image.h"
 #include "host/images/image_files.h"
 #include "host/report/report.h"
-#include "host/rig/rig.h"
-#include "host/structured_light/foreground.h"
-#include "host/structured_light/triangulation.h"
+#include "selfproj/driver/image_assembler.h"
+#include "selfproj/images/float_image.h"
+#include "selfproj/rig/rig.h"
+#include "selfproj/structured_light/foreground.h"
+#include "selfproj/structured_light/triangulation.h"
 #include "sim/cosim/cosim_measurement.h"
 #include "sim/cosim/cosim_options.h"
 #include "sim/scene/pattern_renderer.h"
@@ -26,13 +26,13 @@
 #include "sim/scene/scene.h"
 #include "sim/scene/scenes.h"
 
-namespace selfproj {
+namespace selfproj::sim {
 
 // Over the pixels of all images with both a measured and a true depth; NaN if there were none.
 class DepthErrors {
  public:
   // Adds images of one size, mm.
-  void add(const FloatImage& depth, const FloatImage& truth) {
+  void add(const images::FloatImage& depth, const images::FloatImage& truth) {
     constexpr double kFar = 15;  // mm: a larger error comes from a wrong code or match, not from quantization
     for (std::size_t i = 0; i < truth.values.size(); ++i) {
       const auto error = static_cast<double>(depth.values[i] - truth.values[i]);
@@ -67,15 +67,15 @@ class DepthErrors {
 struct DepthSample {
   std::size_t frame = 0;  // frame of this run, from 1, that completed the code image
   double t = 0;           // time in s of the frame in the middle of the code's cycle
-  Foreground moved, true_moved;
+  structured_light::Foreground moved, true_moved;
   double front = std::numeric_limits<double>::quiet_NaN();  // SceneAnalysis::wave_front
   double true_front = std::numeric_limits<double>::quiet_NaN();
   std::vector<double> z, true_z;  // SceneAnalysis::key_taps: z at the pixels of the keys, of what moved
 };
 
 struct DepthFindings {
-  std::vector<Fact> facts;
-  std::vector<ReportPlot> plots;
+  std::vector<report::Fact> facts;
+  std::vector<report::ReportPlot> plots;
   std::string table_name;
   std::string table;  // CSV
 };
@@ -88,7 +88,7 @@ DepthFindings findings_of(SceneAnalysis analysis, const std::vector<DepthSample>
 // Values that are known before the patterns: the scanner with the options' seed and threshold, its scene, and the
 // length of the run.
 struct DepthCosimSetup {
-  Rig rig;
+  rig::Rig rig;
   std::unique_ptr<Scene> scene;
   int bits = 8;  // bits of the codes
   std::size_t frames = 0;
@@ -105,10 +105,10 @@ class DepthCosim : public CosimMeasurement {
   // Chooses among the frames that complete code images, which are number 2 bits and every second one after it: those
   // that the user asked for, or else four.
   void choose_pictures() override;
-  void frame(std::size_t frame, const Image& image) override;
-  void packet(const PacketView& packet, OutputFolder* folder) override;
+  void frame(std::size_t frame, const images::Image& image) override;
+  void packet(const model::PacketView& packet, files::OutputFolder* folder) override;
   void compare(CosimResult& result) const override;
-  void write(OutputFolder& folder, const CosimFacts& facts) override;
+  void write(files::OutputFolder& folder, const CosimFacts& facts) override;
 
  protected:
   enum class Median : std::uint8_t { off, on };  // of the board's codes
@@ -118,8 +118,8 @@ class DepthCosim : public CosimMeasurement {
     std::string file;   // "moved"
     std::string title;  // "What moved"
     std::string png;
-    std::string note;        // printed below it
-    FloatImage values = {};  // written as TIFF if there are any
+    std::string note;                // printed below it
+    images::FloatImage values = {};  // written as TIFF if there are any
   };
 
   // The camera sees the scene under `patterns`, two for each bit. `options` and `info` must outlive this object.
@@ -128,15 +128,15 @@ class DepthCosim : public CosimMeasurement {
 
   [[nodiscard]] const CosimOptions& options() const { return options_; }
   [[nodiscard]] const SceneInfo& info() const { return info_; }
-  [[nodiscard]] const Rig& rig() const { return setup_.rig; }
+  [[nodiscard]] const rig::Rig& rig() const { return setup_.rig; }
   [[nodiscard]] int bits() const { return setup_.bits; }
   [[nodiscard]] Median median() const { return median_; }
   [[nodiscard]] std::size_t frames() const { return setup_.frames; }
   [[nodiscard]] const PatternRenderer& renderer() const { return renderer_; }
-  [[nodiscard]] ReportPage& page() { return page_; }
+  [[nodiscard]] report::ReportPage& page() { return page_; }
   [[nodiscard]] std::size_t images() const { return images_; }
   [[nodiscard]] std::uint64_t incomplete() const { return assembler_.incomplete(); }
-  [[nodiscard]] const FloatImage& truth() const { return truth_; }  // truth for the newest depth image, mm
+  [[nodiscard]] const images::FloatImage& truth() const { return truth_; }  // truth for the newest depth image, mm
   [[nodiscard]] const DepthErrors& errors() const { return errors_; }
 
   // For the newest code image: the frame of the run, from 1, that completed it, and the scene's frame, from 0, in the
@@ -149,24 +149,24 @@ class DepthCosim : public CosimMeasurement {
   // Such as "depth: 1.71 mm RMS from the truth, 0.50 % of the pixels more than 15 mm off\n".
   [[nodiscard]] std::string errors_text() const;
   // The same as highlights of the page.
-  [[nodiscard]] std::vector<Fact> error_facts() const;
+  [[nodiscard]] std::vector<report::Fact> error_facts() const;
   // The settings common to all methods; those of the scene come first.
-  [[nodiscard]] std::vector<Fact> scene_facts(const char* reference_label) const;
+  [[nodiscard]] std::vector<report::Fact> scene_facts(const char* reference_label) const;
 
   // Makes a depth image from the newest code image, given row by row.
   virtual void add_codes(const std::uint16_t* codes) = 0;
   // Called when the newest depth image has its truth.
   virtual void followed() {}
-  [[nodiscard]] virtual const Triangulation& triangulation() const = 0;
-  [[nodiscard]] virtual const FloatImage& depth() const = 0;
+  [[nodiscard]] virtual const structured_light::Triangulation& triangulation() const = 0;
+  [[nodiscard]] virtual const images::FloatImage& depth() const = 0;
   // The second map of the newest depth image; `when` becomes part of its title.
   [[nodiscard]] virtual ShownMap shown_map(const std::string& when) const = 0;
   // Adds to the page its subtitle, highlights and plots, and the files beside depth.tiff and cloud.ply.
-  virtual void complete_page(ReportPage& page) = 0;
-  virtual void write_maps(OutputFolder& folder) const = 0;
+  virtual void complete_page(report::ReportPage& page) = 0;
+  virtual void write_maps(files::OutputFolder& folder) const = 0;
 
  private:
-  void show(OutputFolder& folder);
+  void show(files::OutputFolder& folder);
 
   const CosimOptions& options_;
   const SceneInfo& info_;
@@ -175,15 +175,15 @@ class DepthCosim : public CosimMeasurement {
   PatternSet patterns_;
   PatternRenderer renderer_;
   SceneFrames source_;
-  ImageAssembler assembler_;
-  FloatImage truth_;
+  driver::ImageAssembler assembler_;
+  images::FloatImage truth_;
   DepthErrors errors_;
   std::size_t images_ = 0;
-  std::vector<std::size_t> pictures_;    // frames to show, from 1
-  std::map<std::size_t, Image> camera_;  // by frame
-  ReportPage page_;
+  std::vector<std::size_t> pictures_;            // frames to show, from 1
+  std::map<std::size_t, images::Image> camera_;  // by frame
+  report::ReportPage page_;
 };
 
-}  // namespace selfproj
+}  // namespace selfproj::sim
 
 #endif  // SELFPROJ_SIM_COSIM_DEPTH_COSIM_H

@@ -4,24 +4,24 @@
 #include <cmath>
 #include <cstddef>
 
-#include "host/files/user_error.h"
-#include "host/light_section/differential_profile.h"
-#include "host/light_section/inspection.h"
 #include "host/light_section/pattern.h"
-#include "host/light_section/reference.h"
 #include "host/rig/geometry.h"
+#include "selfproj/files/user_error.h"
+#include "selfproj/light_section/differential_profile.h"
+#include "selfproj/light_section/inspection.h"
+#include "selfproj/light_section/reference.h"
 #include "sim/scene/virtual_capture.h"
 
-namespace selfproj {
+namespace selfproj::sim {
 
-ReferenceCurve curve_of_scene(const Rig& rig, const Scene& scene) {
+light_section::ReferenceCurve curve_of_scene(const rig::Rig& rig, const Scene& scene) {
   constexpr double kStep = 0.02;
-  const MiddleRow row(rig);
+  const light_section::MiddleRow row(rig);
   const double reach = rig.plane_z_mm * std::max(std::abs(row.tan_beta(-1)), row.tan_beta(rig.camera.columns)) + 1;
   const int middle = scene.frames() / 2;
   const double time = middle / rig.camera.frame_rate_hz;
   const int count = static_cast<int>(std::ceil(reach / kStep));
-  ReferenceCurve curve;
+  light_section::ReferenceCurve curve;
   for (int i = -count; i <= count; ++i) {
     const double y = (i + 0.5) * kStep;  // avoids the places of steps
     curve.y_mm.push_back(y);
@@ -30,18 +30,18 @@ ReferenceCurve curve_of_scene(const Rig& rig, const Scene& scene) {
   return curve;
 }
 
-LightSection self_projection(const Rig& rig, const PerturbedRig& actual, const Scene& reference,
+LightSection self_projection(const rig::Rig& rig, const PerturbedRig& actual, const Scene& reference,
                              const RenderOptions& options, bool residual) {
-  const ReferenceCurve curve = curve_of_scene(rig, reference);
-  LightSection result{rig, actual, draw_pattern(rig, pattern_of_curve(rig, curve)), {}};
-  result.references.fill(reference_of_curve(rig, curve));
+  const light_section::ReferenceCurve curve = curve_of_scene(rig, reference);
+  LightSection result{rig, actual, light_section::draw_pattern(rig, light_section::pattern_of_curve(rig, curve)), {}};
+  result.references.fill(light_section::reference_of_curve(rig, curve));
   if (residual) {
     const auto centroids = scan_centroids(rig, actual, reference, result.pattern, options, kAllModes);
     for (std::size_t m = 0; m < kAllModes.size(); ++m) {
-      result.references[m] = without_residual(rig, result.references[m], centroids[m]);
+      result.references[m] = light_section::without_residual(rig, result.references[m], centroids[m]);
     }
   }
   return result;
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::sim

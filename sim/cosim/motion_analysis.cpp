@@ -8,7 +8,7 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
-namespace selfproj {
+namespace selfproj::sim {
 namespace {
 
 constexpr double kNotFound = std::numeric_limits<double>::quiet_NaN();
@@ -113,10 +113,12 @@ double slope_between_jumps(const std::vector<double>& t, const std::vector<doubl
   return *middle;
 }
 
-RingMeans::RingMeans(const Triangulation& triangulation, const Place& place, double step, std::size_t count)
+RingMeans::RingMeans(const structured_light::Triangulation& triangulation, const Place& place, double step,
+                     std::size_t count)
     : triangulation_(triangulation), place_(place), step_(step), count_(count) {}
 
-std::vector<double> RingMeans::means(const FloatImage& depth, const FloatImage& background, double most) const {
+std::vector<double> RingMeans::means(const images::FloatImage& depth, const images::FloatImage& background,
+                                     double most) const {
   constexpr std::size_t kFewest = 20;
   std::vector<double> sums(count_, 0.0);
   std::vector<std::size_t> pixels(count_, 0);
@@ -125,7 +127,7 @@ std::vector<double> RingMeans::means(const FloatImage& depth, const FloatImage& 
     if (!(std::abs(static_cast<double>(rise)) <= most)) {
       continue;
     }
-    const Point3f p = triangulation_.point(i, background.values[i]);
+    const structured_light::Point3f p = triangulation_.point(i, background.values[i]);
     const auto x = static_cast<double>(p.x);
     const auto y = static_cast<double>(p.y);
     if (x < place_.x0 || x > place_.x1 || y < place_.y0 || y > place_.y1) {
@@ -168,4 +170,4 @@ double foremost_crest(const RingMeans& rings, const std::vector<double>& means, 
   return kNotFound;
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::sim

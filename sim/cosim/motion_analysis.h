@@ -5,18 +5,18 @@
 #include <cstddef>
 #include <vector>
 
-#include "host/images/float_image.h"
-#include "host/structured_light/foreground.h"
-#include "host/structured_light/triangulation.h"
+#include "selfproj/images/float_image.h"
+#include "selfproj/structured_light/foreground.h"
+#include "selfproj/structured_light/triangulation.h"
 #include "sim/cosim/wave_dispersion.h"
 #include "sim/scene/scenes.h"
 
-namespace selfproj {
+namespace selfproj::sim {
 
 // What counts as moved: a pixel at least this far (mm) from the background that fulfils the conditions of the filter.
 // B1 finds these settings the best.
 inline constexpr double kMovedMm = 10;
-inline constexpr SteadySettings kSteady{10, 6};
+inline constexpr structured_light::SteadySettings kSteady{10, 6};
 
 // y = mean + amplitude sin(2 pi frequency t + phase), by least squares.
 struct SineFit {
@@ -49,17 +49,18 @@ class RingMeans {
     double x, y;
     double x0, x1, y0, y1;
   };
-  RingMeans(const Triangulation& triangulation, const Place& place, double step, std::size_t count);
+  RingMeans(const structured_light::Triangulation& triangulation, const Place& place, double step, std::size_t count);
 
   // The means of background - depth, at the positions of the background's points. Pixels count if they have both depths
   // and the two differ by no more than `most` mm (more is a wrong code). Each ring's mean is smoothed twice with a
   // quarter of both neighbours'. NaN for rings of fewer than 20 pixels and beside them.
-  [[nodiscard]] std::vector<double> means(const FloatImage& depth, const FloatImage& background, double most) const;
+  [[nodiscard]] std::vector<double> means(const images::FloatImage& depth, const images::FloatImage& background,
+                                          double most) const;
 
   [[nodiscard]] double radius(std::size_t ring) const { return (static_cast<double>(ring) + 0.5) * step_; }
 
  private:
-  const Triangulation& triangulation_;
+  const structured_light::Triangulation& triangulation_;
   Place place_;
   double step_;
   std::size_t count_;
@@ -96,7 +97,7 @@ inline constexpr Basin pool_basin() {
 }
 
 // Rings around the place of the impact (x, y), limited to the pool.
-inline RingMeans pool_rings(const Triangulation& triangulation, double x = PoolWave::kImpactX,
+inline RingMeans pool_rings(const structured_light::Triangulation& triangulation, double x = PoolWave::kImpactX,
                             double y = PoolWave::kImpactY) {
   constexpr double kStep = 3;  // mm
   constexpr std::size_t kRings = 40;
@@ -104,6 +105,6 @@ inline RingMeans pool_rings(const Triangulation& triangulation, double x = PoolW
   return {triangulation, {x, y, kPool.x0, kPool.x1, kPool.y0, kPool.y1}, kStep, kRings};
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::sim
 
 #endif  // SELFPROJ_SIM_COSIM_MOTION_ANALYSIS_H

@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "host/cli/command_line.h"
-#include "host/files/user_error.h"
+#include "selfproj/files/user_error.h"
 
-namespace selfproj {
+namespace selfproj::sim {
 
 void add_disturb_option(CLI::App& command, WorldOptions& options) {
   std::string names;
@@ -50,12 +50,12 @@ void add_error_source_option(CLI::App& command, const std::string& name, std::ve
       names.emplace_back(source.name);
     }
   }
-  command.add_option(name, off, text)->delimiter(',')->check(one_of(names))->type_name("NAME,...");
+  command.add_option(name, off, text)->delimiter(',')->check(cli::one_of(names))->type_name("NAME,...");
 }
 
 void add_noise_seed_option(CLI::App& command, std::optional<std::int64_t>& seed) {
   command.add_option("--seed", seed, "Seed of the noise.")
-      ->transform(whole_number(0))
+      ->transform(cli::whole_number(0))
       ->type_name("N")
       ->default_str("the rig's");
 }
@@ -66,12 +66,12 @@ void add_perturbed_rig_option(CLI::App& command, std::optional<std::uint64_t>& s
                       .add_option("--perturbed-rig-seed", seed,
                                   "Seed of a perturbed rig that takes the images instead: it deviates from --rig in "
                                   "lenses and mounting.")
-                      ->transform(whole_number(0))
+                      ->transform(cli::whole_number(0))
                       ->type_name("N")
                       ->default_str("--rig takes them"));
 }
 
-PerturbedRig rig_of_seed(const Rig& rig, std::optional<std::uint64_t> seed) {
+PerturbedRig rig_of_seed(const rig::Rig& rig, std::optional<std::uint64_t> seed) {
   return seed ? hidden_rig(rig, *seed) : PerturbedRig(rig);
 }
 
@@ -87,7 +87,7 @@ void accept_old_name(CLI::App& command, const std::string& old_name, CLI::Option
 }
 
 void OptionFamilies::begin(const std::string& group, const std::vector<std::string>& cases) {
-  begin_group(*command_, group);
+  cli::begin_group(*command_, group);
   cases_[group] = cases;
 }
 
@@ -101,4 +101,4 @@ void OptionFamilies::check(const std::string& given_case, const std::string& wha
   }
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::sim

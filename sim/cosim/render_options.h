@@ -9,11 +9,11 @@
 #include <string>
 #include <vector>
 
-#include "host/rig/rig.h"
+#include "selfproj/rig/rig.h"
 #include "sim/scene/perturbed_rig.h"
 #include "sim/scene/world.h"
 
-namespace selfproj {
+namespace selfproj::sim {
 
 struct WorldOptions {
   std::vector<std::string> disturb;
@@ -37,7 +37,7 @@ void add_noise_seed_option(CLI::App& command, std::optional<std::int64_t>& seed)
 
 // Adds --perturbed-rig-seed; and the rig that then takes the images of one believed to be `rig`.
 void add_perturbed_rig_option(CLI::App& command, std::optional<std::uint64_t>& seed);
-PerturbedRig rig_of_seed(const Rig& rig, std::optional<std::uint64_t> seed);
+PerturbedRig rig_of_seed(const rig::Rig& rig, std::optional<std::uint64_t> seed);
 
 // Accepts an option by its name of before, with a note on stderr.
 void accept_old_name(CLI::App& command, const std::string& old_name, CLI::Option* option);
@@ -59,6 +59,6 @@ class OptionFamilies {
   std::map<std::string, std::vector<std::string>> cases_;  // of each group
 };
 
-}  // namespace selfproj
+}  // namespace selfproj::sim
 
 #endif  // SELFPROJ_SIM_COSIM_RENDER_OPTIONS_H

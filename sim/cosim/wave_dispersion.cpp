@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-namespace selfproj {
+namespace selfproj::sim {
 namespace {
 
 constexpr double kUnobserved = std::numeric_limits<double>::quiet_NaN();
@@ -177,8 +177,8 @@ BasinWaves::BasinWaves(const Basin& basin, double shortest, std::size_t images) 
   std::sort(waves_.begin(), waves_.end(), [](const StandingWave& a, const StandingWave& b) { return a.k < b.k; });
 }
 
-void BasinWaves::add(double t, const Triangulation& triangulation, const FloatImage& depth,
-                     const FloatImage& background, double most) {
+void BasinWaves::add(double t, const structured_light::Triangulation& triangulation, const images::FloatImage& depth,
+                     const images::FloatImage& background, double most) {
   const double down = down_ / (basin_.x1 - basin_.x0);
   const double across = across_ / (basin_.y1 - basin_.y0);
   for (std::size_t i = 0; i < depth.values.size(); ++i) {
@@ -186,7 +186,7 @@ void BasinWaves::add(double t, const Triangulation& triangulation, const FloatIm
     if (!(std::abs(static_cast<double>(rise)) <= most)) {
       continue;
     }
-    const Point3f p = triangulation.point(i, depth.values[i]);
+    const structured_light::Point3f p = triangulation.point(i, depth.values[i]);
     const double row = (static_cast<double>(p.x) - basin_.x0) * down;
     const double column = (static_cast<double>(p.y) - basin_.y0) * across;
     if (row >= 0 && row < down_ && column >= 0 && column < across_) {
@@ -324,4 +324,4 @@ LongWaves WaveDispersion::long_waves() const {
   return result;
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::sim

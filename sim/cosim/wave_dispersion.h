@@ -6,10 +6,10 @@
 #include <cstddef>
 #include <vector>
 
-#include "host/images/float_image.h"
-#include "host/structured_light/triangulation.h"
+#include "selfproj/images/float_image.h"
+#include "selfproj/structured_light/triangulation.h"
 
-namespace selfproj {
+namespace selfproj::sim {
 
 // Water between four vertical walls, mm.
 struct Basin {
@@ -37,8 +37,8 @@ class BasinWaves {
 
   // Takes the depth image of time t (s), and that of the water at rest. A pixel counts if its point lies in the basin
   // and its two depths differ by no more than `most` mm. A greater difference means a wrong code.
-  void add(double t, const Triangulation& triangulation, const FloatImage& depth, const FloatImage& background,
-           double most);
+  void add(double t, const structured_light::Triangulation& triangulation, const images::FloatImage& depth,
+           const images::FloatImage& background, double most);
 
   [[nodiscard]] const std::vector<double>& times() const { return times_; }
   [[nodiscard]] const std::vector<StandingWave>& waves() const { return waves_; }
@@ -111,6 +111,6 @@ class WaveDispersion {
   std::vector<ObservedWave> observed_;
 };
 
-}  // namespace selfproj
+}  // namespace selfproj::sim
 
 #endif  // SELFPROJ_SIM_COSIM_WAVE_DISPERSION_H

@@ -15,10 +15,10 @@
 #include <string>
 #include <utility>
 
-#include "model/board.h"
-#include "model/pixel_clock.h"
+#include "selfproj/model/board.h"
+#include "selfproj/model/pixel_clock.h"
 
-namespace selfproj {
+namespace selfproj::sim {
 
 // A bus with its own clock.
 struct BusOptions {
@@ -30,7 +30,7 @@ struct BusOptions {
 };
 
 struct BoardCoreOptions {
-  double pixel_clock_hz = kDefaultPixelClockHz;
+  double pixel_clock_hz = model::kDefaultPixelClockHz;
   BusOptions bus = {};
   std::uint64_t seed = 1;  // seed of the stalls
   int patterns = 1;        // the sequencer counts frames modulo this
@@ -64,7 +64,7 @@ class BoardCore {
   virtual void on_packet(PacketSink sink) = 0;
 
   // Sets the registers as the host does; takes some hundred clocks. Throws std::runtime_error if the board refuses.
-  virtual void write(const BoardSettings& settings) = 0;
+  virtual void write(const model::BoardSettings& settings) = 0;
 
   // The number of the next clock edge.
   [[nodiscard]] virtual std::uint64_t clock() const = 0;
@@ -103,14 +103,14 @@ std::unique_ptr<BoardCore> make_hls_core(const BoardCoreOptions& options);
 class ModelFeed {
  public:
   // Frame k has the pattern index k mod patterns.
-  explicit ModelFeed(BoardModel::Sink sink, int patterns = 1)
+  explicit ModelFeed(model::BoardModel::Sink sink, int patterns = 1)
       : model_(std::move(sink)), patterns_(static_cast<std::uint64_t>(patterns)) {}
 
-  void write(const BoardSettings& settings) { model_.write(settings); }
+  void write(const model::BoardSettings& settings) { model_.write(settings); }
 
   // A line of beats from `clock` on. Packets that it completes go to the sink.
   void line(std::uint64_t clock, std::span<const std::uint8_t> pixels, bool frame_start) {
-    VideoBeat beat;
+    model::VideoBeat beat;
     beat.start = frame_start;
     for (std::size_t at = 0; at < pixels.size(); at += beat.pixels.size()) {
       std::memcpy(beat.pixels.data(), pixels.data() + at, beat.pixels.size());
@@ -133,16 +133,16 @@ class ModelFeed {
 
   // The clock of the last beat.
   [[nodiscard]] std::uint64_t clock() const { return clock_; }
-  [[nodiscard]] const BoardModel& model() const { return model_; }
+  [[nodiscard]] const model::BoardModel& model() const { return model_; }
 
  private:
-  BoardModel model_;
+  model::BoardModel model_;
   std::uint64_t patterns_;
   std::uint64_t clock_ = 0;
   unsigned phase_ = 0;
   std::uint32_t count_ = 0;
 };
 
-}  // namespace selfproj
+}  // namespace selfproj::sim
 
 #endif  // SELFPROJ_SIM_PLATFORM_BOARD_CORE_H

@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <stdexcept>
 
-#include "model/spec/generated/selfproj_spec.h"
+#include "selfproj/model/generated/selfproj_spec.h"
 
-namespace selfproj {
+namespace selfproj::sim {
 
 CameraTiming camera_timing(int rows, int columns, double frame_rate_hz, double pixel_clock_hz, std::uint64_t blank) {
   if (rows < 1 || rows > spec::kMaxRows || columns < spec::kPixelsPerBeat || columns > spec::kMaxColumns ||
@@ -24,4 +24,4 @@ CameraTiming camera_timing(int rows, int columns, double frame_rate_hz, double p
   return timing;
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::sim

@@ -4,9 +4,9 @@
 
 #include <cstdint>
 
-#include "model/pixel_clock.h"
+#include "selfproj/model/pixel_clock.h"
 
-namespace selfproj {
+namespace selfproj::sim {
 
 // A frame begins every `frame_clocks`. Its lines begin every `line_clocks`, the first with the frame, and carry one
 // beat a clock from their beginning. The rest of a line and, after the last line, of the frame is blank.
@@ -28,9 +28,9 @@ struct CameraTiming {
 // The timing for a frame rate and a pixel clock: floor(clock / rate) clocks a frame (15,120 at 10,000 fps and 151.2
 // MHz), with lines spread evenly over the frame. If that is too short for the beats and the smallest blanking (`blank`
 // clocks a line), frames follow as fast as these allow. Rows and columns must suit the board; rate > 0.
-CameraTiming camera_timing(int rows, int columns, double frame_rate_hz, double pixel_clock_hz = kDefaultPixelClockHz,
-                           std::uint64_t blank = 4);
+CameraTiming camera_timing(int rows, int columns, double frame_rate_hz,
+                           double pixel_clock_hz = model::kDefaultPixelClockHz, std::uint64_t blank = 4);
 
-}  // namespace selfproj
+}  // namespace selfproj::sim
 
 #endif  // SELFPROJ_SIM_PLATFORM_CAMERA_TIMING_H

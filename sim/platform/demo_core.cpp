@@ -5,12 +5,12 @@
 #include <vector>
 
 #include "Vboard.h"
-#include "host/files/user_error.h"
+#include "selfproj/files/user_error.h"
 #include "sim/board/engines.h"
 #include "sim/platform/board_core.h"
 #include "sim/platform/rtl_core.h"
 
-namespace selfproj {
+namespace selfproj::sim {
 namespace {
 
 [[noreturn]] void refuse(const char* what) {
@@ -38,4 +38,4 @@ std::unique_ptr<MatchEngine> make_match_rtl_engine(std::vector<std::uint16_t> /*
   refuse("the matching block");
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::sim

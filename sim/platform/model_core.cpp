@@ -9,25 +9,25 @@
 #include <utility>
 #include <vector>
 
-#include "model/board.h"
-#include "model/packet.h"
-#include "model/pixel_clock.h"
+#include "selfproj/model/board.h"
+#include "selfproj/model/packet.h"
+#include "selfproj/model/pixel_clock.h"
 #include "sim/platform/board_core.h"
 
-namespace selfproj {
+namespace selfproj::sim {
 namespace {
 
 class ModelCore final : public BoardCore {
  public:
   explicit ModelCore(const BoardCoreOptions& options)
-      : clock_ps_(pixel_clock_period_ps(options.pixel_clock_hz)),
+      : clock_ps_(model::pixel_clock_period_ps(options.pixel_clock_hz)),
         bus_period_(static_cast<double>(options.bus.period_ps)),
         stall_percent_(options.bus.stall_percent),
-        feed_([this](BoardPacket&& packet) { take(packet); }, options.patterns) {}
+        feed_([this](model::BoardPacket&& packet) { take(packet); }, options.patterns) {}
 
   void on_packet(PacketSink sink) override { sink_ = std::move(sink); }
 
-  void write(const BoardSettings& settings) override {
+  void write(const model::BoardSettings& settings) override {
     clock_ += kWriteClocks;
     feed_.write(settings);
   }
@@ -55,7 +55,7 @@ class ModelCore final : public BoardCore {
   }
 
   [[nodiscard]] BoardCounters counters() override {
-    const BoardModel& model = feed_.model();
+    const model::BoardModel& model = feed_.model();
     return {.frames = model.frames(), .broken = model.broken(), .stray = model.stray(), .abandoned = model.abandoned()};
   }
 
@@ -71,15 +71,15 @@ class ModelCore final : public BoardCore {
   [[nodiscard]] double time_ps(std::uint64_t clock) const { return static_cast<double>(clock * clock_ps_); }
 
   // Clocks from the last beat of a frame until the whole packet is in its FIFO and visible to the bus.
-  static double latency(const PacketHeader& header) {
+  static double latency(const model::PacketHeader& header) {
     constexpr double kBinary = 20;
     const double groups = header.columns / 4.0;
-    return static_cast<Mode>(header.mode) == Mode::binary ? kBinary : kBinary + groups + 5;
+    return static_cast<model::Mode>(header.mode) == model::Mode::binary ? kBinary : kBinary + groups + 5;
   }
 
-  void take(const BoardPacket& packet) {
+  void take(const model::BoardPacket& packet) {
     Waiting next;
-    append_packet(packet.header, packet.payload, packet.status, next.bytes);
+    model::append_packet(packet.header, packet.payload, packet.status, next.bytes);
     next.ready_ps = time_ps(feed_.clock()) + latency(packet.header) * static_cast<double>(clock_ps_);
     next.beats = static_cast<double>(next.bytes.size()) / static_cast<double>(spec::kPacketBeatBytes);
     waiting_.push_back(std::move(next));
@@ -127,4 +127,4 @@ std::unique_ptr<BoardCore> make_model_core(const BoardCoreOptions& options) {
   return std::make_unique<ModelCore>(options);
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::sim

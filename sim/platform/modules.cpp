@@ -8,12 +8,12 @@
 #include <span>
 #include <utility>
 
-#include "model/column_moments.h"
+#include "selfproj/model/column_moments.h"
 
 // Must come after <systemc>, which it needs and does not include.
 #include <tlm_utils/tlm_quantumkeeper.h>
 
-namespace selfproj {
+namespace selfproj::sim {
 namespace {
 
 // Threads that call foreign code (image files, the Verilated board) need more than SystemC's own stack. Memory is only
@@ -61,7 +61,7 @@ void Camera::expose() {
     const sc_core::sc_time blank =
         time_of_clock(timing_.frame_clocks - static_cast<std::uint64_t>(timing_.rows) * timing_.line_clocks, period_);
     for (std::uint64_t start = first_clock_;; start += timing_.frame_clocks) {
-      const std::optional<ImageView> image = source_();
+      const std::optional<model::ImageView> image = source_();
       if (!image) {
         break;
       }
@@ -224,8 +224,8 @@ void BusSink::hold_up() {
   });
 }
 
-ReferenceModel::ReferenceModel(const sc_core::sc_module_name& name, const BoardSettings& settings, int patterns,
-                               BoardModel::Sink sink)
+ReferenceModel::ReferenceModel(const sc_core::sc_module_name& name, const model::BoardSettings& settings, int patterns,
+                               model::BoardModel::Sink sink)
     : sc_module(name), feed_(std::move(sink), patterns) {
   feed_.write(settings);
   video.bind(*this);
@@ -254,4 +254,4 @@ void ReferenceModel::feed() {
   inputs_.take(std::min(video_until_, encoder_until_), To{feed_});
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::sim

@@ -21,12 +21,12 @@
 #include <utility>
 #include <vector>
 
-#include "model/board.h"
-#include "model/column_moments.h"
+#include "selfproj/model/board.h"
+#include "selfproj/model/column_moments.h"
 #include "sim/platform/board_core.h"
 #include "sim/platform/camera_timing.h"
 
-namespace selfproj {
+namespace selfproj::sim {
 
 // A promise beyond any clock: nothing more will come.
 inline constexpr std::uint64_t kForever = std::numeric_limits<std::uint64_t>::max();
@@ -156,7 +156,7 @@ class GuardedModule : public sc_core::sc_module {
 class Camera : public GuardedModule {
  public:
   // The next frame, valid until the next call; nothing if there are no more.
-  using Source = std::function<std::optional<ImageView>()>;
+  using Source = std::function<std::optional<model::ImageView>()>;
 
   sc_core::sc_port<VideoInterface, 2> video{"video"};
   sc_core::sc_out<bool> finished{"finished"};  // after the last frame
@@ -272,8 +272,8 @@ class ReferenceModel : public sc_core::sc_module, public VideoInterface, public 
   sc_core::sc_export<VideoInterface> video{"video"};
   sc_core::sc_export<EncoderInterface> encoder_pins{"encoder_pins"};
 
-  ReferenceModel(const sc_core::sc_module_name& name, const BoardSettings& settings, int patterns,
-                 BoardModel::Sink sink);
+  ReferenceModel(const sc_core::sc_module_name& name, const model::BoardSettings& settings, int patterns,
+                 model::BoardModel::Sink sink);
 
   void line(const VideoLine& line) override { inputs_.line(line); }
   void promise_video(std::uint64_t clock) override;
@@ -289,6 +289,6 @@ class ReferenceModel : public sc_core::sc_module, public VideoInterface, public 
   std::uint64_t encoder_until_ = 0;
 };
 
-}  // namespace selfproj
+}  // namespace selfproj::sim
 
 #endif  // SELFPROJ_SIM_PLATFORM_MODULES_H

@@ -6,14 +6,14 @@
 #include <tlm>
 #include <utility>
 
-#include "host/files/user_error.h"
-#include "model/pixel_clock.h"
+#include "selfproj/files/user_error.h"
+#include "selfproj/model/pixel_clock.h"
 #include "sim/platform/modules.h"
 
 // SystemC's library has a main function that calls this one. The programs have their own main.
 int sc_main(int /*argc*/, char** /*argv*/) { return 0; }
 
-namespace selfproj {
+namespace selfproj::sim {
 
 namespace {
 
@@ -66,7 +66,7 @@ double clocks_a_step(double steps_per_s, double pixel_clock_hz) {
 }
 
 void check(const PlatformOptions& options) {
-  if (!(options.pixel_clock_hz >= kMinPixelClockHz && options.pixel_clock_hz <= kMaxPixelClockHz)) {
+  if (!(options.pixel_clock_hz >= model::kMinPixelClockHz && options.pixel_clock_hz <= model::kMaxPixelClockHz)) {
     throw std::invalid_argument("no board has this pixel clock");
   }
   constexpr int kMaxStalls = 95;
@@ -82,7 +82,7 @@ void check(const PlatformOptions& options) {
   if (options.settings.codes && !options.trace_file.empty()) {
     throw std::invalid_argument("there is no build with both codes and waveforms");
   }
-  if (options.settings.select == Select::strongest &&
+  if (options.settings.select == model::Select::strongest &&
       (options.settings.codes || !options.trace_file.empty() || options.engine == PlatformEngine::hls)) {
     throw std::invalid_argument("there is no build with the strongest runs and codes, waveforms or SystemC shells");
   }
@@ -101,7 +101,7 @@ std::unique_ptr<BoardCore> make_core(const PlatformOptions& options, const Camer
       .seed = options.seed,
       .patterns = options.patterns,
       .codes = options.settings.codes,
-      .runs = options.settings.select == Select::strongest,
+      .runs = options.settings.select == model::Select::strongest,
       .trace_file = options.trace_file,
       .trace_from_clock = Platform::kFirstClock + (options.trace_from - 1) * timing.frame_clocks};
   if (options.engine == PlatformEngine::model) {
@@ -117,12 +117,13 @@ std::unique_ptr<BoardCore> make_core(const PlatformOptions& options, const Camer
 }  // namespace
 
 struct Platform::Parts {
-  Parts(const PlatformOptions& options, Camera::Source frames, BusSink::Receiver packets, BoardModel::Sink expected)
+  Parts(const PlatformOptions& options, Camera::Source frames, BusSink::Receiver packets,
+        model::BoardModel::Sink expected)
       : kernel(options.engine == PlatformEngine::hls),
         pixel_clock_hz(options.pixel_clock_hz),
         timing(camera_timing(options.settings.rows, options.settings.columns, options.frame_rate_hz,
                              options.pixel_clock_hz)),
-        period(sc_core::sc_time::from_value(pixel_clock_period_ps(options.pixel_clock_hz))),
+        period(sc_core::sc_time::from_value(model::pixel_clock_period_ps(options.pixel_clock_hz))),
         camera("camera", timing, kFirstClock, period, std::move(frames)),
         conveyor("conveyor", clocks_a_step(options.encoder_steps_per_s, options.pixel_clock_hz), kFirstClock, period),
         board("board", make_core(options, timing)),
@@ -160,7 +161,8 @@ struct Platform::Parts {
   PlatformReport report;
 };
 
-Platform::Platform(const PlatformOptions& options, NextFrame frames, PacketSink packets, BoardModel::Sink expected) {
+Platform::Platform(const PlatformOptions& options, NextFrame frames, PacketSink packets,
+                   model::BoardModel::Sink expected) {
   check(options);
   parts_ = std::make_unique<Parts>(options, std::move(frames), std::move(packets), std::move(expected));
 }
@@ -179,7 +181,7 @@ void Platform::run() {
   parts.report = {.frames = parts.camera.frames(),
                   .packets = parts.sink.packets(),
                   .clocks = parts.board.core().clock(),
-                  .seconds = seconds_of_clocks(parts.board.core().clock(), parts.pixel_clock_hz),
+                  .seconds = model::seconds_of_clocks(parts.board.core().clock(), parts.pixel_clock_hz),
                   .hold_ups = parts.sink.hold_ups(),
                   .board = parts.board.core().counters()};
 }
@@ -188,4 +190,4 @@ const CameraTiming& Platform::timing() const { return parts_->timing; }
 
 PlatformReport Platform::report() const { return parts_->report; }
 
-}  // namespace selfproj
+}  // namespace selfproj::sim

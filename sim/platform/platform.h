@@ -15,21 +15,21 @@
 #include <span>
 #include <string>
 
-#include "model/board.h"
-#include "model/column_moments.h"
-#include "model/pixel_clock.h"
+#include "selfproj/model/board.h"
+#include "selfproj/model/column_moments.h"
+#include "selfproj/model/pixel_clock.h"
 #include "sim/platform/board_core.h"
 #include "sim/platform/camera_timing.h"
 
-namespace selfproj {
+namespace selfproj::sim {
 
 enum class PlatformEngine : std::uint8_t { rtl, hls, model };
 
 struct PlatformOptions {
   PlatformEngine engine = PlatformEngine::rtl;
-  BoardSettings settings = {};  // columns and rows are those of the frames
+  model::BoardSettings settings = {};  // columns and rows are those of the frames
   double frame_rate_hz = 10000;
-  double pixel_clock_hz = kDefaultPixelClockHz;
+  double pixel_clock_hz = model::kDefaultPixelClockHz;
   int patterns = 1;                // 1..256: frame k carries the pattern index k mod patterns (sequencer on_frame)
   double encoder_steps_per_s = 0;  // at most a quarter of the pixel clock; 0: no encoder
   BusOptions bus = {};
@@ -53,7 +53,7 @@ struct PlatformReport {
 class Platform {
  public:
   // The next frame, of the size in the settings, valid until the next call; nothing if there are no more.
-  using NextFrame = std::function<std::optional<ImageView>()>;
+  using NextFrame = std::function<std::optional<model::ImageView>()>;
   // Receives a packet and the time (in ps) at which its last beat was taken from the bus.
   using PacketSink = std::function<void(std::span<const std::uint8_t> bytes, std::uint64_t time_ps)>;
 
@@ -62,7 +62,7 @@ class Platform {
 
   // `expected`, if given, gets the packets of the model of the board, each before the board's own, with `lost` 0.
   // Throws std::invalid_argument for options without sense, and UserError if the engine is not in this build.
-  Platform(const PlatformOptions& options, NextFrame frames, PacketSink packets, BoardModel::Sink expected = {});
+  Platform(const PlatformOptions& options, NextFrame frames, PacketSink packets, model::BoardModel::Sink expected = {});
   Platform(const Platform&) = delete;
   Platform& operator=(const Platform&) = delete;
   ~Platform();
@@ -80,6 +80,6 @@ class Platform {
   std::unique_ptr<Parts> parts_;
 };
 
-}  // namespace selfproj
+}  // namespace selfproj::sim
 
 #endif  // SELFPROJ_SIM_PLATFORM_PLATFORM_H

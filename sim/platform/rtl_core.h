@@ -10,11 +10,11 @@
 #include <stdexcept>
 #include <utility>
 
-#include "model/pixel_clock.h"
+#include "selfproj/model/pixel_clock.h"
 #include "sim/board/board_device.h"
 #include "sim/platform/board_core.h"
 
-namespace selfproj {
+namespace selfproj::sim {
 
 // `Model` is the class that Verilator made of sp_board with some parameters (sim/board/CMakeLists.txt).
 template <class Model>
@@ -22,7 +22,7 @@ class RtlCore : public BoardCore {
  public:
   explicit RtlCore(const BoardCoreOptions& options)
       : device_({.seed = options.seed,
-                 .video_period_ps = pixel_clock_period_ps(options.pixel_clock_hz),
+                 .video_period_ps = model::pixel_clock_period_ps(options.pixel_clock_hz),
                  .bus_period_ps = options.bus.period_ps,
                  .bus_phase_ps = options.bus.phase_ps,
                  .bus_stall_percent = options.bus.stall_percent,
@@ -41,7 +41,7 @@ class RtlCore : public BoardCore {
     });
   }
 
-  void write(const BoardSettings& settings) override {
+  void write(const model::BoardSettings& settings) override {
     if (patterns_ > 1) {
       device_.write(spec::kRegTriggerControl,
                     1U << spec::kRegTriggerControlOnFrameLsb | static_cast<std::uint32_t>(patterns_ - 1)
@@ -55,7 +55,7 @@ class RtlCore : public BoardCore {
 
   void line(std::uint64_t clock, std::span<const std::uint8_t> pixels, bool frame_start) override {
     wait_until(clock);
-    VideoBeat beat;
+    model::VideoBeat beat;
     beat.start = frame_start;
     for (std::size_t at = 0; at < pixels.size(); at += beat.pixels.size()) {
       std::memcpy(beat.pixels.data(), pixels.data() + at, beat.pixels.size());
@@ -123,6 +123,6 @@ class RtlCore : public BoardCore {
   std::uint64_t queue_end_ = 0;  // clock at which everything queued has been sent
 };
 
-}  // namespace selfproj
+}  // namespace selfproj::sim
 
 #endif  // SELFPROJ_SIM_PLATFORM_RTL_CORE_H

@@ -11,7 +11,7 @@
 #include "sim/platform/rtl_core.h"
 #include "sim/platform/shell_slot.h"
 
-namespace selfproj {
+namespace selfproj::sim {
 namespace {
 
 // The shells must exist before the board's first clock, which the constructor of RtlCore runs. So they are in a base
@@ -55,4 +55,4 @@ std::unique_ptr<BoardCore> make_hls_core(const BoardCoreOptions& options) {
   return std::make_unique<HlsCore>(options);
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::sim

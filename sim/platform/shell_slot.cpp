@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <systemc>
 
-namespace selfproj {
+namespace selfproj::sim {
 namespace {
 
 // Whether this is a clock of a frame, and whether it takes settings over, which the board does all the time between
@@ -162,14 +162,14 @@ void copy(std::uint64_t wide, svBitVecVal* words) {
 std::uint64_t long_of(const svBitVecVal* words) { return std::uint64_t{words[1]} << 32 | words[0]; }
 
 }  // namespace
-}  // namespace selfproj
+}  // namespace selfproj::sim
 
 // Called by the modules of the same names in sim/board/shells, which define the bits.
 
 extern "C" void selfproj_shell_column_moments(unsigned flags, unsigned pixels, unsigned group, unsigned row,
                                               unsigned mode, unsigned threshold, unsigned* answer, svBitVecVal* data) {
-  selfproj::Bits bits(flags);
-  selfproj::ColumnMomentsPins in;
+  selfproj::sim::Bits bits(flags);
+  selfproj::sim::ColumnMomentsPins in;
   in.rst_i = bits.next();
   in.beat_valid_i = bits.next();
   in.beat_first_row_i = bits.next();
@@ -184,16 +184,16 @@ extern "C" void selfproj_shell_column_moments(unsigned flags, unsigned pixels, u
   in.beat_row_i = static_cast<std::uint16_t>(row);
   in.mode_i = static_cast<std::uint8_t>(mode);
   in.threshold_i = static_cast<std::uint8_t>(threshold);
-  const selfproj::ColumnMomentsPins& out = selfproj::ColumnMomentsSlot::present().clock(in);
-  *answer = selfproj::Flags().add(out.moments_valid_o).add(out.moments_break_o).add(out.spoiled_o).word();
-  selfproj::copy(out.moments_data_o, data);
+  const selfproj::sim::ColumnMomentsPins& out = selfproj::sim::ColumnMomentsSlot::present().clock(in);
+  *answer = selfproj::sim::Flags().add(out.moments_valid_o).add(out.moments_break_o).add(out.spoiled_o).word();
+  selfproj::sim::copy(out.moments_data_o, data);
 }
 
 extern "C" void selfproj_shell_gray_decoder(unsigned flags, unsigned settings, unsigned size, unsigned pixels,
                                             unsigned pattern, const svBitVecVal* mem, unsigned* answer,
                                             svBitVecVal* mem_out, svBitVecVal* codes, unsigned* abandoned) {
-  selfproj::Bits bits(flags);
-  selfproj::GrayDecoderPins in;
+  selfproj::sim::Bits bits(flags);
+  selfproj::sim::GrayDecoderPins in;
   in.rst_i = bits.next();
   in.take_i = bits.next();
   in.decode_i = bits.next();
@@ -212,9 +212,9 @@ extern "C" void selfproj_shell_gray_decoder(unsigned flags, unsigned settings, u
   in.rows_i = static_cast<std::uint16_t>(size >> 16);
   in.beat_pixels_i = pixels;
   in.pattern_i = static_cast<std::uint16_t>(pattern);
-  in.mem_data_i = selfproj::wide_of(mem);
-  const selfproj::GrayDecoderPins& out = selfproj::GrayDecoderSlot::present().clock(in);
-  *answer = selfproj::Flags()
+  in.mem_data_i = selfproj::sim::wide_of(mem);
+  const selfproj::sim::GrayDecoderPins& out = selfproj::sim::GrayDecoderSlot::present().clock(in);
+  *answer = selfproj::sim::Flags()
                 .add(out.mem_read_o)
                 .add(out.mem_read_first_o)
                 .add(out.mem_write_o)
@@ -228,15 +228,15 @@ extern "C" void selfproj_shell_gray_decoder(unsigned flags, unsigned settings, u
                 .add(out.codes_break_o)
                 .add(out.codes_status_o, selfproj::hls::kStatusBits)
                 .word();
-  selfproj::copy(out.mem_data_o, mem_out);
-  selfproj::copy(out.codes_o, codes);
+  selfproj::sim::copy(out.mem_data_o, mem_out);
+  selfproj::sim::copy(out.codes_o, codes);
   *abandoned = out.abandoned_o;
 }
 
 extern "C" void selfproj_shell_median3x3(unsigned flags, const svBitVecVal* codes, unsigned* answer,
                                          svBitVecVal* codes_out) {
-  selfproj::Bits bits(flags);
-  selfproj::Median3x3Pins in;
+  selfproj::sim::Bits bits(flags);
+  selfproj::sim::Median3x3Pins in;
   in.rst_i = bits.next();
   in.s_valid_i = bits.next();
   in.s_start_i = bits.next();
@@ -246,9 +246,9 @@ extern "C" void selfproj_shell_median3x3(unsigned flags, const svBitVecVal* code
   in.s_break_i = bits.next();
   in.s_median_i = bits.next();
   in.s_status_i = bits.next(selfproj::hls::kStatusBits);
-  in.s_codes_i = selfproj::long_of(codes);
-  const selfproj::Median3x3Pins& out = selfproj::Median3x3Slot::present().clock(in);
-  *answer = selfproj::Flags()
+  in.s_codes_i = selfproj::sim::long_of(codes);
+  const selfproj::sim::Median3x3Pins& out = selfproj::sim::Median3x3Slot::present().clock(in);
+  *answer = selfproj::sim::Flags()
                 .add(out.busy_o)
                 .add(out.m_valid_o)
                 .add(out.m_start_o)
@@ -257,5 +257,5 @@ extern "C" void selfproj_shell_median3x3(unsigned flags, const svBitVecVal* code
                 .add(out.m_break_o)
                 .add(out.m_status_o, selfproj::hls::kStatusBits)
                 .word();
-  selfproj::copy(out.m_codes_o, codes_out);
+  selfproj::sim::copy(out.m_codes_o, codes_out);
 }

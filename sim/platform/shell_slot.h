@@ -11,7 +11,7 @@
 
 #include "sim/board/shell_blocks.h"
 
-namespace selfproj {
+namespace selfproj::sim {
 
 // Only one of a kind may exist at a time, because the simulated board has no other way to find it. It is built before
 // the board, during elaboration. For ColumnMomentsBlock, GrayDecoderBlock and Median3x3Block with their pins.
@@ -48,6 +48,6 @@ using ColumnMomentsSlot = ShellSlot<ColumnMomentsBlock, ColumnMomentsPins>;
 using GrayDecoderSlot = ShellSlot<GrayDecoderBlock, GrayDecoderPins>;
 using Median3x3Slot = ShellSlot<Median3x3Block, Median3x3Pins>;
 
-}  // namespace selfproj
+}  // namespace selfproj::sim
 
 #endif  // SELFPROJ_SIM_PLATFORM_SHELL_SLOT_H

@@ -9,7 +9,7 @@
 
 #include "sim/scene/lit_surface.h"
 
-namespace selfproj {
+namespace selfproj::sim {
 
 std::vector<IndexSpan> BlockFold::pixels_of(const std::vector<IndexSpan>& blocks) const {
   std::vector<IndexSpan> pixels(static_cast<std::size_t>(rows_));
@@ -151,4 +151,4 @@ std::uint32_t BlockViews::lit_slices(std::size_t block, const ProjectedLight& li
              : lit_slices(block, light, first, count / 2) | lit_slices(block, light, first + count / 2, count / 2);
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::sim

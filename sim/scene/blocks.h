@@ -14,14 +14,14 @@
 #include <utility>
 #include <vector>
 
-#include "host/rig/rig.h"
+#include "selfproj/rig/rig.h"
 #include "sim/scene/lit_surface.h"
 #include "sim/scene/optics.h"
 #include "sim/scene/perturbed_rig.h"
 #include "sim/scene/projected_light.h"
 #include "sim/scene/scene.h"
 
-namespace selfproj {
+namespace selfproj::sim {
 
 // The blocks of pixels into which an image is divided, with the margin around it that the lens gathers light from.
 
@@ -34,7 +34,7 @@ using BlockValues = std::array<float, std::size_t{kBlockSamples}>;  // grey valu
 // the upper left corner of block (down, across).
 class BlockGrid {
  public:
-  BlockGrid(const RigCamera& camera, int margin)
+  BlockGrid(const rig::RigCamera& camera, int margin)
       : margin_(margin),
         down_((camera.rows + 2 * margin + kBlockPixels - 1) / kBlockPixels),
         across_((camera.columns + 2 * margin + kBlockPixels - 1) / kBlockPixels) {}
@@ -106,7 +106,7 @@ struct SubPixelStrip {
 class BlockFold {
  public:
   // The lens's blur, a standard deviation in pixels, determines kernel and margin.
-  BlockFold(const RigCamera& camera, double blur)
+  BlockFold(const rig::RigCamera& camera, double blur)
       : rows_(camera.rows), columns_(camera.columns), grid_(camera, lens_margin(blur)), kernel_(lens_kernel(blur)) {}
 
   [[nodiscard]] const BlockGrid& grid() const { return grid_; }
@@ -290,7 +290,7 @@ class LevelBlocks {
 // Several threads may call it at once. The sights are found when they are first needed.
 class ColumnViews {
  public:
-  ColumnViews(const Pinhole& camera, const RigCamera& size)
+  ColumnViews(const Pinhole& camera, const rig::RigCamera& size)
       : camera_(camera), rows_(size.rows), columns_(size.columns), parts_((size.rows + kPart - 1) / kPart) {}
 
   static constexpr int kPart = 16;  // rows of a part of a column; the last one may have fewer
@@ -338,6 +338,6 @@ class ColumnViews {
   mutable std::vector<Box> tangents_;
 };
 
-}  // namespace selfproj
+}  // namespace selfproj::sim
 
 #endif  // SELFPROJ_SIM_SCENE_BLOCKS_H

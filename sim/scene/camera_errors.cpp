@@ -14,7 +14,7 @@
 #include "sim/scene/random.h"
 #include "sim/scene/scene.h"
 
-namespace selfproj {
+namespace selfproj::sim {
 namespace {
 
 constexpr float kWhite = 255;  // of an 8-bit image
@@ -23,7 +23,7 @@ constexpr float kWhite = 255;  // of an 8-bit image
 
 // Shot noise: the variance is the number of electrons, as in Poisson's distribution, for the light above the dark
 // value; the distribution is taken as normal.
-void add_noise(const RigImaging& imaging, const RenderOptions& options, int frame, std::span<float> pixels) {
+void add_noise(const rig::RigImaging& imaging, const RenderOptions& options, int frame, std::span<float> pixels) {
   if (!options.shot_noise && !options.read_noise) {
     return;
   }
@@ -246,7 +246,7 @@ DisturbedCamera::DisturbedCamera(const PerturbedRig& actual, const Scene& scene,
 }
 
 void DisturbedCamera::defocus(const Shot& shot, std::span<float> pixels) const {
-  const RigCamera& camera = actual_.rig.camera;
+  const rig::RigCamera& camera = actual_.rig.camera;
   const FocusedLens lens(camera.focal_length_mm, world_.camera_defocus->f_number, camera.pixel_pitch_mm,
                          actual_.rig.plane_z_mm - world_.camera_defocus->focus_above_plane_mm);
   std::vector<float> sigma(pixels.size());
@@ -257,7 +257,7 @@ void DisturbedCamera::defocus(const Shot& shot, std::span<float> pixels) const {
 }
 
 void DisturbedCamera::add_light(const Shot& shot, std::span<float> pixels) const {
-  const RigCamera& camera = actual_.rig.camera;
+  const rig::RigCamera& camera = actual_.rig.camera;
   const double dark = actual_.rig.imaging.dark;
   if (bounce_) {
     bounce_->add(shot.pattern, shot.t, pixels);
@@ -296,4 +296,4 @@ void DisturbedCamera::add_faults(int frame, std::span<float> pixels) const {
   }
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::sim

@@ -10,18 +10,18 @@
 #include <span>
 #include <vector>
 
-#include "host/rig/rig.h"
+#include "selfproj/rig/rig.h"
 #include "sim/scene/lit_surface.h"
 #include "sim/scene/perturbed_rig.h"
 #include "sim/scene/projected_light.h"
 #include "sim/scene/scene.h"
 #include "sim/scene/world.h"
 
-namespace selfproj {
+namespace selfproj::sim {
 
 // Adds shot noise and read noise, as switched on in `options`, to an image of grey values. The noise is normal, with
 // variance (grey - dark) / electrons_per_grey + read_noise^2. The seed of `imaging` and the frame number determine it.
-void add_noise(const RigImaging& imaging, const RenderOptions& options, int frame, std::span<float> pixels);
+void add_noise(const rig::RigImaging& imaging, const RenderOptions& options, int frame, std::span<float> pixels);
 
 // Rounds grey values and limits them to 0..255.
 void quantize(std::span<float> pixels);
@@ -134,6 +134,6 @@ class DisturbedCamera {
   std::optional<DefectMap> defects_;
 };
 
-}  // namespace selfproj
+}  // namespace selfproj::sim
 
 #endif  // SELFPROJ_SIM_SCENE_CAMERA_ERRORS_H

@@ -7,17 +7,17 @@
 #include <memory>
 #include <string>
 
-#include "host/files/user_error.h"
-#include "host/images/float_image.h"
-#include "host/rig/rig.h"
+#include "selfproj/files/user_error.h"
+#include "selfproj/images/float_image.h"
+#include "selfproj/rig/rig.h"
 #include "sim/scene/projected_light.h"
 #include "sim/scene/scene.h"
 #include "sim/scene/scenes.h"
 
-namespace selfproj {
+namespace selfproj::sim {
 namespace {
 
-FloatImage without_nan(FloatImage image) {
+images::FloatImage without_nan(images::FloatImage image) {
   std::replace_if(
       image.values.begin(), image.values.end(), [](float value) { return std::isnan(value); }, 0.0F);
   return image;
@@ -27,7 +27,7 @@ class HeightMap : public ConveyedScene {
  public:
   // The map must have pixels, and the scale must be positive. Throws UserError if heights are infinite or not below the
   // camera and the projector.
-  HeightMap(const FloatImage& height_mm, double mm_per_pixel, const Rig& rig, const std::string& source);
+  HeightMap(const images::FloatImage& height_mm, double mm_per_pixel, const rig::Rig& rig, const std::string& source);
 
   [[nodiscard]] double part_height(double x, double y) const override;
   [[nodiscard]] HeightRange part_range(const Box& box) const override;
@@ -44,13 +44,14 @@ class HeightMap : public ConveyedScene {
   double scale_;
   double half_length_;
   double half_width_;
-  FloatImage heights_;  // without NaN
+  images::FloatImage heights_;  // without NaN
   MinMaxPyramid ranges_;
 };
 
 }  // namespace
 
-HeightMap::HeightMap(const FloatImage& height_mm, double mm_per_pixel, const Rig& rig, const std::string& source)
+HeightMap::HeightMap(const images::FloatImage& height_mm, double mm_per_pixel, const rig::Rig& rig,
+                     const std::string& source)
     : ConveyedScene(rig, height_mm.rows * mm_per_pixel),
       scale_(mm_per_pixel),
       half_length_(height_mm.rows * mm_per_pixel / 2),
@@ -121,7 +122,7 @@ HeightRange HeightMap::part_range(const Box& box) const {
   return result;
 }
 
-std::unique_ptr<Scene> height_map_scene(const FloatImage& height_mm, double mm_per_pixel, const Rig& rig,
+std::unique_ptr<Scene> height_map_scene(const images::FloatImage& height_mm, double mm_per_pixel, const rig::Rig& rig,
                                         const std::string& source) {
   if (height_mm.values.empty()) {
     throw UserError(source, "has no pixels");
@@ -132,4 +133,4 @@ std::unique_ptr<Scene> height_map_scene(const FloatImage& height_mm, double mm_p
   return std::make_unique<HeightMap>(height_mm, mm_per_pixel, rig, source);
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::sim

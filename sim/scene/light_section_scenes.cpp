@@ -7,18 +7,18 @@
 #include <memory>
 #include <vector>
 
-#include "host/rig/rig.h"
+#include "selfproj/rig/rig.h"
 #include "sim/scene/scene.h"
 #include "sim/scene/scenes.h"
 
-namespace selfproj {
+namespace selfproj::sim {
 namespace {
 
 constexpr double kPartLength = 130;  // length of the parts of rig A: 1400 frames of 0.1 mm with the lead on both sides
 
 class Plane : public ConveyedScene {
  public:
-  explicit Plane(const Rig& rig) : ConveyedScene(rig, 0) {}
+  explicit Plane(const rig::Rig& rig) : ConveyedScene(rig, 0) {}
   [[nodiscard]] double part_height(double /*x*/, double /*y*/) const override { return 0; }
   [[nodiscard]] HeightRange part_range(const Box& /*box*/) const override { return {0, 0}; }
 };
@@ -26,7 +26,7 @@ class Plane : public ConveyedScene {
 // A prism along x: one profile over y, cut off at both ends.
 class Prism : public ConveyedScene {
  public:
-  Prism(const Rig& rig, double width) : ConveyedScene(rig, kPartLength), half_width_(width / 2) {}
+  Prism(const rig::Rig& rig, double width) : ConveyedScene(rig, kPartLength), half_width_(width / 2) {}
 
   [[nodiscard]] double part_height(double x, double y) const final {
     return std::abs(x) <= kPartLength / 2 && std::abs(y) <= half_width_ ? top(x, y) : 0;
@@ -59,7 +59,7 @@ class Prism : public ConveyedScene {
 // Experiment A1: a smooth ridge, H (1 − (2 y/W)²)², level on top and where it meets the plane, steepest slope 0.73.
 class Mountain : public Prism {
  public:
-  explicit Mountain(const Rig& rig) : Prism(rig, kWidth) {}
+  explicit Mountain(const rig::Rig& rig) : Prism(rig, kWidth) {}
 
  protected:
   [[nodiscard]] double top(double /*x*/, double y) const override { return profile(y); }
@@ -85,7 +85,7 @@ enum class TreadSurface : std::uint8_t { good, marked };
 // Experiment A2: three treads side by side across y, with vertical faces, and optionally a mark carved into each.
 class Stairs : public Prism {
  public:
-  Stairs(const Rig& rig, TreadSurface surface)
+  Stairs(const rig::Rig& rig, TreadSurface surface)
       : Prism(rig, kTreadWidth * std::size(kTreads)), marked_(surface == TreadSurface::marked) {}
 
  protected:
@@ -153,23 +153,23 @@ const std::vector<SceneInfo>& light_section_scenes() {
   static const std::vector<SceneInfo> all{
       {.name = "plane",
        .description = "the bare plane",
-       .make = [](const Rig& rig) -> std::unique_ptr<Scene> { return std::make_unique<Plane>(rig); }},
+       .make = [](const rig::Rig& rig) -> std::unique_ptr<Scene> { return std::make_unique<Plane>(rig); }},
       {.name = "mountain",
        .description = "A1: smooth ridge along x, 23.6 mm high, 100 mm wide",
-       .make = [](const Rig& rig) -> std::unique_ptr<Scene> { return std::make_unique<Mountain>(rig); }},
+       .make = [](const rig::Rig& rig) -> std::unique_ptr<Scene> { return std::make_unique<Mountain>(rig); }},
       {.name = "stairs",
        .description = "A2: treads 30, 39, 21 mm high, 35 mm wide each, side by side",
-       .make = [](const Rig& rig) -> std::unique_ptr<Scene> {
+       .make = [](const rig::Rig& rig) -> std::unique_ptr<Scene> {
          return std::make_unique<Stairs>(rig, TreadSurface::good);
        }},
       {.name = "stairs-marked",
        .description = "A2: the same with a circle, a cross and a triangle carved 1 mm deep",
        .reference = "stairs",
-       .make = [](const Rig& rig) -> std::unique_ptr<Scene> {
+       .make = [](const rig::Rig& rig) -> std::unique_ptr<Scene> {
          return std::make_unique<Stairs>(rig, TreadSurface::marked);
        }},
   };
   return all;
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::sim

@@ -12,7 +12,7 @@
 #include "sim/scene/random.h"
 #include "sim/scene/scene.h"
 
-namespace selfproj {
+namespace selfproj::sim {
 namespace {
 
 struct Segment {
@@ -383,7 +383,7 @@ BounceLight::BounceLight(const PerturbedRig& actual, const Scene& scene, const L
 // depend on the distance, so a pixel's flux is its light times s² cos / (scales): its area at right angles to the
 // light.
 std::vector<BounceLight::Source> BounceLight::sources(const ProjectedLight& pattern, double t) const {
-  const RigProjector& size = actual_.rig.projector;
+  const rig::RigProjector& size = actual_.rig.projector;
   const Pinhole& projector = actual_.projector;
   const Point3 centre = projector.centre();
   const HeightRange all = surface_.all_heights(t, t);
@@ -420,7 +420,7 @@ std::vector<BounceLight::Source> BounceLight::sources(const ProjectedLight& patt
 
 std::vector<BounceLight::Receiver> BounceLight::receivers(double t) const {
   const HeightRange all = surface_.all_heights(t, t);
-  const RigImaging& imaging = actual_.rig.imaging;
+  const rig::RigImaging& imaging = actual_.rig.imaging;
   std::vector<Receiver> result;
   for (int i = 0; i < down_; ++i) {
     for (int j = 0; j < across_; ++j) {
@@ -470,4 +470,4 @@ void BounceLight::add(const ProjectedLight& pattern, double t, std::span<float> 
   }
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::sim

@@ -16,7 +16,7 @@
 #include "sim/scene/scene.h"
 #include "sim/scene/world.h"
 
-namespace selfproj {
+namespace selfproj::sim {
 
 // Where rays meet the surface of a scene is found from the bounds alone that it gives of its heights: exact for smooth
 // slopes and vertical faces, without stepping along the ray.
@@ -217,6 +217,6 @@ class BounceLight {
   std::vector<Receiver> receivers_;  // of a scene that stands still
 };
 
-}  // namespace selfproj
+}  // namespace selfproj::sim
 
 #endif  // SELFPROJ_SIM_SCENE_LIT_SURFACE_H

@@ -15,9 +15,9 @@
 #include <stdexcept>
 #include <vector>
 
-#include "host/rig/rig.h"
+#include "selfproj/rig/rig.h"
 
-namespace selfproj {
+namespace selfproj::sim {
 namespace {
 
 // d(r (1 + k1 r² + k2 r⁴ + k3 r⁶)) / dr
@@ -119,7 +119,7 @@ Pinhole::Pinhole(Point3 centre, const std::array<Point3, 3>& axes, const Intrins
   }
 }
 
-Pinhole Pinhole::of_camera(const RigCamera& camera) {
+Pinhole Pinhole::of_camera(const rig::RigCamera& camera) {
   const double scale = camera.focal_length_mm / camera.pixel_pitch_mm;
   return {{0, 0, 0},
           {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}},
@@ -127,7 +127,7 @@ Pinhole Pinhole::of_camera(const RigCamera& camera) {
 }
 
 // The axis, tilted from z towards −x, is (−sin θ0, 0, cos θ0). Xp grows in the direction in which it turns as θ0 grows.
-Pinhole Pinhole::of_projector(const RigProjector& projector) {
+Pinhole Pinhole::of_projector(const rig::RigProjector& projector) {
   const double s = std::sin(projector.tilt_rad);
   const double c = std::cos(projector.tilt_rad);
   return {{projector.x_mm, 0, projector.z_mm},
@@ -248,7 +248,7 @@ std::array<double, 21> numbers_of(const Pinhole& camera) {
 
 }  // namespace
 
-SightTable::SightTable(const Pinhole& camera, const RigCamera& size)
+SightTable::SightTable(const Pinhole& camera, const rig::RigCamera& size)
     : camera_(camera),
       rows_(static_cast<std::size_t>((size.rows + 2 * kMargin) * kSubPixels)),
       columns_(static_cast<std::size_t>((size.columns + 2 * kMargin) * kSubPixels)),
@@ -256,7 +256,7 @@ SightTable::SightTable(const Pinhole& camera, const RigCamera& size)
       ready_(rows_),
       filled_(std::make_unique<std::once_flag[]>(rows_)) {}  // NOLINT(modernize-avoid-c-arrays)
 
-bool SightTable::is_of(const Pinhole& camera, const RigCamera& size) const {
+bool SightTable::is_of(const Pinhole& camera, const rig::RigCamera& size) const {
   return numbers_of(camera) == numbers_of(camera_) &&
          rows_ == static_cast<std::size_t>((size.rows + 2 * kMargin) * kSubPixels) &&
          columns_ == static_cast<std::size_t>((size.columns + 2 * kMargin) * kSubPixels);
@@ -274,7 +274,7 @@ const Point3* SightTable::fill(std::size_t row) const {
   return sights_[row].data();
 }
 
-std::shared_ptr<const SightTable> SightTable::of(const Pinhole& camera, const RigCamera& size) {
+std::shared_ptr<const SightTable> SightTable::of(const Pinhole& camera, const rig::RigCamera& size) {
   constexpr std::size_t kMost = std::size_t{64} << 20U;  // bytes
   constexpr std::size_t kSquare = std::size_t{kSubPixels} * kSubPixels;
   if (!camera.lens().distorts() || size.pixels() * kSquare * sizeof(Point3) > kMost) {
@@ -358,4 +358,4 @@ void spread(int rows, int columns, std::span<const float> sigma, std::span<float
   pass(half, pixels, false);
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::sim

@@ -12,9 +12,9 @@
 #include <span>
 #include <vector>
 
-#include "host/rig/rig.h"
+#include "selfproj/rig/rig.h"
 
-namespace selfproj {
+namespace selfproj::sim {
 
 // The distortion of a lens by Brown's model, which OpenCV uses too, and its inverse to machine precision.
 
@@ -59,7 +59,7 @@ class BrownLens {
   double max_r2_ = kUnlimited;
 };
 
-// Millimetres in the world frame of host/rig/rig.h.
+// Millimetres in the world frame of include/selfproj/rig/rig.h.
 struct Point3 {
   double x = 0;
   double y = 0;
@@ -102,8 +102,8 @@ class Pinhole {
   Pinhole(Point3 centre, const std::array<Point3, 3>& axes, const Intrinsics& k, const BrownLens& lens = {});
 
   // Without distortion, placed as the rig says.
-  static Pinhole of_camera(const RigCamera& camera);
-  static Pinhole of_projector(const RigProjector& projector);
+  static Pinhole of_camera(const rig::RigCamera& camera);
+  static Pinhole of_projector(const rig::RigProjector& projector);
 
   [[nodiscard]] Point3 centre() const { return centre_; }
   [[nodiscard]] Point3 axis() const { return axes_[2]; }  // of length 1
@@ -187,7 +187,7 @@ class SightTable {
  public:
   // The table of a camera, which is shared with whoever asked for the same one before; null if its lens does not
   // distort, or if the table would be larger than 64 MiB. Several threads may call it at once.
-  static std::shared_ptr<const SightTable> of(const Pinhole& camera, const RigCamera& size);
+  static std::shared_ptr<const SightTable> of(const Pinhole& camera, const rig::RigCamera& size);
 
   // What camera.sight(pixel) gives, to the last digit. It is looked up for the middles of sub-pixels in the image and
   // in a margin of 8 pixels around it.
@@ -207,8 +207,8 @@ class SightTable {
  private:
   static constexpr int kMargin = 8;  // pixels
 
-  SightTable(const Pinhole& camera, const RigCamera& size);
-  [[nodiscard]] bool is_of(const Pinhole& camera, const RigCamera& size) const;
+  SightTable(const Pinhole& camera, const rig::RigCamera& size);
+  [[nodiscard]] bool is_of(const Pinhole& camera, const rig::RigCamera& size) const;
   const Point3* sights_of(std::size_t row) const {
     const Point3* const filled = ready_[row].load(std::memory_order_acquire);
     return filled != nullptr ? filled : fill(row);
@@ -245,6 +245,6 @@ void spread(int rows, int columns, std::span<const float> sigma, std::span<float
 // The weights at -reach..reach of a blur of this standard deviation, of sum 1.
 std::vector<float> spread_weights(double sigma);
 
-}  // namespace selfproj
+}  // namespace selfproj::sim
 
 #endif  // SELFPROJ_SIM_SCENE_OPTICS_H

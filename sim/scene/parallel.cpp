@@ -8,7 +8,7 @@
 #include <thread>
 #include <vector>
 
-namespace selfproj {
+namespace selfproj::sim {
 
 void parallel_for(int count, int threads, const std::function<void(int)>& work) {
   std::atomic<int> next = 0;
@@ -39,4 +39,4 @@ void parallel_for(int count, int threads, const std::function<void(int)>& work) 
   }
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::sim

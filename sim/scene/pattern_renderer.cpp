@@ -15,7 +15,7 @@
 #include "sim/scene/scene.h"
 #include "sim/scene/still_surface.h"
 
-namespace selfproj {
+namespace selfproj::sim {
 namespace {
 
 const Scene& checked(const Scene& scene) {
@@ -159,7 +159,7 @@ PatternRenderer::PatternRenderer(const PerturbedRig& actual, const Scene& scene,
       still_(actual, scene, options, threads),
       dark_(actual.rig.camera.pixels()) {
   disturb(actual, scene, still_.surface());
-  const ProjectedLight none(FloatImage(1, 1), 0);
+  const ProjectedLight none(images::FloatImage(1, 1), 0);
   const std::vector<IndexSpan> all(static_cast<std::size_t>(grid().down()), {0, grid().across() - 1});
   fold().fold(
       fold().pixels_of(all),
@@ -257,4 +257,4 @@ void PatternRenderer::lit_depth(int frame, std::span<float> z, float min_light) 
   }
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::sim

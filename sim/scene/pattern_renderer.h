@@ -11,7 +11,7 @@
 #include <span>
 #include <vector>
 
-#include "host/rig/rig.h"
+#include "selfproj/rig/rig.h"
 #include "sim/scene/blocks.h"
 #include "sim/scene/perturbed_rig.h"
 #include "sim/scene/projected_light.h"
@@ -19,7 +19,7 @@
 #include "sim/scene/scene.h"
 #include "sim/scene/still_surface.h"
 
-namespace selfproj {
+namespace selfproj::sim {
 
 class PatternRenderer final : public Renderer {
  public:
@@ -49,6 +49,6 @@ class PatternRenderer final : public Renderer {
   std::vector<float> dark_;  // the image of the surface without light of the projector and without bodies
 };
 
-}  // namespace selfproj
+}  // namespace selfproj::sim
 
 #endif  // SELFPROJ_SIM_SCENE_PATTERN_RENDERER_H

@@ -7,10 +7,10 @@
 #include <cstdint>
 #include <numbers>
 
-#include "host/rig/rig.h"
+#include "selfproj/rig/rig.h"
 #include "sim/scene/random.h"
 
-namespace selfproj {
+namespace selfproj::sim {
 namespace {
 
 // A vector of the calibration's axes (x along columns, y along rows) in the world's.
@@ -18,14 +18,14 @@ Point3 exchanged(Point3 v) { return {v.y, v.x, v.z}; }
 
 Point3 unit(Point3 v) { return 1 / std::sqrt(dot(v, v)) * v; }
 
-Pinhole pinhole_of(const RigLens& lens, Point3 centre, const std::array<Point3, 3>& axes) {
+Pinhole pinhole_of(const rig::RigLens& lens, Point3 centre, const std::array<Point3, 3>& axes) {
   return {centre,
           axes,
           {lens.fy_px, lens.fx_px, lens.cy_px, lens.cx_px},
           BrownLens({lens.k1, lens.k2, lens.p1, lens.p2, lens.k3})};
 }
 
-Pinhole camera_of(const Rig& rig) {
+Pinhole camera_of(const rig::Rig& rig) {
   if (!rig.calibration) {
     return Pinhole::of_camera(rig.camera);
   }
@@ -34,7 +34,7 @@ Pinhole camera_of(const Rig& rig) {
 
 // x_projector = R x_camera + T, so that the rows of R are the projector's axes: columns, rows, optical axis. Its centre
 // is −Rᵀ T.
-Pinhole projector_of(const Rig& rig) {
+Pinhole projector_of(const rig::Rig& rig) {
   if (!rig.calibration) {
     return Pinhole::of_projector(rig.projector);
   }
@@ -98,13 +98,13 @@ Perturbation drawn_perturbation(EvenNumbers& random) {
 
 }  // namespace
 
-PerturbedRig::PerturbedRig(const Rig& of) : PerturbedRig(of, camera_of(of), projector_of(of)) {}
+PerturbedRig::PerturbedRig(const rig::Rig& of) : PerturbedRig(of, camera_of(of), projector_of(of)) {}
 
-PerturbedRig::PerturbedRig(const Rig& of, const Pinhole& its_camera, const Pinhole& its_projector)
+PerturbedRig::PerturbedRig(const rig::Rig& of, const Pinhole& its_camera, const Pinhole& its_projector)
     : rig(of), camera(its_camera), projector(its_projector) {}
 
 Point3 middle_of_view(const PerturbedRig& actual, double z) {
-  const Rig& rig = actual.rig;
+  const rig::Rig& rig = actual.rig;
   std::array<double, 4> bounds{-1e9, 1e9, -1e9, 1e9};  // x, y
   const auto narrow = [&](const Pinhole& pinhole, int rows, int columns) {
     const auto on_plane = [&](double row, double column) {
@@ -123,12 +123,12 @@ Point3 middle_of_view(const PerturbedRig& actual, double z) {
   return {(bounds[0] + bounds[1]) / 2, (bounds[2] + bounds[3]) / 2, z};
 }
 
-PerturbedRig perturbed_rig(const Rig& nominal, const Perturbation& camera, const Perturbation& projector) {
+PerturbedRig perturbed_rig(const rig::Rig& nominal, const Perturbation& camera, const Perturbation& projector) {
   return {nominal, perturbed(Pinhole::of_camera(nominal.camera), camera),
           perturbed(Pinhole::of_projector(nominal.projector), projector)};
 }
 
-PerturbedRig hidden_rig(const Rig& nominal, std::uint64_t seed) {
+PerturbedRig hidden_rig(const rig::Rig& nominal, std::uint64_t seed) {
   EvenNumbers random(seed);
   Perturbation camera = drawn_perturbation(random);
   Perturbation projector = drawn_perturbation(random);
@@ -139,4 +139,4 @@ PerturbedRig hidden_rig(const Rig& nominal, std::uint64_t seed) {
   return perturbed_rig(nominal, camera, projector);
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::sim

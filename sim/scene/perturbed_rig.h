@@ -5,20 +5,21 @@
 #include <array>
 #include <cstdint>
 
-#include "host/rig/rig.h"
+#include "selfproj/rig/rig.h"
 #include "sim/scene/optics.h"
 
-namespace selfproj {
+namespace selfproj::sim {
 
 // World frame: the plane of the belt is z = plane_z_mm, and the belt moves along +x. A camera without deviations is at
 // the origin and looks along z.
 struct PerturbedRig {
   // Camera and projector as the rig's file says. If it has a calibration, they are its full model, with lenses.
-  PerturbedRig(const Rig& of);  // NOLINT(google-explicit-constructor): a rig without deviations is a perturbed rig too
+  PerturbedRig(
+      const rig::Rig& of);  // NOLINT(google-explicit-constructor): a rig without deviations is a perturbed rig too
 
-  PerturbedRig(const Rig& of, const Pinhole& its_camera, const Pinhole& its_projector);
+  PerturbedRig(const rig::Rig& of, const Pinhole& its_camera, const Pinhole& its_projector);
 
-  Rig rig;  // sizes, rates, light
+  rig::Rig rig;  // sizes, rates, light
   Pinhole camera;
   Pinhole projector;
 };
@@ -45,12 +46,12 @@ inline constexpr double kMaxCentrePx = 10;
 inline constexpr BrownLens::Coefficients kMaxDistortion{0.1, 0.01, 0.001, 0.001, 0};
 
 // The rig with deviations of camera and projector. Starts from the pinholes of the rig, without its calibration.
-PerturbedRig perturbed_rig(const Rig& nominal, const Perturbation& camera, const Perturbation& projector);
+PerturbedRig perturbed_rig(const rig::Rig& nominal, const Perturbation& camera, const Perturbation& projector);
 
 // The same with deviations drawn by this seed. Both are then shifted along the belt so that the middle of what they see
 // is at x = y = 0 on it: the belt has no place of its own, and users lay parts where camera and projector look.
-PerturbedRig hidden_rig(const Rig& nominal, std::uint64_t seed);
+PerturbedRig hidden_rig(const rig::Rig& nominal, std::uint64_t seed);
 
-}  // namespace selfproj
+}  // namespace selfproj::sim
 
 #endif  // SELFPROJ_SIM_SCENE_PERTURBED_RIG_H

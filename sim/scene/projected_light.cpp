@@ -12,18 +12,18 @@
 #include <utility>
 #include <vector>
 
-#include "host/images/float_image.h"
+#include "selfproj/images/float_image.h"
 #include "sim/scene/optics.h"
 
-namespace selfproj {
+namespace selfproj::sim {
 namespace {
 
 constexpr double kReach = kKernelReach;
 constexpr int kLevels = 6;  // of blur by defocus
 
 // The blurred pattern with `margin` dark pixels around it.
-FloatImage blurred(const FloatImage& pattern, int margin, double sigma) {
-  FloatImage image(pattern.rows + 2 * margin, pattern.columns + 2 * margin);
+images::FloatImage blurred(const images::FloatImage& pattern, int margin, double sigma) {
+  images::FloatImage image(pattern.rows + 2 * margin, pattern.columns + 2 * margin);
   for (int r = 0; r < pattern.rows; ++r) {
     std::copy_n(pattern.row(r), pattern.columns, image.row(r + margin) + margin);
   }
@@ -32,7 +32,7 @@ FloatImage blurred(const FloatImage& pattern, int margin, double sigma) {
   }
   const std::vector<double> kernel = gaussian_kernel(sigma);
   const int reach = static_cast<int>(kernel.size() / 2);
-  FloatImage half(image.rows, image.columns);  // blurred across lines
+  images::FloatImage half(image.rows, image.columns);  // blurred across lines
   for (int r = 0; r < image.rows; ++r) {
     const float* from = image.row(r);
     if (std::all_of(from, from + image.columns, [](float value) { return value == 0; })) {
@@ -68,7 +68,7 @@ FloatImage blurred(const FloatImage& pattern, int margin, double sigma) {
   return image;
 }
 
-std::vector<double> centres_of(const FloatImage& pattern) {
+std::vector<double> centres_of(const images::FloatImage& pattern) {
   const auto columns = static_cast<std::size_t>(pattern.columns);
   std::vector<double> m0(columns);
   std::vector<double> m1(columns);
@@ -91,7 +91,8 @@ double ProjectorFocus::sigma_px(double line, double column, double z) const {
   return lens.sigma_px((z - projector.centre().z) / along.z);
 }
 
-ProjectedLight::ProjectedLight(const FloatImage& pattern, double blur, const std::optional<ProjectorFocus>& focus)
+ProjectedLight::ProjectedLight(const images::FloatImage& pattern, double blur,
+                               const std::optional<ProjectorFocus>& focus)
     : margin_(static_cast<int>(std::ceil(kReach * blur)) + 1),
       light_(blurred(pattern, margin_, blur)),
       ranges_(light_),
@@ -218,18 +219,18 @@ float light_through(const ProjectorGamma& gamma, float wanted) {
   return static_cast<float>(std::pow(level, gamma.gamma));
 }
 
-FloatImage light_through(const ProjectorGamma& gamma, const FloatImage& wanted) {
-  FloatImage light = wanted;
+images::FloatImage light_through(const ProjectorGamma& gamma, const images::FloatImage& wanted) {
+  images::FloatImage light = wanted;
   std::transform(light.values.begin(), light.values.end(), light.values.begin(),
                  [&](float value) { return light_through(gamma, value); });
   return light;
 }
 
-ProjectedLight throw_light(const Rig& rig, const FloatImage& pattern, const RenderOptions& options) {
+ProjectedLight throw_light(const rig::Rig& rig, const images::FloatImage& pattern, const RenderOptions& options) {
   std::optional<ProjectorFocus> focus;
   if (options.world.projector_defocus) {
     const Defocus& defocus = *options.world.projector_defocus;
-    const RigProjector& size = rig.projector;
+    const rig::RigProjector& size = rig.projector;
     const Pinhole projector = Pinhole::of_projector(size);
     const double sharp = projector.depth({0, 0, rig.plane_z_mm - defocus.focus_above_plane_mm});
     constexpr double kReach = 150;  // mm above the plane: as high as parts are
@@ -242,7 +243,7 @@ ProjectedLight throw_light(const Rig& rig, const FloatImage& pattern, const Rend
                              : ProjectedLight(pattern, blur, focus);
 }
 
-void check_pattern(const FloatImage& pattern, const RigProjector& projector, const std::string& source) {
+void check_pattern(const images::FloatImage& pattern, const rig::RigProjector& projector, const std::string& source) {
   if (pattern.rows != projector.lines || pattern.columns != projector.columns) {
     throw UserError(source, fmt::format("has {} lines of {} columns; the rig's projector has {} of {}", pattern.rows,
                                         pattern.columns, projector.lines, projector.columns));
@@ -254,38 +255,38 @@ void check_pattern(const FloatImage& pattern, const RigProjector& projector, con
   }
 }
 
-ProjectedLight project_image(const Rig& rig, const Image& image, const RenderOptions& options,
+ProjectedLight project_image(const rig::Rig& rig, const images::Image& image, const RenderOptions& options,
                              const std::string& source) {
   constexpr float kFull = 255;
-  FloatImage light(image.rows, image.columns);
+  images::FloatImage light(image.rows, image.columns);
   std::transform(image.pixels.begin(), image.pixels.end(), light.values.begin(),
                  [](std::uint8_t value) { return static_cast<float>(value) / kFull; });
   check_pattern(light, rig.projector, source);
   return throw_light(rig, light, options);
 }
 
-PatternSet::PatternSet(const Rig& rig, std::span<const Image> images, const RenderOptions& options) {
+PatternSet::PatternSet(const rig::Rig& rig, std::span<const images::Image> images, const RenderOptions& options) {
   if (images.empty()) {
     throw std::invalid_argument("a set of no patterns");
   }
   light_.reserve(images.size());
-  for (const Image& image : images) {
+  for (const images::Image& image : images) {
     light_.push_back(project_image(rig, image, options));
   }
 }
 
 // g_2i = floor(2^i Y/H + 1/2) mod 2, in integers.
-std::vector<Image> gray_patterns(const RigProjector& projector, int bits) {
+std::vector<images::Image> gray_patterns(const rig::RigProjector& projector, int bits) {
   constexpr int kMaxBits = 12;
   if (bits < 1 || bits > kMaxBits) {
     throw std::invalid_argument("Gray patterns of other than 1..12 bits");
   }
   constexpr std::uint8_t kFull = 255;
   const std::int64_t lines = projector.lines;
-  std::vector<Image> patterns;
+  std::vector<images::Image> patterns;
   for (int i = 0; i < bits; ++i) {
     for (const bool positive : {true, false}) {
-      Image image{projector.lines, projector.columns, {}};
+      images::Image image{projector.lines, projector.columns, {}};
       image.pixels.reserve(static_cast<std::size_t>(lines) * static_cast<std::size_t>(projector.columns));
       for (std::int64_t line = 0; line < lines; ++line) {
         const bool lit = ((2 * (line << i) + lines) / (2 * lines)) % 2 == 1;
@@ -298,4 +299,4 @@ std::vector<Image> gray_patterns(const RigProjector& projector, int bits) {
   return patterns;
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::sim

@@ -9,13 +9,13 @@
 #include <string>
 #include <vector>
 
-#include "host/images/float_image.h"
 #include "host/images/image_files.h"
-#include "host/rig/rig.h"
+#include "selfproj/images/float_image.h"
+#include "selfproj/rig/rig.h"
 #include "sim/scene/optics.h"
 #include "sim/scene/world.h"
 
-namespace selfproj {
+namespace selfproj::sim {
 
 // Finds the least and the greatest value of any rectangle of an image quickly.
 class MinMaxPyramid {
@@ -27,7 +27,7 @@ class MinMaxPyramid {
   MinMaxPyramid() = default;
 
   // The image must have pixels, and none may be NaN.
-  explicit MinMaxPyramid(const FloatImage& image) {
+  explicit MinMaxPyramid(const images::FloatImage& image) {
     levels_.push_back({image, image});
     while (levels_.back().low.rows > 1 || levels_.back().low.columns > 1) {
       levels_.push_back(halved(levels_.back()));
@@ -56,13 +56,13 @@ class MinMaxPyramid {
 
  private:
   struct Level {
-    FloatImage low, high;
+    images::FloatImage low, high;
   };
 
   static Level halved(const Level& from) {
     const int rows = (from.low.rows + 1) / 2;
     const int columns = (from.low.columns + 1) / 2;
-    Level to{FloatImage(rows, columns), FloatImage(rows, columns)};
+    Level to{images::FloatImage(rows, columns), images::FloatImage(rows, columns)};
     for (int r = 0; r < rows; ++r) {
       const int below = std::min(2 * r + 1, from.low.rows - 1);
       for (int c = 0; c < columns; ++c) {
@@ -94,7 +94,7 @@ class ProjectedLight {
  public:
   // `pattern` has light 0..1, projector lines x columns; `blur` is the standard deviation in pixels. With a focus the
   // blur grows with the distance from it.
-  ProjectedLight(const FloatImage& pattern, double blur, const std::optional<ProjectorFocus>& focus = {});
+  ProjectedLight(const images::FloatImage& pattern, double blur, const std::optional<ProjectorFocus>& focus = {});
 
   // The light at a place of the pattern: linear between the centres of the blurred pixels, 0 outside.
   [[nodiscard]] double at(PixelPoint p) const;
@@ -150,8 +150,8 @@ class ProjectedLight {
   [[nodiscard]] std::optional<Centres> line_centres(double first, double last) const;
 
  private:
-  int margin_;        // dark or blurred pixels around the pattern
-  FloatImage light_;  // with the margin
+  int margin_;                // dark or blurred pixels around the pattern
+  images::FloatImage light_;  // with the margin
   MinMaxPyramid ranges_;
   std::vector<double> centres_;
 
@@ -167,24 +167,25 @@ class ProjectedLight {
 float light_through(const ProjectorGamma& gamma, float wanted);
 
 // The same for a pattern.
-FloatImage light_through(const ProjectorGamma& gamma, const FloatImage& wanted);
+images::FloatImage light_through(const ProjectorGamma& gamma, const images::FloatImage& wanted);
 
 // Returns the light that the rig's projector makes of a pattern of light 0..1, with its gamma, blur and defocus.
-ProjectedLight throw_light(const Rig& rig, const FloatImage& pattern, const RenderOptions& options);
+ProjectedLight throw_light(const rig::Rig& rig, const images::FloatImage& pattern, const RenderOptions& options);
 
 // Throws UserError about `source` if the pattern does not have the projector's size, or has a value outside 0..1.
-void check_pattern(const FloatImage& pattern, const RigProjector& projector, const std::string& source = "pattern");
+void check_pattern(const images::FloatImage& pattern, const rig::RigProjector& projector,
+                   const std::string& source = "pattern");
 
 // An image as the rig's projector throws it: its lines x columns, 8 bits, 255 for full light. Only the projector's
 // blur, gamma and focus matter among the options. Throws UserError about `source` if the image has another size.
-ProjectedLight project_image(const Rig& rig, const Image& image, const RenderOptions& options = {},
+ProjectedLight project_image(const rig::Rig& rig, const images::Image& image, const RenderOptions& options = {},
                              const std::string& source = "pattern");
 
 // Patterns shown one after another, one for each frame, in a cycle.
 class PatternSet {
  public:
   // Needs at least one image, else throws std::invalid_argument; also throws as project_image does.
-  PatternSet(const Rig& rig, std::span<const Image> images, const RenderOptions& options = {});
+  PatternSet(const rig::Rig& rig, std::span<const images::Image> images, const RenderOptions& options = {});
 
   [[nodiscard]] int size() const { return static_cast<int>(light_.size()); }
   [[nodiscard]] const ProjectedLight& operator[](int pattern) const {
@@ -199,8 +200,8 @@ class PatternSet {
 
 // The 2 bits patterns of (4.1) along the projector's lines, with values 0 and 255, lines x columns: positive and
 // negative of plane 0 (the most significant), then of plane 1, and so on. `bits` is 1..12.
-std::vector<Image> gray_patterns(const RigProjector& projector, int bits);
+std::vector<images::Image> gray_patterns(const rig::RigProjector& projector, int bits);
 
-}  // namespace selfproj
+}  // namespace selfproj::sim
 
 #endif  // SELFPROJ_SIM_SCENE_PROJECTED_LIGHT_H

@@ -8,7 +8,7 @@
 #include <random>
 #include <utility>
 
-namespace selfproj {
+namespace selfproj::sim {
 
 // Evenly distributed random numbers that are the same with every standard library.
 class EvenNumbers {
@@ -62,6 +62,6 @@ class NormalNoise {
   std::uint64_t state_;
 };
 
-}  // namespace selfproj
+}  // namespace selfproj::sim
 
 #endif  // SELFPROJ_SIM_SCENE_RANDOM_H

@@ -11,18 +11,18 @@
 #include <span>
 #include <vector>
 
-#include "host/images/float_image.h"
-#include "host/rig/rig.h"
+#include "selfproj/images/float_image.h"
+#include "selfproj/rig/rig.h"
 #include "sim/scene/lit_surface.h"
 #include "sim/scene/parallel.h"
 
-namespace selfproj {
+namespace selfproj::sim {
 namespace {
 
 constexpr double kAnyTime = 1e6;  // s
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-const FloatImage& checked(const FloatImage& pattern, const RigProjector& projector) {
+const images::FloatImage& checked(const images::FloatImage& pattern, const rig::RigProjector& projector) {
   check_pattern(pattern, projector);
   return pattern;
 }
@@ -69,7 +69,7 @@ void Renderer::render(int frame, const ProjectedLight& light, std::span<std::uin
   quantize(values, pixels);
 }
 
-LineRenderer::LineRenderer(const PerturbedRig& actual, const Scene& scene, const FloatImage& pattern,
+LineRenderer::LineRenderer(const PerturbedRig& actual, const Scene& scene, const images::FloatImage& pattern,
                            const RenderOptions& options)
     : Renderer(actual, scene, options),
       swinging_(options.world.vibration ? on_swinging_belt(scene, *options.world.vibration) : nullptr),
@@ -84,7 +84,7 @@ LineRenderer::LineRenderer(const PerturbedRig& actual, const Scene& scene, const
   disturb(actual, swinging_ ? *swinging_ : scene, surface_);
 }
 
-void LineRenderer::set_pattern(const FloatImage& pattern) {
+void LineRenderer::set_pattern(const images::FloatImage& pattern) {
   light_ = throw_light(rig(), checked(pattern, rig().projector), options());
   views_.set_light(light_);
   levels_ = std::make_unique<LevelBlocks>(grid().blocks());
@@ -119,7 +119,8 @@ void LineRenderer::depths(int frame, std::span<float> z) const {
   const HeightRange all = surface_.all_heights(t, t);
   const auto columns = static_cast<std::size_t>(rig().camera.columns);
   for (std::size_t i = 0; i < z.size(); ++i) {
-    const PixelPoint pixel{static_cast<double>(i / columns), static_cast<double>(i % columns)};
+    const std::size_t row = i / columns;
+    const PixelPoint pixel{static_cast<double>(row), static_cast<double>(i % columns)};
     z[i] = static_cast<float>(surface_.hit(pixel, t, all).point.z);
   }
 }
@@ -352,12 +353,12 @@ void LineRenderer::truth(int frame, std::span<float> heights, std::span<Point3> 
   }
 }
 
-FloatImage LineRenderer::truth(int first, int count, int threads) const {
-  FloatImage result(count, rig().camera.columns);
+images::FloatImage LineRenderer::truth(int first, int count, int threads) const {
+  images::FloatImage result(count, rig().camera.columns);
   parallel_for(count, threads, [&](int i) {
     truth(first + i, {result.row(i), static_cast<std::size_t>(result.columns)});
   });
   return result;
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::sim

@@ -7,8 +7,8 @@
 #include <optional>
 #include <span>
 
-#include "host/images/float_image.h"
-#include "host/rig/rig.h"
+#include "selfproj/images/float_image.h"
+#include "selfproj/rig/rig.h"
 #include "sim/scene/blocks.h"
 #include "sim/scene/camera_errors.h"
 #include "sim/scene/lit_surface.h"
@@ -18,7 +18,7 @@
 #include "sim/scene/scene.h"
 #include "sim/scene/world.h"
 
-namespace selfproj {
+namespace selfproj::sim {
 
 // What every image goes through: the exposure, which a derived class makes, disturbances of the camera, noise and
 // quantization. A renderer cannot be copied or moved, and its scene must live as long.
@@ -28,7 +28,7 @@ class Renderer {
   Renderer& operator=(const Renderer&) = delete;
   virtual ~Renderer() = default;
 
-  [[nodiscard]] const Rig& rig() const { return rig_; }
+  [[nodiscard]] const rig::Rig& rig() const { return rig_; }
   [[nodiscard]] const RenderOptions& options() const { return options_; }
 
  protected:
@@ -60,7 +60,7 @@ class Renderer {
   virtual void expose(int frame, const ProjectedLight& light, std::span<float> pixels) const = 0;
   virtual void depths(int frame, std::span<float> z) const = 0;
 
-  Rig rig_;
+  rig::Rig rig_;
   const Scene& scene_;
   RenderOptions options_;
   BlockFold fold_;  // its grid has the margin around the image from which the lens gathers light
@@ -71,12 +71,12 @@ class Renderer {
 class LineRenderer final : public Renderer {
  public:
   // The pattern has light 0..1, with a row for each line of the projector. Throws as check_pattern() does.
-  LineRenderer(const PerturbedRig& actual, const Scene& scene, const FloatImage& pattern,
+  LineRenderer(const PerturbedRig& actual, const Scene& scene, const images::FloatImage& pattern,
                const RenderOptions& options = {});
 
   // Changes the projector's pattern. This is cheaper than a new renderer, and throws like the constructor. No thread
   // may render at the same time.
-  void set_pattern(const FloatImage& pattern);
+  void set_pattern(const images::FloatImage& pattern);
 
   // The images of Renderer.
   void render(int frame, std::span<std::uint8_t> pixels) const { Renderer::render(frame, light_, pixels); }
@@ -93,7 +93,7 @@ class LineRenderer final : public Renderer {
   void truth(int frame, std::span<float> heights, std::span<Point3> points) const;
 
   // Returns a row of these heights for each of `count` frames from `first` on. 0 threads means one for each core.
-  [[nodiscard]] FloatImage truth(int first, int count, int threads = 0) const;
+  [[nodiscard]] images::FloatImage truth(int first, int count, int threads = 0) const;
 
   // Returns the surface's height at (x, y) in mm above the plane, at the middle of the frame's exposure. The height
   // error of a measured point (x, y, z) is (plane_z − z) − true_height(frame, x, y).
@@ -144,6 +144,6 @@ class LineRenderer final : public Renderer {
   ColumnViews column_views_;
 };
 
-}  // namespace selfproj
+}  // namespace selfproj::sim
 
 #endif  // SELFPROJ_SIM_SCENE_RENDERER_H

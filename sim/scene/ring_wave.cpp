@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <vector>
 
-namespace selfproj {
+namespace selfproj::sim {
 namespace {
 
 constexpr double kGravity = 9800;             // mm/s²
@@ -81,4 +81,4 @@ RingWave::Profile RingWave::profile(double t) const {
   return profile;
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::sim

@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <vector>
 
-namespace selfproj {
+namespace selfproj::sim {
 
 // A wave of wavenumber k turns at omega^2 = (g k + tension/density k^3) tanh(k depth): long waves run at sqrt(g depth),
 // shorter ones more slowly, and ripples of less than 17 mm faster again. At t = 0 the water rests, with a crater whose
@@ -67,6 +67,6 @@ class RingWave {
   std::vector<float> rise_;  // times x radii
 };
 
-}  // namespace selfproj
+}  // namespace selfproj::sim
 
 #endif  // SELFPROJ_SIM_SCENE_RING_WAVE_H

@@ -11,7 +11,7 @@
 #include "sim/scene/scene.h"
 #include "sim/scene/scenes.h"
 
-namespace selfproj {
+namespace selfproj::sim {
 namespace {
 
 constexpr double kBlackSleeve = 0.02;  // albedo too dark for the threshold, so that an arm is not measured
@@ -129,7 +129,7 @@ class Desk : public Table {
 // A fist at the end of a black sleeve. It moves on a circle so slanted that it rises and falls by 50 mm.
 class Fist final : public Desk {
  public:
-  Fist(const Rig& rig, const FistPath& path)
+  Fist(const rig::Rig& rig, const FistPath& path)
       : Desk(static_cast<int>(std::lround(2 * rig.camera.frame_rate_hz))), plane_z_(rig.plane_z_mm), path_(path) {}
 
   [[nodiscard]] Bodies bodies(double t) const override {
@@ -248,7 +248,7 @@ class Water final : public Body {
 // The pool and its wall, which is as high as the water.
 class Pool : public Table {
  public:
-  Pool(const Rig& rig, int frames, double depth) : Table(frames), level_(rig.plane_z_mm - depth) {
+  Pool(const rig::Rig& rig, int frames, double depth) : Table(frames), level_(rig.plane_z_mm - depth) {
     constexpr double kWall = 6;
     constexpr double kX = PoolWave::kWidth / 2;
     constexpr double kY = PoolWave::kLength / 2;
@@ -273,7 +273,7 @@ class Pool : public Table {
 
 class Waves final : public Pool {
  public:
-  Waves(const Rig& rig, const PoolDrop& drop)
+  Waves(const rig::Rig& rig, const PoolDrop& drop)
       : Pool(rig, static_cast<int>(std::lround((PoolWave::kImpact + drop.after) * rig.camera.frame_rate_hz)),
              drop.depth),
         drop_(drop),
@@ -306,7 +306,7 @@ class Waves final : public Pool {
 // Keys of 16 mm on a pitch of 18 mm, with staggered rows.
 class Keyboard : public Table {
  public:
-  Keyboard(const Rig& rig, int frames) : Table(frames), plane_z_(rig.plane_z_mm) {
+  Keyboard(const rig::Rig& rig, int frames) : Table(frames), plane_z_(rig.plane_z_mm) {
     const double scale = rig.camera.pixel_pitch_mm / rig.camera.focal_length_mm;
     const auto seen = [&](KeyTaps::Pixel pixel) {  // at a nail's height
       const double z = plane_z_ - kNail;
@@ -367,7 +367,7 @@ class Keyboard : public Table {
 // Two fingers of a hand that tap in turn.
 class Keys final : public Keyboard {
  public:
-  Keys(const Rig& rig, const Taps& taps)
+  Keys(const rig::Rig& rig, const Taps& taps)
       : Keyboard(rig, static_cast<int>(std::lround(3 * rig.camera.frame_rate_hz))), taps_(taps) {}
 
   [[nodiscard]] Bodies bodies(double t) const override {
@@ -401,47 +401,51 @@ class Keys final : public Keyboard {
 
 }  // namespace
 
-std::unique_ptr<Scene> make_fist(const Rig& rig, const FistPath& path) { return std::make_unique<Fist>(rig, path); }
+std::unique_ptr<Scene> make_fist(const rig::Rig& rig, const FistPath& path) {
+  return std::make_unique<Fist>(rig, path);
+}
 
-std::unique_ptr<Scene> make_pool(const Rig& rig, double depth) { return std::make_unique<Pool>(rig, 1, depth); }
+std::unique_ptr<Scene> make_pool(const rig::Rig& rig, double depth) { return std::make_unique<Pool>(rig, 1, depth); }
 
-std::unique_ptr<Scene> make_waves(const Rig& rig, const PoolDrop& drop) { return std::make_unique<Waves>(rig, drop); }
+std::unique_ptr<Scene> make_waves(const rig::Rig& rig, const PoolDrop& drop) {
+  return std::make_unique<Waves>(rig, drop);
+}
 
-std::unique_ptr<Scene> make_keys(const Rig& rig, const Taps& taps) { return std::make_unique<Keys>(rig, taps); }
+std::unique_ptr<Scene> make_keys(const rig::Rig& rig, const Taps& taps) { return std::make_unique<Keys>(rig, taps); }
 
 const std::vector<SceneInfo>& scanner_scenes() {
   static const std::vector<SceneInfo> all{
       {.name = "desk",
        .description = "mouse, books and balls, for the background of the fist",
        .method = SceneMethod::gray_codes,
-       .make = [](const Rig& /*rig*/) -> std::unique_ptr<Scene> { return std::make_unique<Desk>(1); }},
+       .make = [](const rig::Rig& /*rig*/) -> std::unique_ptr<Scene> { return std::make_unique<Desk>(1); }},
       {.name = "fist",
        .description = "B1: a fist on a slanted circle, 3.5 turns a second, over the desk",
        .method = SceneMethod::gray_codes,
        .reference = "desk",
-       .make = [](const Rig& rig) -> std::unique_ptr<Scene> { return make_fist(rig, {}); }},
+       .make = [](const rig::Rig& rig) -> std::unique_ptr<Scene> { return make_fist(rig, {}); }},
       {.name = "pool",
        .description = "still water of 3 cm, 34 x 25 cm",
        .method = SceneMethod::gray_codes,
-       .make = [](const Rig& rig) { return make_pool(rig, PoolWave::kDepth); }},
+       .make = [](const rig::Rig& rig) { return make_pool(rig, PoolWave::kDepth); }},
       {.name = "waves",
        .description = "B2: a body falls into the pool at 1.36 s, and makes a wave",
        .method = SceneMethod::gray_codes,
        .reference = "pool",
        .analysis = SceneAnalysis::wave_front,
-       .make = [](const Rig& rig) { return make_waves(rig, {}); }},
+       .make = [](const rig::Rig& rig) { return make_waves(rig, {}); }},
       {.name = "keyboard",
        .description = "keys on a pitch of 18 mm",
        .method = SceneMethod::gray_codes,
-       .make = [](const Rig& rig) -> std::unique_ptr<Scene> { return std::make_unique<Keyboard>(rig, 1); }},
+       .make = [](const rig::Rig& rig) -> std::unique_ptr<Scene> { return std::make_unique<Keyboard>(rig, 1); }},
       {.name = "keys",
        .description = "B3: two fingers tap on keys, 5 times a second each, 10 mm",
        .method = SceneMethod::gray_codes,
        .reference = "keyboard",
        .analysis = SceneAnalysis::key_taps,
-       .make = [](const Rig& rig) -> std::unique_ptr<Scene> { return make_keys(rig, {}); }},
+       .make = [](const rig::Rig& rig) -> std::unique_ptr<Scene> { return make_keys(rig, {}); }},
   };
   return all;
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::sim

@@ -7,10 +7,10 @@
 #include <limits>
 #include <stdexcept>
 
-#include "host/rig/rig.h"
+#include "selfproj/rig/rig.h"
 #include "sim/scene/optics.h"
 
-namespace selfproj {
+namespace selfproj::sim {
 namespace {
 
 Point3 lower(Point3 a, Point3 b) { return {std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)}; }
@@ -204,7 +204,7 @@ bool Block::is_near(const Ray& line, double slack) const {
 
 namespace {
 
-int frames_of(const Rig& rig, double length) {
+int frames_of(const rig::Rig& rig, double length) {
   const double step = rig.conveyor.speed_mm_per_s / rig.camera.frame_rate_hz;
   constexpr double kMost = 1e6;
   return step > 0 ? static_cast<int>(std::clamp(std::round((length + 2 * ConveyedScene::kLead) / step), 1.0, kMost))
@@ -213,9 +213,9 @@ int frames_of(const Rig& rig, double length) {
 
 }  // namespace
 
-ConveyedScene::ConveyedScene(const Rig& rig, double length)
+ConveyedScene::ConveyedScene(const rig::Rig& rig, double length)
     : speed_(rig.conveyor.speed_mm_per_s),
       start_(speed_ > 0 ? -(length / 2 + kLead) : 0),
       frames_(frames_of(rig, length)) {}
 
-}  // namespace selfproj
+}  // namespace selfproj::sim

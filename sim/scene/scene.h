@@ -1,5 +1,5 @@
 // A scene: a surface given by its height above the plane, which may move and change with time, and bodies in the air
-// before it. World frame of host/rig/rig.h, mm.
+// before it. World frame of include/selfproj/rig/rig.h, mm.
 #ifndef SELFPROJ_SIM_SCENE_SCENE_H
 #define SELFPROJ_SIM_SCENE_SCENE_H
 
@@ -10,10 +10,10 @@
 #include <memory>
 #include <vector>
 
-#include "host/rig/rig.h"
+#include "selfproj/rig/rig.h"
 #include "sim/scene/optics.h"
 
-namespace selfproj {
+namespace selfproj::sim {
 
 // The points from + s along with s > 0; `along` may have any length.
 struct Ray {
@@ -131,8 +131,8 @@ struct Smoothness {
 };
 
 // A surface z = plane_z − height(x, y, t) over the whole plane. A jump of the height is a vertical face. World frame of
-// host/rig/rig.h, mm; t in seconds, 0 at the middle of frame 0's exposure. Several threads may call all functions at
-// once.
+// include/selfproj/rig/rig.h, mm; t in seconds, 0 at the middle of frame 0's exposure. Several threads may call all
+// functions at once.
 class Scene {
  public:
   Scene() = default;
@@ -204,7 +204,7 @@ class ConveyedScene : public Scene {
  public:
   // The part, `length` mm along x, reaches x = 0 kLead mm after the first frame, and the last frame is as far behind
   // it. On a conveyor that stands still, it lies with its middle at x = 0, for one frame.
-  ConveyedScene(const Rig& rig, double length);
+  ConveyedScene(const rig::Rig& rig, double length);
 
   [[nodiscard]] int frames() const override { return frames_; }
   [[nodiscard]] double height(double x, double y, double t) const final { return part_height(x - position(t), y); }
@@ -228,6 +228,6 @@ class ConveyedScene : public Scene {
   int frames_;
 };
 
-}  // namespace selfproj
+}  // namespace selfproj::sim
 
 #endif  // SELFPROJ_SIM_SCENE_SCENE_H

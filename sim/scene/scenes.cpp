@@ -7,11 +7,11 @@
 #include <string>
 #include <vector>
 
-#include "host/files/user_error.h"
-#include "host/rig/rig.h"
+#include "selfproj/files/user_error.h"
+#include "selfproj/rig/rig.h"
 #include "sim/scene/scene.h"
 
-namespace selfproj {
+namespace selfproj::sim {
 
 const std::vector<SceneInfo>& scenes() {
   static const std::vector<SceneInfo> all = [] {
@@ -20,7 +20,7 @@ const std::vector<SceneInfo>& scenes() {
       list.insert(list.end(), part->begin(), part->end());
     }
     for (SceneInfo& info : list) {
-      info.frames = info.make(load_rig(info.rig()))->frames();
+      info.frames = info.make(rig::load_rig(info.rig()))->frames();
     }
     return list;
   }();
@@ -40,12 +40,12 @@ const SceneInfo& find_scene(const std::string& name) {
   throw UserError(name, fmt::format("is not a scene; the scenes are {}", names));
 }
 
-std::unique_ptr<Scene> make_scene(const std::string& name, const Rig& rig) {
+std::unique_ptr<Scene> make_scene(const std::string& name, const rig::Rig& rig) {
   const SceneInfo& info = find_scene(name);
-  if (info.method != SceneMethod::light_section && rig.kind != RigKind::scanner) {
+  if (info.method != SceneMethod::light_section && rig.kind != rig::RigKind::scanner) {
     throw UserError(name, fmt::format("needs a rig of kind scanner; {} is not one", rig.name));
   }
   return info.make(rig);
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::sim

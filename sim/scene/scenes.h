@@ -11,11 +11,11 @@
 #include <string>
 #include <vector>
 
-#include "host/images/float_image.h"
-#include "host/rig/rig.h"
+#include "selfproj/images/float_image.h"
+#include "selfproj/rig/rig.h"
 #include "sim/scene/scene.h"
 
-namespace selfproj {
+namespace selfproj::sim {
 
 // How a scene is measured.
 enum class SceneMethod : std::uint8_t {
@@ -38,7 +38,7 @@ struct SceneInfo {
   std::string reference = {};  // the scene that is the good part or the background; empty if it is its own
   SceneAnalysis analysis = SceneAnalysis::moved_centroid;
   int cells_below = 0;  // e of (4.20) with which the thesis measures it; for self_projected
-  std::unique_ptr<Scene> (*make)(const Rig& rig) = nullptr;
+  std::unique_ptr<Scene> (*make)(const rig::Rig& rig) = nullptr;
   int frames = 0;  // number of frames with its own rig
 
   // The built-in rig for which it was made.
@@ -54,7 +54,7 @@ const SceneInfo& find_scene(const std::string& name);
 
 // Makes a scene by its name; it moves as the rig's conveyor does. Throws UserError for an unknown name, or for a scene
 // that such a rig cannot measure.
-std::unique_ptr<Scene> make_scene(const std::string& name, const Rig& rig);
+std::unique_ptr<Scene> make_scene(const std::string& name, const rig::Rig& rig);
 
 // The parts of the list, without numbers of frames: rig A, parts on a conveyor under a projected line; rig B under Gray
 // codes; rig B under self-projected codes.
@@ -83,7 +83,7 @@ struct KeyTaps {
   struct Pixel {
     int row, column;
     // The same place of the image of a camera of other than 512 x 512 pixels.
-    [[nodiscard]] Pixel of(const RigCamera& camera) const {
+    [[nodiscard]] Pixel of(const rig::RigCamera& camera) const {
       return {row * camera.rows / 512, column * camera.columns / 512};
     }
   };
@@ -102,7 +102,7 @@ struct FistPath {
 };
 
 // The scene `fist` on a path.
-std::unique_ptr<Scene> make_fist(const Rig& rig, const FistPath& path);
+std::unique_ptr<Scene> make_fist(const rig::Rig& rig, const FistPath& path);
 
 // Water in the pool, and what falls into it. Lengths in mm.
 struct PoolDrop {
@@ -115,8 +115,8 @@ struct PoolDrop {
 };
 
 // The scenes `pool` and `waves` with other water.
-std::unique_ptr<Scene> make_pool(const Rig& rig, double depth);
-std::unique_ptr<Scene> make_waves(const Rig& rig, const PoolDrop& drop);
+std::unique_ptr<Scene> make_pool(const rig::Rig& rig, double depth);
+std::unique_ptr<Scene> make_waves(const rig::Rig& rig, const PoolDrop& drop);
 
 // How the two fingers tap.
 struct Taps {
@@ -126,7 +126,7 @@ struct Taps {
 };
 
 // The scene `keys` with other taps.
-std::unique_ptr<Scene> make_keys(const Rig& rig, const Taps& taps);
+std::unique_ptr<Scene> make_keys(const rig::Rig& rig, const Taps& taps);
 
 // B4: two cuboids on the plane. `marked` adds a letter carved into the low one and blocks on the high one. Sizes in mm.
 struct Cuboids {
@@ -205,9 +205,9 @@ inline double distance_from_mark(Mark mark, double right, double down) {
 // sides of mm_per_pixel and its height at its centre; between the centres heights are interpolated linearly. The map
 // ends in vertical faces. NaN stands for the bare plane. Throws UserError about `source` if there are no pixels, the
 // scale is not positive, or heights are not below the camera and the projector.
-std::unique_ptr<Scene> height_map_scene(const FloatImage& height_mm, double mm_per_pixel, const Rig& rig,
+std::unique_ptr<Scene> height_map_scene(const images::FloatImage& height_mm, double mm_per_pixel, const rig::Rig& rig,
                                         const std::string& source = "height map");
 
-}  // namespace selfproj
+}  // namespace selfproj::sim
 
 #endif  // SELFPROJ_SIM_SCENE_SCENES_H

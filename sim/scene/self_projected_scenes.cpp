@@ -10,7 +10,7 @@
 #include "sim/scene/scene.h"
 #include "sim/scene/scenes.h"
 
-namespace selfproj {
+namespace selfproj::sim {
 namespace {
 
 double distance_to_segment(double x, double y, double x0, double y0, double x1, double y1) {
@@ -97,7 +97,8 @@ class CuboidScene : public Scene {
 // A block on the plane, and things that move in front of it.
 class BlockScene : public Scene {
  public:
-  BlockScene(const Rig& rig, const Box& box, double height) : plane_z_(rig.plane_z_mm), box_(box), height_(height) {}
+  BlockScene(const rig::Rig& rig, const Box& box, double height)
+      : plane_z_(rig.plane_z_mm), box_(box), height_(height) {}
   [[nodiscard]] double speed() const override { return 0; }
   [[nodiscard]] double height(double x, double y, double /*t*/) const override {
     return contains(box_, x, y) ? height_ : 0;
@@ -120,7 +121,7 @@ class BlockScene : public Scene {
 
 class MouseScene final : public BlockScene {
  public:
-  explicit MouseScene(const Rig& rig) : BlockScene(rig, MouseRun::kSlider, MouseRun::kSliderHeight) {}
+  explicit MouseScene(const rig::Rig& rig) : BlockScene(rig, MouseRun::kSlider, MouseRun::kSliderHeight) {}
   [[nodiscard]] int frames() const override { return 600; }
   [[nodiscard]] double body_speed() const override { return MouseRun::kSpeed; }
   [[nodiscard]] Bodies bodies(double t) const override {
@@ -140,7 +141,7 @@ class MouseScene final : public BlockScene {
 
 class HandsScene final : public BlockScene {
  public:
-  explicit HandsScene(const Rig& rig) : BlockScene(rig, TwoHands::kBlock, TwoHands::kBlockHeight) {}
+  explicit HandsScene(const rig::Rig& rig) : BlockScene(rig, TwoHands::kBlock, TwoHands::kBlockHeight) {}
   [[nodiscard]] int frames() const override { return 334; }  // one period
   [[nodiscard]] double body_speed() const override { return 2 * std::numbers::pi * TwoHands::kFrequency * 25; }
   [[nodiscard]] Bodies bodies(double t) const override {
@@ -179,7 +180,7 @@ const std::vector<SceneInfo>& self_projected_scenes() {
        .description = "B4: cuboids 25 and 109 mm high",
        .method = SceneMethod::self_projected,
        .cells_below = 8,
-       .make = [](const Rig& /*rig*/) -> std::unique_ptr<Scene> {
+       .make = [](const rig::Rig& /*rig*/) -> std::unique_ptr<Scene> {
          return std::make_unique<CuboidScene>(CuboidSurface::good);
        }},
       {.name = "cuboids-marked",
@@ -187,33 +188,33 @@ const std::vector<SceneInfo>& self_projected_scenes() {
        .method = SceneMethod::self_projected,
        .reference = "cuboids",
        .cells_below = 8,
-       .make = [](const Rig& /*rig*/) -> std::unique_ptr<Scene> {
+       .make = [](const rig::Rig& /*rig*/) -> std::unique_ptr<Scene> {
          return std::make_unique<CuboidScene>(CuboidSurface::marked);
        }},
       {.name = "slider",
        .description = "B7: a slider 100 mm high",
        .method = SceneMethod::self_projected,
-       .make = [](const Rig& rig) -> std::unique_ptr<Scene> {
+       .make = [](const rig::Rig& rig) -> std::unique_ptr<Scene> {
          return std::make_unique<BlockScene>(rig, MouseRun::kSlider, MouseRun::kSliderHeight);
        }},
       {.name = "mouse",
        .description = "B7: on it a mouse on a plate, 300 mm/s along y",
        .method = SceneMethod::self_projected,
        .reference = "slider",
-       .make = [](const Rig& rig) -> std::unique_ptr<Scene> { return std::make_unique<MouseScene>(rig); }},
+       .make = [](const rig::Rig& rig) -> std::unique_ptr<Scene> { return std::make_unique<MouseScene>(rig); }},
       {.name = "block",
        .description = "B8: a block 109 mm high",
        .method = SceneMethod::self_projected,
-       .make = [](const Rig& rig) -> std::unique_ptr<Scene> {
+       .make = [](const rig::Rig& rig) -> std::unique_ptr<Scene> {
          return std::make_unique<BlockScene>(rig, TwoHands::kBlock, TwoHands::kBlockHeight);
        }},
       {.name = "hands",
        .description = "B8: two hands, one over the block, one over the plane, 3 Hz",
        .method = SceneMethod::self_projected,
        .reference = "block",
-       .make = [](const Rig& rig) -> std::unique_ptr<Scene> { return std::make_unique<HandsScene>(rig); }},
+       .make = [](const rig::Rig& rig) -> std::unique_ptr<Scene> { return std::make_unique<HandsScene>(rig); }},
   };
   return all;
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::sim

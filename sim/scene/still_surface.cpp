@@ -14,7 +14,7 @@
 #include "sim/scene/optics.h"
 #include "sim/scene/parallel.h"
 
-namespace selfproj {
+namespace selfproj::sim {
 
 StillSurface::StillSurface(const PerturbedRig& actual, const Scene& scene, const RenderOptions& options, int threads)
     : imaging_(actual.rig.imaging),
@@ -26,7 +26,7 @@ StillSurface::StillSurface(const PerturbedRig& actual, const Scene& scene, const
       blocks_(grid_.blocks()),
       nodes_(grid_.nodes()),
       centres_(actual.rig.camera.pixels()) {
-  const RigCamera& camera = actual.rig.camera;
+  const rig::RigCamera& camera = actual.rig.camera;
   parallel_for(grid_.nodes_down(), threads, [&](int down) {
     for (int across = 0; across < grid_.nodes_across(); ++across) {
       nodes_[grid_.node(down, across)] = trace(grid_.node_pixel(down, across), heights_);
@@ -198,7 +198,7 @@ class ImageBounds {
 
   // Sets the bit of a body in the masks of the blocks there. That is the whole image if a point is nearer than 1 mm in
   // front of the pinhole, because it may then be seen anywhere.
-  void mark(const StillSurface& still, const RigCamera& camera, std::size_t body,
+  void mark(const StillSurface& still, const rig::RigCamera& camera, std::size_t body,
             std::vector<std::uint32_t>& masks) const {
     const BlockGrid& grid = still.grid();
     const int margin = grid.margin();
@@ -229,7 +229,7 @@ class ImageBounds {
 
 // Marks the blocks in which a body with these bounds may be seen, and those on whose points its shadow may fall, that
 // is, all that lies behind it as the projector sees it, down to the deepest surface.
-void mark(const Rig& rig, const StillSurface& still, std::size_t body, const Cuboid& bounds, BodyMotion& motion) {
+void mark(const rig::Rig& rig, const StillSurface& still, std::size_t body, const Cuboid& bounds, BodyMotion& motion) {
   const Point3 centre = still.projector().centre();
   const double deepest = rig.plane_z_mm - still.heights().low;
   ImageBounds seen;
@@ -268,7 +268,7 @@ std::uint32_t near_ones(const BodyMotion& motion, std::uint32_t mask, const Ray&
 
 // Removes from the masks of the blocks the bodies that are too far from the block's rays, and from the rays of light to
 // the surface in it. `way` is how far a body moves between two of the three times.
-void narrow(const Rig& rig, const StillSurface& still, double way, BodyMotion& motion) {
+void narrow(const rig::Rig& rig, const StillSurface& still, double way, BodyMotion& motion) {
   const BlockGrid& grid = still.grid();
   const Point3 camera = still.camera().centre();
   const double deepest = rig.plane_z_mm - still.heights().low;
@@ -314,7 +314,8 @@ Cuboid bounds_of(const BodyMotion& motion, std::size_t body) {
 
 }  // namespace
 
-BodyMotion body_motion(const Rig& rig, const Scene& scene, const StillSurface& still, double middle, double exposure) {
+BodyMotion body_motion(const rig::Rig& rig, const Scene& scene, const StillSurface& still, double middle,
+                       double exposure) {
   BodyMotion motion;
   motion.ends[1] = scene.bodies(middle);
   const std::size_t count = motion.ends[1].size();
@@ -345,4 +346,4 @@ BodyMotion body_motion(const Rig& rig, const Scene& scene, const StillSurface& s
   return motion;
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::sim

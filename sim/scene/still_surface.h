@@ -11,7 +11,7 @@
 #include <limits>
 #include <vector>
 
-#include "host/rig/rig.h"
+#include "selfproj/rig/rig.h"
 #include "sim/scene/blocks.h"
 #include "sim/scene/lit_surface.h"
 #include "sim/scene/optics.h"
@@ -20,7 +20,7 @@
 #include "sim/scene/scene.h"
 #include "sim/scene/world.h"
 
-namespace selfproj {
+namespace selfproj::sim {
 
 // The point that a ray of the camera meets, with the properties on which images under patterns depend.
 struct LightSpot {
@@ -143,7 +143,7 @@ class StillSurface {
   [[nodiscard]] SpotBounds bounds_of(const Block& block) const;
   void trace_block(int down, int across, Block& block, std::vector<LightSpot>& samples) const;
 
-  RigImaging imaging_;
+  rig::RigImaging imaging_;
   Pinhole camera_;
   Pinhole projector_;
   LitSurface surface_;
@@ -174,8 +174,9 @@ struct BodyMotion {
 };
 
 // `middle` and `exposure` are in s; an exposure of 0 is an instant.
-BodyMotion body_motion(const Rig& rig, const Scene& scene, const StillSurface& still, double middle, double exposure);
+BodyMotion body_motion(const rig::Rig& rig, const Scene& scene, const StillSurface& still, double middle,
+                       double exposure);
 
-}  // namespace selfproj
+}  // namespace selfproj::sim
 
 #endif  // SELFPROJ_SIM_SCENE_STILL_SURFACE_H

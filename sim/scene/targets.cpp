@@ -13,11 +13,11 @@
 #include <utility>
 #include <vector>
 
-#include "host/files/user_error.h"
+#include "selfproj/files/user_error.h"
 #include "sim/scene/optics.h"
 #include "sim/scene/random.h"
 
-namespace selfproj {
+namespace selfproj::sim {
 
 FlatPlate::FlatPlate(double height_mm, const TargetTolerance& tolerance, std::uint64_t seed) : height_(height_mm) {
   EvenNumbers random(seed);
@@ -122,7 +122,7 @@ class Visible {
       for (const double end : {-1.0, 1.0}) {
         const Point3 p = place.middle + side * shape_.square_mm * ((shape_.across - 1) / 2.0 + margin_) * place.right +
                          end * shape_.square_mm * ((shape_.down - 1) / 2.0 + margin_) * place.below;
-        const Rig& rig = actual_.rig;
+        const rig::Rig& rig = actual_.rig;
         if (!inside(actual_.camera, p, rig.camera.rows, rig.camera.columns) ||
             !inside(actual_.projector, p, rig.projector.lines, rig.projector.columns)) {
           return false;
@@ -172,7 +172,7 @@ ChessboardFlaws drawn_flaws(double scale, double bend_mm, std::uint64_t seed) {
   return flaws;
 }
 
-ChessboardScene::ChessboardScene(const Rig& rig, const ChessboardShape& shape, const ChessboardPlace& place,
+ChessboardScene::ChessboardScene(const rig::Rig& rig, const ChessboardShape& shape, const ChessboardPlace& place,
                                  const ChessboardFlaws& flaws)
     : shape_(shape),
       place_(place),
@@ -346,7 +346,7 @@ std::vector<ChessboardPlace> chessboard_places(const PerturbedRig& actual, const
   constexpr double kTurn = 12;  // degrees about the normal, to either side
   constexpr double kMinShare = 0.1;
   constexpr double kDepth = 0.06;  // share of the distance, nearer and further away
-  const Rig& rig = actual.rig;
+  const rig::Rig& rig = actual.rig;
   const Visible visible(actual, shape, 2);
   std::vector<ChessboardPlace> places;
   for (int k = 0; k < count; ++k) {
@@ -390,4 +390,4 @@ std::vector<ChessboardPlace> chessboard_places(const PerturbedRig& actual, const
   return places;
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::sim

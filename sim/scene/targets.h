@@ -6,12 +6,12 @@
 #include <cstdint>
 #include <vector>
 
-#include "host/rig/rig.h"
+#include "selfproj/rig/rig.h"
 #include "sim/scene/optics.h"
 #include "sim/scene/perturbed_rig.h"
 #include "sim/scene/scene.h"
 
-namespace selfproj {
+namespace selfproj::sim {
 
 // What a target may deviate by from what it is sold as. Real ones are drawn evenly within these bounds.
 struct TargetTolerance {
@@ -97,7 +97,7 @@ struct ChessboardPlace {
 class ChessboardScene : public Scene {
  public:
   // Throws std::invalid_argument if the plane is steeper than 80 degrees.
-  ChessboardScene(const Rig& rig, const ChessboardShape& shape, const ChessboardPlace& place,
+  ChessboardScene(const rig::Rig& rig, const ChessboardShape& shape, const ChessboardPlace& place,
                   const ChessboardFlaws& flaws = {});
 
   [[nodiscard]] int frames() const override { return 1; }
@@ -158,6 +158,6 @@ std::vector<ChessboardPlace> places_on_plates(const PerturbedRig& actual, const 
 std::vector<ChessboardPlace> chessboard_places(const PerturbedRig& actual, const ChessboardShape& shape, int count,
                                                double tilt_deg);
 
-}  // namespace selfproj
+}  // namespace selfproj::sim
 
 #endif  // SELFPROJ_SIM_SCENE_TARGETS_H

@@ -15,14 +15,14 @@
 
 #include "host/images/image_files.h"
 #include "host/light_section/scan.h"
-#include "host/structured_light/gray_sequence.h"
 #include "host/structured_light/self_reference.h"
+#include "selfproj/structured_light/gray_sequence.h"
 #include "sim/scene/optics.h"
 #include "sim/scene/parallel.h"
 #include "sim/scene/pattern_renderer.h"
 #include "sim/scene/projected_light.h"
 
-namespace selfproj {
+namespace selfproj::sim {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -52,16 +52,16 @@ Json truth_of(const PerturbedRig& actual) {
 
 // Renders frames first, first + 1, ... under the patterns into files whose names begin with `prefix`.
 void capture(const PerturbedRig& actual, const Scene& scene, const std::vector<ProjectedLight>& patterns, int first,
-             const std::string& prefix, const CaptureSettings& settings, OutputFolder& out) {
-  const Rig& rig = actual.rig;
+             const std::string& prefix, const CaptureSettings& settings, files::OutputFolder& out) {
+  const rig::Rig& rig = actual.rig;
   const PatternRenderer renderer(actual, scene, settings.render, settings.threads);
   std::mutex mutex;
   const auto count = static_cast<int>(patterns.size());
   const int digits = count > 100 ? 3 : 2;
   parallel_for(count, settings.threads, [&](int i) {
-    Image image{rig.camera.rows, rig.camera.columns, std::vector<std::uint8_t>(rig.camera.pixels())};
+    images::Image image{rig.camera.rows, rig.camera.columns, std::vector<std::uint8_t>(rig.camera.pixels())};
     renderer.render(first + i, patterns[static_cast<std::size_t>(i)], image.pixels);
-    const std::string bytes = encode_png(image);
+    const std::string bytes = images::encode_png(image);
     const std::lock_guard lock(mutex);
     out.append(fmt::format("{}image_{:0{}}.png", prefix, i, digits), bytes);
     settings.done();
@@ -70,18 +70,18 @@ void capture(const PerturbedRig& actual, const Scene& scene, const std::vector<P
 
 }  // namespace
 
-Image pattern_image(const FloatImage& pattern) {
+images::Image pattern_image(const images::FloatImage& pattern) {
   constexpr float kFull = 255;
-  Image image{pattern.rows, pattern.columns, std::vector<std::uint8_t>(pattern.values.size())};
+  images::Image image{pattern.rows, pattern.columns, std::vector<std::uint8_t>(pattern.values.size())};
   std::transform(pattern.values.begin(), pattern.values.end(), image.pixels.begin(),
                  [](float value) { return static_cast<std::uint8_t>(std::lround(kFull * value)); });
   return image;
 }
 
 void take_images(const PatternRenderer& renderer, const PatternShots& shots,
-                 const std::function<void(int i, const ImageView& image)>& take) {
+                 const std::function<void(int i, const model::ImageView& image)>& take) {
   constexpr int kBatch = 8;
-  const Rig& rig = renderer.rig();
+  const rig::Rig& rig = renderer.rig();
   std::array<std::vector<std::uint8_t>, kBatch> images;
   for (int begin = 0; begin < shots.count; begin += kBatch) {
     const int size = std::min(kBatch, shots.count - begin);
@@ -99,13 +99,13 @@ void take_images(const PatternRenderer& renderer, const PatternShots& shots,
 }
 
 void capture_scene(const PerturbedRig& actual, const Scene& scene, const std::vector<ProjectedLight>& patterns,
-                   const CaptureSettings& settings, OutputFolder& out) {
+                   const CaptureSettings& settings, files::OutputFolder& out) {
   capture(actual, scene, patterns, 0, "", settings, out);
 }
 
 void capture_chessboard(const PerturbedRig& actual, const ChessboardShape& shape, const ChessboardFlaws& flaws,
                         const std::vector<ChessboardPlace>& places, const std::vector<ProjectedLight>& patterns,
-                        const CaptureSettings& settings, OutputFolder& out) {
+                        const CaptureSettings& settings, files::OutputFolder& out) {
   Json truth = truth_of(actual);
   truth["chessboard"] = {
       {"across_scale", flaws.across_scale}, {"down_scale", flaws.down_scale}, {"bend_mm", flaws.bend_mm}};
@@ -119,34 +119,37 @@ void capture_chessboard(const PerturbedRig& actual, const ChessboardShape& shape
   out.append("truth.json", truth.dump(2) + "\n");
 }
 
-int scan_images(const Rig& rig, ScanMethod method) {
-  return method == ScanMethod::gray_codes ? GrayPointScan(rig).count() : LinePointScan(rig).count();
+int scan_images(const rig::Rig& rig, ScanMethod method) {
+  return method == ScanMethod::gray_codes ? structured_light::GrayPointScan(rig).count()
+                                          : structured_light::LinePointScan(rig).count();
 }
 
-ProjectorPoints scan_points(const Rig& rig, const Scene& scene, const RenderOptions& options, ScanMethod method,
-                            const std::function<void()>& done) {
-  Rig scanned = rig;
+structured_light::ProjectorPoints scan_points(const rig::Rig& rig, const Scene& scene, const RenderOptions& options,
+                                              ScanMethod method, const std::function<void()>& done) {
+  rig::Rig scanned = rig;
   scanned.imaging.seed += 1;
   const PatternRenderer renderer(scanned, scene, options);
-  const auto points_of = [&](auto& scan, const std::function<Image(int)>& pattern) {
-    take_images(renderer, {.count = scan.count(), .pattern = pattern}, [&](int /*i*/, const ImageView& image) {
+  const auto points_of = [&](auto& scan, const std::function<images::Image(int)>& pattern) {
+    take_images(renderer, {.count = scan.count(), .pattern = pattern}, [&](int /*i*/, const model::ImageView& image) {
       scan.add(image);
       done();
     });
     return scan.points();
   };
   if (method == ScanMethod::gray_codes) {
-    GrayPointScan scan(rig);
-    const GraySequence sequence(rig.projector.columns, rig.projector.lines);
-    return points_of(scan, [&](int i) { return Image{sequence.rows(), sequence.columns(), sequence.image(i)}; });
+    structured_light::GrayPointScan scan(rig);
+    const structured_light::GraySequence sequence(rig.projector.columns, rig.projector.lines);
+    return points_of(scan, [&](int i) {
+      return images::Image{sequence.rows(), sequence.columns(), sequence.image(i)};
+    });
   }
-  LinePointScan scan(rig);
-  return points_of(scan, [&](int i) { return pattern_image(scan_pattern(rig, i)); });
+  structured_light::LinePointScan scan(rig);
+  return points_of(scan, [&](int i) { return pattern_image(structured_light::scan_pattern(rig, i)); });
 }
 
-std::vector<std::vector<double>> scan_centroids(const Rig& rig, const PerturbedRig& actual, const Scene& scene,
-                                                const FloatImage& pattern, const RenderOptions& options,
-                                                std::span<const Mode> modes) {
+std::vector<std::vector<double>> scan_centroids(const rig::Rig& rig, const PerturbedRig& actual, const Scene& scene,
+                                                const images::FloatImage& pattern, const RenderOptions& options,
+                                                std::span<const model::Mode> modes) {
   constexpr int kFrames = 16;
   PerturbedRig scanned = actual;
   scanned.rig.imaging.seed += 1;
@@ -155,10 +158,10 @@ std::vector<std::vector<double>> scan_centroids(const Rig& rig, const PerturbedR
   std::vector<std::vector<std::uint8_t>> images(kFrames, std::vector<std::uint8_t>(rig.camera.pixels()));
   parallel_for(kFrames, 0, [&](int i) { renderer.render(first + i, std::span(images[static_cast<std::size_t>(i)])); });
   std::vector<std::vector<double>> result;
-  for (const Mode mode : modes) {
-    Rig measured = rig;
+  for (const model::Mode mode : modes) {
+    rig::Rig measured = rig;
     measured.measure.mode = mode;
-    CentroidMean mean(measured);
+    light_section::CentroidMean mean(measured);
     for (const auto& image : images) {
       mean.add({image.data(), rig.camera.rows, rig.camera.columns, rig.camera.columns});
     }
@@ -167,4 +170,4 @@ std::vector<std::vector<double>> scan_centroids(const Rig& rig, const PerturbedR
   return result;
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::sim

@@ -8,11 +8,11 @@
 #include <vector>
 
 #include "host/files/output_folder.h"
-#include "host/images/float_image.h"
 #include "host/images/image_files.h"
-#include "host/rig/rig.h"
 #include "host/structured_light/point_scan.h"
-#include "model/column_moments.h"
+#include "selfproj/images/float_image.h"
+#include "selfproj/model/column_moments.h"
+#include "selfproj/rig/rig.h"
 #include "sim/scene/pattern_renderer.h"
 #include "sim/scene/perturbed_rig.h"
 #include "sim/scene/projected_light.h"
@@ -20,21 +20,21 @@
 #include "sim/scene/scene.h"
 #include "sim/scene/targets.h"
 
-namespace selfproj {
+namespace selfproj::sim {
 
 // A pattern of light 0..1 as the 8-bit image for a projector.
-Image pattern_image(const FloatImage& pattern);
+images::Image pattern_image(const images::FloatImage& pattern);
 
 // Consecutive images of one scene: image i is frame first + i (for its noise) under pattern(i).
 struct PatternShots {
   int count = 0;
   int first = 0;
-  std::function<Image(int i)> pattern;  // projector lines x columns; several threads may call it at once
+  std::function<images::Image(int i)> pattern;  // projector lines x columns; several threads may call it at once
 };
 
 // Renders them with several threads and passes the images on in order: take(i, image).
 void take_images(const PatternRenderer& renderer, const PatternShots& shots,
-                 const std::function<void(int i, const ImageView& image)>& take);
+                 const std::function<void(int i, const model::ImageView& image)>& take);
 
 // Settings for a capture into a folder.
 struct CaptureSettings {
@@ -46,13 +46,13 @@ struct CaptureSettings {
 // The images of a scene under each pattern, frames 0, 1, ..., in files image_00.png and so on, with three digits for
 // more than 100 patterns. Throws as PatternRenderer does.
 void capture_scene(const PerturbedRig& actual, const Scene& scene, const std::vector<ProjectedLight>& patterns,
-                   const CaptureSettings& settings, OutputFolder& out);
+                   const CaptureSettings& settings, files::OutputFolder& out);
 
 // The same for a chessboard at each of the places: pose_01/image_00.png and so on, and truth.json with the renderer's
 // pinholes of camera and projector (pixels and mm) and the places.
 void capture_chessboard(const PerturbedRig& actual, const ChessboardShape& shape, const ChessboardFlaws& flaws,
                         const std::vector<ChessboardPlace>& places, const std::vector<ProjectedLight>& patterns,
-                        const CaptureSettings& settings, OutputFolder& out);
+                        const CaptureSettings& settings, files::OutputFolder& out);
 
 // How a reference is scanned for structured light before the measurement. The noise of scans has seed + 1, so that it
 // differs from the measurement's.
@@ -62,19 +62,19 @@ enum class ScanMethod {
 };
 
 // The number of images in such a scan.
-int scan_images(const Rig& rig, ScanMethod method);
+int scan_images(const rig::Rig& rig, ScanMethod method);
 
 // The projector point that each camera pixel sees on the scene. `done` is called after each image.
-ProjectorPoints scan_points(const Rig& rig, const Scene& scene, const RenderOptions& options, ScanMethod method,
-                            const std::function<void()>& done);
+structured_light::ProjectorPoints scan_points(const rig::Rig& rig, const Scene& scene, const RenderOptions& options,
+                                              ScanMethod method, const std::function<void()>& done);
 
 // Centroids C of the light section in each of the modes, rows from 1, one for each column: means over 16 frames in the
 // middle of the scene's way, NaN if a column is not lit as the rig asks. `actual` is the rig that takes the images, and
 // `rig` the one believed to take them; their images have one size.
-std::vector<std::vector<double>> scan_centroids(const Rig& rig, const PerturbedRig& actual, const Scene& scene,
-                                                const FloatImage& pattern, const RenderOptions& options,
-                                                std::span<const Mode> modes);
+std::vector<std::vector<double>> scan_centroids(const rig::Rig& rig, const PerturbedRig& actual, const Scene& scene,
+                                                const images::FloatImage& pattern, const RenderOptions& options,
+                                                std::span<const model::Mode> modes);
 
-}  // namespace selfproj
+}  // namespace selfproj::sim
 
 #endif  // SELFPROJ_SIM_SCENE_VIRTUAL_CAPTURE_H

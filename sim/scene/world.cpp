@@ -13,18 +13,18 @@
 
 #include "host/files/input_file.h"
 #include "host/files/numbers.h"
-#include "host/files/user_error.h"
 #include "host/rig/yaml.h"
+#include "selfproj/files/user_error.h"
 #include "sim/scene/world_built_in.h"
 
-namespace selfproj {
+namespace selfproj::sim {
 namespace {
 
-constexpr ValueRange kShare{.low = 0, .high = 1};
+constexpr rig::ValueRange kShare{.low = 0, .high = 1};
 constexpr double kMaxGrey = 255;
 constexpr std::size_t kMaxBytes = 1 << 20;
 
-Gloss read_gloss(FieldReader& from, const char* section) {
+Gloss read_gloss(rig::FieldReader& from, const char* section) {
   Gloss gloss;
   from.begin(section);
   from.number("diffuse", gloss.diffuse, 1, kShare);
@@ -34,7 +34,7 @@ Gloss read_gloss(FieldReader& from, const char* section) {
   return gloss;
 }
 
-Defocus read_defocus(FieldReader& from, const char* section) {
+Defocus read_defocus(rig::FieldReader& from, const char* section) {
   Defocus defocus;
   from.begin(section);
   from.number("f_number", defocus.f_number, 1, {.low = 0.5, .high = 1e3});
@@ -43,10 +43,10 @@ Defocus read_defocus(FieldReader& from, const char* section) {
   return defocus;
 }
 
-void read_surface(FieldReader& from, World& world) {
+void read_surface(rig::FieldReader& from, World& world) {
   from.begin("texture");
   from.number("contrast", world.texture.emplace().contrast, 1, kShare);
-  from.number("scale_mm", world.texture->scale_mm, 1, kPositive);
+  from.number("scale_mm", world.texture->scale_mm, 1, rig::kPositive);
   from.end();
   from.begin("bounce");
   from.number("strength", world.bounce.emplace().strength, 1, kShare);
@@ -59,9 +59,9 @@ void read_surface(FieldReader& from, World& world) {
   from.end();
 }
 
-void read_camera(FieldReader& from, World& world) {
+void read_camera(rig::FieldReader& from, World& world) {
   from.begin("fixed_pattern");
-  from.number("dsnu_electrons", world.fixed_pattern.emplace().dsnu_electrons, 1, kNotNegative);
+  from.number("dsnu_electrons", world.fixed_pattern.emplace().dsnu_electrons, 1, rig::kNotNegative);
   from.number("prnu", world.fixed_pattern->prnu, 1, kShare);
   from.end();
   from.begin("defect_pixels");
@@ -78,17 +78,17 @@ void read_camera(FieldReader& from, World& world) {
   from.end();
 }
 
-void read_line(FieldReader& from, World& world) {
+void read_line(rig::FieldReader& from, World& world) {
   from.begin("flicker");
   from.number("grey", world.flicker.emplace().grey, 1, {.low = 0, .high = kMaxGrey});
   from.number("modulation", world.flicker->modulation, 1, kShare);
-  from.number("hz", world.flicker->hz, 1, kPositive);
+  from.number("hz", world.flicker->hz, 1, rig::kPositive);
   from.end();
   from.begin("vibration");
   from.number("belt_mm", world.vibration.emplace().belt_mm, 1, {.low = 0, .high = 100});
-  from.number("belt_hz", world.vibration->belt_hz, 1, kPositive);
+  from.number("belt_hz", world.vibration->belt_hz, 1, rig::kPositive);
   from.number("camera_px", world.vibration->camera_px, 1, {.low = 0, .high = 100});
-  from.number("camera_hz", world.vibration->camera_hz, 1, kPositive);
+  from.number("camera_hz", world.vibration->camera_hz, 1, rig::kPositive);
   from.end();
   from.begin("jitter");
   from.number("trigger_us", world.jitter.emplace().trigger_us, 1, {.low = 0, .high = 1e3});
@@ -99,7 +99,7 @@ void read_line(FieldReader& from, World& world) {
   from.number("share", line.share, 1, kShare);
   from.number("min_rows", line.min_rows, 1, {.low = 0, .high = 1e4});
   from.number("max_rows", line.max_rows, 1, {.low = line.min_rows, .high = 1e4});
-  from.number("period_mm", line.period_mm, 1, kPositive);
+  from.number("period_mm", line.period_mm, 1, rig::kPositive);
   from.end();
 }
 
@@ -140,7 +140,8 @@ RenderOptions options_without(const std::vector<std::string>& names) {
 WorldFile load_world(const std::string& name_or_file) {
   const bool built_in = name_or_file == kBuiltInWorld;
   const std::string source = built_in ? "world.yaml" : name_or_file;
-  FieldReader from(source, parse_yaml(built_in ? kWorldText : read_input(name_or_file, kMaxBytes), source));
+  rig::FieldReader from(source,
+                        rig::parse_yaml(built_in ? kWorldText : files::read_input(name_or_file, kMaxBytes), source));
   WorldFile file;
   std::int64_t seed = 0;
   from.integer64("seed", seed);
@@ -220,7 +221,7 @@ World world_of(const WorldFile& file, const std::vector<std::string>& disturbanc
     }
     entry.on(world, file.world);
     if (strength) {
-      const std::optional<double> value = number_of_text<double>(*strength);
+      const std::optional<double> value = files::number_of_text<double>(*strength);
       if (!value || *value < entry.min || *value > entry.max) {
         throw UserError("--disturb " + text,
                         fmt::format("needs {}, a number from {} to {}", entry.strength, entry.min, entry.max));
@@ -231,4 +232,4 @@ World world_of(const WorldFile& file, const std::vector<std::string>& disturbanc
   return world;
 }
 
-}  // namespace selfproj
+}  // namespace selfproj::sim

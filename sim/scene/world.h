@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-namespace selfproj {
+namespace selfproj::sim {
 
 // Light that a surface throws back mostly about the mirror's direction, by a microfacet model.
 struct Gloss {
@@ -188,6 +188,6 @@ inline constexpr std::array<ErrorSource, 6> kErrorSources{{
 // The default options with the sources of error of these names switched off.
 RenderOptions options_without(const std::vector<std::string>& names);
 
-}  // namespace selfproj
+}  // namespace selfproj::sim
 
 #endif  // SELFPROJ_SIM_SCENE_WORLD_H

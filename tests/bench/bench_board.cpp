@@ -21,12 +21,12 @@
 #include <vector>
 
 #include "host/camera/software_board.h"
-#include "host/light_section/fast_moments.h"
-#include "model/board.h"
+#include "selfproj/light_section/fast_moments.h"
+#include "selfproj/model/board.h"
 #include "tests/bench/collector.h"
 #include "tests/bench/read_ceiling.h"
 
-namespace selfproj {
+namespace selfproj::test {
 namespace {
 
 using bench::Collector;
@@ -39,14 +39,14 @@ constexpr std::size_t kFrameBytes = static_cast<std::size_t>(kRows) * kColumns;
 
 struct Case {
   const char* name;
-  Mode mode;
-  Select select;
+  model::Mode mode;
+  model::Select select;
 };
-constexpr Case kCases[] = {{"binary", Mode::binary, Select::all},
-                           {"grey_over", Mode::grey_over, Select::all},
-                           {"strongest_grey_over", Mode::grey_over, Select::strongest}};
+constexpr Case kCases[] = {{"binary", model::Mode::binary, model::Select::all},
+                           {"grey_over", model::Mode::grey_over, model::Select::all},
+                           {"strongest_grey_over", model::Mode::grey_over, model::Select::strongest}};
 
-BoardSettings settings_of(const Case& one) {
+model::BoardSettings settings_of(const Case& one) {
   return {.columns = kColumns, .rows = kRows, .mode = one.mode, .threshold = 60, .select = one.select};
 }
 
@@ -70,13 +70,13 @@ std::vector<std::uint8_t> make_frames() {
   return pixels;
 }
 
-ImageView frame_of(const std::vector<std::uint8_t>& pixels, int frame) {
+model::ImageView frame_of(const std::vector<std::uint8_t>& pixels, int frame) {
   return {pixels.data() + static_cast<std::size_t>(frame) * kFrameBytes, kRows, kColumns, kColumns};
 }
 
-void model_frame(BoardModel& model, const ImageView& image, BoardInputs& inputs) {
+void model_frame(model::BoardModel& model, const model::ImageView& image, model::BoardInputs& inputs) {
   for (int at = 0; at < kRows * kColumns; at += spec::kPixelsPerBeat) {
-    VideoBeat beat;
+    model::VideoBeat beat;
     std::copy_n(image.pixels + at, beat.pixels.size(), beat.pixels.begin());
     beat.start = at == 0;
     beat.line_end = at % kColumns == kColumns - spec::kPixelsPerBeat;
@@ -87,18 +87,19 @@ void model_frame(BoardModel& model, const ImageView& image, BoardInputs& inputs)
 
 bool packets_are_right(const std::vector<std::uint8_t>& pixels, const Case& one) {
   std::vector<std::uint8_t> expected;
-  BoardModel model(
-      [&](BoardPacket&& packet) { append_packet(packet.header, packet.payload, packet.status, expected); });
+  model::BoardModel model([&](model::BoardPacket&& packet) {
+    model::append_packet(packet.header, packet.payload, packet.status, expected);
+  });
   model.write(settings_of(one));
-  SoftwareBoard board(settings_of(one));
+  camera::SoftwareBoard board(settings_of(one));
   std::vector<std::uint8_t> got;
-  BoardInputs inputs;
+  model::BoardInputs inputs;
   for (int frame = 0; frame < kModelFrames; ++frame) {
-    BoardInputs at_start = inputs;
+    model::BoardInputs at_start = inputs;
     ++at_start.clock;
     model_frame(model, frame_of(pixels, frame), inputs);
     board.process(frame_of(pixels, frame), true, static_cast<std::uint64_t>(frame), at_start);
-    PacketView packet;
+    model::PacketView packet;
     while (board.next(packet)) {
       got.insert(got.end(), packet.bytes().begin(), packet.bytes().end());
     }
@@ -107,13 +108,13 @@ bool packets_are_right(const std::vector<std::uint8_t>& pixels, const Case& one)
 }
 
 void make_packets(benchmark::State& state, const std::vector<std::uint8_t>& pixels, const Case& one) {
-  SoftwareBoard board(settings_of(one));
+  camera::SoftwareBoard board(settings_of(one));
   std::uint64_t sequence = 0;
   for (auto _ : state) {
     for (int frame = 0; frame < kFrames; ++frame) {
       board.process(frame_of(pixels, frame), true, sequence, {.clock = 15120 * sequence});
       ++sequence;
-      PacketView packet;
+      model::PacketView packet;
       while (board.next(packet)) {
         benchmark::DoNotOptimize(packet);
       }
@@ -124,12 +125,12 @@ void make_packets(benchmark::State& state, const std::vector<std::uint8_t>& pixe
 }
 
 void sum_moments(benchmark::State& state, const std::vector<std::uint8_t>& pixels, const Case& one) {
-  const Measure measure{.mode = one.mode, .threshold = 60, .select = one.select};
-  Runs runs;
+  const model::Measure measure{.mode = one.mode, .threshold = 60, .select = one.select};
+  model::Runs runs;
   runs.resize(one.select, kColumns);
   for (auto _ : state) {
     for (int frame = 0; frame < kFrames; ++frame) {
-      fast_measure_columns(frame_of(pixels, frame), measure, runs.view());
+      light_section::fast_measure_columns(frame_of(pixels, frame), measure, runs.view());
       benchmark::ClobberMemory();
     }
   }
@@ -137,9 +138,9 @@ void sum_moments(benchmark::State& state, const std::vector<std::uint8_t>& pixel
 }
 
 void run_model(benchmark::State& state, const std::vector<std::uint8_t>& pixels, const Case& one) {
-  BoardModel model([](BoardPacket&& packet) { benchmark::DoNotOptimize(packet); });
+  model::BoardModel model([](model::BoardPacket&& packet) { benchmark::DoNotOptimize(packet); });
   model.write(settings_of(one));
-  BoardInputs inputs;
+  model::BoardInputs inputs;
   for (auto _ : state) {
     for (int frame = 0; frame < kModelFrames; ++frame) {
       model_frame(model, frame_of(pixels, frame), inputs);
@@ -185,8 +186,8 @@ int run() {
 }
 
 }  // namespace
-}  // namespace selfproj
+}  // namespace selfproj::test
 
 int main(int argc, char** argv) {
-  return selfproj::bench::main_of("bench_board", {argv + 1, argv + argc}, selfproj::run);
+  return selfproj::bench::main_of("bench_board", {argv + 1, argv + argc}, selfproj::test::run);
 }

@@ -15,33 +15,33 @@
 #include <string>
 #include <vector>
 
-#include "host/rig/rig.h"
-#include "host/structured_light/fast_decoder.h"
-#include "host/structured_light/foreground.h"
-#include "host/structured_light/scanner.h"
-#include "host/structured_light/triangulation.h"
-#include "model/gray_decoder.h"
-#include "model/median3x3.h"
+#include "selfproj/model/gray_decoder.h"
+#include "selfproj/model/median3x3.h"
+#include "selfproj/rig/rig.h"
+#include "selfproj/structured_light/fast_decoder.h"
+#include "selfproj/structured_light/foreground.h"
+#include "selfproj/structured_light/scanner.h"
+#include "selfproj/structured_light/triangulation.h"
 #include "tests/bench/collector.h"
 #include "tests/bench/read_ceiling.h"
 
-namespace selfproj {
+namespace selfproj::test {
 namespace {
 
 constexpr int kSide = 512;
 constexpr int kBits = 8;
 constexpr std::size_t kImageBytes = static_cast<std::size_t>(kSide) * kSide;
 constexpr int kImages = 512;
-constexpr GraySettings kSettings{kSide, kSide, kBits, 5};
+constexpr model::GraySettings kSettings{kSide, kSide, kBits, 5};
 
-ImageView image_at(const std::uint8_t* bytes, int i) {
+model::ImageView image_at(const std::uint8_t* bytes, int i) {
   return {bytes + static_cast<std::size_t>(i) * kImageBytes, kSide, kSide, kSide};
 }
 
 bool results_are_right(const std::uint8_t* images) {
-  GrayDecoder model(kSettings);
-  FastGrayDecoder fast(kSettings);
-  FastMedian median(kSide);
+  model::GrayDecoder model(kSettings);
+  structured_light::FastGrayDecoder fast(kSettings);
+  structured_light::FastMedian median(kSide);
   std::vector<std::uint16_t> expected(kImageBytes), found(kImageBytes), expected_median(kImageBytes);
   for (int i = 0; i < 4 * kBits; ++i) {
     const int pattern = i % (2 * kBits);
@@ -50,12 +50,12 @@ bool results_are_right(const std::uint8_t* images) {
       return false;
     }
     if (due) {
-      code_words(fast.codes(), found.data());
+      structured_light::code_words(fast.codes(), found.data());
       if (found != expected) {
         return false;
       }
       median.filter(fast.codes(), found.data());
-      median3x3(expected.data(), kSide, kSide, expected_median.data());
+      model::median3x3(expected.data(), kSide, kSide, expected_median.data());
       if (found != expected_median) {
         return false;
       }
@@ -65,11 +65,11 @@ bool results_are_right(const std::uint8_t* images) {
 }
 
 // z of (3.4) = (4.8) for the centre of the code, from the angles. NaN if the rules of section 1 exclude the point.
-double plain_depth(const Rig& rig, int row, std::uint16_t word) {
-  if ((word & GrayDecoder::kMeasurable) == 0) {
+double plain_depth(const rig::Rig& rig, int row, std::uint16_t word) {
+  if ((word & model::GrayDecoder::kMeasurable) == 0) {
     return std::nan("");
   }
-  const RigProjector& projector = rig.projector;
+  const rig::RigProjector& projector = rig.projector;
   const double tan_alpha = rig.camera.pixel_pitch_mm * (row - 0.5 * (rig.camera.rows - 1)) / rig.camera.focal_length_mm;
   const auto z_of_line = [&](double line) {
     const double xp = projector.center_xp_mm + projector.line_pitch_mm * (line - 0.5 * (projector.lines - 1));
@@ -86,9 +86,9 @@ double plain_depth(const Rig& rig, int row, std::uint16_t word) {
 }
 
 bool depths_are_right(const std::uint8_t* images) {
-  const Rig rig = load_rig("scanner");
-  const PlaneTriangulation triangulation(rig, kBits);
-  Scanner scanner(triangulation, {});
+  const rig::Rig rig = rig::load_rig("scanner");
+  const structured_light::PlaneTriangulation triangulation(rig, kBits);
+  structured_light::Scanner scanner(triangulation, {});
   std::size_t valid = 0;
   std::size_t on_limit = 0;
   for (int i = 0; i < 2 * kBits + 2; ++i) {
@@ -113,7 +113,7 @@ bool depths_are_right(const std::uint8_t* images) {
 
 // `pairs` pairs, one after another; a whole number of cycles.
 void decode(benchmark::State& state, const std::uint8_t* images, int pairs) {
-  FastGrayDecoder decoder(kSettings);
+  structured_light::FastGrayDecoder decoder(kSettings);
   int image = 0;
   int pattern = 0;
   for (auto _ : state) {
@@ -127,8 +127,8 @@ void decode(benchmark::State& state, const std::uint8_t* images, int pairs) {
   bench::set_counters(state, 1, 2 * kImageBytes);
 }
 
-FastGrayDecoder filled_decoder(const std::uint8_t* images) {
-  FastGrayDecoder decoder(kSettings);
+structured_light::FastGrayDecoder filled_decoder(const std::uint8_t* images) {
+  structured_light::FastGrayDecoder decoder(kSettings);
   for (int i = 0; i < 2 * kBits; ++i) {
     decoder.add_frame(image_at(images, i), i, true);
   }
@@ -136,18 +136,18 @@ FastGrayDecoder filled_decoder(const std::uint8_t* images) {
 }
 
 void to_words(benchmark::State& state, const std::uint8_t* images) {
-  const FastGrayDecoder decoder = filled_decoder(images);
+  const structured_light::FastGrayDecoder decoder = filled_decoder(images);
   std::vector<std::uint16_t> words(kImageBytes);
   for (auto _ : state) {
-    code_words(decoder.codes(), words.data());
+    structured_light::code_words(decoder.codes(), words.data());
     benchmark::ClobberMemory();
   }
   bench::set_counters(state, 1, 2 * kImageBytes);
 }
 
 void filter(benchmark::State& state, const std::uint8_t* images) {
-  const FastGrayDecoder decoder = filled_decoder(images);
-  FastMedian median(kSide);
+  const structured_light::FastGrayDecoder decoder = filled_decoder(images);
+  structured_light::FastMedian median(kSide);
   std::vector<std::uint16_t> words(kImageBytes);
   for (auto _ : state) {
     median.filter(decoder.codes(), words.data());
@@ -157,10 +157,10 @@ void filter(benchmark::State& state, const std::uint8_t* images) {
 }
 
 void triangulate(benchmark::State& state, const std::uint8_t* images) {
-  const FastGrayDecoder decoder = filled_decoder(images);
+  const structured_light::FastGrayDecoder decoder = filled_decoder(images);
   std::vector<std::uint16_t> words(kImageBytes);
-  FastMedian(kSide).filter(decoder.codes(), words.data());
-  const PlaneTriangulation triangulation(load_rig("scanner"), kBits);
+  structured_light::FastMedian(kSide).filter(decoder.codes(), words.data());
+  const structured_light::PlaneTriangulation triangulation(rig::load_rig("scanner"), kBits);
   std::vector<float> z(kImageBytes);
   for (auto _ : state) {
     triangulation.depth(words.data(), z.data());
@@ -170,22 +170,22 @@ void triangulate(benchmark::State& state, const std::uint8_t* images) {
 }
 
 void find_moved(benchmark::State& state, const std::uint8_t* images) {
-  const FastGrayDecoder decoder = filled_decoder(images);
+  const structured_light::FastGrayDecoder decoder = filled_decoder(images);
   std::vector<std::uint16_t> words(kImageBytes);
-  const PlaneTriangulation triangulation(load_rig("scanner"), kBits);
+  const structured_light::PlaneTriangulation triangulation(rig::load_rig("scanner"), kBits);
   std::vector<float> z(kImageBytes), background(kImageBytes, 500);
-  code_words(decoder.codes(), words.data());
+  structured_light::code_words(decoder.codes(), words.data());
   triangulation.depth(words.data(), z.data());
   for (auto _ : state) {
-    benchmark::DoNotOptimize(foreground_of(triangulation, z.data(), background.data(), 5));
+    benchmark::DoNotOptimize(structured_light::foreground_of(triangulation, z.data(), background.data(), 5));
   }
   bench::set_counters(state, 1, 2 * kImageBytes);
 }
 
 // All steps, `pairs` pairs one after another.
 void depth(benchmark::State& state, const std::uint8_t* images, int pairs) {
-  const PlaneTriangulation triangulation(load_rig("scanner"), kBits);
-  Scanner scanner(triangulation, {});
+  const structured_light::PlaneTriangulation triangulation(rig::load_rig("scanner"), kBits);
+  structured_light::Scanner scanner(triangulation, {});
   int image = 0;
   int pattern = 0;
   for (auto _ : state) {
@@ -260,8 +260,8 @@ int run() {
 }
 
 }  // namespace
-}  // namespace selfproj
+}  // namespace selfproj::test
 
 int main(int argc, char** argv) {
-  return selfproj::bench::main_of("bench_gray", {argv + 1, argv + argc}, selfproj::run);
+  return selfproj::bench::main_of("bench_gray", {argv + 1, argv + argc}, selfproj::test::run);
 }

@@ -21,17 +21,17 @@
 #include <string>
 #include <vector>
 
-#include "host/rig/rig.h"
 #include "host/structured_light/match_table.h"
 #include "host/structured_light/self_reference.h"
 #include "host/structured_light/self_scanner.h"
-#include "model/gray_decoder.h"
-#include "model/gray_match.h"
+#include "selfproj/model/gray_decoder.h"
+#include "selfproj/model/gray_match.h"
+#include "selfproj/rig/rig.h"
 #include "tests/bench/collector.h"
 #include "tests/bench/read_ceiling.h"
 #include "tests/host/light_section/seen_surface.h"
 
-namespace selfproj {
+namespace selfproj::test {
 namespace {
 
 constexpr int kSide = 512;
@@ -39,25 +39,26 @@ constexpr int kBits = 4;
 constexpr std::size_t kPixels = static_cast<std::size_t>(kSide) * kSide;
 constexpr int kImages = 512;
 
-ImageView image_at(const std::uint8_t* bytes, int i) {
+model::ImageView image_at(const std::uint8_t* bytes, int i) {
   return {bytes + static_cast<std::size_t>(i) * kPixels, kSide, kSide, kSide};
 }
 
 // Everything that is prepared before the first frame.
 struct Setup {
-  Rig rig = load_rig("scanner");
-  SelfReference reference = make_self_reference(rig, test::points_of(rig, test::plane_at(550)), {});
-  MatchTable table{rig, reference, {8}};
+  rig::Rig rig = rig::load_rig("scanner");
+  structured_light::SelfReference reference =
+      structured_light::make_self_reference(rig, test::points_of(rig, test::plane_at(550)), {});
+  structured_light::MatchTable table{rig, reference, {8}};
 };
 
 // The eight images of the bump.
 std::vector<std::uint8_t> images_of(const Setup& setup) {
   const auto bump = [](double x, double y) { return 550 - 20 * std::exp(-(x * x + y * y) / (2 * 40 * 40)); };
-  const ProjectorPoints points = test::points_of(setup.rig, bump);
+  const structured_light::ProjectorPoints points = test::points_of(setup.rig, bump);
   std::vector<std::uint8_t> images(2 * kBits * kPixels);
   std::minstd_rand random(1);
   for (int k = 0; k < 2 * kBits; ++k) {
-    const FloatImage pattern = self_projected_pattern(setup.reference, k);
+    const images::FloatImage pattern = structured_light::self_projected_pattern(setup.reference, k);
     for (std::size_t i = 0; i < kPixels; ++i) {
       const bool seen = !std::isnan(points.line.values[i]);
       const bool light = seen && pattern.row(static_cast<int>(
@@ -69,8 +70,8 @@ std::vector<std::uint8_t> images_of(const Setup& setup) {
 }
 
 bool results_are_right(const Setup& setup, const std::uint8_t* images) {
-  SelfScanner scanner(setup.rig, setup.reference, setup.table, 5);
-  GrayDecoder decoder({kSide, kSide, kBits, 5});
+  structured_light::SelfScanner scanner(setup.rig, setup.reference, setup.table, 5);
+  model::GrayDecoder decoder({kSide, kSide, kBits, 5});
   const std::vector<std::uint16_t> words = setup.table.by_pixels();
   std::vector<std::uint16_t> codes(kPixels), lines(kPixels);
   std::vector<float> row(kSide), z(kSide);
@@ -81,10 +82,10 @@ bool results_are_right(const Setup& setup, const std::uint8_t* images) {
       return false;
     }
   }
-  GrayMatch::look_up(codes.data(), kPixels, kBits, words.data(), lines.data());
+  model::GrayMatch::look_up(codes.data(), kPixels, kBits, words.data(), lines.data());
   for (std::size_t i = 0; i < kPixels; ++i) {
     const auto found = static_cast<double>(scanner.depth().values[i]);
-    if (lines[i] == GrayMatch::kNone) {
+    if (lines[i] == model::GrayMatch::kNone) {
       if (!std::isnan(found)) {
         return false;
       }
@@ -92,7 +93,7 @@ bool results_are_right(const Setup& setup, const std::uint8_t* images) {
       ++valid;
       const test::Point3 p =
           test::on_ray(setup.rig.camera, static_cast<double>(i / kSide), static_cast<double>(i % kSide), found);
-      if (std::abs(test::projector_lights(setup.rig.projector, p).row - GrayMatch::line_of(lines[i])) > 2e-3) {
+      if (std::abs(test::projector_lights(setup.rig.projector, p).row - model::GrayMatch::line_of(lines[i])) > 2e-3) {
         return false;
       }
     }
@@ -101,7 +102,7 @@ bool results_are_right(const Setup& setup, const std::uint8_t* images) {
 }
 
 void whole(benchmark::State& state, const Setup& setup, const std::uint8_t* images, int count) {
-  SelfScanner scanner(setup.rig, setup.reference, setup.table, 5);
+  structured_light::SelfScanner scanner(setup.rig, setup.reference, setup.table, 5);
   int image = 0;
   int pattern = 0;
   for (auto _ : state) {
@@ -116,7 +117,7 @@ void whole(benchmark::State& state, const Setup& setup, const std::uint8_t* imag
 }
 
 void decode(benchmark::State& state, const std::uint8_t* images) {
-  FastGrayDecoder decoder({kSide, kSide, kBits, 5});
+  structured_light::FastGrayDecoder decoder({kSide, kSide, kBits, 5});
   int pattern = 0;
   for (auto _ : state) {
     for (int half = 0; half < 2; ++half) {
@@ -131,26 +132,27 @@ void decode(benchmark::State& state, const std::uint8_t* images) {
 // The steps after the decoder, each over a whole image. As in the scanner, the lines of a row stay in one short array.
 enum class Step { search, triangulation, difference };
 void step(benchmark::State& state, const Setup& setup, const std::uint8_t* images, Step which) {
-  FastGrayDecoder decoder({kSide, kSide, kBits, 5});
+  structured_light::FastGrayDecoder decoder({kSide, kSide, kBits, 5});
   for (int i = 0; i < 2 * kBits; ++i) {
     decoder.add_frame(image_at(images, i), i, true);
   }
-  const CodeImageView codes = decoder.codes();
-  const PlaneTriangulation triangulation(setup.rig, kBits);
+  const structured_light::CodeImageView codes = decoder.codes();
+  const structured_light::PlaneTriangulation triangulation(setup.rig, kBits);
   std::vector<float> lines(kSide), z(kPixels), difference(kPixels), from(kPixels, 550);
   for (int r = 0; r < kSide; ++r) {
-    look_up_row(setup.table, r, codes.codes8 + r * kSide, codes.ambiguous8 + r * kSide, lines.data());
+    structured_light::look_up_row(setup.table, r, codes.codes8 + r * kSide, codes.ambiguous8 + r * kSide, lines.data());
     triangulation.depth_of_lines(r, lines.data(), z.data() + static_cast<std::ptrdiff_t>(r) * kSide);
   }
   for (auto _ : state) {
     for (std::ptrdiff_t r = 0; r < kSide; ++r) {
       const std::ptrdiff_t first = r * kSide;
       if (which == Step::search) {
-        look_up_row(setup.table, static_cast<int>(r), codes.codes8 + first, codes.ambiguous8 + first, lines.data());
+        structured_light::look_up_row(setup.table, static_cast<int>(r), codes.codes8 + first, codes.ambiguous8 + first,
+                                      lines.data());
       } else if (which == Step::triangulation) {
         triangulation.depth_of_lines(static_cast<int>(r), lines.data(), z.data() + first);
       } else {
-        subtract(from.data() + first, z.data() + first, kSide, difference.data() + first);
+        structured_light::subtract(from.data() + first, z.data() + first, kSide, difference.data() + first);
       }
       benchmark::ClobberMemory();
     }
@@ -227,8 +229,8 @@ int run() {
 }
 
 }  // namespace
-}  // namespace selfproj
+}  // namespace selfproj::test
 
 int main(int argc, char** argv) {
-  return selfproj::bench::main_of("bench_match", {argv + 1, argv + argc}, selfproj::run);
+  return selfproj::bench::main_of("bench_match", {argv + 1, argv + argc}, selfproj::test::run);
 }

@@ -22,14 +22,14 @@
 #include <tuple>
 #include <vector>
 
-#include "host/light_section/fast_moments.h"
-#include "model/column_moments.h"
-#include "model/column_runs.h"
-#include "model/packet.h"
+#include "selfproj/light_section/fast_moments.h"
+#include "selfproj/model/column_moments.h"
+#include "selfproj/model/column_runs.h"
+#include "selfproj/model/packet.h"
 #include "tests/bench/collector.h"
 #include "tests/bench/read_ceiling.h"
 
-namespace selfproj {
+namespace selfproj::test {
 namespace {
 
 using bench::Collector;
@@ -46,7 +46,7 @@ class FrameBuffer {
   explicit FrameBuffer(int frames) : frames_(frames), bytes_(static_cast<std::size_t>(frames) * kFrameBytes) {}
 
   int frames() const { return frames_; }
-  ImageView frame(int i) const {
+  model::ImageView frame(int i) const {
     return {bytes_.data() + static_cast<std::size_t>(i) * kFrameBytes, kRows, kColumns, kColumns};
   }
   std::span<const std::uint8_t> bytes() const { return {bytes_.data(), bytes_.size()}; }
@@ -82,14 +82,14 @@ class FrameBuffer {
 };
 
 bool results_are_right(const FrameBuffer& buffer) {
-  Moments moments;
-  Moments right;
+  model::Moments moments;
+  model::Moments right;
   moments.resize(kColumns);
   right.resize(kColumns);
   for (int i = 0; i < std::min(buffer.frames(), 16); ++i) {
-    for (const Mode mode : {Mode::binary, Mode::grey, Mode::grey_over}) {
-      column_moments(buffer.frame(i), mode, kThreshold, right.view());
-      fast_column_moments(buffer.frame(i), mode, kThreshold, moments.view());
+    for (const model::Mode mode : {model::Mode::binary, model::Mode::grey, model::Mode::grey_over}) {
+      model::column_moments(buffer.frame(i), mode, kThreshold, right.view());
+      light_section::fast_column_moments(buffer.frame(i), mode, kThreshold, moments.view());
       if (moments != right) {
         return false;
       }
@@ -101,29 +101,30 @@ bool results_are_right(const FrameBuffer& buffer) {
 // What is compared on frames with lines.
 struct RunsCase {
   const char* name;
-  Measure measure;
+  model::Measure measure;
 };
 
 std::vector<RunsCase> runs_cases() {
   std::vector<RunsCase> cases;
-  for (const auto& [mode, all, gap0, gap3] : {std::tuple{Mode::binary, "binary/all", "binary/gap_0", "binary/gap_3"},
-                                              {Mode::grey, "grey/all", "grey/gap_0", "grey/gap_3"}}) {
-    cases.push_back({all, {.mode = mode, .threshold = kThreshold, .select = Select::all}});
-    cases.push_back({gap0, {.mode = mode, .threshold = kThreshold, .select = Select::strongest, .gap = 0}});
-    cases.push_back({gap3, {.mode = mode, .threshold = kThreshold, .select = Select::strongest, .gap = 3}});
+  for (const auto& [mode, all, gap0, gap3] :
+       {std::tuple{model::Mode::binary, "binary/all", "binary/gap_0", "binary/gap_3"},
+        {model::Mode::grey, "grey/all", "grey/gap_0", "grey/gap_3"}}) {
+    cases.push_back({all, {.mode = mode, .threshold = kThreshold, .select = model::Select::all}});
+    cases.push_back({gap0, {.mode = mode, .threshold = kThreshold, .select = model::Select::strongest, .gap = 0}});
+    cases.push_back({gap3, {.mode = mode, .threshold = kThreshold, .select = model::Select::strongest, .gap = 3}});
   }
   return cases;
 }
 
 bool runs_are_right(const FrameBuffer& buffer) {
   for (const auto& [name, measure] : runs_cases()) {
-    Runs runs;
-    Runs right;
+    model::Runs runs;
+    model::Runs right;
     runs.resize(measure.select, kColumns);
     right.resize(measure.select, kColumns);
     for (int i = 0; i < std::min(buffer.frames(), 16); ++i) {
-      measure_columns(buffer.frame(i), measure, right.view());
-      fast_measure_columns(buffer.frame(i), measure, runs.view());
+      model::measure_columns(buffer.frame(i), measure, right.view());
+      light_section::fast_measure_columns(buffer.frame(i), measure, runs.view());
       if (!(runs == right)) {
         return false;
       }
@@ -132,26 +133,26 @@ bool runs_are_right(const FrameBuffer& buffer) {
   return true;
 }
 
-void take_moments(benchmark::State& state, const FrameBuffer& buffer, Mode mode, int frames) {
-  Moments moments;
+void take_moments(benchmark::State& state, const FrameBuffer& buffer, model::Mode mode, int frames) {
+  model::Moments moments;
   moments.resize(kColumns);
-  const MomentsView out = moments.view();
+  const model::MomentsView out = moments.view();
   for (auto _ : state) {
     for (int i = 0; i < frames; ++i) {
-      fast_column_moments(buffer.frame(i), mode, kThreshold, out);
+      light_section::fast_column_moments(buffer.frame(i), mode, kThreshold, out);
       benchmark::ClobberMemory();
     }
   }
   bench::set_counters(state, frames, kFrameBytes);
 }
 
-void take_runs(benchmark::State& state, const FrameBuffer& buffer, const Measure& measure, int frames) {
-  Runs runs;
+void take_runs(benchmark::State& state, const FrameBuffer& buffer, const model::Measure& measure, int frames) {
+  model::Runs runs;
   runs.resize(measure.select, kColumns);
-  const RunsView out = runs.view();
+  const model::RunsView out = runs.view();
   for (auto _ : state) {
     for (int i = 0; i < frames; ++i) {
-      fast_measure_columns(buffer.frame(i), measure, out);
+      light_section::fast_measure_columns(buffer.frame(i), measure, out);
       benchmark::ClobberMemory();
     }
   }
@@ -159,26 +160,26 @@ void take_runs(benchmark::State& state, const FrameBuffer& buffer, const Measure
 }
 
 // A good packet of moments of kColumns columns.
-std::vector<std::uint8_t> packet_of(Mode mode, const ImageView& image) {
-  Moments moments;
+std::vector<std::uint8_t> packet_of(model::Mode mode, const model::ImageView& image) {
+  model::Moments moments;
   moments.resize(kColumns);
-  column_moments(image, mode, kThreshold, moments.view());
-  std::vector<std::uint8_t> payload(moments_payload_bytes(mode, kColumns));
-  pack_moments(mode, kColumns, moments.view(), payload.data());
-  PacketHeader header;
+  model::column_moments(image, mode, kThreshold, moments.view());
+  std::vector<std::uint8_t> payload(model::moments_payload_bytes(mode, kColumns));
+  model::pack_moments(mode, kColumns, moments.view(), payload.data());
+  model::PacketHeader header;
   header.kind = spec::kKindMoments;
   header.columns = kColumns;
   header.rows = kRows;
   header.mode = static_cast<std::uint8_t>(mode);
   std::vector<std::uint8_t> packet;
-  append_packet(header, payload, 0, packet);
+  model::append_packet(header, payload, 0, packet);
   return packet;
 }
 
 void parse(benchmark::State& state, const std::vector<std::uint8_t>& packet) {
-  PacketView view;
+  model::PacketView view;
   for (auto _ : state) {
-    if (parse_packet(packet, view) != PacketError::none) {
+    if (model::parse_packet(packet, view) != model::PacketError::none) {
       state.SkipWithError("the packet is bad");
       break;
     }
@@ -188,15 +189,15 @@ void parse(benchmark::State& state, const std::vector<std::uint8_t>& packet) {
 }
 
 void parse_and_unpack(benchmark::State& state, const std::vector<std::uint8_t>& packet) {
-  PacketView view;
-  Moments moments;
+  model::PacketView view;
+  model::Moments moments;
   moments.resize(kColumns);
   for (auto _ : state) {
-    if (parse_packet(packet, view) != PacketError::none) {
+    if (model::parse_packet(packet, view) != model::PacketError::none) {
       state.SkipWithError("the packet is bad");
       break;
     }
-    unpack_moments(static_cast<Mode>(view.header.mode), kColumns, view.payload.data(), moments.view());
+    model::unpack_moments(static_cast<model::Mode>(view.header.mode), kColumns, view.payload.data(), moments.view());
     benchmark::ClobberMemory();
   }
   bench::set_counters(state, 1, packet.size());
@@ -261,12 +262,12 @@ int run(int frames) {
   reflections.draw_lines(16);
   bench::require(results_are_right(buffer) && runs_are_right(lines) && runs_are_right(reflections),
                  "the moments are wrong");
-  const std::vector<std::uint8_t> binary = packet_of(Mode::binary, buffer.frame(0));
-  const std::vector<std::uint8_t> grey = packet_of(Mode::grey, buffer.frame(0));
+  const std::vector<std::uint8_t> binary = packet_of(model::Mode::binary, buffer.frame(0));
+  const std::vector<std::uint8_t> grey = packet_of(model::Mode::grey, buffer.frame(0));
 
   bench::add_read_ceiling(buffer.bytes());
   for (const auto& [name, mode] :
-       {std::pair{"binary", Mode::binary}, {"grey", Mode::grey}, {"grey_over", Mode::grey_over}}) {
+       {std::pair{"binary", model::Mode::binary}, {"grey", model::Mode::grey}, {"grey_over", model::Mode::grey_over}}) {
     for (const auto& [place, some] : {std::pair{"memory", frames}, {"cache", kFramesInCache}}) {
       bench::add(
           std::string("moments/") + place + "/" + name,
@@ -284,7 +285,7 @@ int run(int frames) {
 }
 
 }  // namespace
-}  // namespace selfproj
+}  // namespace selfproj::test
 
 int main(int argc, char** argv) {
   int frames = 8000;
@@ -298,11 +299,12 @@ int main(int argc, char** argv) {
     }
     char* end = nullptr;
     const long value = std::strtol(word.c_str() + option.size(), &end, 10);
-    if (*end != '\0' || value < selfproj::kFramesInCache || value > 1000000) {
-      std::fprintf(stderr, "bench_model: %s: not a number in %d..1000000\n", word.c_str(), selfproj::kFramesInCache);
+    if (*end != '\0' || value < selfproj::test::kFramesInCache || value > 1000000) {
+      std::fprintf(stderr, "bench_model: %s: not a number in %d..1000000\n", word.c_str(),
+                   selfproj::test::kFramesInCache);
       return 2;
     }
     frames = static_cast<int>(value);
   }
-  return selfproj::bench::main_of("bench_model", words, [&] { return selfproj::run(frames); });
+  return selfproj::bench::main_of("bench_model", words, [&] { return selfproj::test::run(frames); });
 }

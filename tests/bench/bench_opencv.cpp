@@ -31,11 +31,11 @@
 #include <vector>
 
 #include "host/images/image_files.h"
-#include "host/structured_light/fast_decoder.h"
-#include "host/structured_light/gray_sequence.h"
+#include "selfproj/structured_light/fast_decoder.h"
+#include "selfproj/structured_light/gray_sequence.h"
 #include "tests/bench/collector.h"
 
-namespace selfproj {
+namespace selfproj::test {
 namespace {
 
 constexpr int kThreshold = 5;
@@ -50,7 +50,7 @@ class Capture {
     std::minstd_rand random(1);
     for (int i = 0; i < sequence_.white(); ++i) {
       const std::vector<std::uint8_t> light = sequence_.image(i);
-      Image& image = images_.emplace_back(Image{rows, columns, {}});
+      images::Image& image = images_.emplace_back(images::Image{rows, columns, {}});
       image.pixels.resize(static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns));
       for (int y = 0; y < rows; ++y) {
         for (int x = 0; x < columns; ++x) {
@@ -62,16 +62,16 @@ class Capture {
     }
   }
 
-  const GraySequence& sequence() const { return sequence_; }
+  const structured_light::GraySequence& sequence() const { return sequence_; }
   int rows() const { return rows_; }
   int columns() const { return columns_; }
   std::size_t pixels() const { return images_.front().pixels.size(); }
-  const std::vector<Image>& images() const { return images_; }
+  const std::vector<images::Image>& images() const { return images_; }
 
  private:
-  GraySequence sequence_;
+  structured_light::GraySequence sequence_;
   int rows_, columns_;
-  std::vector<Image> images_;
+  std::vector<images::Image> images_;
 };
 
 // The codes of every pixel along both axes; kNone where there is none.
@@ -88,24 +88,24 @@ class OurDecoder {
       : columns_({capture.rows(), capture.columns(), capture.sequence().column_bits(), kThreshold}),
         rows_({capture.rows(), capture.columns(), capture.sequence().row_bits(), kThreshold}) {}
 
-  void decode(const std::vector<Image>& images, Codes& codes) {
+  void decode(const std::vector<images::Image>& images, Codes& codes) {
     std::size_t image = 0;
     image = decode_axis(columns_, images, image, codes.column);
     decode_axis(rows_, images, image, codes.row);
   }
 
  private:
-  static std::size_t decode_axis(FastGrayDecoder& decoder, const std::vector<Image>& images, std::size_t image,
-                                 std::vector<std::uint16_t>& codes) {
+  static std::size_t decode_axis(structured_light::FastGrayDecoder& decoder, const std::vector<images::Image>& images,
+                                 std::size_t image, std::vector<std::uint16_t>& codes) {
     decoder.restart();
     for (int pattern = 0; pattern < 2 * decoder.settings().bits; ++pattern) {
       decoder.add_frame(images[image++].view(), pattern);
     }
-    unambiguous_code_words(decoder.codes(), codes.data());
+    structured_light::unambiguous_code_words(decoder.codes(), codes.data());
     return image;
   }
 
-  FastGrayDecoder columns_, rows_;
+  structured_light::FastGrayDecoder columns_, rows_;
 };
 
 class OpenCvDecoder {
@@ -129,14 +129,14 @@ class OpenCvDecoder {
   }
 
  private:
-  static std::uint16_t word_of(int code) { return static_cast<std::uint16_t>(GrayDecoder::kMeasurable | code); }
+  static std::uint16_t word_of(int code) { return static_cast<std::uint16_t>(model::GrayDecoder::kMeasurable | code); }
 
   cv::Ptr<cv::structured_light::GrayCodePattern> pattern_;
 };
 
-std::vector<cv::Mat> mats_of(const std::vector<Image>& images) {
+std::vector<cv::Mat> mats_of(const std::vector<images::Image>& images) {
   std::vector<cv::Mat> mats;
-  for (const Image& image : images) {
+  for (const images::Image& image : images) {
     mats.emplace_back(image.rows, image.columns, CV_8U,
                       const_cast<std::uint8_t*>(image.pixels.data()));  // NOLINT: OpenCV only reads
   }
@@ -149,8 +149,8 @@ class Files {
   explicit Files(const Capture& capture)
       : folder_(std::filesystem::temp_directory_path() / ("bench_opencv-" + std::to_string(getpid()))) {
     std::filesystem::create_directory(folder_);
-    for (const Image& image : capture.images()) {
-      const std::string png = encode_png(image);
+    for (const images::Image& image : capture.images()) {
+      const std::string png = images::encode_png(image);
       names_.push_back((folder_ / (std::to_string(names_.size()) + ".png")).string());
       std::ofstream(names_.back(), std::ios::binary) << png;
     }
@@ -162,10 +162,10 @@ class Files {
   Files(const Files&) = delete;
   Files& operator=(const Files&) = delete;
 
-  std::vector<Image> ours() const {
-    std::vector<Image> images;
+  std::vector<images::Image> ours() const {
+    std::vector<images::Image> images;
     for (const std::string& name : names_) {
-      images.push_back(read_image(name, std::nullopt));
+      images.push_back(images::read_image(name, std::nullopt));
     }
     return images;
   }
@@ -183,7 +183,8 @@ class Files {
 };
 
 // Both sides give the same codes, and nearly every pixel has one.
-bool codes_are_equal(const Capture& capture, const std::vector<Image>& ours, const std::vector<cv::Mat>& theirs) {
+bool codes_are_equal(const Capture& capture, const std::vector<images::Image>& ours,
+                     const std::vector<cv::Mat>& theirs) {
   Codes found(capture.pixels());
   Codes expected(capture.pixels());
   OurDecoder(capture).decode(ours, found);
@@ -223,14 +224,14 @@ void add_files(const Capture& capture, const Files& files) {
 // From a new pair of images to a new code image along the first axis.
 void add_pair(const Capture& capture) {
   const int patterns = 2 * capture.sequence().column_bits();
-  add("pair/512/ours",
-      [&capture, patterns, pattern = 0, words = std::vector<std::uint16_t>(capture.pixels()),
-       decoder = FastGrayDecoder({capture.rows(), capture.columns(), patterns / 2, kThreshold})]() mutable {
-        for (int half = 0; half < 2; ++half, pattern = (pattern + 1) % patterns) {
-          decoder.add_frame(capture.images()[static_cast<std::size_t>(pattern)].view(), pattern);
-        }
-        unambiguous_code_words(decoder.codes(), words.data());
-      });
+  add("pair/512/ours", [&capture, patterns, pattern = 0, words = std::vector<std::uint16_t>(capture.pixels()),
+                        decoder = structured_light::FastGrayDecoder(
+                            {capture.rows(), capture.columns(), patterns / 2, kThreshold})]() mutable {
+    for (int half = 0; half < 2; ++half, pattern = (pattern + 1) % patterns) {
+      decoder.add_frame(capture.images()[static_cast<std::size_t>(pattern)].view(), pattern);
+    }
+    structured_light::unambiguous_code_words(decoder.codes(), words.data());
+  });
 }
 
 nlohmann::ordered_json print_ratios(const bench::Collector& collector) {
@@ -269,8 +270,8 @@ int run() {
 }
 
 }  // namespace
-}  // namespace selfproj
+}  // namespace selfproj::test
 
 int main(int argc, char** argv) {
-  return selfproj::bench::main_of("bench_opencv", {argv + 1, argv + argc}, selfproj::run);
+  return selfproj::bench::main_of("bench_opencv", {argv + 1, argv + argc}, selfproj::test::run);
 }

@@ -18,16 +18,16 @@
 #include <vector>
 
 #include "Vboard.h"
-#include "model/board.h"
-#include "model/packet.h"
-#include "model/pixel_clock.h"
+#include "selfproj/model/board.h"
+#include "selfproj/model/packet.h"
+#include "selfproj/model/pixel_clock.h"
 #include "sim/board/board_device.h"
 #include "sim/board/clocks.h"
 #include "sim/board/packet_scoreboard.h"
 #include "sim/platform/platform.h"
 #include "tests/bench/collector.h"
 
-namespace selfproj {
+namespace selfproj::test {
 namespace {
 
 using bench::Collector;
@@ -37,7 +37,7 @@ constexpr int kColumns = 512;
 constexpr int kFrames = 8;  // of one run of the platform
 constexpr double kBeltStepsPerS = 100000;
 
-const BoardSettings kSettings{.mode = Mode::grey_over, .threshold = 20};
+const model::BoardSettings kSettings{.mode = model::Mode::grey_over, .threshold = 20};
 
 // A light line on a dark, noisy image.
 std::vector<std::uint8_t> line_image() {
@@ -56,13 +56,13 @@ class Plain {
   Plain() { device_.write(kSettings); }
 
   template <class Out>
-  void frame(const std::vector<std::uint8_t>& pixels, const CameraTiming& timing, Out out) {
+  void frame(const std::vector<std::uint8_t>& pixels, const sim::CameraTiming& timing, Out out) {
     Vboard& m = device_.model();
     m.m_axis_tready = 1;
     std::uint64_t in_line = 0;
     int row = 0;
     for (std::uint64_t clock = 0; clock < timing.frame_clocks;) {
-      const BoardClocks::Edge edge = clocks_.next();
+      const sim::BoardClocks::Edge edge = clocks_.next();
       if (edge.video) {
         m.s_axis_tvalid = row < kRows && in_line < timing.beats_a_line();
         if (m.s_axis_tvalid != 0) {
@@ -87,30 +87,31 @@ class Plain {
   }
 
  private:
-  BoardDevice<Vboard> device_;
-  BoardClocks clocks_{pixel_clock_period_ps(kDefaultPixelClockHz), 8000, 1234};
+  sim::BoardDevice<Vboard> device_;
+  sim::BoardClocks clocks_{model::pixel_clock_period_ps(model::kDefaultPixelClockHz), 8000, 1234};
 };
 
 // Runs the platform over some frames.
 template <class Packet>
-std::uint64_t run_platform(PlatformEngine engine, const std::vector<std::uint8_t>& pixels, bool compare,
+std::uint64_t run_platform(sim::PlatformEngine engine, const std::vector<std::uint8_t>& pixels, bool compare,
                            Packet packet) {
-  PlatformOptions options;
+  sim::PlatformOptions options;
   options.engine = engine;
   options.settings = kSettings;
   options.encoder_steps_per_s = kBeltStepsPerS;
   int left = kFrames;
-  const ImageView view{.pixels = pixels.data(), .rows = kRows, .columns = kColumns, .stride = kColumns};
-  PacketScoreboard scoreboard;
-  Platform platform(
-      options, [&]() -> std::optional<ImageView> { return left-- > 0 ? std::optional(view) : std::nullopt; },
+  const model::ImageView view{.pixels = pixels.data(), .rows = kRows, .columns = kColumns, .stride = kColumns};
+  sim::PacketScoreboard scoreboard;
+  sim::Platform platform(
+      options, [&]() -> std::optional<model::ImageView> { return left-- > 0 ? std::optional(view) : std::nullopt; },
       [&](std::span<const std::uint8_t> bytes, std::uint64_t) {
         packet(bytes);
         if (compare) {
           scoreboard.compare(bytes);
         }
       },
-      compare ? BoardModel::Sink([&](BoardPacket&& made) { scoreboard.expect(std::move(made)); }) : BoardModel::Sink());
+      compare ? model::BoardModel::Sink([&](model::BoardPacket&& made) { scoreboard.expect(std::move(made)); })
+              : model::BoardModel::Sink());
   platform.run();
   if (scoreboard.mismatches() != 0) {
     throw std::runtime_error(scoreboard.first_mismatch());
@@ -119,7 +120,7 @@ std::uint64_t run_platform(PlatformEngine engine, const std::vector<std::uint8_t
 }
 
 // The payload of a frame's packet, from the plain loop and from the platform.
-bool are_equal(const std::vector<std::uint8_t>& pixels, const CameraTiming& timing) {
+bool are_equal(const std::vector<std::uint8_t>& pixels, const sim::CameraTiming& timing) {
   std::vector<std::uint8_t> plain;
   Plain board;
   for (int i = 0; i < 2; ++i) {
@@ -130,19 +131,19 @@ bool are_equal(const std::vector<std::uint8_t>& pixels, const CameraTiming& timi
     });
   }
   std::vector<std::uint8_t> platform;
-  run_platform(PlatformEngine::rtl, pixels, true,
+  run_platform(sim::PlatformEngine::rtl, pixels, true,
                [&](std::span<const std::uint8_t> bytes) { platform.assign(bytes.begin(), bytes.end()); });
   if (platform.empty() || plain.size() < platform.size()) {
     return false;
   }
-  const auto a = payload_of(std::span(plain).first(platform.size()));
-  const auto b = payload_of(platform);
+  const auto a = model::payload_of(std::span(plain).first(platform.size()));
+  const auto b = model::payload_of(platform);
   return std::equal(a.begin(), a.end(), b.begin(), b.end());
 }
 
 int run() {
   const std::vector<std::uint8_t> pixels = line_image();
-  const CameraTiming timing = camera_timing(kRows, kColumns, 10000);
+  const sim::CameraTiming timing = sim::camera_timing(kRows, kColumns, 10000);
   bench::require(are_equal(pixels, timing), "the platform's packets are not those of the plain loop");
 
   bench::add("plain/rtl", [&](benchmark::State& state) {
@@ -154,7 +155,7 @@ int run() {
     benchmark::DoNotOptimize(words);
     state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(timing.frame_clocks));
   });
-  const auto platform = [&](const char* name, PlatformEngine engine, bool compare) {
+  const auto platform = [&](const char* name, sim::PlatformEngine engine, bool compare) {
     bench::add(name, [&, engine, compare](benchmark::State& state) {
       std::uint64_t clocks = 0;
       std::uint64_t bytes = 0;
@@ -165,9 +166,9 @@ int run() {
       state.SetItemsProcessed(static_cast<std::int64_t>(clocks));
     });
   };
-  platform("platform/rtl", PlatformEngine::rtl, false);
-  platform("compared/rtl", PlatformEngine::rtl, true);
-  platform("platform/model", PlatformEngine::model, false);
+  platform("platform/rtl", sim::PlatformEngine::rtl, false);
+  platform("compared/rtl", sim::PlatformEngine::rtl, true);
+  platform("platform/model", sim::PlatformEngine::model, false);
 
   const bench::About about{"bench_platform", "The platform in SystemC beside the same board in a plain loop",
                            "items_per_second"};
@@ -180,10 +181,10 @@ int run() {
     const auto print = [&](const char* name, const char* key, const char* what) {
       if (const double rate = collector.median(name); rate > 0) {
         std::printf("%-36s %6.2f M clocks/s: %4.0f %% of the plain loop's, 1/%.0f of real time\n", what, rate * 1e-6,
-                    100 * rate / plain, kDefaultPixelClockHz / rate);
+                    100 * rate / plain, model::kDefaultPixelClockHz / rate);
         results[key] = {{"clocks_per_s", rate},
                         {"share_of_plain_loop", rate / plain},
-                        {"slower_than_real_time", kDefaultPixelClockHz / rate}};
+                        {"slower_than_real_time", model::kDefaultPixelClockHz / rate}};
       }
     };
     std::printf("\n");
@@ -196,8 +197,8 @@ int run() {
 }
 
 }  // namespace
-}  // namespace selfproj
+}  // namespace selfproj::test
 
 int main(int argc, char** argv) {
-  return selfproj::bench::main_of("bench_platform", {argv + 1, argv + argc}, selfproj::run);
+  return selfproj::bench::main_of("bench_platform", {argv + 1, argv + argc}, selfproj::test::run);
 }

@@ -23,17 +23,17 @@
 #include <string>
 #include <vector>
 
-#include "host/light_section/differential_profile.h"
-#include "host/light_section/reference.h"
-#include "host/rig/calibration.h"
 #include "host/rig/geometry.h"
-#include "host/rig/optics.h"
-#include "host/rig/rig.h"
 #include "model/cpu_clones.h"
-#include "model/packet.h"
+#include "selfproj/light_section/differential_profile.h"
+#include "selfproj/light_section/reference.h"
+#include "selfproj/model/packet.h"
+#include "selfproj/rig/calibration.h"
+#include "selfproj/rig/optics.h"
+#include "selfproj/rig/rig.h"
 #include "tests/bench/collector.h"
 
-namespace selfproj {
+namespace selfproj::test {
 namespace {
 
 using bench::Collector;
@@ -45,15 +45,16 @@ constexpr int kInMemory = 40000;  // 88 MB in mode binary
 // Good packets of random lines 3 to 9 rows wide, one after another. With Select::strongest half the columns have a
 // second run, of less than half the strongest.
 struct Packets {
-  Packets(const Rig& packet_rig, Mode packet_mode, int packet_count, Select packet_select = Select::all)
+  Packets(const rig::Rig& packet_rig, model::Mode packet_mode, int packet_count,
+          model::Select packet_select = model::Select::all)
       : select(packet_select), mode(packet_mode), count(packet_count) {
     std::mt19937 engine(1);
     const auto random = [&] { return static_cast<std::uint32_t>(engine()); };
-    Runs runs;
+    model::Runs runs;
     runs.resize(select, kColumns);
-    Moments& moments = runs.moments;
-    std::vector<std::uint8_t> payload(moments_payload_bytes(mode, kColumns));
-    PacketHeader header;
+    model::Moments& moments = runs.moments;
+    std::vector<std::uint8_t> payload(model::moments_payload_bytes(mode, kColumns));
+    model::PacketHeader header;
     header.kind = spec::kKindMoments;
     header.columns = kColumns;
     header.rows = static_cast<std::uint16_t>(packet_rig.camera.rows);
@@ -62,16 +63,16 @@ struct Packets {
     for (int i = 0; i < kInCache; ++i) {
       for (std::size_t k = 0; k < kColumns; ++k) {
         moments.n[k] = 3 + random() % 7;
-        moments.m0[k] = mode == Mode::binary ? moments.n[k] : moments.n[k] * 100 + random() % 100;
+        moments.m0[k] = mode == model::Mode::binary ? moments.n[k] : moments.n[k] * 100 + random() % 100;
         moments.m1[k] = moments.m0[k] * 40 + random() % (16 * moments.m0[k]);
-        if (select == Select::strongest) {
+        if (select == model::Select::strongest) {
           runs.runs[k] = static_cast<std::uint8_t>(1 + random() % 2);
           runs.second[k] = static_cast<std::uint8_t>(runs.runs[k] > 1 ? random() % 8 : 0);
         }
       }
-      pack_columns(select, mode, kColumns, runs.view(), payload.data());
+      model::pack_columns(select, mode, kColumns, runs.view(), payload.data());
       ++header.sequence;
-      append_packet(header, payload, 0, bytes);
+      model::append_packet(header, payload, 0, bytes);
     }
     size = bytes.size() / kInCache;
     const std::size_t first = bytes.size();  // the others are copies of these
@@ -85,46 +86,47 @@ struct Packets {
     return std::span(bytes).subspan(static_cast<std::size_t>(i) * size, size);
   }
 
-  Select select;
-  Mode mode;
+  model::Select select;
+  model::Mode mode;
   int count;
   std::size_t size;
   std::vector<std::uint8_t> bytes;
 };
 
 // z in double precision: (3.4), or where the ray meets the light through the lenses.
-double depth_of(const Rig& rig, const ReferenceProfile& reference, std::size_t column, double centroid) {
+double depth_of(const rig::Rig& rig, const light_section::ReferenceProfile& reference, std::size_t column,
+                double centroid) {
   if (rig.is_pinholes()) {
     const double theta = reference.tan_theta[column];
-    return (rig.projector.x_mm + rig.projector.z_mm * theta) / (tan_alpha(rig.camera, centroid) + theta);
+    return (rig.projector.x_mm + rig.projector.z_mm * theta) / (rig::tan_alpha(rig.camera, centroid) + theta);
   }
-  static const RigOptics optics(rig);
+  static const rig::RigOptics optics(rig);
   const auto ray = optics.ray({centroid - 1, static_cast<double>(column)});
-  return optics.meet(*ray, *sheet_of(optics, reference, static_cast<int>(column))).value_or(0);
+  return optics.meet(*ray, *light_section::sheet_of(optics, reference, static_cast<int>(column))).value_or(0);
 }
 
 // Rig A with distorting lenses.
-Rig with_lenses(const Rig& rig) {
-  Calibration calibration = calibration_of(rig);
+rig::Rig with_lenses(const rig::Rig& rig) {
+  rig::Calibration calibration = rig::calibration_of(rig);
   calibration.camera.k = {0.08, 0.01, 0.001, -0.001, 0, 0, 0, 0};
   calibration.projector.k = {-0.08, 0.01, -0.001, 0.001, 0, 0, 0, 0};
-  return rig_of(calibration, rig);
+  return rig::rig_of(calibration, rig);
 }
 
-bool profiles_are_right(const Rig& rig, const ReferenceProfile& reference, const DifferentialProfiler& profiler,
-                        const Packets& packets) {
-  Profile profile;
+bool profiles_are_right(const rig::Rig& rig, const light_section::ReferenceProfile& reference,
+                        const light_section::DifferentialProfiler& profiler, const Packets& packets) {
+  light_section::Profile profile;
   profile.resize(kColumns);
-  Runs runs;
+  model::Runs runs;
   runs.resize(packets.select, kColumns);
-  const Moments& moments = runs.moments;
+  const model::Moments& moments = runs.moments;
   for (int i = 0; i < 16; ++i) {
-    PacketView view;
-    if (parse_packet(packets.packet(i), view) != PacketError::none) {
+    model::PacketView view;
+    if (model::parse_packet(packets.packet(i), view) != model::PacketError::none) {
       return false;
     }
     profiler.profile(packets.select, packets.mode, view.payload.data(), profile.view());
-    unpack_columns(packets.select, packets.mode, kColumns, view.payload.data(), runs.view());
+    model::unpack_columns(packets.select, packets.mode, kColumns, view.payload.data(), runs.view());
     for (std::size_t k = 0; k < kColumns; ++k) {
       const double z = depth_of(rig, reference, k, static_cast<double>(moments.m1[k]) / moments.m0[k]);
       if (profile.validity[k] != 0 || !(std::abs(static_cast<double>(profile.z[k]) - z) < 1e-3) ||
@@ -138,15 +140,16 @@ bool profiles_are_right(const Rig& rig, const ReferenceProfile& reference, const
 
 enum class Work : std::uint8_t { parse, profile, both };
 
-void work(benchmark::State& state, const DifferentialProfiler& profiler, const Packets& packets, Work what) {
-  Profile profile;
+void work(benchmark::State& state, const light_section::DifferentialProfiler& profiler, const Packets& packets,
+          Work what) {
+  light_section::Profile profile;
   profile.resize(kColumns);
-  const ProfileView out = profile.view();
+  const light_section::ProfileView out = profile.view();
   for (auto _ : state) {
     for (int i = 0; i < packets.count; ++i) {
-      PacketView view;
-      view.payload = payload_of(packets.packet(i));
-      if (what != Work::profile && parse_packet(packets.packet(i), view) != PacketError::none) {
+      model::PacketView view;
+      view.payload = model::payload_of(packets.packet(i));
+      if (what != Work::profile && model::parse_packet(packets.packet(i), view) != model::PacketError::none) {
         state.SkipWithError("a packet is bad");
         return;
       }
@@ -161,7 +164,8 @@ void work(benchmark::State& state, const DifferentialProfiler& profiler, const P
 }
 
 // Reads a packet and fills a profile with its words, in as few instructions as possible.
-SELFPROJ_CLONES void read_and_write(const std::uint8_t* packet, std::size_t size, const ProfileView& out) {
+SELFPROJ_CLONES void read_and_write(const std::uint8_t* packet, std::size_t size,
+                                    const light_section::ProfileView& out) {
   constexpr std::size_t kLanes = 32;
   std::uint64_t lanes[kLanes] = {};
   for (std::size_t at = 0; at + sizeof lanes <= size; at += sizeof lanes) {
@@ -181,9 +185,9 @@ SELFPROJ_CLONES void read_and_write(const std::uint8_t* packet, std::size_t size
 }
 
 void ceiling(benchmark::State& state, const Packets& packets) {
-  Profile profile;
+  light_section::Profile profile;
   profile.resize(kColumns);
-  const ProfileView out = profile.view();
+  const light_section::ProfileView out = profile.view();
   for (auto _ : state) {
     for (int i = 0; i < packets.count; ++i) {
       read_and_write(packets.packet(i).data(), packets.size, out);
@@ -195,15 +199,16 @@ void ceiling(benchmark::State& state, const Packets& packets) {
 
 int run() {
   struct Station {
-    explicit Station(const Rig& of)
+    explicit Station(const rig::Rig& of)
         : rig(of),
-          reference(reference_of_curve(rig, curve_of_heights(rig, std::vector<double>(kColumns)))),
+          reference(light_section::reference_of_curve(
+              rig, light_section::curve_of_heights(rig, std::vector<double>(kColumns)))),
           profiler(rig, reference) {}
-    Rig rig;
-    ReferenceProfile reference;
-    DifferentialProfiler profiler;
+    rig::Rig rig;
+    light_section::ReferenceProfile reference;
+    light_section::DifferentialProfiler profiler;
   };
-  const Station pinholes(load_rig("light-section"));
+  const Station pinholes(rig::load_rig("light-section"));
   const Station lenses(with_lenses(pinholes.rig));
   struct Case {
     std::string name;
@@ -211,18 +216,22 @@ int run() {
     Packets packets;
   };
   const std::vector<Case> cases = {
-      {"binary/cache", &pinholes, Packets(pinholes.rig, Mode::binary, kInCache)},
-      {"binary/memory", &pinholes, Packets(pinholes.rig, Mode::binary, kInMemory)},
-      {"grey_over/cache", &pinholes, Packets(pinholes.rig, Mode::grey_over, kInCache)},
-      {"grey_over/memory", &pinholes, Packets(pinholes.rig, Mode::grey_over, kInMemory)},
-      {"strongest_binary/cache", &pinholes, Packets(pinholes.rig, Mode::binary, kInCache, Select::strongest)},
-      {"strongest_binary/memory", &pinholes, Packets(pinholes.rig, Mode::binary, kInMemory, Select::strongest)},
-      {"strongest_grey_over/cache", &pinholes, Packets(pinholes.rig, Mode::grey_over, kInCache, Select::strongest)},
-      {"strongest_grey_over/memory", &pinholes, Packets(pinholes.rig, Mode::grey_over, kInMemory, Select::strongest)},
-      {"lenses_binary/cache", &lenses, Packets(lenses.rig, Mode::binary, kInCache)},
-      {"lenses_binary/memory", &lenses, Packets(lenses.rig, Mode::binary, kInMemory)},
-      {"lenses_grey_over/cache", &lenses, Packets(lenses.rig, Mode::grey_over, kInCache)},
-      {"lenses_grey_over/memory", &lenses, Packets(lenses.rig, Mode::grey_over, kInMemory)}};
+      {"binary/cache", &pinholes, Packets(pinholes.rig, model::Mode::binary, kInCache)},
+      {"binary/memory", &pinholes, Packets(pinholes.rig, model::Mode::binary, kInMemory)},
+      {"grey_over/cache", &pinholes, Packets(pinholes.rig, model::Mode::grey_over, kInCache)},
+      {"grey_over/memory", &pinholes, Packets(pinholes.rig, model::Mode::grey_over, kInMemory)},
+      {"strongest_binary/cache", &pinholes,
+       Packets(pinholes.rig, model::Mode::binary, kInCache, model::Select::strongest)},
+      {"strongest_binary/memory", &pinholes,
+       Packets(pinholes.rig, model::Mode::binary, kInMemory, model::Select::strongest)},
+      {"strongest_grey_over/cache", &pinholes,
+       Packets(pinholes.rig, model::Mode::grey_over, kInCache, model::Select::strongest)},
+      {"strongest_grey_over/memory", &pinholes,
+       Packets(pinholes.rig, model::Mode::grey_over, kInMemory, model::Select::strongest)},
+      {"lenses_binary/cache", &lenses, Packets(lenses.rig, model::Mode::binary, kInCache)},
+      {"lenses_binary/memory", &lenses, Packets(lenses.rig, model::Mode::binary, kInMemory)},
+      {"lenses_grey_over/cache", &lenses, Packets(lenses.rig, model::Mode::grey_over, kInCache)},
+      {"lenses_grey_over/memory", &lenses, Packets(lenses.rig, model::Mode::grey_over, kInMemory)}};
   for (const auto& [name, station, packets] : cases) {
     bench::require(profiles_are_right(station->rig, station->reference, station->profiler, packets),
                    std::string("the profiles are wrong (") + name + ")");
@@ -256,8 +265,8 @@ int run() {
 }
 
 }  // namespace
-}  // namespace selfproj
+}  // namespace selfproj::test
 
 int main(int argc, char** argv) {
-  return selfproj::bench::main_of("bench_profile", {argv + 1, argv + argc}, selfproj::run);
+  return selfproj::bench::main_of("bench_profile", {argv + 1, argv + argc}, selfproj::test::run);
 }

@@ -28,14 +28,14 @@
 #include "Vboard_original.h"
 #include "Vcore.h"
 #include "Vcore_original.h"
-#include "model/column_moments.h"
-#include "model/packet.h"
-#include "model/pixel_clock.h"
+#include "selfproj/model/column_moments.h"
+#include "selfproj/model/packet.h"
+#include "selfproj/model/pixel_clock.h"
 #include "sim/board/board_device.h"
 #include "sim/board/clocks.h"
 #include "tests/bench/collector.h"
 
-namespace selfproj {
+namespace selfproj::test {
 namespace {
 
 using bench::Collector;
@@ -45,7 +45,7 @@ constexpr int kColumns = 512;
 constexpr int kGroups = kColumns / 4;
 constexpr int kThreshold = 128;
 constexpr int kFrameClocks = kRows * kGroups;
-constexpr std::uint64_t kVideoPeriodPs = pixel_clock_period_ps(kDefaultPixelClockHz);
+constexpr std::uint64_t kVideoPeriodPs = model::pixel_clock_period_ps(model::kDefaultPixelClockHz);
 constexpr std::uint64_t kBusPeriodPs = 16000;  // 62.5 MHz: 16 bytes each, 1 GB/s
 
 // One frame of noise, as the beats' words.
@@ -104,7 +104,7 @@ class Core {
  private:
   void clock() {
     model_->clk_i = 1;
-    rise(*model_);
+    sim::rise(*model_);
   }
 
   VerilatedContext context_;
@@ -115,7 +115,7 @@ class Core {
 template <class Model>
 class Board {
  public:
-  Board() { device_.write(BoardSettings{.columns = kColumns, .rows = kRows, .threshold = kThreshold}); }
+  Board() { device_.write(model::BoardSettings{.columns = kColumns, .rows = kRows, .threshold = kThreshold}); }
 
   // The tight loop clocks the board's model without the queues of the device.
   template <class Out>
@@ -125,7 +125,7 @@ class Board {
     const std::uint32_t* beat = beats.data();
     for (int row = 0; row < kRows; ++row) {
       for (int group = 0; group < kGroups;) {
-        const BoardClocks::Edge edge = clocks_.next();
+        const sim::BoardClocks::Edge edge = clocks_.next();
         if (edge.video) {
           m.s_axis_tvalid = 1;
           m.s_axis_tdata = *beat++;
@@ -142,20 +142,20 @@ class Board {
   }
 
  private:
-  BoardDevice<Model> device_;
-  BoardClocks clocks_{kVideoPeriodPs, kBusPeriodPs, 1234};
+  sim::BoardDevice<Model> device_;
+  sim::BoardClocks clocks_{kVideoPeriodPs, kBusPeriodPs, 1234};
 };
 
 // The output of a circuit for a frame.
 enum class Gives : std::uint8_t { payloads, packets };
 
 // The model of the moments, the definition in C++.
-void sum_frame(const std::vector<std::uint32_t>& beats, Moments& moments) {
-  column_moments({.pixels = reinterpret_cast<const std::uint8_t*>(beats.data()),
-                  .rows = kRows,
-                  .columns = kColumns,
-                  .stride = kColumns},
-                 Mode::binary, kThreshold, moments.view());
+void sum_frame(const std::vector<std::uint32_t>& beats, model::Moments& moments) {
+  model::column_moments({.pixels = reinterpret_cast<const std::uint8_t*>(beats.data()),
+                         .rows = kRows,
+                         .columns = kColumns,
+                         .stride = kColumns},
+                        model::Mode::binary, kThreshold, moments.view());
 }
 
 // Compares the circuit's payload of two frames with the model.
@@ -171,18 +171,18 @@ bool is_right(const std::vector<std::uint32_t>& beats, Gives gives) {
   for (int i = 0; i < 3; ++i) {
     circuit.frame(beats, keep);
   }
-  Moments moments;
+  model::Moments moments;
   moments.resize(kColumns);
   sum_frame(beats, moments);
-  std::vector<std::uint8_t> want(moments_payload_bytes(Mode::binary, kColumns));
-  pack_moments(Mode::binary, kColumns, moments.view(), want.data());
-  const std::size_t size = gives == Gives::packets ? packet_bytes(want.size()) : want.size();
+  std::vector<std::uint8_t> want(model::moments_payload_bytes(model::Mode::binary, kColumns));
+  model::pack_moments(model::Mode::binary, kColumns, moments.view(), want.data());
+  const std::size_t size = gives == Gives::packets ? model::packet_bytes(want.size()) : want.size();
   if (got.size() < 2 * size) {
     return false;
   }
   for (std::size_t i = 0; i < 2; ++i) {
     std::span<const std::uint8_t> given = std::span(got).subspan(i * size, size);
-    given = gives == Gives::packets ? payload_of(given) : given;
+    given = gives == Gives::packets ? model::payload_of(given) : given;
     if (!std::equal(want.begin(), want.end(), given.begin(), given.end())) {
       return false;
     }
@@ -208,7 +208,7 @@ template <class CoreModel, class BoardModel>
 void take_turns(benchmark::State& state, const std::vector<std::uint32_t>& beats, Turns& turns) {
   Core<CoreModel> core;
   Board<BoardModel> board;
-  Moments moments;
+  model::Moments moments;
   moments.resize(kColumns);
   std::uint64_t words = 0;
   const auto count = [&](const auto&) { ++words; };
@@ -296,8 +296,8 @@ int run() {
 }
 
 }  // namespace
-}  // namespace selfproj
+}  // namespace selfproj::test
 
 int main(int argc, char** argv) {
-  return selfproj::bench::main_of("bench_rtl", {argv + 1, argv + argc}, selfproj::run);
+  return selfproj::bench::main_of("bench_rtl", {argv + 1, argv + argc}, selfproj::test::run);
 }

@@ -101,7 +101,7 @@ int run_registered(const About& about, const Print& print) {
   if (!collector.failed()) {
     const nlohmann::ordered_json results = print(collector);
     if (!results.empty()) {  // left out by --benchmark_filter
-      write_results(about.name, about.text, results);
+      files::write_results(about.name, about.text, results);
     }
   }
   benchmark::Shutdown();

@@ -15,10 +15,10 @@
 #include "Vacorn_system.h"
 #include "constraints/common/scoreboard.h"
 #include "host/driver/control.h"
-#include "host/driver/counters.h"
-#include "host/driver/device.h"
 #include "host/driver/litepcie.h"
-#include "model/packet.h"
+#include "selfproj/driver/counters.h"
+#include "selfproj/driver/device.h"
+#include "selfproj/model/packet.h"
 #include "tests/support/litepcie_player.h"
 #include "tests/support/random_cases.h"
 
@@ -37,7 +37,7 @@ class AcornBench {
   static constexpr std::uint64_t kFrameClocks = 400;
 
   explicit AcornBench(std::uint64_t seed) : random_(seed), dut_(&context_), player_(256, 8192) {
-    player_.board = [this](litepcie::Access& access) { reach(access); };
+    player_.board = [this](driver::litepcie::Access& access) { reach(access); };
     dut_.rst_i = 1;
     dut_.bus_rst_i = 1;
     dut_.s_axil_bready = 1;
@@ -104,7 +104,7 @@ class AcornBench {
   }
 
   // An access by AXI4-Lite, as LitePCIe makes it: address and data together, the answer's code ignored by the driver.
-  void reach(litepcie::Access& access) {
+  void reach(driver::litepcie::Access& access) {
     aw_taken_ = w_taken_ = ar_taken_ = answered_ = false;
     dut_.s_axil_awvalid = access.write;
     dut_.s_axil_wvalid = access.write;
@@ -144,15 +144,16 @@ class AcornBench {
 class Host {
  public:
   explicit Host(std::uint64_t seed)
-      : bench_(seed), control_(make_litepcie_port(std::make_unique<LitePciePlayerPort>(bench_.player()), kUri)) {
-    control_.write_together({{register_part("size.columns"), AcornBench::kColumns},
-                             {register_part("size.rows"), AcornBench::kRows},
-                             {register_part("measure.mode"), 2},
-                             {register_part("measure.threshold"), 100}});
+      : bench_(seed),
+        control_(driver::make_litepcie_port(std::make_unique<LitePciePlayerPort>(bench_.player()), kUri)) {
+    control_.write_together({{driver::register_part("size.columns"), AcornBench::kColumns},
+                             {driver::register_part("size.rows"), AcornBench::kRows},
+                             {driver::register_part("measure.mode"), 2},
+                             {driver::register_part("measure.threshold"), 100}});
   }
 
   AcornBench& bench() { return bench_; }
-  Counters counters() const { return device_->counters(); }
+  driver::Counters counters() const { return device_->counters(); }
   std::uint64_t newest_frame() const { return newest_frame_; }
   int of_newest_frame() const { return of_newest_frame_; }  // packets
   std::uint64_t of(const char* name) { return control_.read(name); }
@@ -160,7 +161,7 @@ class Host {
   std::uint64_t sent() { return packets_ + packets_of_run() - of("lost_moments") - of("lost_image"); }
 
   void open() {
-    device_ = make_litepcie_device(std::make_unique<LitePciePlayerPort>(bench_.player()), kUri, {});
+    device_ = driver::make_litepcie_device(std::make_unique<LitePciePlayerPort>(bench_.player()), kUri, {});
     scoreboard_.emplace(AcornBench::kColumns, AcornBench::kRows, AcornBench::kFrameClocks);
   }
   void close() { device_.reset(); }
@@ -191,8 +192,8 @@ class Host {
 
   // Each packet must be the models'.
   void read() {
-    PacketView packet;
-    while (device_->next(packet, std::chrono::nanoseconds(0)) == Next::packet) {
+    model::PacketView packet;
+    while (device_->next(packet, std::chrono::nanoseconds(0)) == driver::Next::packet) {
       ASSERT_TRUE(scoreboard_->matches(packet))
           << "frame " << packet.header.sequence << ", kind " << int{packet.header.kind};
       of_newest_frame_ = packet.header.sequence == newest_frame_ ? of_newest_frame_ + 1 : 1;
@@ -204,9 +205,9 @@ class Host {
   std::uint64_t packets_of_run() { return (of("frames") - frames_) * (image_ ? 1 + AcornBench::kRows : 1); }
 
   AcornBench bench_;
-  Control control_;
-  std::optional<CameraScoreboard> scoreboard_;
-  std::unique_ptr<Device> device_;
+  driver::Control control_;
+  std::optional<sim::CameraScoreboard> scoreboard_;
+  std::unique_ptr<driver::Device> device_;
   std::uint64_t newest_frame_ = 0;
   int of_newest_frame_ = 0;
   std::uint64_t packets_ = 0;  // of earlier runs
@@ -228,7 +229,7 @@ TEST(Acorn, EveryPacketAndNoneStaysBehind) {
         EXPECT_EQ(host.counters().delivered, host.sent());
       }
     }
-    Counters want;
+    driver::Counters want;
     want.delivered = host.sent();
     EXPECT_EQ(host.counters(), want);
     EXPECT_GT(want.delivered, 5000U);
@@ -244,7 +245,7 @@ TEST(Acorn, WhatTheBoardLosesIsCounted) {
   host.bench().set_ready(100);
   host.run(10);
   host.stop();
-  const Counters counters = host.counters();
+  const driver::Counters counters = host.counters();
   EXPECT_GT(counters.lost_board, 0U);
   EXPECT_EQ(counters.lost_board, host.of("lost_moments") + host.of("lost_image"));
   EXPECT_EQ(counters.delivered, host.sent());
@@ -258,7 +259,7 @@ TEST(Acorn, NoZerosWhilePacketsFollow) {
   host.start(false);
   host.run(100);
   host.stop();
-  const std::uint64_t bytes = host.counters().delivered * packet_bytes(8 * AcornBench::kColumns);
+  const std::uint64_t bytes = host.counters().delivered * model::packet_bytes(8 * AcornBench::kColumns);
   EXPECT_GT(bytes, 10U * 8192);
   EXPECT_LE(host.bench().player().finished(), bytes / 8192 + 2);
 }
@@ -295,7 +296,7 @@ TEST(Acorn, AHostThatIsTooSlow) {
   }
   host.run(20);
   host.stop();
-  const Counters counters = host.counters();
+  const driver::Counters counters = host.counters();
   EXPECT_EQ(counters.read_errors, 1U);
   EXPECT_EQ(counters.resynchronized, 1U);
   EXPECT_EQ(counters.lost_board, 0U);

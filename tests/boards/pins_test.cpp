@@ -17,18 +17,18 @@ namespace {
 // The check of the digits 1 to 9, as textbooks have it.
 TEST(Rgmii, CheckIsCrc32) {
   constexpr std::array<std::uint8_t, 9> kDigits = {'1', '2', '3', '4', '5', '6', '7', '8', '9'};
-  EXPECT_EQ(ethernet_check(kDigits), 0xCBF4'3926U);
+  EXPECT_EQ(sim::ethernet_check(kDigits), 0xCBF4'3926U);
 }
 
 // Frames of any length come as they were sent, short ones filled up; damaged ones do not come.
 TEST(Rgmii, FramesComeAsTheyWereSent) {
   Random random(1);
-  RgmiiSender sender;
-  RgmiiReceiver receiver;
-  std::vector<EthernetFrame> due;
+  sim::RgmiiSender sender;
+  sim::RgmiiReceiver receiver;
+  std::vector<sim::EthernetFrame> due;
   std::uint64_t damaged = 0;
   for (int i = 0; i < 40; ++i) {
-    EthernetFrame frame = random.bytes(static_cast<std::size_t>(random.between(14, i % 2 == 0 ? 70 : 1514)));
+    sim::EthernetFrame frame = random.bytes(static_cast<std::size_t>(random.between(14, i % 2 == 0 ? 70 : 1514)));
     const bool damage = random.chance(30);
     sender.send(frame, damage);
     frame.resize(frame.size() < 60 ? 60 : frame.size());
@@ -37,11 +37,11 @@ TEST(Rgmii, FramesComeAsTheyWereSent) {
       due.push_back(frame);
     }
   }
-  std::vector<EthernetFrame> came;
+  std::vector<sim::EthernetFrame> came;
   for (int clock = 0; clock < 100000; ++clock) {
-    const RgmiiSender::Pins low = sender.rising();
+    const sim::RgmiiSender::Pins low = sender.rising();
     receiver.rising(low.control, low.data);
-    if (std::optional<EthernetFrame> frame = receiver.falling(sender.falling().data)) {
+    if (std::optional<sim::EthernetFrame> frame = receiver.falling(sender.falling().data)) {
       came.push_back(*frame);
     }
   }
@@ -52,15 +52,15 @@ TEST(Rgmii, FramesComeAsTheyWereSent) {
 
 // Only datagrams of the port are hit. What came, less the dropped, plus the doubled, is what arrives.
 TEST(FaultyNetwork, CountsWhatItDoes) {
-  EthernetFrame datagram(60);
+  sim::EthernetFrame datagram(60);
   datagram[12] = 8;
   datagram[14] = 0x45;
   datagram[23] = 17;
   datagram[34] = 1235 >> 8;
   datagram[35] = 1235 & 255;
-  EthernetFrame other = datagram;
+  sim::EthernetFrame other = datagram;
   other[35] ^= 1;
-  FaultyNetwork network(1235, {.dropped = 10, .doubled = 10, .reordered = 10}, 1);
+  sim::FaultyNetwork network(1235, {.dropped = 10, .doubled = 10, .reordered = 10}, 1);
   std::size_t arrived = 0;
   constexpr std::size_t kSent = 2000;
   for (std::size_t i = 0; i < kSent; ++i) {
@@ -69,7 +69,7 @@ TEST(FaultyNetwork, CountsWhatItDoes) {
   }
   arrived += network.flush() ? 1 : 0;
   EXPECT_FALSE(network.flush());
-  const FaultyNetwork::Counts& counts = network.counts();
+  const sim::FaultyNetwork::Counts& counts = network.counts();
   EXPECT_EQ(counts.datagrams, kSent);
   EXPECT_EQ(arrived, kSent - counts.dropped + counts.doubled);
   EXPECT_GT(counts.dropped, 100U);
@@ -78,9 +78,9 @@ TEST(FaultyNetwork, CountsWhatItDoes) {
 }
 
 // What the FPGA sends in one packet, four words a beat.
-void send(PcieHost& host, const std::vector<std::uint32_t>& words) {
+void send(sim::PcieHost& host, const std::vector<std::uint32_t>& words) {
   for (std::size_t at = 0; at < words.size(); at += 4) {
-    PcieHost::From from{.taken = true, .last = at + 4 >= words.size()};
+    sim::PcieHost::From from{.taken = true, .last = at + 4 >= words.size()};
     for (std::size_t i = 0; i < 4 && at + i < words.size(); ++i) {
       from.beat[i] = words[at + i];
       from.keep = static_cast<std::uint16_t>(from.keep | 0xFU << (4 * i));
@@ -90,27 +90,27 @@ void send(PcieHost& host, const std::vector<std::uint32_t>& words) {
 }
 
 TEST(PcieHost, WritesOfTheFpga) {
-  PcieHost host(8192, 100, 1);
-  send(host, {0x4000'0002, 0x0100'00FF, PcieHost::kMemory + 8, 0x1122'3344, 0x5566'7788});
+  sim::PcieHost host(8192, 100, 1);
+  send(host, {0x4000'0002, 0x0100'00FF, sim::PcieHost::kMemory + 8, 0x1122'3344, 0x5566'7788});
   EXPECT_EQ(host.writes(), 1U);
   const std::vector<std::uint8_t> bytes(host.memory().begin() + 8, host.memory().begin() + 16);
   EXPECT_EQ(bytes, (std::vector<std::uint8_t>{0x11, 0x22, 0x33, 0x44, 0x55, 0x66, 0x77, 0x88}));
   // A length that is not the packet's, memory that is not the FPGA's, and a boundary of 4 KiB within the packet
-  send(host, {0x4000'0003, 0x0100'00FF, PcieHost::kMemory, 1, 2});
-  send(host, {0x4000'0001, 0x0100'000F, PcieHost::kMemory + 8192, 1});
-  send(host, {0x4000'0001, 0x0100'000F, PcieHost::kMemory - 4, 1});
-  send(host, {0x4000'0002, 0x0100'00FF, PcieHost::kMemory + 4092, 1, 2});
+  send(host, {0x4000'0003, 0x0100'00FF, sim::PcieHost::kMemory, 1, 2});
+  send(host, {0x4000'0001, 0x0100'000F, sim::PcieHost::kMemory + 8192, 1});
+  send(host, {0x4000'0001, 0x0100'000F, sim::PcieHost::kMemory - 4, 1});
+  send(host, {0x4000'0002, 0x0100'00FF, sim::PcieHost::kMemory + 4092, 1, 2});
   EXPECT_EQ(host.writes(), 1U);
   EXPECT_EQ(host.strangers(), 4U);
 }
 
 TEST(PcieHost, AccessesToTheFpga) {
-  PcieHost host(4096, 100, 1);
+  sim::PcieHost host(4096, 100, 1);
   host.write(0x1'0010, 0x0102'0304);
   host.read(0x1'0014);
-  PcieHost::To to = host.clock({});
+  sim::PcieHost::To to = host.clock({});
   EXPECT_TRUE(to.valid && !to.read);
-  EXPECT_EQ(to.beat, (PcieHost::Beat{0x4000'0001, 0x0008'000F, 0x1'0010, 0x0403'0201}));
+  EXPECT_EQ(to.beat, (sim::PcieHost::Beat{0x4000'0001, 0x0008'000F, 0x1'0010, 0x0403'0201}));
   EXPECT_EQ(host.clock({}).beat, to.beat);  // stays until it is taken
   to = host.clock({.given = true});
   EXPECT_TRUE(to.valid && to.read && host.busy());

@@ -18,11 +18,11 @@
 #include <vector>
 
 #include "host/driver/clock.h"
-#include "host/driver/device.h"
 #include "host/driver/ring_memory.h"
 #include "host/driver/ring_writer.h"
-#include "host/rig/rig.h"
-#include "model/packet.h"
+#include "selfproj/driver/device.h"
+#include "selfproj/model/packet.h"
+#include "selfproj/rig/rig.h"
 #include "sim/board/packet_recording.h"
 #include "tests/cli/program.h"
 #include "tests/support/random_cases.h"
@@ -34,8 +34,8 @@ using Words = std::vector<std::string>;
 
 class Board : public ::testing::Test {
  protected:
-  void SetUp() override { remove_ring(ring_); }
-  void TearDown() override { remove_ring(ring_); }
+  void SetUp() override { driver::remove_ring(ring_); }
+  void TearDown() override { driver::remove_ring(ring_); }
 
   [[nodiscard]] Outcome board(Words words) const {
     words.insert(words.begin(), "board");
@@ -51,9 +51,9 @@ class Board : public ::testing::Test {
     auto outcome =
         std::async(std::launch::async, [=, this] { return run_program("/usr/bin/timeout", words, folder_.path()); });
     const auto there = [&] {
-      const auto rings = list_rings();
+      const auto rings = driver::list_rings();
       return std::any_of(rings.begin(), rings.end(),
-                         [&](const RingInfo& ring) { return ring.name == ring_ && ring.board; });
+                         [&](const driver::RingInfo& ring) { return ring.name == ring_ && ring.board; });
     };
     while (!there() && outcome.wait_for(std::chrono::milliseconds(10)) == std::future_status::timeout) {
     }
@@ -71,28 +71,28 @@ class Board : public ::testing::Test {
 TEST_F(Board, RecordsAMovingLine) {
   const Outcome made = board({"--line", "64x96", "--line-frames", "7", "--count", "20", "--record", "line.slfp"});
   ASSERT_EQ(made.status, 0) << made.err;
-  const auto device = open_device("file:" + (folder_ / "line.slfp").string());
-  PacketView packet;
+  const auto device = driver::open_device("file:" + (folder_ / "line.slfp").string());
+  model::PacketView packet;
   std::uint64_t frame = 0;
   std::vector<std::vector<std::uint8_t>> payloads;
-  for (; device->next(packet, {}) == Next::packet; ++frame) {
+  for (; device->next(packet, {}) == driver::Next::packet; ++frame) {
     EXPECT_EQ(packet.header.sequence, frame);
     EXPECT_EQ(packet.header.time_stamp, 15120 * frame);
     EXPECT_EQ(packet.header.encoder, 10 * frame);
     payloads.emplace_back(packet.payload.begin(), packet.payload.end());
   }
   EXPECT_EQ(frame, 20U);
-  EXPECT_EQ(device->counters(), (Counters{.delivered = 20}));
+  EXPECT_EQ(device->counters(), (driver::Counters{.delivered = 20}));
   EXPECT_EQ(payloads[3], payloads[10]);
   EXPECT_NE(payloads[3], payloads[4]);
 }
 
 TEST_F(Board, ReplaysARecordingWithItsHolesClosed) {
   // Moments and two image lines a frame, in binary mode, with frames missing and an encoder that wraps.
-  PacketRecording recording;
+  sim::PacketRecording recording;
   std::vector<std::uint8_t> packet;
   for (const std::uint64_t sequence : {100U, 101U, 105U}) {
-    PacketHeader header;
+    model::PacketHeader header;
     header.sequence = sequence;
     header.lost = 3;
     header.encoder = static_cast<std::uint32_t>(-3 + 2 * static_cast<int>(sequence - 100));
@@ -103,8 +103,8 @@ TEST_F(Board, ReplaysARecordingWithItsHolesClosed) {
       header.first_line = line;
       header.lines = line == 0 ? 0 : 1;
       packet.clear();
-      append_packet(header, std::vector<std::uint8_t>(line == 0 ? 64 : 16, static_cast<std::uint8_t>(sequence)), 0,
-                    packet);
+      model::append_packet(header, std::vector<std::uint8_t>(line == 0 ? 64 : 16, static_cast<std::uint8_t>(sequence)),
+                           0, packet);
       recording.add(header, packet);
     }
   }
@@ -116,8 +116,8 @@ TEST_F(Board, ReplaysARecordingWithItsHolesClosed) {
     recording.play(frame, 1000.5, [&](std::size_t size, const auto& stamp) {
       std::vector<std::uint8_t> room(size);
       stamp(room.data());
-      PacketView view;
-      ASSERT_EQ(parse_packet(room, view), PacketError::none);
+      model::PacketView view;
+      ASSERT_EQ(model::parse_packet(room, view), model::PacketError::none);
       EXPECT_EQ(view.size, size);
       EXPECT_EQ(view.header.sequence, frame);
       EXPECT_EQ(view.header.time_stamp, static_cast<std::uint64_t>(1000.5 * static_cast<double>(frame)));
@@ -131,14 +131,14 @@ TEST_F(Board, ReplaysARecordingWithItsHolesClosed) {
 }
 
 TEST_F(Board, MovingLineIsWhereItShouldBe) {
-  const PacketRecording recording = moving_line(96, 32, 8, Mode::grey_over, 60);
-  Moments moments;
+  const sim::PacketRecording recording = sim::moving_line(96, 32, 8, model::Mode::grey_over, 60);
+  model::Moments moments;
   moments.resize(32);
   for (std::uint64_t frame = 0; frame < 8; ++frame) {
     recording.play(frame, 1, [&](std::size_t size, const auto& stamp) {
       std::vector<std::uint8_t> room(size);
       stamp(room.data());
-      unpack_moments(Mode::grey_over, 32, payload_of(room).data(), moments.view());
+      model::unpack_moments(model::Mode::grey_over, 32, model::payload_of(room).data(), moments.view());
     });
     for (std::size_t column = 0; column < 32; ++column) {
       const double phase = static_cast<double>(column) / 32 + static_cast<double>(frame) / 8;
@@ -173,7 +173,7 @@ TEST_F(Board, EveryFrameBecomesAProfile) {
 // scanner's codes, live: a board replays code packets in a separate process, and `selfproj depth` reads its ring. The
 // newest depth image equals that of the simulation from the same packets.
 TEST_F(Board, CodesThroughARingBecomeDepthImages) {
-  Rig rig = load_rig("scanner");
+  rig::Rig rig = rig::load_rig("scanner");
   rig.camera.rows = rig.camera.columns = 64;
   rig.camera.pixel_pitch_mm *= 8;
   rig.projector.lines /= 8;
@@ -181,7 +181,7 @@ TEST_F(Board, CodesThroughARingBecomeDepthImages) {
   rig.projector.line_pitch_mm *= 8;
   rig.projector.column_pitch_mm *= 8;
   rig.measure.max_z_per_line_mm *= 8;
-  std::ofstream(folder_ / "small.yaml") << to_yaml(rig);
+  std::ofstream(folder_ / "small.yaml") << rig::to_yaml(rig);
   const Outcome simulated =
       run_program(SELFPROJ_SIM_PROGRAM,
                   {"cosim", "--scene", "fist", "--engine", "model", "--rig", "small.yaml", "--bits", "5", "--count",
@@ -244,11 +244,11 @@ TEST_F(Board, TimeStampsOfAnotherPixelClock) {
             0);
   const std::string stream = read_text(folder_ / "line.slfp");
   const std::vector<std::uint8_t> bytes(stream.begin(), stream.end());
-  PacketView last;
-  ASSERT_EQ(parse_packet(std::span(bytes).last(bytes.size() / 5), last), PacketError::none);
+  model::PacketView last;
+  ASSERT_EQ(model::parse_packet(std::span(bytes).last(bytes.size() / 5), last), model::PacketError::none);
   ASSERT_EQ(last.header.time_stamp, 4U * 12500U);
   ASSERT_EQ(last.header.encoder, 0U);
-  std::string yaml = to_yaml(load_rig("light-section"));
+  std::string yaml = rig::to_yaml(rig::load_rig("light-section"));
   yaml.insert(yaml.find("measure:\n"), "board:\n  pixel_clock_hz: 125e6\n");
   write_text(folder_ / "rig.yaml", yaml);
 
@@ -332,7 +332,7 @@ TEST_F(Board, DiskFull) {
 }
 
 TEST_F(Board, Devices) {
-  RingWriter writer(ring_, 16);
+  driver::RingWriter writer(ring_, 16);
   const Outcome listed = host({"devices"});
   EXPECT_EQ(listed.status, 0);
   const auto at = listed.out.find("ring:" + ring_);
@@ -398,7 +398,7 @@ TEST(DurationHistogram, PercentilesAgainstTheSortedNumbers) {
   for (const std::uint64_t seed : seeds(20)) {
     SCOPED_TRACE(how_to_repeat(seed));
     Random random(seed);
-    DurationHistogram histogram;
+    driver::DurationHistogram histogram;
     std::vector<std::int64_t> all;
     for (int i = random.between(1, 3000); i > 0; --i) {
       const auto ns = static_cast<std::int64_t>(random.bits() >> random.between(2, 63));
@@ -414,7 +414,7 @@ TEST(DurationHistogram, PercentilesAgainstTheSortedNumbers) {
       EXPECT_LE(histogram.percentile_ns(share), exact + exact / 32);
     }
   }
-  EXPECT_EQ(DurationHistogram().percentile_ns(0.5), 0);
+  EXPECT_EQ(driver::DurationHistogram().percentile_ns(0.5), 0);
 }
 
 }  // namespace

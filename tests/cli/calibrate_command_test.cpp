@@ -13,12 +13,12 @@
 #include <string>
 #include <vector>
 
-#include "host/images/float_image.h"
 #include "host/images/image_files.h"
-#include "host/rig/calibration.h"
-#include "host/rig/calibration_file.h"
-#include "host/rig/rig.h"
-#include "host/structured_light/gray_sequence.h"
+#include "selfproj/images/float_image.h"
+#include "selfproj/rig/calibration.h"
+#include "selfproj/rig/calibration_file.h"
+#include "selfproj/rig/rig.h"
+#include "selfproj/structured_light/gray_sequence.h"
 #include "tests/cli/program.h"
 #include "tests/cli/refusal.h"
 #include "tests/support/chessboard_world.h"
@@ -34,7 +34,7 @@ class CalibrateCommand : public ::testing::Test {
   static void SetUpTestSuite() {
     folder_ = new ScratchFolder;  // NOLINT: GoogleTest's way
     const World world;
-    const GraySequence sequence(world.projector_columns, world.projector_rows);
+    const structured_light::GraySequence sequence(world.projector_columns, world.projector_rows);
     std::mt19937_64 random(7);
     for (int p = 0; p < kPoses; ++p) {
       const ChessboardImages images(world, world.poses()[static_cast<std::size_t>(p)]);
@@ -42,8 +42,8 @@ class CalibrateCommand : public ::testing::Test {
       fs::create_directory(pose);
       for (int i = 0; i < sequence.count(); ++i) {
         const std::string name = fmt::format("image_{:02}.png", i);
-        write_text(pose / name,
-                   encode_png({world.camera_rows, world.camera_columns, images.image(sequence.image(i), 1.5, random)}));
+        write_text(pose / name, images::encode_png({world.camera_rows, world.camera_columns,
+                                                    images.image(sequence.image(i), 1.5, random)}));
       }
     }
   }
@@ -86,7 +86,7 @@ TEST_F(CalibrateCommand, BothWaysGiveTheTruth) {
          {"rig.yaml", "calibration.yaml", "report.json", "corners.csv", "coverage.png", "residuals.png"}) {
       EXPECT_TRUE(fs::exists(*folder_ / way / file)) << file;
     }
-    const Calibration c = read_calibration((*folder_ / way / "calibration.yaml").string());
+    const rig::Calibration c = rig::read_calibration((*folder_ / way / "calibration.yaml").string());
     EXPECT_NEAR(c.camera.fx, world.camera.fx, 0.01 * world.camera.fx);
     EXPECT_NEAR(c.camera.cx, world.camera.cx, 2.5);
     EXPECT_NEAR(c.camera.cy, world.camera.cy, 2.5);
@@ -102,11 +102,11 @@ TEST_F(CalibrateCommand, BothWaysGiveTheTruth) {
     EXPECT_EQ(json["poses"].size(), 5U);
     const std::string table = read_text(*folder_ / way / "corners.csv");
     EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), 1 + kPoses * 35);
-    EXPECT_GT(read_image((*folder_ / way / "residuals.png").string(), Channel::grey).columns, 500);
+    EXPECT_GT(images::read_image((*folder_ / way / "residuals.png").string(), images::Channel::grey).columns, 500);
 
     // The rig: other commands take it, and it is the calibration.
-    const Rig rig = load_rig((*folder_ / way / "rig.yaml").string());
-    EXPECT_NEAR(calibration_of(rig).camera.fx, c.camera.fx, 1e-9);
+    const rig::Rig rig = rig::load_rig((*folder_ / way / "rig.yaml").string());
+    EXPECT_NEAR(rig::calibration_of(rig).camera.fx, c.camera.fx, 1e-9);
     const Outcome checked = run_program(SELFPROJ_PROGRAM, {"rig", way + "/rig.yaml"}, folder_->path());
     EXPECT_EQ(checked.status, 0) << checked.err;
     const Outcome pattern = run_program(
@@ -127,7 +127,7 @@ TEST_F(CalibrateCommand, DepthClosesTheChain) {
   }
   const Outcome outcome = run_program(SELFPROJ_PROGRAM, arguments, folder_->path());
   ASSERT_EQ(outcome.status, 0) << outcome.err;
-  const FloatImage depth = read_float_tiff((*folder_ / "depth" / "depth.tiff").string());
+  const images::FloatImage depth = images::read_float_tiff((*folder_ / "depth" / "depth.tiff").string());
   const ChessboardPose pose = world.poses()[1];
   const cv::Vec3d normal(pose.turn(0, 2), pose.turn(1, 2), pose.turn(2, 2));
   double sum = 0;
@@ -154,16 +154,16 @@ TEST_F(CalibrateCommand, DepthClosesTheChain) {
 TEST_F(CalibrateCommand, WhatIsLeftOutIsSaid) {
   // One pose without a chessboard, one of which only a part is in the projector's light.
   const World world;
-  const GraySequence sequence(world.projector_columns, world.projector_rows);
+  const structured_light::GraySequence sequence(world.projector_columns, world.projector_rows);
   const ChessboardImages seen(world, world.poses()[2]);
   std::mt19937_64 random(3);
   fs::create_directory(*folder_ / "empty");
   fs::create_directory(*folder_ / "partly");
   for (int i = 0; i < sequence.count(); ++i) {
     const std::string name = fmt::format("{:02}.png", i);
-    Image image{world.camera_rows, world.camera_columns, {}};
+    images::Image image{world.camera_rows, world.camera_columns, {}};
     image.pixels.assign(static_cast<std::size_t>(image.rows * image.columns), 20);
-    write_text(*folder_ / "empty" / name, encode_png(image));
+    write_text(*folder_ / "empty" / name, images::encode_png(image));
     // A screen keeps the projector's light from three quarters of the chessboard; only ambient light remains there.
     std::vector<std::uint8_t> pattern = sequence.image(i);
     for (int p = 0; p < static_cast<int>(pattern.size()); ++p) {
@@ -172,7 +172,7 @@ TEST_F(CalibrateCommand, WhatIsLeftOutIsSaid) {
       }
     }
     image.pixels = seen.image(pattern, 1.5, random);
-    write_text(*folder_ / "partly" / name, encode_png(image));
+    write_text(*folder_ / "partly" / name, images::encode_png(image));
   }
   const Outcome outcome =
       calibrate(usual("left", {"pose_0", "empty", "pose_1", "partly", "pose_3"}, {"--min-corners", "6"}));
@@ -213,13 +213,14 @@ TEST_F(CalibrateCommand, ChecksAgainstAPoseThatTakesNoPart) {
 // Poses that lean alike determine no focal length.
 TEST_F(CalibrateCommand, ParallelPosesEndWithStatusOne) {
   const World world;
-  const GraySequence sequence(world.projector_columns, world.projector_rows);
+  const structured_light::GraySequence sequence(world.projector_columns, world.projector_rows);
   const ChessboardImages images(world, world.pose(5, 6, 575, turn(0, 0, 2)));
   std::mt19937_64 random(9);
   fs::create_directory(*folder_ / "parallel");
   for (int i = 0; i < sequence.count(); ++i) {
-    write_text(*folder_ / "parallel" / fmt::format("{:02}.png", i),
-               encode_png({world.camera_rows, world.camera_columns, images.image(sequence.image(i), 1.5, random)}));
+    write_text(
+        *folder_ / "parallel" / fmt::format("{:02}.png", i),
+        images::encode_png({world.camera_rows, world.camera_columns, images.image(sequence.image(i), 1.5, random)}));
   }
   const Outcome outcome = calibrate(usual("out", {"pose_0", "parallel"}));
   EXPECT_EQ(outcome.status, 1) << outcome.out;
@@ -259,7 +260,7 @@ TEST_F(CalibrateCommand, WrongInputIsOneLine) {
   expect_refused(calibrate(usual("out", {"short", "pose_1"})), "short/image_07.png: is not an image");
   fs::copy_file(*folder_ / "pose_1" / "image_07.png", *folder_ / "short" / "image_07.png",
                 fs::copy_options::overwrite_existing);
-  write_text(*folder_ / "short" / "image_03.png", encode_png({3, 4, std::vector<std::uint8_t>(12)}));
+  write_text(*folder_ / "short" / "image_03.png", images::encode_png({3, 4, std::vector<std::uint8_t>(12)}));
   expect_refused(calibrate(usual("out", {"short", "pose_1"})), "short/image_03.png: is 4 x 3, but short/image_00.png");
   expect_refused(calibrate(usual("out", poses, {"--rig", "none.yaml"})), "none.yaml: ");
   expect_refused(calibrate(usual("out", poses, {"--camera-distortion", "3"})), "--camera-distortion: ");
@@ -271,7 +272,7 @@ TEST_F(CalibrateCommand, WrongInputIsOneLine) {
 TEST_F(CalibrateCommand, CameraAndLaser) {
   constexpr int kRow = 44;
   const World world;
-  const GraySequence sequence(world.projector_columns, world.projector_rows);
+  const structured_light::GraySequence sequence(world.projector_columns, world.projector_rows);
   std::vector<std::uint8_t> line(static_cast<std::size_t>(world.projector_columns * world.projector_rows), 0);
   std::fill_n(line.begin() + static_cast<std::ptrdiff_t>(kRow) * world.projector_columns, world.projector_columns, 255);
   fs::create_directory(*folder_ / "lines");
@@ -280,7 +281,7 @@ TEST_F(CalibrateCommand, CameraAndLaser) {
   for (int p = 0; p < kPoses; ++p) {
     const ChessboardImages images(world, world.poses()[static_cast<std::size_t>(p)]);
     write_text(*folder_ / "lines" / fmt::format("{}.png", p),
-               encode_png({world.camera_rows, world.camera_columns, images.image(line, 1.5, random)}));
+               images::encode_png({world.camera_rows, world.camera_columns, images.image(line, 1.5, random)}));
     plain.push_back(fmt::format("pose_{}/image_{}.png", p, sequence.white()));
   }
   const auto camera = [&](const std::vector<std::string>& more) {
@@ -291,7 +292,7 @@ TEST_F(CalibrateCommand, CameraAndLaser) {
   const Outcome outcome = camera({"--laser", "lines", "--out", "camera"});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_TRUE(fs::exists(*folder_ / "camera" / "camera.yaml"));
-  const Rig rig = load_any_rig((*folder_ / "camera" / "rig.yaml").string());
+  const rig::Rig rig = rig::load_any_rig((*folder_ / "camera" / "rig.yaml").string());
   ASSERT_TRUE(rig.calibration && rig.light_plane);
   EXPECT_NEAR(rig.calibration->camera.fx_px, world.camera.fx, 0.01 * world.camera.fx);
   const cv::Vec3d in_projector(0, 1, -(kRow - world.projector.cy) / world.projector.fy);

@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
-#include "host/rig/calibration.h"
-#include "host/rig/calibration_file.h"
-#include "host/rig/rig.h"
+#include "selfproj/rig/calibration.h"
+#include "selfproj/rig/calibration_file.h"
+#include "selfproj/rig/rig.h"
 #include "tests/cli/program.h"
 
 namespace selfproj::test {
@@ -23,7 +23,7 @@ using Json = nlohmann::json;
 class CalibrationChain : public ::testing::Test {
  protected:
   CalibrationChain() {
-    rig_ = load_rig("scanner");
+    rig_ = rig::load_rig("scanner");
     rig_.camera.rows /= 2;
     rig_.camera.columns /= 2;
     rig_.camera.pixel_pitch_mm *= 2;
@@ -31,7 +31,7 @@ class CalibrationChain : public ::testing::Test {
     rig_.projector.columns /= 2;
     rig_.projector.line_pitch_mm *= 2;
     rig_.projector.column_pitch_mm *= 2;
-    write_text(folder_ / "half.yaml", to_yaml(rig_));
+    write_text(folder_ / "half.yaml", rig::to_yaml(rig_));
   }
 
   Outcome host(const std::vector<std::string>& arguments) {
@@ -42,7 +42,7 @@ class CalibrationChain : public ::testing::Test {
   }
 
   ScratchFolder folder_;
-  Rig rig_;
+  rig::Rig rig_;
 };
 
 TEST_F(CalibrationChain, ClosesOnItself) {
@@ -59,7 +59,7 @@ TEST_F(CalibrationChain, ClosesOnItself) {
   ASSERT_EQ(calibrated.status, 0) << calibrated.err;
 
   const Json truth = Json::parse(read_text(folder_ / "captures" / "truth.json"));
-  const Calibration c = read_calibration((folder_ / "result" / "calibration.yaml").string());
+  const rig::Calibration c = rig::read_calibration((folder_ / "result" / "calibration.yaml").string());
   const auto near = [](double value, const Json& expected, double tolerance, const char* what) {
     EXPECT_NEAR(value, expected.get<double>(), tolerance) << what;
   };
@@ -78,7 +78,7 @@ TEST_F(CalibrationChain, ClosesOnItself) {
   const std::vector<double> centre = projector["centre_mm"];
   const double baseline = std::hypot(centre[0], centre[1], centre[2]);
   EXPECT_NEAR(cv::norm(c.translation), baseline, 0.8);
-  const Rig rig = load_rig((folder_ / "result" / "rig.yaml").string());
+  const rig::Rig rig = rig::load_rig((folder_ / "result" / "rig.yaml").string());
   EXPECT_TRUE(rig.calibration.has_value());
   EXPECT_NEAR(rig.projector.tilt_rad, rig_.projector.tilt_rad, 0.005);
   EXPECT_NEAR(rig.projector.line_pitch_mm, rig_.projector.line_pitch_mm, 0.004 * rig_.projector.line_pitch_mm);

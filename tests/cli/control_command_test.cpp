@@ -78,8 +78,8 @@ TEST_F(BoardCommand, Errors) {
 TEST_F(BoardCommand, OverTheNetwork) {
   const int process = getpid();
   const std::string host = "127.77." + std::to_string(process / 250 % 250) + "." + std::to_string(process % 250 + 1);
-  PlayedRegisters registers(1e8);
-  const EtherboneServer server(host, host, [&](bool write, std::uint32_t address, std::uint32_t data) {
+  sim::PlayedRegisters registers(1e8);
+  const sim::EtherboneServer server(host, host, [&](bool write, std::uint32_t address, std::uint32_t data) {
     return registers.access(write, address, data);
   });
   const auto remote = [&](Words words) {
@@ -130,7 +130,7 @@ TEST_F(BoardCommand, InspectAppliesTheRig) {
   };
   EXPECT_EQ(with("bar:bar").err,
             "selfproj: bar:bar: this board is built without the strongest run; select all lit pixels\n");
-  BoardBuild build;
+  model::BoardBuild build;
   build.runs = true;
   write_text(folder_ / "runs", register_bytes(build));
   EXPECT_EQ(with("bar:runs").err, "");

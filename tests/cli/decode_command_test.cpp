@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-#include "model/gray_decoder.h"
+#include "selfproj/model/gray_decoder.h"
 #include "tests/cli/program.h"
 #include "tests/cli/refusal.h"
 #include "tests/support/random_cases.h"
@@ -65,7 +65,7 @@ class DecodeCommand : public ::testing::Test {
 };
 
 // Images of a random sequence whose pairs differ by about the threshold.
-std::vector<cv::Mat> random_sequence(Random& random, const GraySettings& settings, int frames) {
+std::vector<cv::Mat> random_sequence(Random& random, const model::GraySettings& settings, int frames) {
   std::vector<cv::Mat> images;
   for (int i = 0; i < frames; ++i) {
     cv::Mat image(settings.rows, settings.columns, CV_8UC1);
@@ -82,10 +82,10 @@ TEST_F(DecodeCommand, EveryEngineGivesTheReferencesCodes) {
   for (const std::uint64_t seed : seeds(6)) {
     SCOPED_TRACE(how_to_repeat(seed));
     Random random(seed);
-    const GraySettings settings{.rows = random.between(1, 20),
-                                .columns = 4 * random.between(1, 30),
-                                .bits = random.between(1, 12),
-                                .threshold = random.between(0, 9)};
+    const model::GraySettings settings{.rows = random.between(1, 20),
+                                       .columns = 4 * random.between(1, 30),
+                                       .bits = random.between(1, 12),
+                                       .threshold = random.between(0, 9)};
     const int pairs = settings.bits + random.between(0, 5);
     const std::vector<cv::Mat> images = random_sequence(random, settings, 2 * pairs);
     const std::vector<std::string> names = save(images);
@@ -140,7 +140,7 @@ TEST_F(DecodeCommand, EveryEngineGivesTheReferencesCodes) {
 
 TEST_F(DecodeCommand, TakesAChannelOfColourImages) {
   Random random(1);
-  const GraySettings settings{.rows = 5, .columns = 8, .bits = 2, .threshold = 5};
+  const model::GraySettings settings{.rows = 5, .columns = 8, .bits = 2, .threshold = 5};
   const std::vector<cv::Mat> images = random_sequence(random, settings, 4);
   std::vector<cv::Mat> colour;
   for (const cv::Mat& image : images) {
@@ -162,7 +162,7 @@ TEST_F(DecodeCommand, TakesAChannelOfColourImages) {
 
 TEST_F(DecodeCommand, RefusesWhatItCannotTake) {
   Random random(1);
-  const GraySettings settings{.rows = 5, .columns = 8, .bits = 2, .threshold = 5};
+  const model::GraySettings settings{.rows = 5, .columns = 8, .bits = 2, .threshold = 5};
   const std::vector<cv::Mat> images = random_sequence(random, settings, 6);
   const std::vector<std::string> n = save(images);
   cv::imwrite((folder_ / "small.png").string(), images[0](cv::Rect(0, 0, 4, 5)));
@@ -200,7 +200,7 @@ TEST_F(DecodeCommand, RefusesWhatItCannotTake) {
 
 TEST_F(DecodeCommand, OverwritesNoImageOfItsOwn) {
   Random random(1);
-  const GraySettings settings{.rows = 5, .columns = 8, .bits = 1, .threshold = 5};
+  const model::GraySettings settings{.rows = 5, .columns = 8, .bits = 1, .threshold = 5};
   const std::vector<cv::Mat> images = random_sequence(random, settings, 2);
   save(images);
   fs::rename(folder_ / "00.png", folder_ / "code_0000.png");
@@ -282,7 +282,7 @@ TEST_F(RealCaptures, CropOfTheShell) {
 // One folder stands for its images in natural order: 10.png after 9.png.
 TEST_F(DecodeCommand, TakesAFolder) {
   Random random(4);
-  const GraySettings settings{.rows = 6, .columns = 8, .bits = 6, .threshold = 5};
+  const model::GraySettings settings{.rows = 6, .columns = 8, .bits = 6, .threshold = 5};
   const std::vector<cv::Mat> images = random_sequence(random, settings, 12);
   const std::vector<std::string> names = save(images);
   fs::create_directory(folder_ / "images");

@@ -15,12 +15,12 @@
 #include <utility>
 #include <vector>
 
-#include "host/images/float_image.h"
 #include "host/report/depth_output.h"
-#include "host/rig/rig.h"
-#include "host/structured_light/point_cloud.h"
-#include "host/structured_light/triangulation.h"
-#include "model/packet.h"
+#include "selfproj/images/float_image.h"
+#include "selfproj/model/packet.h"
+#include "selfproj/rig/rig.h"
+#include "selfproj/structured_light/point_cloud.h"
+#include "selfproj/structured_light/triangulation.h"
 #include "tests/cli/program.h"
 #include "tests/cli/refusal.h"
 #include "tests/host/structured_light/pinhole.h"
@@ -76,7 +76,7 @@ class DepthCommand : public ::testing::Test {
     rig_.projector.lines = 64;
     rig_.projector.line_pitch_mm *= 12;
     rig_.measure.max_z_per_line_mm = 60;
-    write_text(folder_ / "rig.yaml", to_yaml(rig_));
+    write_text(folder_ / "rig.yaml", rig::to_yaml(rig_));
     write_text(folder_ / "cal.yaml", kCalibration);
   }
 
@@ -122,13 +122,13 @@ class DepthCommand : public ::testing::Test {
   }
 
   // The depths of the codes, computed by the classes.
-  FloatImage expected(const std::vector<int>& codes) const {
+  images::FloatImage expected(const std::vector<int>& codes) const {
     std::vector<std::uint16_t> words;
     for (const int code : codes) {
       words.push_back(code < 0 ? std::uint16_t{0} : static_cast<std::uint16_t>(code | 0x8000));
     }
-    FloatImage depth(kRows, kColumns);
-    PlaneTriangulation(rig_, kBits).depth(words.data(), depth.values.data());
+    images::FloatImage depth(kRows, kColumns);
+    structured_light::PlaneTriangulation(rig_, kBits).depth(words.data(), depth.values.data());
     return depth;
   }
 
@@ -142,7 +142,9 @@ class DepthCommand : public ::testing::Test {
     return depth(std::move(arguments));
   }
 
-  FloatImage tiff(const std::string& name) const { return read_float_tiff((folder_ / "out" / name).string()); }
+  images::FloatImage tiff(const std::string& name) const {
+    return images::read_float_tiff((folder_ / "out" / name).string());
+  }
 
   // Expects status 2, one line with the subject first, and nothing written.
   void expect_refused(const std::vector<std::string>& arguments, const std::string& subject,
@@ -153,11 +155,11 @@ class DepthCommand : public ::testing::Test {
   }
 
   ScratchFolder folder_;
-  Rig rig_ = load_rig("scanner");
+  rig::Rig rig_ = rig::load_rig("scanner");
   std::vector<std::string> files_;
 };
 
-bool same(const FloatImage& a, const FloatImage& b) {
+bool same(const images::FloatImage& a, const images::FloatImage& b) {
   return a.rows == b.rows && a.columns == b.columns &&
          std::memcmp(a.values.data(), b.values.data(), a.values.size() * sizeof(float)) == 0;
 }
@@ -171,7 +173,7 @@ TEST_F(DepthCommand, WritesTheDepthOfOneCycle) {
   EXPECT_EQ(outcome.err, "");
   EXPECT_EQ(outcome.status, 0);
   EXPECT_EQ(outcome.out.rfind("1 depth image of 40 x 30, 6 bits, threshold 5: ", 0), 0U) << outcome.out;
-  const FloatImage depth = expected(codes);
+  const images::FloatImage depth = expected(codes);
   EXPECT_TRUE(same(tiff("depth.tiff"), depth));
   EXPECT_FALSE(fs::exists(folder_ / "out/depth_0005.tiff"));
   EXPECT_FALSE(fs::exists(folder_ / "out/moved.csv"));
@@ -185,11 +187,11 @@ TEST_F(DepthCommand, WritesTheDepthOfOneCycle) {
       EXPECT_EQ(value, 0);
     } else {
       ++points;
-      EXPECT_NEAR(value * kDepthUnit, static_cast<double>(depth.values[i]), kDepthUnit / 2 + 1e-6);
+      EXPECT_NEAR(value * report::kDepthUnit, static_cast<double>(depth.values[i]), report::kDepthUnit / 2 + 1e-6);
     }
   }
   EXPECT_GT(points, 500U);
-  EXPECT_EQ(read_ply((folder_ / "out/cloud.ply").string()).size(), points);
+  EXPECT_EQ(structured_light::read_ply((folder_ / "out/cloud.ply").string()).size(), points);
   EXPECT_FALSE(cv::imread((folder_ / "out/depth_colour.png").string()).empty());
   const std::string summary = read_text(folder_ / "out/summary.json");
   EXPECT_NE(summary.find(fmt::format("\"valid\": {}", points)), std::string::npos) << summary;
@@ -201,7 +203,7 @@ TEST_F(DepthCommand, StreamsADepthImageAPairAndFollowsWhatMoves) {
   const std::vector<int> plane = codes_of(flat);
   const std::vector<int> object =
       codes_of([](int row, int column) { return row >= 5 && row < 15 && column >= 10 && column < 20 ? 100.0 : 0.0; });
-  write_float_tiff((folder_ / "background.tiff").string(), expected(plane));
+  images::write_float_tiff((folder_ / "background.tiff").string(), expected(plane));
   save_cycle("a", plane);
   save_cycle("b", object);
   const Outcome outcome =
@@ -214,7 +216,7 @@ TEST_F(DepthCommand, StreamsADepthImageAPairAndFollowsWhatMoves) {
   for (int pair = 5; pair < 12; ++pair) {
     EXPECT_TRUE(fs::exists(folder_ / fmt::format("out/depth_{:04}.tiff", pair)));
   }
-  const FloatImage moved = tiff("moved.tiff");
+  const images::FloatImage moved = tiff("moved.tiff");
   double count = 0;
   double z = 0;
   for (const float value : moved.values) {
@@ -240,7 +242,7 @@ TEST_F(DepthCommand, TakesACalibrationAndComparesClouds) {
         static_cast<int>(std::lround(axis == 0 ? 80 * (x + 100) / 500 + 31.5 : 80 * y / 500 + 31.5));
     save_cycle(axis == 0 ? "x" : "y", codes);
   }
-  PlyText ply(2);
+  structured_light::PlyText ply(2);
   ply.add({5, 45, -500}, 0, 0, 0);
   ply.add({500, 45, -500}, 0, 0, 0);
   write_text(folder_ / "cloud.ply", ply.file("two points"));
@@ -248,7 +250,7 @@ TEST_F(DepthCommand, TakesACalibrationAndComparesClouds) {
       {"--calibration", "cal.yaml", "--bits", "6", "--row-bits", "6", "--compare", "cloud.ply", "--compare-opengl"});
   EXPECT_EQ(outcome.err, "");
   EXPECT_EQ(outcome.status, 0);
-  const FloatImage depth = tiff("depth.tiff");
+  const images::FloatImage depth = tiff("depth.tiff");
   EXPECT_EQ(std::count_if(depth.values.begin(), depth.values.end(), [](float z) { return !std::isnan(z); }), 1);
   EXPECT_NEAR(static_cast<double>(depth.values[10 * kColumns + 20]), 500, 20);  // half a column is worth 16 mm
   EXPECT_NE(outcome.out.find("our 1 points to its 2"), std::string::npos) << outcome.out;
@@ -260,7 +262,7 @@ TEST_F(DepthCommand, TakesACalibrationAndComparesClouds) {
 void append_code_image(std::vector<std::uint8_t>& stream, std::uint64_t sequence, const std::vector<int>& codes,
                        int skip = -1) {
   for (int row = 0; row < kRows; ++row) {
-    PacketHeader header;
+    model::PacketHeader header;
     header.kind = spec::kKindCodes;
     header.sequence = sequence;
     header.time_stamp = 1000 * sequence;
@@ -276,9 +278,9 @@ void append_code_image(std::vector<std::uint8_t>& stream, std::uint64_t sequence
       payload.push_back(static_cast<std::uint8_t>(word & 0xFFU));
       payload.push_back(static_cast<std::uint8_t>(word >> 8U));
     }
-    payload.resize(codes_line_payload_bytes(kColumns));
+    payload.resize(model::codes_line_payload_bytes(kColumns));
     if (row != skip) {
-      append_packet(header, payload, 0, stream);
+      model::append_packet(header, payload, 0, stream);
     }
   }
 }
@@ -293,7 +295,7 @@ TEST_F(DepthCommand, TakesTheCodesOfADevice) {
   append_code_image(stream, 15, object);
   append_code_image(stream, 17, plane);
   write_text(folder_ / "codes.bin", std::string(stream.begin(), stream.end()));
-  write_float_tiff((folder_ / "background.tiff").string(), expected(plane));
+  images::write_float_tiff((folder_ / "background.tiff").string(), expected(plane));
   const Outcome outcome = depth({"--device", "file:codes.bin", "--count", "2", "--rig", "rig.yaml", "--bits", "6",
                                  "--background", "background.tiff", "--min-difference", "20"});
   EXPECT_EQ(outcome.err, "");
@@ -380,7 +382,7 @@ TEST_F(DepthCommand, RefusesOptionsOutOfRange) {
     all.insert(all.end(), files_.begin(), files_.end());
     expect_refused(all, subject, "");
   }
-  write_float_tiff((folder_ / "other.tiff").string(), FloatImage(3, 4));
+  images::write_float_tiff((folder_ / "other.tiff").string(), images::FloatImage(3, 4));
   std::vector<std::string> all{"--rig", "rig.yaml", "--bits", "6", "--background", "other.tiff"};
   all.insert(all.end(), files_.begin(), files_.end());
   expect_refused(all, "other.tiff: ", "4 x 3");

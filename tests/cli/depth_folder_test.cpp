@@ -11,11 +11,11 @@
 #include <string>
 #include <vector>
 
-#include "host/images/float_image.h"
 #include "host/images/image_files.h"
-#include "host/rig/calibration.h"
-#include "host/rig/rig.h"
-#include "host/structured_light/lens_triangulation.h"
+#include "selfproj/images/float_image.h"
+#include "selfproj/rig/calibration.h"
+#include "selfproj/rig/rig.h"
+#include "selfproj/structured_light/lens_triangulation.h"
 #include "tests/cli/program.h"
 #include "tests/host/structured_light/pinhole.h"
 
@@ -27,8 +27,8 @@ constexpr int kImageColumns = 40;
 constexpr int kCodeBits = 6;
 
 // A small scanner with 64 lines and columns.
-Rig small_scanner() {
-  Rig rig = load_rig("scanner");
+rig::Rig small_scanner() {
+  rig::Rig rig = rig::load_rig("scanner");
   rig.camera.rows = kImageRows;
   rig.camera.columns = kImageColumns;
   rig.camera.pixel_pitch_mm = 0.1;
@@ -44,7 +44,7 @@ struct Codes {
 };
 
 // What the projector shows where each pixel sees the plane.
-Codes codes_on_plane(const Rig& rig) {
+Codes codes_on_plane(const rig::Rig& rig) {
   const double scale = rig.plane_z_mm * rig.camera.pixel_pitch_mm / rig.camera.focal_length_mm;
   const auto code = [](double place) {
     const double nearest = std::floor(place + 0.5);
@@ -64,19 +64,19 @@ Codes codes_on_plane(const Rig& rig) {
 
 // The positive or the negative image of one plane of a code.
 std::string image_of(const std::vector<int>& codes, int plane, bool negative) {
-  Image image{kImageRows, kImageColumns, {}};
+  images::Image image{kImageRows, kImageColumns, {}};
   for (const int code : codes) {
     const bool white = (((code ^ (code >> 1)) >> (kCodeBits - 1 - plane) & 1) != 0) != negative;
     image.pixels.push_back(code < 0 ? std::uint8_t{30} : white ? std::uint8_t{200} : std::uint8_t{40});
   }
-  return encode_png(image);
+  return images::encode_png(image);
 }
 
 TEST(DepthFolder, ARigTakesBothAxes) {
   const ScratchFolder folder;
-  const Rig rig = small_scanner();
+  const rig::Rig rig = small_scanner();
   const Codes codes = codes_on_plane(rig);
-  write_text(folder / "rig.yaml", to_yaml(rig));
+  write_text(folder / "rig.yaml", rig::to_yaml(rig));
   std::filesystem::create_directory(folder / "images");
   int number = 0;
   const auto save = [&](const std::string& bytes) {
@@ -89,15 +89,15 @@ TEST(DepthFolder, ARigTakesBothAxes) {
     }
   }
   for (const int grey : {200, 20}) {
-    save(encode_png({kImageRows, kImageColumns,
-                     std::vector<std::uint8_t>(kImageRows * kImageColumns, static_cast<std::uint8_t>(grey))}));
+    save(images::encode_png({kImageRows, kImageColumns,
+                             std::vector<std::uint8_t>(kImageRows * kImageColumns, static_cast<std::uint8_t>(grey))}));
   }
   const std::vector<std::string> usual{"depth", "--rig",   "rig.yaml", "--bits", "6",     "--row-bits",
                                        "6",     "--plane", "--out",    "out",    "images"};
   const Outcome outcome = run_program(SELFPROJ_PROGRAM, usual, folder.path());
   ASSERT_EQ(outcome.status, 0) << outcome.err;
 
-  LensSettings settings;
+  structured_light::LensSettings settings;
   settings.rows = kImageRows;
   settings.columns = kImageColumns;
   settings.bits = settings.row_bits = kCodeBits;
@@ -110,10 +110,10 @@ TEST(DepthFolder, ARigTakesBothAxes) {
     }
     return result;
   };
-  FloatImage expected(kImageRows, kImageColumns);
-  LensTriangulation(calibration_of(rig), settings)
+  images::FloatImage expected(kImageRows, kImageColumns);
+  structured_light::LensTriangulation(rig::calibration_of(rig), settings)
       .depth_of_both(words(codes.lines).data(), words(codes.columns).data(), expected.values.data(), nullptr, nullptr);
-  const FloatImage depth = read_float_tiff((folder / "out" / "depth.tiff").string());
+  const images::FloatImage depth = images::read_float_tiff((folder / "out" / "depth.tiff").string());
   ASSERT_EQ(depth.values.size(), expected.values.size());
   EXPECT_EQ(std::memcmp(depth.values.data(), expected.values.data(), depth.values.size() * sizeof(float)), 0);
   double sum = 0;

@@ -10,7 +10,7 @@
 #include "host/images/image_files.h"
 #include "host/light_section/scan.h"
 #include "host/rig/geometry.h"
-#include "host/rig/rig.h"
+#include "selfproj/rig/rig.h"
 #include "tests/cli/program.h"
 #include "tests/cli/refusal.h"
 
@@ -23,21 +23,21 @@ constexpr int kEvery = 16;
 // line in five rows of light, from (3.4).
 void write_sweep(const std::filesystem::path& folder, double height) {
   std::filesystem::create_directory(folder);
-  Rig real = load_rig("light-section");
+  rig::Rig real = rig::load_rig("light-section");
   real.projector.tilt_rad += 0.1 * 3.14159265 / 180;
   const double z = real.plane_z_mm - height;
-  for (const int line : sweep_lines(real, kEvery)) {
-    const double theta = tan_theta(real.projector, line);
+  for (const int line : light_section::sweep_lines(real, kEvery)) {
+    const double theta = rig::tan_theta(real.projector, line);
     const double alpha = (real.projector.x_mm - (z - real.projector.z_mm) * theta) / z;
-    const double row = centroid_of(real.camera, alpha) - 1;
-    Image image{real.camera.rows, real.camera.columns, std::vector<std::uint8_t>(real.camera.pixels(), 0)};
+    const double row = rig::centroid_of(real.camera, alpha) - 1;
+    images::Image image{real.camera.rows, real.camera.columns, std::vector<std::uint8_t>(real.camera.pixels(), 0)};
     for (int r = 0; r < image.rows; ++r) {
       const double grey = 220 * std::exp(-0.5 * (r - row) * (r - row) / 2.5);
       for (int c = 0; c < image.columns; ++c) {
         image.pixels[static_cast<std::size_t>(r * image.columns + c)] = static_cast<std::uint8_t>(std::lround(grey));
       }
     }
-    write_text(folder / ("line_" + std::to_string(line) + ".png"), encode_png(image));
+    write_text(folder / ("line_" + std::to_string(line) + ".png"), images::encode_png(image));
   }
 }
 
@@ -61,7 +61,7 @@ TEST(HeightsCommand, CorrectsARigAndChecksIt) {
   const Outcome made = heights(folder, {"--heights", "0,10,20,30", "--out", "line", "at0", "at10", "at20", "at30"});
   ASSERT_EQ(made.status, 0) << made.err;
   EXPECT_NE(made.out.find("left open: "), std::string::npos) << made.out;
-  const Rig rig = load_rig((folder / "line" / "rig.yaml").string());
+  const rig::Rig rig = rig::load_rig((folder / "line" / "rig.yaml").string());
   ASSERT_TRUE(rig.heights);
   EXPECT_TRUE(std::filesystem::exists(folder / "line" / "report.json"));
   const Outcome good = heights(folder, {"--rig", "line/rig.yaml", "--heights", "15", "--check", "at15"});

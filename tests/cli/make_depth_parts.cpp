@@ -15,9 +15,9 @@
 
 #include "host/files/output_folder.h"
 #include "host/structured_light/self_reference.h"
-#include "model/gray_decoder.h"
-#include "model/packet.h"
-#include "model/packet_payload.h"
+#include "selfproj/model/gray_decoder.h"
+#include "selfproj/model/packet.h"
+#include "selfproj/model/packet_payload.h"
 #include "tests/cli/program.h"
 #include "tests/host/light_section/seen_surface.h"
 
@@ -33,16 +33,17 @@ constexpr std::uint64_t kPauseMs = 100;
 
 class Board {
  public:
-  Board(const Rig& rig, const SelfReference& reference, std::uint64_t seed) : rig_(rig), random_(seed) {
+  Board(const rig::Rig& rig, const structured_light::SelfReference& reference, std::uint64_t seed)
+      : rig_(rig), random_(seed) {
     for (int i = 0; i < 2 * kBits; ++i) {
-      patterns_.push_back(self_projected_pattern(reference, i));
+      patterns_.push_back(structured_light::self_projected_pattern(reference, i));
     }
     words_.resize(rig.camera.pixels());
   }
 
   // Shows the part for kFrames frames, and then nothing for a while.
   void pass(const Surface& part) {
-    const ProjectorPoints points = points_of(rig_, part);
+    const structured_light::ProjectorPoints points = points_of(rig_, part);
     for (int i = 0; i < kFrames; ++i, ++frame_) {
       send(image(points, patterns_[frame_ % patterns_.size()]));
     }
@@ -54,7 +55,7 @@ class Board {
  private:
   [[nodiscard]] std::uint64_t clocks_per_ms() const { return static_cast<std::uint64_t>(rig_.pixel_clock_hz() / 1000); }
 
-  std::vector<std::uint8_t> image(const ProjectorPoints& points, const FloatImage& pattern) {
+  std::vector<std::uint8_t> image(const structured_light::ProjectorPoints& points, const images::FloatImage& pattern) {
     std::normal_distribution<double> noise(0, 2);
     std::vector<std::uint8_t> pixels(rig_.camera.pixels());
     for (std::size_t i = 0; i < pixels.size(); ++i) {
@@ -69,32 +70,35 @@ class Board {
   }
 
   void send(const std::vector<std::uint8_t>& pixels) {
-    const RigCamera& camera = rig_.camera;
-    PacketHeader header;
+    const rig::RigCamera& camera = rig_.camera;
+    model::PacketHeader header;
     header.rows = static_cast<std::uint16_t>(camera.rows);
     header.columns = static_cast<std::uint16_t>(camera.columns);
     header.sequence = frame_;
     header.time_stamp = clock_ += clocks_per_ms();
     header.kind = spec::kKindMoments;
-    append_packet(header, std::vector<std::uint8_t>(moments_payload_bytes(Mode::binary, camera.columns)), 0, bytes_);
-    const ImageView view{pixels.data(), camera.rows, camera.columns, camera.columns};
+    model::append_packet(header,
+                         std::vector<std::uint8_t>(model::moments_payload_bytes(model::Mode::binary, camera.columns)),
+                         0, bytes_);
+    const model::ImageView view{pixels.data(), camera.rows, camera.columns, camera.columns};
     if (!decoder_.add_frame(view, static_cast<int>(frame_ % patterns_.size()), true, words_.data())) {
       return;
     }
     header.kind = spec::kKindCodes;
     header.lines = 1;
-    std::vector<std::uint8_t> payload(codes_line_payload_bytes(camera.columns));
+    std::vector<std::uint8_t> payload(model::codes_line_payload_bytes(camera.columns));
     for (int row = 0; row < camera.rows; ++row) {
       header.first_line = static_cast<std::uint16_t>(row + 1);
-      pack_codes(camera.columns, words_.data() + static_cast<std::ptrdiff_t>(row) * camera.columns, payload.data());
-      append_packet(header, payload, 0, bytes_);
+      model::pack_codes(camera.columns, words_.data() + static_cast<std::ptrdiff_t>(row) * camera.columns,
+                        payload.data());
+      model::append_packet(header, payload, 0, bytes_);
     }
   }
 
-  const Rig& rig_;
+  const rig::Rig& rig_;
   std::mt19937_64 random_;
-  std::vector<FloatImage> patterns_;
-  GrayDecoder decoder_{{rig_.camera.rows, rig_.camera.columns, kBits, rig_.measure.code_threshold}};
+  std::vector<images::FloatImage> patterns_;
+  model::GrayDecoder decoder_{{rig_.camera.rows, rig_.camera.columns, kBits, rig_.measure.code_threshold}};
   std::vector<std::uint16_t> words_;
   std::uint64_t frame_ = 0;
   std::uint64_t clock_ = 0;
@@ -102,19 +106,20 @@ class Board {
 };
 
 void make(const std::filesystem::path& folder) {
-  Rig rig = coarse_scanner(8);
+  rig::Rig rig = coarse_scanner(8);
   rig.measure.max_z_per_line_mm = 50;
-  rig.parts = RigParts{.cut = PartCut::image, .grid_mm = 8, .pause_s = 0.02};
-  write_text(folder / "rig.yaml", to_yaml(rig));
-  rig.parts->cut = PartCut::trigger;
-  write_text(folder / "trigger.yaml", to_yaml(rig));
-  rig = load_rig((folder / "rig.yaml").string());
+  rig.parts = rig::RigParts{.cut = rig::PartCut::image, .grid_mm = 8, .pause_s = 0.02};
+  write_text(folder / "rig.yaml", rig::to_yaml(rig));
+  rig.parts->cut = rig::PartCut::trigger;
+  write_text(folder / "trigger.yaml", rig::to_yaml(rig));
+  rig = rig::load_rig((folder / "rig.yaml").string());
 
-  Stripes stripes;
+  structured_light::Stripes stripes;
   stripes.bits = kBits;
-  const SelfReference reference = make_self_reference(rig, points_of(rig, plane_at(kPlane)), stripes);
-  OutputFolder written((folder / "reference").string());
-  write_self_reference(rig, reference, written);
+  const structured_light::SelfReference reference =
+      structured_light::make_self_reference(rig, points_of(rig, plane_at(kPlane)), stripes);
+  files::OutputFolder written((folder / "reference").string());
+  structured_light::write_self_reference(rig, reference, written);
   written.commit();
 
   std::mt19937_64 random(1);

@@ -15,7 +15,7 @@ int main(int argc, char** argv) {
     return 2;
   }
   const std::filesystem::path folder = argv[1];
-  const Rig rig = rig_of_made_packets();
+  const rig::Rig rig = rig_of_made_packets();
   std::mt19937_64 random(1);
   std::uniform_real_distribution<double> any(-1, 1);
   MadePackets good(rig, 1);
@@ -24,7 +24,7 @@ int main(int argc, char** argv) {
     good.pass(made_part(false, any(random), any(random)), 5);
     run.pass(made_part(i % 3 == 2, any(random), any(random)), 5);
   }
-  write_text(folder / "rig.yaml", to_yaml(rig));
+  write_text(folder / "rig.yaml", rig::to_yaml(rig));
   write_text(folder / "good.packets", good.text());
   write_text(folder / "run.packets", run.text());
   write_text(folder / "bar", register_bytes());

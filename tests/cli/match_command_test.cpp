@@ -16,13 +16,13 @@
 #include <utility>
 #include <vector>
 
-#include "host/images/float_image.h"
-#include "host/rig/rig.h"
-#include "host/structured_light/gray_sequence.h"
 #include "host/structured_light/self_reference.h"
-#include "model/gray_decoder.h"
-#include "model/packet.h"
-#include "model/packet_payload.h"
+#include "selfproj/images/float_image.h"
+#include "selfproj/model/gray_decoder.h"
+#include "selfproj/model/packet.h"
+#include "selfproj/model/packet_payload.h"
+#include "selfproj/rig/rig.h"
+#include "selfproj/structured_light/gray_sequence.h"
 #include "tests/cli/program.h"
 #include "tests/cli/refusal.h"
 #include "tests/host/light_section/seen_surface.h"
@@ -33,8 +33,8 @@ namespace {
 namespace fs = std::filesystem;
 
 // The camera's image of the points under a pattern of the projector.
-void write_picture(const fs::path& file, const ProjectorPoints& points, const std::vector<std::uint8_t>& pattern,
-                   int pattern_columns) {
+void write_picture(const fs::path& file, const structured_light::ProjectorPoints& points,
+                   const std::vector<std::uint8_t>& pattern, int pattern_columns) {
   cv::Mat image(points.line.rows, points.line.columns, CV_8UC1);
   for (int r = 0; r < image.rows; ++r) {
     for (int c = 0; c < image.cols; ++c) {
@@ -54,8 +54,8 @@ class MatchCommand : public ::testing::Test {
  protected:
   MatchCommand() : rig_(coarse_scanner(8)) {
     rig_.measure.max_z_per_line_mm = 50;
-    write_text(folder_ / "rig.yaml", to_yaml(rig_));
-    rig_ = load_rig((folder_ / "rig.yaml").string());
+    write_text(folder_ / "rig.yaml", rig::to_yaml(rig_));
+    rig_ = rig::load_rig((folder_ / "rig.yaml").string());
     points_ = points_of(rig_, plane_at(550));
   }
 
@@ -66,7 +66,7 @@ class MatchCommand : public ::testing::Test {
   // The folder `scan` of Gray-code images of the plane.
   void scan() {
     fs::create_directory(folder_ / "scan");
-    const GraySequence sequence(rig_.projector.columns, rig_.projector.lines);
+    const structured_light::GraySequence sequence(rig_.projector.columns, rig_.projector.lines);
     for (int i = 0; i < sequence.count(); ++i) {
       write_picture(folder_ / fmt::format("scan/{:03}.png", i), points_, sequence.image(i), sequence.columns());
     }
@@ -106,10 +106,10 @@ class MatchCommand : public ::testing::Test {
   [[nodiscard]] std::string packets(const std::vector<std::string>& names, bool codes,
                                     std::size_t without = SIZE_MAX) const {
     std::vector<std::uint8_t> bytes;
-    PacketHeader header;
+    model::PacketHeader header;
     header.rows = static_cast<std::uint16_t>(rig_.camera.rows);
     header.columns = static_cast<std::uint16_t>(rig_.camera.columns);
-    GrayDecoder decoder({rig_.camera.rows, rig_.camera.columns, 4, rig_.measure.code_threshold});
+    model::GrayDecoder decoder({rig_.camera.rows, rig_.camera.columns, 4, rig_.measure.code_threshold});
     std::vector<std::uint16_t> words(rig_.camera.pixels());
     for (std::size_t i = 0; i < names.size(); ++i) {
       const cv::Mat image = cv::imread((folder_ / names[i]).string(), cv::IMREAD_UNCHANGED);
@@ -117,22 +117,23 @@ class MatchCommand : public ::testing::Test {
       header.kind = spec::kKindMoments;
       header.first_line = 0;
       header.lines = 0;
-      append_packet(header, std::vector<std::uint8_t>(moments_payload_bytes(Mode::binary, image.cols)), 0, bytes);
+      model::append_packet(
+          header, std::vector<std::uint8_t>(model::moments_payload_bytes(model::Mode::binary, image.cols)), 0, bytes);
       header.kind = codes ? spec::kKindCodes : spec::kKindImage;
       const bool due = decoder.add_frame({image.data, image.rows, image.cols, image.cols}, static_cast<int>(i % 8),
                                          true, words.data());
       for (int row = 0; row < image.rows && (due || !codes); ++row) {
         header.first_line = static_cast<std::uint16_t>(row + 1);
         header.lines = 1;
-        std::vector<std::uint8_t> payload(codes ? codes_line_payload_bytes(image.cols)
-                                                : image_line_payload_bytes(image.cols));
+        std::vector<std::uint8_t> payload(codes ? model::codes_line_payload_bytes(image.cols)
+                                                : model::image_line_payload_bytes(image.cols));
         if (codes) {
-          pack_codes(image.cols, words.data() + row * image.cols, payload.data());
+          model::pack_codes(image.cols, words.data() + row * image.cols, payload.data());
         } else {
           std::copy_n(image.ptr(row), image.cols, payload.begin());
         }
         if (i != without || row != 5) {
-          append_packet(header, payload, 0, bytes);
+          model::append_packet(header, payload, 0, bytes);
         }
       }
     }
@@ -140,14 +141,14 @@ class MatchCommand : public ::testing::Test {
   }
 
   ScratchFolder folder_;
-  Rig rig_;
-  ProjectorPoints points_;
+  rig::Rig rig_;
+  structured_light::ProjectorPoints points_;
 };
 
 TEST_F(MatchCommand, ReferenceOfAScanAndDepthOfImages) {
   reference();
-  const SelfReference found = read_self_reference(rig_, (folder_ / "ref").string());
-  EXPECT_EQ(found.stripes, (Stripes{4, 2, StripeCode::cyclic}));
+  const structured_light::SelfReference found = structured_light::read_self_reference(rig_, (folder_ / "ref").string());
+  EXPECT_EQ(found.stripes, (structured_light::Stripes{4, 2, structured_light::StripeCode::cyclic}));
   int compared = 0;
   for (std::size_t i = 0; i < found.points.line.values.size(); ++i) {
     if (found.measurable(i) && !std::isnan(points_.line.values[i])) {
@@ -163,7 +164,7 @@ TEST_F(MatchCommand, ReferenceOfAScanAndDepthOfImages) {
   }
   const Outcome outcome = run(arguments);
   ASSERT_EQ(outcome.status, 0) << outcome.err;
-  const FloatImage difference = read_float_tiff((folder_ / "out/difference.tiff").string());
+  const images::FloatImage difference = images::read_float_tiff((folder_ / "out/difference.tiff").string());
   double sum = 0;
   int count = 0;
   for (int r = 20; r < 44; ++r) {
@@ -296,7 +297,7 @@ TEST_F(MatchCommand, RefusesWrongReferencesAndSettings) {
     fs::remove(folder_ / ("ref/" + std::string(name)));
     fs::rename(folder_ / "kept", folder_ / ("ref/" + std::string(name)));
   }
-  write_float_tiff((folder_ / "ref/x_r_line.tiff").string(), FloatImage(3, 5));
+  images::write_float_tiff((folder_ / "ref/x_r_line.tiff").string(), images::FloatImage(3, 5));
   refused(match({}), {"x_r_line.tiff", "5 x 3"});
 }
 

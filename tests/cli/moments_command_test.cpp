@@ -14,8 +14,8 @@
 #include <string>
 #include <vector>
 
-#include "model/column_moments.h"
-#include "model/spec/generated/selfproj_spec.h"
+#include "selfproj/model/column_moments.h"
+#include "selfproj/model/generated/selfproj_spec.h"
 #include "tests/cli/program.h"
 #include "tests/cli/random_image.h"
 #include "tests/cli/refusal.h"
@@ -29,14 +29,14 @@ namespace fs = std::filesystem;
 constexpr const char* kOldText = "an older table\n";
 
 // The expected table, from the definition of the moments.
-std::string expected_csv(const std::vector<cv::Mat>& frames, Mode mode, int threshold) {
+std::string expected_csv(const std::vector<cv::Mat>& frames, model::Mode mode, int threshold) {
   std::string csv = "frame,column,m0,m1,n\n";
   for (std::size_t frame = 0; frame < frames.size(); ++frame) {
     const cv::Mat& image = frames[frame];
-    const ImageView view{image.data, image.rows, image.cols, static_cast<std::ptrdiff_t>(image.step[0])};
-    Moments moments;
+    const model::ImageView view{image.data, image.rows, image.cols, static_cast<std::ptrdiff_t>(image.step[0])};
+    model::Moments moments;
     moments.resize(image.cols);
-    column_moments(view, mode, threshold, moments.view());
+    model::column_moments(view, mode, threshold, moments.view());
     for (std::size_t i = 0; i < moments.n.size(); ++i) {
       fmt::format_to(std::back_inserter(csv), "{},{},{},{},{}\n", frame + 1, i + 1, moments.m0[i], moments.m1[i],
                      moments.n[i]);
@@ -123,7 +123,9 @@ class MomentsByEngine : public MomentsCommand, public ::testing::WithParamInterf
               fmt::format("{} {} of {} x {}, engine {}, {}, threshold {}: {} columns → out.csv\n", frames.size(),
                           frames.size() == 1 ? "frame" : "frames", frames[0].cols, frames[0].rows, GetParam(), mode,
                           threshold, frames.size() * static_cast<std::size_t>(frames[0].cols)));
-    const Mode weight = mode == "binary" ? Mode::binary : mode == "grey" ? Mode::grey : Mode::grey_over;
+    const model::Mode weight = mode == "binary" ? model::Mode::binary
+                               : mode == "grey" ? model::Mode::grey
+                                                : model::Mode::grey_over;
     EXPECT_TRUE(equal_text(table(), expected_csv(frames, weight, threshold)));
   }
 };
@@ -189,7 +191,7 @@ TEST_F(MomentsCommand, ThresholdIs128AndModeBinaryUnlessSaid) {
   const cv::Mat image = random_image(random, 20, 16);
   save("a.png", image);
   EXPECT_EQ(moments({"a.png"}).status, 0);
-  EXPECT_EQ(table(), expected_csv({image}, Mode::binary, 128));
+  EXPECT_EQ(table(), expected_csv({image}, model::Mode::binary, 128));
 }
 
 TEST_F(MomentsCommand, ChannelTakesAPlaneOrTheLuminance) {
@@ -209,7 +211,7 @@ TEST_F(MomentsCommand, ChannelTakesAPlaneOrTheLuminance) {
     for (const std::string file : {"three.png", "four.png"}) {
       SCOPED_TRACE(fmt::format("{} of {}", channel, file));
       EXPECT_EQ(moments({"--channel", channel, "--mode", "grey", file}).status, 0);
-      EXPECT_TRUE(equal_text(table(), expected_csv({plane}, Mode::grey, 128)));
+      EXPECT_TRUE(equal_text(table(), expected_csv({plane}, model::Mode::grey, 128)));
     }
   }
 }
@@ -219,7 +221,7 @@ TEST_F(MomentsCommand, ImageOfOneChannelIsItsOwnGrey) {
   const cv::Mat image = random_image(random, 20, 16);
   save("a.png", image);
   EXPECT_EQ(moments({"--channel", "grey", "a.png"}).status, 0);
-  EXPECT_EQ(table(), expected_csv({image}, Mode::binary, 128));
+  EXPECT_EQ(table(), expected_csv({image}, model::Mode::binary, 128));
 }
 
 TEST_F(MomentsCommand, ImageOfOneChannelHasNoColour) {
@@ -326,7 +328,7 @@ TEST_F(MomentsCommand, ExistingOutputIsReplacedAndKeepsItsPermissions) {
   const auto permissions = fs::perms::owner_read | fs::perms::owner_write | fs::perms::group_read;
   fs::permissions(folder_ / "out.csv", permissions);
   EXPECT_EQ(moments({"a.pgm"}).status, 0);
-  EXPECT_EQ(table(), expected_csv({image}, Mode::binary, 128));
+  EXPECT_EQ(table(), expected_csv({image}, model::Mode::binary, 128));
   EXPECT_EQ(fs::status(folder_ / "out.csv").permissions(), permissions);
   EXPECT_EQ(folder_.names(), (std::vector<std::string>{"a.pgm", "out.csv"}));
 }

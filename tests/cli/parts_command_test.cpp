@@ -19,8 +19,8 @@
 #include <thread>
 #include <vector>
 
-#include "host/images/float_image.h"
 #include "host/production/modbus_server.h"
+#include "selfproj/images/float_image.h"
 #include "tests/cli/program.h"
 #include "tests/host/production/made_packets.h"
 
@@ -34,8 +34,8 @@ class PartsCommand : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
     folder_ = new ScratchFolder;
-    const Rig rig = rig_of_made_packets();
-    write_text(*folder_ / "rig.yaml", to_yaml(rig));
+    const rig::Rig rig = rig_of_made_packets();
+    write_text(*folder_ / "rig.yaml", rig::to_yaml(rig));
     MadePackets good(rig, 3);
     std::mt19937_64 random(3);
     std::uniform_real_distribution<double> any(-1, 1);
@@ -112,7 +112,8 @@ TEST_F(PartsCommand, LearnsAndJudges) {
       EXPECT_NEAR(defect.at("across_mm").get<double>(), 5, 0.4);
       EXPECT_NEAR(defect.at("depth_mm").get<double>(), -0.5, 0.08);
       EXPECT_EQ(nlohmann::json::parse(read_text(*folder_ / (folder + "/result.json"))), part);
-      const FloatImage difference = read_float_tiff(*folder_ / (folder + "/difference.tiff"));  // from the plane
+      const images::FloatImage difference =
+          images::read_float_tiff(*folder_ / (folder + "/difference.tiff"));  // from the plane
       EXPECT_NEAR(difference.row((12 + 2) * 4)[(5 + 20 + 2) * 4], 7.5, 0.1);
       EXPECT_GT(std::filesystem::file_size(*folder_ / (folder + "/difference.png")), 1000U);
     }
@@ -164,7 +165,8 @@ TEST_F(PartsCommand, BadInputIsOneLine) {
             std::string::npos);
 
   // A port that is taken.
-  const ModbusServer taken({.port = 15020}, [] { return std::array<std::uint16_t, kModbusRegisters>{}; });
+  const production::ModbusServer taken({.port = 15020},
+                                       [] { return std::array<std::uint16_t, production::kModbusRegisters>{}; });
   EXPECT_NE(error(inspect({"--tolerance", "tolerance.yaml", "--modbus", "15020"}))
                 .find("--modbus 127.0.0.1:15020: Address already in use"),
             std::string::npos);
@@ -181,21 +183,23 @@ Client client_of(int port) {
 }
 
 TEST(Modbus, TellsWhatIsThereAndTakesNothing) {
-  PartCounts state;
+  production::PartCounts state;
   state.verdicts = {70'000, 3, 2};
   state.specks = 5;
   state.last_part = 70'005;
-  state.last_verdict = Verdict::bad;
+  state.last_verdict = production::Verdict::bad;
   state.last_defects = 2;
   state.last_depth_mm = -0.3;
   state.last_delay_ns = 4'500'000;
   state.last_ns = 1'000'000'000;
-  const ModbusServer server({.port = 15021}, [&] { return modbus_registers(state, 9, 17, 1'250'000'000); });
-  const std::array<std::uint16_t, kModbusRegisters> expected = {1, 17,  2, 1,     4469, 1,    4464, 0, 3, 0, 2,
-                                                                0, 250, 2, 65236, 0,    4500, 0,    9, 0, 5};
+  const production::ModbusServer server({.port = 15021},
+                                        [&] { return production::modbus_registers(state, 9, 17, 1'250'000'000); });
+  const std::array<std::uint16_t, production::kModbusRegisters> expected = {
+      1, 17, 2, 1, 4469, 1, 4464, 0, 3, 0, 2, 0, 250, 2, 65236, 0, 4500, 0, 9, 0, 5};
   const Client client = client_of(15021);
-  std::array<std::uint16_t, kModbusRegisters> values{};
-  ASSERT_EQ(modbus_read_input_registers(client.get(), 0, kModbusRegisters, values.data()), int{kModbusRegisters});
+  std::array<std::uint16_t, production::kModbusRegisters> values{};
+  ASSERT_EQ(modbus_read_input_registers(client.get(), 0, production::kModbusRegisters, values.data()),
+            int{production::kModbusRegisters});
   EXPECT_EQ(values, expected);
   ASSERT_EQ(modbus_read_registers(client.get(), 2, 3, values.data()), 3);
   EXPECT_EQ(values[0], 2);
@@ -216,12 +220,14 @@ TEST(Modbus, TellsWhatIsThereAndTakesNothing) {
     }
     ASSERT_GT(send(modbus_get_socket(rude.get()), bytes.data(), bytes.size(), MSG_NOSIGNAL), 0);
     if (i % 50 == 0) {
-      ASSERT_EQ(modbus_read_input_registers(client.get(), 0, kModbusRegisters, values.data()), int{kModbusRegisters})
+      ASSERT_EQ(modbus_read_input_registers(client.get(), 0, production::kModbusRegisters, values.data()),
+                int{production::kModbusRegisters})
           << modbus_strerror(errno);
       EXPECT_EQ(values, expected);
     }
   }
-  ASSERT_EQ(modbus_read_input_registers(client.get(), 0, kModbusRegisters, values.data()), int{kModbusRegisters});
+  ASSERT_EQ(modbus_read_input_registers(client.get(), 0, production::kModbusRegisters, values.data()),
+            int{production::kModbusRegisters});
   EXPECT_EQ(values, expected);
 }
 

@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "host/calibration/chessboard.h"
-#include "host/images/float_image.h"
 #include "host/images/image_files.h"
-#include "host/light_section/reference_file.h"
+#include "selfproj/images/float_image.h"
+#include "selfproj/light_section/reference_file.h"
 #include "tests/cli/program.h"
 #include "tests/cli/refusal.h"
 
@@ -40,18 +40,18 @@ TEST(PatternCommand, MakesAReferenceFolder) {
   const Outcome outcome = pattern(folder, {"--reference", "plane.csv", "--out", "out"});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_EQ(outcome.out, "out: reference in 512 of 512 columns\n");
-  const Rig rig = load_rig("light-section");
+  const rig::Rig rig = rig::load_rig("light-section");
   const std::string out = (folder / "out").string();
-  const ReferenceProfile reference = load_reference(rig, out);
+  const light_section::ReferenceProfile reference = light_section::load_reference(rig, out);
   EXPECT_NEAR(reference.z_mm[17], 1167, 1e-9);
-  const FloatImage image = load_pattern(rig, out);
-  const Image png = read_image(out + "/pattern.png", {});
+  const images::FloatImage image = light_section::load_pattern(rig, out);
+  const images::Image png = images::read_image(out + "/pattern.png", {});
   ASSERT_EQ(png.rows, 512);
   ASSERT_EQ(png.columns, 512);
   for (std::size_t i = 0; i < image.values.size(); ++i) {
     ASSERT_EQ(png.pixels[i], std::lround(255 * image.values[i]));
   }
-  EXPECT_GT(read_image(out + "/preview.png", Channel::grey).columns, 500);
+  EXPECT_GT(images::read_image(out + "/preview.png", images::Channel::grey).columns, 500);
   EXPECT_EQ(folder.names(), (std::vector<std::string>{"out", "plane.csv"}));
   // Again into the same folder.
   EXPECT_EQ(pattern(folder, {"--reference", "plane.csv", "--out", "out"}).status, 0);
@@ -72,16 +72,17 @@ TEST(PatternCommand, GraySequence) {
   const Outcome outcome = pattern(folder, {"gray", "--projector", "5x3", "--out", "gray"});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_EQ(outcome.out, "gray: 12 patterns of 5x3: 3 bits for columns, 2 for rows, white, black\n");
-  const Image second = read_image((folder / "gray" / "pattern_01.png").string(), {});  // bit 2 of 0..4, inverse
+  const images::Image second =
+      images::read_image((folder / "gray" / "pattern_01.png").string(), {});  // bit 2 of 0..4, inverse
   EXPECT_EQ(second.pixels,
             (std::vector<std::uint8_t>{255, 255, 255, 255, 0, 255, 255, 255, 255, 0, 255, 255, 255, 255, 0}));
-  const Image rows = read_image((folder / "gray" / "pattern_08.png").string(), {});  // bit 0 of 0, 1, 3
+  const images::Image rows = images::read_image((folder / "gray" / "pattern_08.png").string(), {});  // bit 0 of 0, 1, 3
   EXPECT_EQ(rows.pixels, (std::vector<std::uint8_t>{0, 0, 0, 0, 0, 255, 255, 255, 255, 255, 255, 255, 255, 255, 255}));
   EXPECT_TRUE(std::filesystem::exists(folder / "gray" / "pattern_11.png"));
   EXPECT_FALSE(std::filesystem::exists(folder / "gray" / "pattern_12.png"));
   // The rig's lines are the rows.
   ASSERT_EQ(pattern(folder, {"gray", "--rig", "light-section", "--out", "rig"}).status, 0);
-  EXPECT_EQ(read_image((folder / "rig" / "pattern_37.png").string(), {}).rows, 512);
+  EXPECT_EQ(images::read_image((folder / "rig" / "pattern_37.png").string(), {}).rows, 512);
   expect_pattern_refused(folder, pattern(folder, {"gray", "--projector", "5x", "--out", "out"}),
                          "--projector: is '5x'");
   expect_pattern_refused(folder, pattern(folder, {"gray", "--projector", "0x5", "--out", "out"}),
@@ -92,11 +93,11 @@ TEST(PatternCommand, GraySequence) {
 }
 
 // The print as an image of 60 dots an inch, the whole sheet.
-Image printed(const ScratchFolder& folder, const std::string& file) {
+images::Image printed(const ScratchFolder& folder, const std::string& file) {
   const Outcome outcome = run_program("/usr/bin/rsvg-convert",
                                       {"--dpi-x", "60", "--dpi-y", "60", "--output", "print.png", file}, folder.path());
   EXPECT_EQ(outcome.status, 0) << outcome.err;
-  return read_image((folder / "print.png").string(), Channel::grey);
+  return images::read_image((folder / "print.png").string(), images::Channel::grey);
 }
 
 // Calibration finds the board in its print, with squares of the size that is written on it, in the middle of the paper.
@@ -106,7 +107,7 @@ TEST(PatternCommand, ChessboardIsFoundInItsPrint) {
   }
   struct Case {
     std::vector<std::string> arguments;
-    Chessboard board;
+    calibration::Chessboard board;
     double width_mm, height_mm;
     std::string text;
   };
@@ -125,11 +126,11 @@ TEST(PatternCommand, ChessboardIsFoundInItsPrint) {
     const Outcome outcome = pattern(folder, arguments);
     ASSERT_EQ(outcome.status, 0) << outcome.err;
     EXPECT_NE(read_text(folder / "board.svg").find(one.text), std::string::npos);
-    const Image sheet = printed(folder, "board.svg");
+    const images::Image sheet = printed(folder, "board.svg");
     constexpr double kDotsPerMm = 60 / 25.4;
     EXPECT_NEAR(sheet.columns, one.width_mm * kDotsPerMm, 1);
     EXPECT_NEAR(sheet.rows, one.height_mm * kDotsPerMm, 1);
-    const FoundChessboard found = find_chessboard(sheet, one.board);
+    const calibration::FoundChessboard found = calibration::find_chessboard(sheet, one.board);
     ASSERT_EQ(found.corners.size(), static_cast<std::size_t>(one.board.corners())) << found.reason;
     const cv::Point2d along = found.corners.back() - found.corners.front();
     const double diagonal = one.board.square_mm * std::hypot(one.board.columns - 1, one.board.rows - 1);
@@ -170,7 +171,7 @@ TEST(PatternCommand, WrongInputIsOneLine) {
   write_text(folder / "away.csv", "y_mm,z_mm\n-80,3000\n80,3000\n");
   refused({"--reference", "away.csv", "--out", "out"},
           "away.csv: no camera column sees the part in the projector's light");
-  write_float_tiff((folder / "narrow.tiff").string(), FloatImage(1, 500));
+  images::write_float_tiff((folder / "narrow.tiff").string(), images::FloatImage(1, 500));
   refused({"--reference", "narrow.tiff", "--out", "out"}, "narrow.tiff: has 500 columns; the rig's camera has 512");
   write_text(folder / "rig.yaml", "name: mine\n");
   refused({"--rig", "rig.yaml", "--reference", "plane.csv", "--out", "out"}, "rig.yaml: ");

@@ -25,20 +25,21 @@ TEST(ReplayCommand, ImagesAndSources) {
   const int process = getpid();
   const std::string host = "127.78." + std::to_string(process / 250 % 250) + "." + std::to_string(process % 250 + 1);
   ReplayBoard board({.sources = 0b101, .replay = {.columns = 64, .rows = 48}}, 5, 1, host,
-                    {.etherbone = kEtherbonePort, .replay = spec::kReplayPort});
+                    {.etherbone = driver::kEtherbonePort, .replay = spec::kReplayPort});
   const auto command = [&](const std::string& device, Words words) {
     words.insert(words.begin(), "board");
     words.insert(words.begin() + 2, {"--device", device});
     return run_program(SELFPROJ_PROGRAM, words, folder.path());
   };
   const std::string uri = "udp:" + host;
-  std::vector<ReplayFrame> sent;
+  std::vector<model::ReplayFrame> sent;
   std::filesystem::create_directory(folder / "images");
   for (int i = 1; i <= 11; ++i) {
-    Image image{.rows = 16, .columns = 8, .pixels = std::vector<std::uint8_t>(128, static_cast<std::uint8_t>(i))};
+    images::Image image{
+        .rows = 16, .columns = 8, .pixels = std::vector<std::uint8_t>(128, static_cast<std::uint8_t>(i))};
     image.pixels[8] = 200;  // second row
-    write_text(folder / "images" / ("img" + std::to_string(i) + ".png"), encode_png(image));
-    sent.push_back({.columns = 16, .rows = 8, .pixels = transposed(image).pixels});
+    write_text(folder / "images" / ("img" + std::to_string(i) + ".png"), images::encode_png(image));
+    sent.push_back({.columns = 16, .rows = 8, .pixels = images::transposed(image).pixels});
   }
   const Words replay{"replay", "--transpose", "images"};
   EXPECT_EQ(command(uri, replay).err,

@@ -13,8 +13,8 @@
 #include <utility>
 #include <vector>
 
-#include "model/column_runs.h"
-#include "model/packet_payload.h"
+#include "selfproj/model/column_runs.h"
+#include "selfproj/model/packet_payload.h"
 #include "tests/cli/program.h"
 #include "tests/cli/random_image.h"
 #include "tests/cli/refusal.h"
@@ -24,18 +24,18 @@ namespace selfproj::test {
 namespace {
 
 // The expected table, from the definition; in mode binary `second` is 8 or 0.
-std::string expected_csv(const cv::Mat& image, const Measure& measure) {
-  Runs runs;
+std::string expected_csv(const cv::Mat& image, const model::Measure& measure) {
+  model::Runs runs;
   runs.resize(measure.select, image.cols);
-  measure_columns({image.data, image.rows, image.cols, static_cast<std::ptrdiff_t>(image.step[0])}, measure,
-                  runs.view());
-  const bool strongest = measure.select == Select::strongest;
+  model::measure_columns({image.data, image.rows, image.cols, static_cast<std::ptrdiff_t>(image.step[0])}, measure,
+                         runs.view());
+  const bool strongest = measure.select == model::Select::strongest;
   std::string csv = strongest ? "frame,column,m0,m1,n,runs,second\n" : "frame,column,m0,m1,n\n";
   for (std::size_t i = 0; i < runs.moments.n.size(); ++i) {
     fmt::format_to(std::back_inserter(csv), "1,{},{},{},{}", i + 1, runs.moments.m0[i], runs.moments.m1[i],
                    runs.moments.n[i]);
     if (strongest) {
-      const int second = measure.mode == Mode::binary ? runs.second[i] / 8 > 0 ? 8 : 0 : runs.second[i];
+      const int second = measure.mode == model::Mode::binary ? runs.second[i] / 8 > 0 ? 8 : 0 : runs.second[i];
       fmt::format_to(std::back_inserter(csv), ",{},{}", runs.runs[i], second);
     }
     csv += "\n";
@@ -71,9 +71,12 @@ TEST_F(RunsCommand, StrongestRunWithGapAndRows) {
   const cv::Mat image = random_image(random, 30, 23);
   save("a.png", image);
   for (const auto& [name, mode] :
-       {std::pair{"binary", Mode::binary}, {"grey", Mode::grey}, {"grey-over", Mode::grey_over}}) {
-    const Measure measure{
-        .mode = mode, .threshold = 170, .select = Select::strongest, .gap = 2, .window = {.first = 4, .last = 27}};
+       {std::pair{"binary", model::Mode::binary}, {"grey", model::Mode::grey}, {"grey-over", model::Mode::grey_over}}) {
+    const model::Measure measure{.mode = mode,
+                                 .threshold = 170,
+                                 .select = model::Select::strongest,
+                                 .gap = 2,
+                                 .window = {.first = 4, .last = 27}};
     for (const char* engine : {"rtl", "hls", "model"}) {
       const Outcome outcome = moments(
           {"--select", "strongest", "--gap", "2", "--rows", "4..27", "--mode", name, "--threshold", "170", "a.png"},
@@ -116,7 +119,7 @@ TEST_F(RunsCommand, RedLessTheMeanOfGreenAndBlue) {
     }
   }
   EXPECT_EQ(moments({"--channel", "red-difference", "--mode", "grey", "--threshold", "10", "a.png"}).status, 0);
-  EXPECT_EQ(table(), expected_csv(expected, {.mode = Mode::grey, .threshold = 10}));
+  EXPECT_EQ(table(), expected_csv(expected, {.mode = model::Mode::grey, .threshold = 10}));
 }
 
 TEST_F(RunsCommand, RefusesWhatMakesNoSense) {

@@ -16,10 +16,10 @@
 #include <string>
 #include <vector>
 
-#include "host/images/float_image.h"
 #include "host/images/image_files.h"
 #include "host/light_section/pattern.h"
-#include "host/rig/rig.h"
+#include "selfproj/images/float_image.h"
+#include "selfproj/rig/rig.h"
 #include "sim/scene/pattern_renderer.h"
 #include "sim/scene/renderer.h"
 #include "sim/scene/scene.h"
@@ -53,8 +53,8 @@ class SceneCommand : public ::testing::Test {
     EXPECT_EQ(folder_.names(), before);
   }
 
-  void save(const std::string& name, const FloatImage& image) const {
-    write_float_tiff((folder_ / name).string(), image);
+  void save(const std::string& name, const images::FloatImage& image) const {
+    images::write_float_tiff((folder_ / name).string(), image);
   }
 
   std::vector<std::string> names(const std::string& sub_folder) const {
@@ -66,7 +66,9 @@ class SceneCommand : public ::testing::Test {
     return result;
   }
 
-  Image frame(const std::string& name) const { return read_image((folder_ / "out" / name).string(), std::nullopt); }
+  images::Image frame(const std::string& name) const {
+    return images::read_image((folder_ / "out" / name).string(), std::nullopt);
+  }
 
   ScratchFolder folder_;
 };
@@ -75,7 +77,7 @@ TEST_F(SceneCommand, ListNamesEveryScene) {
   const Outcome outcome = run({"list"});
   EXPECT_EQ(outcome.status, 0);
   EXPECT_EQ(outcome.err, "");
-  for (const SceneInfo& info : scenes()) {
+  for (const sim::SceneInfo& info : sim::scenes()) {
     EXPECT_NE(outcome.out.find("\n" + info.name + " "), std::string::npos) << info.name;
   }
 }
@@ -87,11 +89,11 @@ TEST_F(SceneCommand, FramesAndTruthAreTheRenderers) {
   EXPECT_EQ(outcome.out, "3 frames of 512 x 96, scene stairs-marked, rig light-section, seed 1 → out\n");
   EXPECT_EQ(names("out"),
             (std::vector<std::string>{"frame_00700.png", "frame_00701.png", "frame_00702.png", "pattern.tiff"}));
-  const Rig rig = load_rig("light-section");
-  const FloatImage pattern = read_float_tiff((folder_ / "out" / "pattern.tiff").string());
-  const std::unique_ptr<Scene> scene = make_scene("stairs-marked", rig);
-  const LineRenderer renderer(rig, *scene, pattern);
-  const FloatImage truth = read_float_tiff((folder_ / "truth.tiff").string());
+  const rig::Rig rig = rig::load_rig("light-section");
+  const images::FloatImage pattern = images::read_float_tiff((folder_ / "out" / "pattern.tiff").string());
+  const std::unique_ptr<sim::Scene> scene = sim::make_scene("stairs-marked", rig);
+  const sim::LineRenderer renderer(rig, *scene, pattern);
+  const images::FloatImage truth = images::read_float_tiff((folder_ / "truth.tiff").string());
   ASSERT_EQ(truth.rows, 3);
   std::vector<std::uint8_t> expected(96 * 512);
   std::vector<float> heights(512);
@@ -109,14 +111,14 @@ TEST_F(SceneCommand, FramesAndTruthAreTheRenderers) {
 
 // A scene of the scanner: Gray codes frame by frame from the first one rendered, or the user's patterns.
 TEST_F(SceneCommand, WholePatternsOfAScanner) {
-  Rig rig = load_rig("scanner");
+  rig::Rig rig = rig::load_rig("scanner");
   rig.camera.rows = rig.camera.columns = 32;
   rig.camera.pixel_pitch_mm *= 16;
   rig.projector.lines = 48;
   rig.projector.columns = 64;
   rig.projector.line_pitch_mm *= 16;
   rig.projector.column_pitch_mm *= 16;
-  std::ofstream(folder_ / "small.yaml") << to_yaml(rig);
+  std::ofstream(folder_ / "small.yaml") << rig::to_yaml(rig);
   const std::vector<std::string> common{"fist", "--rig", "small.yaml", "--first", "41", "--count", "5"};
   const auto with = [&](std::vector<std::string> more) {
     more.insert(more.begin(), common.begin(), common.end());
@@ -126,10 +128,10 @@ TEST_F(SceneCommand, WholePatternsOfAScanner) {
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_EQ(names("out"), (std::vector<std::string>{"frame_00041.png", "frame_00042.png", "frame_00043.png",
                                                     "frame_00044.png", "frame_00045.png"}));
-  const std::unique_ptr<Scene> scene = make_scene("fist", rig);
-  const PatternRenderer renderer(rig, *scene);
-  const PatternSet patterns(rig, gray_patterns(rig.projector, 2));
-  const FloatImage truth = read_float_tiff((folder_ / "truth.tiff").string());
+  const std::unique_ptr<sim::Scene> scene = sim::make_scene("fist", rig);
+  const sim::PatternRenderer renderer(rig, *scene);
+  const sim::PatternSet patterns(rig, sim::gray_patterns(rig.projector, 2));
+  const images::FloatImage truth = images::read_float_tiff((folder_ / "truth.tiff").string());
   ASSERT_EQ(truth.rows, 5 * 32);
   std::vector<std::uint8_t> expected(32 * 32);
   std::vector<float> z(32 * 32);
@@ -143,8 +145,8 @@ TEST_F(SceneCommand, WholePatternsOfAScanner) {
   fs::remove_all(folder_ / "out");
   std::string files;
   for (int i = 0; i < 4; ++i) {
-    std::vector<Image> images = gray_patterns(rig.projector, 2);
-    Image& image = images[static_cast<std::size_t>(i)];
+    std::vector<images::Image> images = sim::gray_patterns(rig.projector, 2);
+    images::Image& image = images[static_cast<std::size_t>(i)];
     const std::string name = fmt::format("p{}.png", i);
     cv::imwrite((folder_ / name).string(), cv::Mat(image.rows, image.columns, CV_8UC1, image.pixels.data()));
     files += (i > 0 ? "," : "") + name;
@@ -165,7 +167,7 @@ TEST_F(SceneCommand, WholePatternsOfAScanner) {
 // The default line lies in the middle of the plane's image.
 TEST_F(SceneCommand, PatternIsAStraightLineInTheMiddleUnlessGiven) {
   EXPECT_EQ(render({"plane", "--count", "1"}).status, 0);
-  const Image image = frame("frame_00001.png");
+  const images::Image image = frame("frame_00001.png");
   for (const int column : {3, 200, 511}) {
     double m0 = 0;
     double m1 = 0;
@@ -179,15 +181,15 @@ TEST_F(SceneCommand, PatternIsAStraightLineInTheMiddleUnlessGiven) {
 }
 
 TEST_F(SceneCommand, PatternFromTiffOrPng) {
-  const Rig rig = load_rig("light-section");
-  const FloatImage pattern = draw_straight_line(rig, 270.4);
+  const rig::Rig rig = rig::load_rig("light-section");
+  const images::FloatImage pattern = light_section::draw_straight_line(rig, 270.4);
   save("line.tiff", pattern);
-  write_text(folder_ / "line.png", encode_pattern_png(pattern));
+  write_text(folder_ / "line.png", light_section::encode_pattern_png(pattern));
   EXPECT_EQ(render({"plane", "--count", "1", "--pattern", "line.tiff"}).status, 0);
-  EXPECT_EQ(read_float_tiff((folder_ / "out" / "pattern.tiff").string()), pattern);
-  const Image from_tiff = frame("frame_00001.png");
+  EXPECT_EQ(images::read_float_tiff((folder_ / "out" / "pattern.tiff").string()), pattern);
+  const images::Image from_tiff = frame("frame_00001.png");
   EXPECT_EQ(render({"plane", "--count", "1", "--pattern", "line.png"}).status, 0);
-  const Image from_png = frame("frame_00001.png");
+  const images::Image from_png = frame("frame_00001.png");
   int greatest = 0;
   for (std::size_t i = 0; i < from_png.pixels.size(); ++i) {
     greatest = std::max(greatest, std::abs(from_png.pixels[i] - from_tiff.pixels[i]));
@@ -200,14 +202,14 @@ TEST_F(SceneCommand, ErrorSourcesAreTurnedOffOneByOne) {
                     "camera-blur,projector-blur,motion-blur"})
                 .status,
             0);
-  const Image image = frame("frame_00001.png");
+  const images::Image image = frame("frame_00001.png");
   EXPECT_TRUE(std::all_of(image.pixels.begin(), image.pixels.begin() + 512, [](int p) { return p == 8; }));
   const Outcome outcome = run({"render", "plane", "--out", "float", "--count", "2", "--without", "quantization"});
   EXPECT_EQ(outcome.status, 0);
   EXPECT_EQ(outcome.out,
             "2 frames of 512 x 96, scene plane, rig light-section, seed 1, without quantization → float\n");
   EXPECT_EQ(names("float"), (std::vector<std::string>{"frame_00001.tiff", "frame_00002.tiff", "pattern.tiff"}));
-  const FloatImage fine = read_float_tiff((folder_ / "float" / "frame_00001.tiff").string());
+  const images::FloatImage fine = images::read_float_tiff((folder_ / "float" / "frame_00001.tiff").string());
   EXPECT_NE(fine.values[0], std::nearbyint(fine.values[0]));
 }
 
@@ -226,7 +228,7 @@ TEST_F(SceneCommand, SeedAndThreads) {
 
 // A ramp of 0.2 mm a row along the conveyor, with the truth beside the frames.
 TEST_F(SceneCommand, HeightMap) {
-  FloatImage map(21, 120);
+  images::FloatImage map(21, 120);
   for (int r = 0; r < map.rows; ++r) {
     std::fill_n(map.row(r), map.columns, static_cast<float>(10 - r) * 0.2F);
   }
@@ -236,14 +238,14 @@ TEST_F(SceneCommand, HeightMap) {
   EXPECT_EQ(outcome.err, "");
   EXPECT_EQ(outcome.status, 0);
   EXPECT_EQ(outcome.out, "1 frame of 512 x 96, height map map.tiff, rig light-section, seed 1 → out\n");
-  const FloatImage truth = read_float_tiff((folder_ / "out" / "truth.tiff").string());
+  const images::FloatImage truth = images::read_float_tiff((folder_ / "out" / "truth.tiff").string());
   // the middle of the map is at x = -15.5 + 15.4 mm, the ramp rises by 0.2 along x, and the sheet leans by 352/588 from
   // the plane at x = 0: h = 0.2 (0.1 + h 352/588)
   EXPECT_NEAR(truth.row(0)[256], 0.02 / (1 - 0.2 * 352 / 588), 1e-4);
 }
 
 TEST_F(SceneCommand, OtherRig) {
-  std::string yaml = to_yaml(load_rig("light-section"));
+  std::string yaml = rig::to_yaml(rig::load_rig("light-section"));
   const auto replace = [&](const std::string& from, const std::string& to) {
     ASSERT_NE(yaml.find(from), std::string::npos);
     yaml.replace(yaml.find(from), from.size(), to);
@@ -277,10 +279,10 @@ TEST_F(SceneCommand, BadInputIsOneLineAndNothingWritten) {
   expect_refused({"render", "plane", "--out", "file"}, "file");
   expect_refused({"render", "plane", "--out", "file/out"}, "file/out: file is not a folder");
   expect_refused(with_out({"plane", "--truth", "file/truth.tiff"}), "file/truth.tiff: file is not a folder");
-  save("small.tiff", FloatImage(10, 10));
+  save("small.tiff", images::FloatImage(10, 10));
   expect_refused(with_out({"plane", "--pattern", "small.tiff"}),
                  "small.tiff: has 10 lines of 10 columns; the rig's projector has 512 of 512");
-  save("bright.tiff", FloatImage(512, 512, 2));
+  save("bright.tiff", images::FloatImage(512, 512, 2));
   expect_refused(with_out({"plane", "--pattern", "bright.tiff"}), "bright.tiff: has a value of 2; light is 0 to 1");
 }
 
@@ -288,7 +290,7 @@ TEST_F(SceneCommand, BadHeightMapsAreNamed) {
   const auto map = [](const std::string& file, const std::string& scale) {
     return std::vector<std::string>{"render", "--out", "out", "--height-map", file, "--mm-per-pixel", scale};
   };
-  save("map.tiff", FloatImage(4, 4, 1));
+  save("map.tiff", images::FloatImage(4, 4, 1));
   expect_refused(map("map.tiff", "0"), "--mm-per-pixel: is '0'; a number above 0");
   expect_refused(map("map.tiff", "-1"), "--mm-per-pixel: is '-1'; a number above 0");
   expect_refused(map("map.tiff", "wide"), "--mm-per-pixel: is 'wide'; a number above 0");
@@ -297,9 +299,9 @@ TEST_F(SceneCommand, BadHeightMapsAreNamed) {
                  "--mm-per-pixel: goes only with --height-map");
   write_text(folder_ / "empty.tiff", "");
   expect_refused(map("empty.tiff", "1"), "empty.tiff: is not an image");
-  save("high.tiff", FloatImage(4, 4, 600));
+  save("high.tiff", images::FloatImage(4, 4, 600));
   expect_refused(map("high.tiff", "1"), "high.tiff: has heights from 600 to 600 mm");
-  save("infinite.tiff", FloatImage(4, 4, std::numeric_limits<float>::infinity()));
+  save("infinite.tiff", images::FloatImage(4, 4, std::numeric_limits<float>::infinity()));
   expect_refused(map("infinite.tiff", "1"), "infinite.tiff: has a pixel that is inf");
   ASSERT_TRUE(cv::imwrite((folder_ / "bytes.tiff").string(), cv::Mat(4, 4, CV_8UC1, cv::Scalar(9))));
   expect_refused(map("bytes.tiff", "1"), "bytes.tiff: is not an image of one channel of 32-bit");

@@ -11,11 +11,11 @@
 #include <string>
 #include <vector>
 
-#include "host/images/float_image.h"
 #include "host/light_section/pattern.h"
-#include "host/light_section/reference.h"
-#include "host/rig/rig.h"
-#include "model/packet.h"
+#include "selfproj/images/float_image.h"
+#include "selfproj/light_section/reference.h"
+#include "selfproj/model/packet.h"
+#include "selfproj/rig/rig.h"
 #include "sim/scene/renderer.h"
 #include "sim/scene/scene.h"
 #include "sim/scene/scenes.h"
@@ -109,11 +109,11 @@ TEST_F(Cosim, TheModelWritesAllFilesOfTheContract) {
 // Marks are 1 mm deep, the treads beside them equal the reference, and the treads are 30, 39 and 21 mm high.
 TEST_F(Cosim, MarksShowInTheDifference) {
   ASSERT_EQ(run_middle({"--engine", "model", "--count", "20", "--out", "out"}).status, 0);
-  const FloatImage difference = read_float_tiff(folder_ / "out/difference.tiff");
-  const FloatImage height = read_float_tiff(folder_ / "out/height.tiff");
+  const images::FloatImage difference = images::read_float_tiff(folder_ / "out/difference.tiff");
+  const images::FloatImage height = images::read_float_tiff(folder_ / "out/height.tiff");
   ASSERT_EQ(difference.rows, 20);
   ASSERT_EQ(difference.columns, 512);
-  const auto share = [](const FloatImage& image, double low, double high) {
+  const auto share = [](const images::FloatImage& image, double low, double high) {
     const auto inside = std::count_if(image.values.begin(), image.values.end(),
                                       [&](float value) { return double{value} > low && double{value} < high; });
     return static_cast<double>(inside) / static_cast<double>(image.values.size());
@@ -150,8 +150,8 @@ TEST_F(Cosim, PacketsAreTheStreamOfTheBoard) {
   const std::string stream = text("packets");
   std::span<const std::uint8_t> left(reinterpret_cast<const std::uint8_t*>(stream.data()), stream.size());
   for (std::uint64_t frame = 0; frame < 3; ++frame) {
-    PacketView packet;
-    ASSERT_EQ(parse_packet(left, packet), PacketError::none);
+    model::PacketView packet;
+    ASSERT_EQ(model::parse_packet(left, packet), model::PacketError::none);
     EXPECT_EQ(packet.header.sequence, frame);
     EXPECT_EQ(packet.header.encoder, 10 * frame);
     left = left.subspan(packet.size);
@@ -162,7 +162,7 @@ TEST_F(Cosim, PacketsAreTheStreamOfTheBoard) {
 // The perturbed rig differs from the assumed one: its projector is turned by 0.02 degrees. Measuring the reference part
 // once with its own pattern removes the error.
 TEST_F(Cosim, ResidualTakesOutAWrongRig) {
-  std::string yaml = to_yaml(load_rig("light-section"));
+  std::string yaml = rig::to_yaml(rig::load_rig("light-section"));
   const std::size_t at = yaml.find("tilt_deg: 20");
   ASSERT_NE(at, std::string::npos);
   yaml.insert(at + std::string("tilt_deg: 20").size(), ".02");
@@ -189,7 +189,7 @@ TEST_F(Cosim, ResidualTakesOutAWrongRig) {
     EXPECT_EQ(outcome.err.find("note: --real-rig is now --perturbed-rig") != std::string::npos, residual);
     double square = 0;
     std::size_t count = 0;
-    for (const float value : read_float_tiff(folder_ / "out/difference.tiff").values) {
+    for (const float value : images::read_float_tiff(folder_ / "out/difference.tiff").values) {
       if (!std::isnan(value)) {
         square += double{value} * double{value};
         ++count;
@@ -229,7 +229,7 @@ TEST_F(Cosim, RecordedImagesWithoutARig) {
                                       folder_.path());
   ASSERT_EQ(moments.status, 0) << moments.err;
   EXPECT_EQ(text("out/moments.csv"), text("moments.csv"));
-  const FloatImage centroid = read_float_tiff(folder_ / "out/centroid.tiff");
+  const images::FloatImage centroid = images::read_float_tiff(folder_ / "out/centroid.tiff");
   EXPECT_EQ(centroid.rows, 3);
   EXPECT_EQ(centroid.columns, 64);
   for (const float row : centroid.values) {
@@ -249,7 +249,7 @@ TEST_F(Cosim, BackgroundIsTakenAway) {
   const Outcome outcome =
       run({"--engine", "model", "--frames", "on.png", "--background", "off.png", "--threshold", "30", "--out", "out"});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
-  const FloatImage centroid = read_float_tiff(folder_ / "out/centroid.tiff");
+  const images::FloatImage centroid = images::read_float_tiff(folder_ / "out/centroid.tiff");
   EXPECT_TRUE(std::all_of(centroid.values.begin(), centroid.values.end(), [](float row) { return row == 13; }));
   const cv::Mat picture = cv::imread(folder_ / "out/frame_1.png", cv::IMREAD_GRAYSCALE);
   double most = 0;
@@ -262,16 +262,17 @@ TEST_F(Cosim, BackgroundIsTakenAway) {
 
 // Images of the bare plane as the rig's camera takes them are measured as the plane.
 TEST_F(Cosim, RecordedImagesWithARig) {
-  const Rig rig = load_rig("light-section");
+  const rig::Rig rig = rig::load_rig("light-section");
   const double far = rig.plane_z_mm;
-  const auto plane = make_scene("plane", rig);
-  const LineRenderer renderer(rig, *plane, draw_pattern(rig, pattern_of_curve(rig, {{-far, far}, {far, far}})));
+  const auto plane = sim::make_scene("plane", rig);
+  const sim::LineRenderer renderer(
+      rig, *plane, light_section::draw_pattern(rig, light_section::pattern_of_curve(rig, {{-far, far}, {far, far}})));
   cv::Mat image(rig.camera.rows, rig.camera.columns, CV_8UC1);
   renderer.render(0, {image.data, image.total()});
   ASSERT_TRUE(cv::imwrite(folder_ / "plane.png", image));
   const Outcome outcome = run({"--engine", "model", "--frames", "plane.png", "--rig", "light-section", "--out", "out"});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
-  const FloatImage height = read_float_tiff(folder_ / "out/height.tiff");
+  const images::FloatImage height = images::read_float_tiff(folder_ / "out/height.tiff");
   ASSERT_EQ(height.columns, 512);
   EXPECT_TRUE(std::all_of(height.values.begin(), height.values.end(),
                           [](float value) { return std::abs(double{value}) < 0.1; }));
@@ -366,7 +367,7 @@ TEST_F(Cosim, RealCaptures) {
   // Where both found the line, it is where the captures' owner found it: one white pixel for each column in a picture
   // of his. The first sample is left out. Its two images were not exposed alike, so their difference is light
   // everywhere.
-  const FloatImage centroid = read_float_tiff(folder_ / "out/centroid.tiff");
+  const images::FloatImage centroid = images::read_float_tiff(folder_ / "out/centroid.tiff");
   ASSERT_EQ(centroid.rows, 10);
   int both = 0;
   int near = 0;

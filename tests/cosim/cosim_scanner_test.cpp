@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "host/images/float_image.h"
-#include "host/rig/rig.h"
+#include "selfproj/images/float_image.h"
+#include "selfproj/rig/rig.h"
 #include "tests/cli/program.h"
 
 namespace selfproj::test {
@@ -23,7 +23,7 @@ class CosimScanner : public ::testing::Test {
  protected:
   // Rig B with a quarter of the pixels along each side.
   void SetUp() override {
-    Rig rig = load_rig("scanner");
+    rig::Rig rig = rig::load_rig("scanner");
     rig.name = "small";
     rig.camera.rows = rig.camera.columns = kSide;
     rig.camera.pixel_pitch_mm *= 4;
@@ -32,7 +32,7 @@ class CosimScanner : public ::testing::Test {
     rig.projector.line_pitch_mm *= 4;
     rig.projector.column_pitch_mm *= 4;
     rig.measure.max_z_per_line_mm *= 4;
-    std::ofstream(folder_ / "small.yaml") << to_yaml(rig);
+    std::ofstream(folder_ / "small.yaml") << rig::to_yaml(rig);
   }
 
   Outcome run(std::vector<std::string> arguments) {
@@ -110,7 +110,7 @@ TEST_F(CosimScanner, FistGoesRoundAtItsFrequency) {
         "depth_00048.tiff", "depth_00048.png", "moved_00048.png", "frame_00048.png"}) {
     EXPECT_GT(read_text(folder_ / "out" / file).size(), 100U) << file;
   }
-  const FloatImage depth = read_float_tiff((folder_ / "out" / "depth.tiff").string());
+  const images::FloatImage depth = images::read_float_tiff((folder_ / "out" / "depth.tiff").string());
   EXPECT_EQ(depth.rows, kSide);
   EXPECT_EQ(depth.columns, kSide);
 }
@@ -152,9 +152,9 @@ TEST_F(CosimScanner, DepthIsThatOfTheRenderedImages) {
   decode.insert(decode.end(), images.begin(), images.end());
   EXPECT_EQ(run_program(SELFPROJ_SIM_PROGRAM, decode, folder_.path()).status, 0);
   // The truth, with frames one below the other, is near the measurement wherever that has a depth.
-  const FloatImage truth = read_float_tiff((folder_ / "truth.tiff").string());
+  const images::FloatImage truth = images::read_float_tiff((folder_ / "truth.tiff").string());
   ASSERT_EQ(truth.rows, 12 * kSide);
-  const FloatImage measured = read_float_tiff((folder_ / "out" / "depth.tiff").string());
+  const images::FloatImage measured = images::read_float_tiff((folder_ / "out" / "depth.tiff").string());
   std::size_t valid = 0;
   std::size_t near = 0;
   for (int r = 0; r < kSide; ++r) {

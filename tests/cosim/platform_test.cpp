@@ -10,8 +10,8 @@
 #include <stdexcept>
 #include <vector>
 
-#include "host/files/user_error.h"
-#include "model/packet.h"
+#include "selfproj/files/user_error.h"
+#include "selfproj/model/packet.h"
 #include "sim/board/packet_scoreboard.h"
 #include "tests/rtl/board/frames.h"
 #include "tests/support/random_cases.h"
@@ -26,7 +26,7 @@
 namespace selfproj::test {
 namespace {
 
-constexpr std::uint64_t kClockPs = pixel_clock_period_ps(kDefaultPixelClockHz);
+constexpr std::uint64_t kClockPs = model::pixel_clock_period_ps(model::kDefaultPixelClockHz);
 
 struct Arrival {
   std::vector<std::uint8_t> bytes;
@@ -37,9 +37,9 @@ struct Arrival {
 // A run of the platform over frames in memory.
 struct Played {
   std::vector<Arrival> arrivals;
-  PacketScoreboard scoreboard;
-  PlatformReport report;
-  CameraTiming timing;
+  sim::PacketScoreboard scoreboard;
+  sim::PlatformReport report;
+  sim::CameraTiming timing;
 
   [[nodiscard]] std::vector<std::vector<std::uint8_t>> packets() const {
     std::vector<std::vector<std::uint8_t>> all;
@@ -50,19 +50,19 @@ struct Played {
   }
 };
 
-Played run(const PlatformOptions& options, const std::vector<TestImage>& frames) {
+Played run(const sim::PlatformOptions& options, const std::vector<TestImage>& frames) {
   Played played;
   std::size_t next = 0;
-  Platform platform(
+  sim::Platform platform(
       options,
-      [&]() -> std::optional<ImageView> {
+      [&]() -> std::optional<model::ImageView> {
         return next < frames.size() ? std::optional(frames[next++].view()) : std::nullopt;
       },
       [&](std::span<const std::uint8_t> bytes, std::uint64_t time_ps) {
         played.arrivals.push_back({{bytes.begin(), bytes.end()}, time_ps});
         played.scoreboard.compare(bytes);
       },
-      [&](BoardPacket&& packet) { played.scoreboard.expect(std::move(packet)); });
+      [&](model::BoardPacket&& packet) { played.scoreboard.expect(std::move(packet)); });
   platform.run();
   played.scoreboard.finish();
   played.report = platform.report();
@@ -89,12 +89,12 @@ std::vector<TestImage> random_images(Random& random, int count, int rows, int co
   return images;
 }
 
-PlatformOptions random_options(Random& random) {
-  PlatformOptions options;
+sim::PlatformOptions random_options(Random& random) {
+  sim::PlatformOptions options;
   options.settings = {.image = random.chance(30),
                       .columns = 4 * random.between(1, 24),
                       .rows = random.between(1, 20),
-                      .mode = static_cast<Mode>(random.between(0, 2)),
+                      .mode = static_cast<model::Mode>(random.between(0, 2)),
                       .threshold = random.between(0, 255),
                       .stream = random.between(0, 255)};
   options.frame_rate_hz = random.between(10000, 40000);
@@ -106,58 +106,59 @@ PlatformOptions random_options(Random& random) {
 }
 
 TEST(CameraTiming, OfOtherPixelClocks) {
-  EXPECT_EQ(pixel_clock_period_ps(151.2e6), 6614U);
-  EXPECT_EQ(pixel_clock_period_ps(125e6), 8000U);
-  EXPECT_EQ(camera_timing(64, 512, 10000, 125e6).frame_clocks, 12500U);
-  EXPECT_EQ(camera_timing(96, 512, 10000, 125e6).frame_clocks, 96U * 132U) << "no faster than the lines allow";
-  EXPECT_THROW(camera_timing(64, 512, 126e6, 125e6), std::invalid_argument);
+  EXPECT_EQ(model::pixel_clock_period_ps(151.2e6), 6614U);
+  EXPECT_EQ(model::pixel_clock_period_ps(125e6), 8000U);
+  EXPECT_EQ(sim::camera_timing(64, 512, 10000, 125e6).frame_clocks, 12500U);
+  EXPECT_EQ(sim::camera_timing(96, 512, 10000, 125e6).frame_clocks, 96U * 132U) << "no faster than the lines allow";
+  EXPECT_THROW(sim::camera_timing(64, 512, 126e6, 125e6), std::invalid_argument);
 }
 
 TEST(CameraTiming, OfRigA) {
-  const CameraTiming timing = camera_timing(96, 512, 10000);
+  const sim::CameraTiming timing = sim::camera_timing(96, 512, 10000);
   EXPECT_EQ(timing.frame_clocks, 15120U);
   EXPECT_EQ(timing.beats(), 12288U);
   EXPECT_EQ(timing.line_clocks, 157U);
 }
 
 TEST(CameraTiming, AFrameRateTooHighIsAsFastAsPossible) {
-  const CameraTiming timing = camera_timing(480, 640, 10000, kDefaultPixelClockHz, 4);
+  const sim::CameraTiming timing = sim::camera_timing(480, 640, 10000, model::kDefaultPixelClockHz, 4);
   EXPECT_EQ(timing.line_clocks, 164U);
   EXPECT_EQ(timing.frame_clocks, 480U * 164U);
 }
 
 TEST(CameraTiming, RefusesWhatTheBoardDoes) {
-  EXPECT_THROW(camera_timing(0, 512, 1000), std::invalid_argument);
-  EXPECT_THROW(camera_timing(96, 510, 1000), std::invalid_argument);
-  EXPECT_THROW(camera_timing(96, 4096, 1000), std::invalid_argument);
-  EXPECT_THROW(camera_timing(1024, 512, 1000), std::invalid_argument);
-  EXPECT_THROW(camera_timing(96, 512, 0), std::invalid_argument);
-  EXPECT_THROW(camera_timing(96, 512, std::nan("")), std::invalid_argument);
+  EXPECT_THROW(sim::camera_timing(0, 512, 1000), std::invalid_argument);
+  EXPECT_THROW(sim::camera_timing(96, 510, 1000), std::invalid_argument);
+  EXPECT_THROW(sim::camera_timing(96, 4096, 1000), std::invalid_argument);
+  EXPECT_THROW(sim::camera_timing(1024, 512, 1000), std::invalid_argument);
+  EXPECT_THROW(sim::camera_timing(96, 512, 0), std::invalid_argument);
+  EXPECT_THROW(sim::camera_timing(96, 512, std::nan("")), std::invalid_argument);
 }
 
-std::vector<PlatformEngine> engines() {
+std::vector<sim::PlatformEngine> engines() {
 #ifdef SELFPROJ_HAS_RTL_PLATFORM
-  return {PlatformEngine::rtl, PlatformEngine::hls, PlatformEngine::model};
+  return {sim::PlatformEngine::rtl, sim::PlatformEngine::hls, sim::PlatformEngine::model};
 #else
   return {PlatformEngine::model};
 #endif
 }
 
-class EveryEngine : public ::testing::TestWithParam<PlatformEngine> {};
+class EveryEngine : public ::testing::TestWithParam<sim::PlatformEngine> {};
 
 // With another pixel clock a second has another number of clocks, and so have a frame and a step of the encoder.
 TEST_P(EveryEngine, ABoardOfAnotherPixelClock) {
   Random random(4);
-  PlatformOptions options{.engine = GetParam(), .settings = {.rows = 64, .mode = Mode::binary, .threshold = 100}};
+  sim::PlatformOptions options{.engine = GetParam(),
+                               .settings = {.rows = 64, .mode = model::Mode::binary, .threshold = 100}};
   options.pixel_clock_hz = 125e6;
   options.encoder_steps_per_s = 100000;
   const Played got = run(options, random_images(random, 5, 64, 512));
   expect_all_right(got);
   ASSERT_EQ(got.arrivals.size(), 5U);
   for (std::size_t i = 0; i < 5; ++i) {
-    PacketView packet;
-    ASSERT_EQ(parse_packet(got.arrivals[i].bytes, packet), PacketError::none);
-    EXPECT_EQ(packet.header.time_stamp, Platform::kFirstClock + i * 12500);
+    model::PacketView packet;
+    ASSERT_EQ(model::parse_packet(got.arrivals[i].bytes, packet), model::PacketError::none);
+    EXPECT_EQ(packet.header.time_stamp, sim::Platform::kFirstClock + i * 12500);
     EXPECT_NEAR(packet.header.encoder, 10.0 * static_cast<double>(i), 1);
     const std::uint64_t last_beat = (packet.header.time_stamp + 63 * 195 + 127) * 8000;
     EXPECT_GT(got.arrivals[i].time_ps, last_beat);
@@ -169,16 +170,16 @@ TEST_P(EveryEngine, ABoardOfAnotherPixelClock) {
 
 TEST_P(EveryEngine, FramesComeAtTheirTimeWithTheBeltsWay) {
   Random random(3);
-  PlatformOptions options{.engine = GetParam(), .settings = {.mode = Mode::grey_over, .threshold = 100}};
+  sim::PlatformOptions options{.engine = GetParam(), .settings = {.mode = model::Mode::grey_over, .threshold = 100}};
   options.encoder_steps_per_s = 100000;  // 1 m/s at 0.01 mm
   const Played got = run(options, random_images(random, 5, 96, 512));
   expect_all_right(got);
   ASSERT_EQ(got.arrivals.size(), 5U);
   for (std::size_t i = 0; i < got.arrivals.size(); ++i) {
-    PacketView packet;
-    ASSERT_EQ(parse_packet(got.arrivals[i].bytes, packet), PacketError::none);
+    model::PacketView packet;
+    ASSERT_EQ(model::parse_packet(got.arrivals[i].bytes, packet), model::PacketError::none);
     EXPECT_EQ(packet.header.sequence, i);
-    EXPECT_EQ(packet.header.time_stamp, Platform::kFirstClock + i * 15120);
+    EXPECT_EQ(packet.header.time_stamp, sim::Platform::kFirstClock + i * 15120);
     EXPECT_EQ(packet.header.encoder, i * 10);
     // The packet leaves within the blank clocks at the end of the frame and the first clocks of the next one.
     const std::uint64_t last_beat = (packet.header.time_stamp + 95 * 157 + 127) * kClockPs;
@@ -191,7 +192,7 @@ TEST_P(EveryEngine, RandomFramesEqualTheModel) {
   for (const std::uint64_t seed : seeds(30)) {
     SCOPED_TRACE(how_to_repeat(seed));
     Random random(seed);
-    PlatformOptions options = random_options(random);
+    sim::PlatformOptions options = random_options(random);
     options.engine = GetParam();
     options.bus.stall_percent = random.chance(50) ? 0 : random.between(0, 90);
     options.quantum_lines = static_cast<std::uint64_t>(random.between(1, 40));
@@ -207,8 +208,8 @@ TEST_P(EveryEngine, RandomFramesEqualTheModel) {
 
 TEST_P(EveryEngine, WhatTheSourceThrowsComesOut) {
   const auto throwing = [&] {
-    Platform platform(
-        {.engine = GetParam()}, []() -> std::optional<ImageView> { throw UserError("frame.png", "is torn"); },
+    sim::Platform platform(
+        {.engine = GetParam()}, []() -> std::optional<model::ImageView> { throw UserError("frame.png", "is torn"); },
         [](std::span<const std::uint8_t>, std::uint64_t) {});
     platform.run();
   };
@@ -217,9 +218,11 @@ TEST_P(EveryEngine, WhatTheSourceThrowsComesOut) {
   const auto frames = random_images(random, 3, 96, 512);
   int left = 3;
   const auto throwing_sink = [&] {
-    Platform platform(
+    sim::Platform platform(
         {.engine = GetParam()},
-        [&]() -> std::optional<ImageView> { return left-- > 0 ? std::optional(frames.front().view()) : std::nullopt; },
+        [&]() -> std::optional<model::ImageView> {
+          return left-- > 0 ? std::optional(frames.front().view()) : std::nullopt;
+        },
         [](std::span<const std::uint8_t>, std::uint64_t) { throw std::runtime_error("full"); });
     platform.run();
   };
@@ -229,18 +232,18 @@ TEST_P(EveryEngine, WhatTheSourceThrowsComesOut) {
 }
 
 TEST(Platform, NoFramesNoPackets) {
-  const Played got = run({.engine = PlatformEngine::model}, {});
+  const Played got = run({.engine = sim::PlatformEngine::model}, {});
   EXPECT_EQ(got.report.frames, 0U);
   EXPECT_TRUE(got.arrivals.empty());
 }
 
 TEST(Platform, RefusesOptionsThatMakeNoSense) {
-  const auto make = [](const PlatformOptions& options) { Platform platform(options, {}, {}); };
-  EXPECT_THROW(make({.engine = PlatformEngine::model, .quantum_lines = 0}), std::invalid_argument);
-  EXPECT_THROW(make({.engine = PlatformEngine::model, .encoder_steps_per_s = 1e9}), std::invalid_argument);
-  EXPECT_THROW(make({.engine = PlatformEngine::model, .bus = {.stall_percent = 96}}), std::invalid_argument);
-  EXPECT_THROW(make({.engine = PlatformEngine::model, .trace_file = "x.fst"}), std::invalid_argument);
-  EXPECT_THROW(make({.engine = PlatformEngine::model, .settings = {.columns = 5}}), std::invalid_argument);
+  const auto make = [](const sim::PlatformOptions& options) { sim::Platform platform(options, {}, {}); };
+  EXPECT_THROW(make({.engine = sim::PlatformEngine::model, .quantum_lines = 0}), std::invalid_argument);
+  EXPECT_THROW(make({.engine = sim::PlatformEngine::model, .encoder_steps_per_s = 1e9}), std::invalid_argument);
+  EXPECT_THROW(make({.engine = sim::PlatformEngine::model, .bus = {.stall_percent = 96}}), std::invalid_argument);
+  EXPECT_THROW(make({.engine = sim::PlatformEngine::model, .trace_file = "x.fst"}), std::invalid_argument);
+  EXPECT_THROW(make({.engine = sim::PlatformEngine::model, .settings = {.columns = 5}}), std::invalid_argument);
 }
 
 // The packets are the same at the same picosecond, whatever the quantum, even with stalls and hold-ups that make the
@@ -249,7 +252,7 @@ TEST_P(EveryEngine, DecouplingOfTimeChangesNothing) {
   for (const std::uint64_t seed : seeds(4)) {
     SCOPED_TRACE(how_to_repeat(seed));
     Random random(seed);
-    PlatformOptions options = random_options(random);
+    sim::PlatformOptions options = random_options(random);
     options.engine = GetParam();
     options.bus.stall_percent = random.between(0, 90);
     options.bus.hold_ups_a_second = 5000;
@@ -270,7 +273,7 @@ TEST_P(EveryEngine, DecouplingOfTimeChangesNothing) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Platform, EveryEngine, ::testing::ValuesIn(engines()), [](const auto& engine) {
-  return engine.param == PlatformEngine::rtl ? "Rtl" : engine.param == PlatformEngine::hls ? "Hls" : "Model";
+  return engine.param == sim::PlatformEngine::rtl ? "Rtl" : engine.param == sim::PlatformEngine::hls ? "Hls" : "Model";
 });
 
 #ifdef SELFPROJ_HAS_RTL_PLATFORM
@@ -281,16 +284,16 @@ TEST(Platform, ModelInPlaceOfTheRtl) {
   for (const std::uint64_t seed : seeds(20)) {
     SCOPED_TRACE(how_to_repeat(seed));
     Random random(seed);
-    PlatformOptions options = random_options(random);
+    sim::PlatformOptions options = random_options(random);
     options.settings.image = false;
     if (seed <= 3) {
       options.settings.columns = 512;
       options.settings.rows = 96;
-      options.settings.mode = static_cast<Mode>(seed - 1);
+      options.settings.mode = static_cast<model::Mode>(seed - 1);
     }
     const std::vector<TestImage> frames = random_images(random, 8, options.settings.rows, options.settings.columns);
     const Played rtl = run(options, frames);
-    options.engine = PlatformEngine::model;
+    options.engine = sim::PlatformEngine::model;
     const Played model = run(options, frames);
     ASSERT_TRUE(rtl.packets() == model.packets());
     for (std::size_t i = 0; i < rtl.arrivals.size(); ++i) {
@@ -304,14 +307,14 @@ TEST(Platform, ModelInPlaceOfTheRtl) {
 // The platform does to the board what a plain loop does: same beats at the same clocks, same packets at the same time.
 TEST(Platform, SameAsThePlainHarness) {
   Random random(5);
-  const BoardSettings settings{.columns = 64, .rows = 12, .mode = Mode::grey, .threshold = 90};
+  const model::BoardSettings settings{.columns = 64, .rows = 12, .mode = model::Mode::grey, .threshold = 90};
   const std::vector<TestImage> frames = random_images(random, 20, settings.rows, settings.columns);
-  PlatformOptions options{.settings = settings, .frame_rate_hz = 100000, .seed = 9};
+  sim::PlatformOptions options{.settings = settings, .frame_rate_hz = 100000, .seed = 9};
   options.bus.stall_percent = 60;
   const Played platform = run(options, frames);
   expect_all_right(platform);
 
-  BoardDevice<Vboard> device({.seed = 9, .bus_stall_percent = 60});
+  sim::BoardDevice<Vboard> device({.seed = 9, .bus_stall_percent = 60});
   std::vector<Arrival> arrivals;
   device.run(1);
   const std::uint64_t origin = device.time_ps();
@@ -319,14 +322,14 @@ TEST(Platform, SameAsThePlainHarness) {
     arrivals.push_back({{bytes.begin(), bytes.end()}, device.time_ps() - origin});
   });
   device.write(settings);
-  device.run(Platform::kFirstClock - device.clock());
+  device.run(sim::Platform::kFirstClock - device.clock());
   for (const TestImage& frame : frames) {
     for (int row = 0; row < settings.rows; ++row) {
       for (int column = 0; column < settings.columns; column += 4) {
         const std::uint8_t* pixels = frame.view().pixels + row * settings.columns + column;
-        device.send(VideoBeat{.pixels = {pixels[0], pixels[1], pixels[2], pixels[3]},
-                              .start = row == 0 && column == 0,
-                              .line_end = column + 4 == settings.columns});
+        device.send(model::VideoBeat{.pixels = {pixels[0], pixels[1], pixels[2], pixels[3]},
+                                     .start = row == 0 && column == 0,
+                                     .line_end = column + 4 == settings.columns});
       }
       const bool last = row == settings.rows - 1;
       device.gap(static_cast<std::uint32_t>(
@@ -340,7 +343,8 @@ TEST(Platform, SameAsThePlainHarness) {
 // A bus that takes nothing for longer than the FIFO lasts: packets are lost, whole and counted, and all others match.
 TEST(Platform, HoldUpsLosePacketsThatAreCounted) {
   Random random(8);
-  PlatformOptions options{.settings = {.columns = 256, .rows = 8, .mode = Mode::grey}, .frame_rate_hz = 80000};
+  sim::PlatformOptions options{.settings = {.columns = 256, .rows = 8, .mode = model::Mode::grey},
+                               .frame_rate_hz = 80000};
   options.bus.hold_ups_a_second = 500;
   options.bus.hold_up_s = 2e-3;
   const Played got = run(options, random_images(random, 600, 8, 256));
@@ -355,7 +359,7 @@ TEST(Platform, WaveformFromAFrameOn) {
   const std::string all = folder / ("selfproj_all_" + std::to_string(getpid()) + ".fst");
   const std::string last = folder / ("selfproj_last_" + std::to_string(getpid()) + ".fst");
   Random random(4);
-  PlatformOptions options{.settings = {.columns = 64, .rows = 8}, .frame_rate_hz = 50000};
+  sim::PlatformOptions options{.settings = {.columns = 64, .rows = 8}, .frame_rate_hz = 50000};
   const std::vector<TestImage> frames = random_images(random, 10, 8, 64);
   const Played plain = run(options, frames);
   options.trace_file = all;

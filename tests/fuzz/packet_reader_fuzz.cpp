@@ -25,11 +25,11 @@
 #include <span>
 #include <vector>
 
-#include "host/driver/counters.h"
-#include "host/driver/packet_reader.h"
-#include "model/packet.h"
+#include "selfproj/driver/counters.h"
+#include "selfproj/driver/packet_reader.h"
+#include "selfproj/model/packet.h"
 
-namespace selfproj {
+namespace selfproj::test {
 namespace {
 
 using Bytes = std::vector<std::uint8_t>;
@@ -93,7 +93,7 @@ struct Stream {
 
 // `shape` selects the packet; `lost` is a field of its header.
 void append_good_packet(std::uint8_t shape, std::uint8_t lost, std::uint64_t sequence, Stream& stream) {
-  PacketHeader header;
+  model::PacketHeader header;
   header.kind = static_cast<std::uint8_t>(spec::kKindMoments + shape % 3);
   header.mode = static_cast<std::uint8_t>(shape / 3 % 3);
   header.columns = static_cast<std::uint16_t>(spec::kPixelsPerBeat * (1 + shape / 9));
@@ -104,13 +104,13 @@ void append_good_packet(std::uint8_t shape, std::uint8_t lost, std::uint64_t seq
   header.first_line = static_cast<std::uint16_t>(header.kind == spec::kKindMoments ? 0 : 1 + shape % 8);
   header.lines = header.kind == spec::kKindMoments ? 0 : 1;
   const std::size_t size = header.kind == spec::kKindMoments
-                               ? moments_payload_bytes(static_cast<Mode>(header.mode), header.columns)
-                           : header.kind == spec::kKindImage ? image_line_payload_bytes(header.columns)
-                                                             : codes_line_payload_bytes(header.columns);
+                               ? model::moments_payload_bytes(static_cast<model::Mode>(header.mode), header.columns)
+                           : header.kind == spec::kKindImage ? model::image_line_payload_bytes(header.columns)
+                                                             : model::codes_line_payload_bytes(header.columns);
   const bool empty = shape % 16 == 15;  // a frame that broke
   const std::size_t begin = stream.bytes.size();
   stream.scratch.assign(empty ? 0 : size, shape);
-  append_packet(header, stream.scratch, empty ? spec::kStatusIncomplete : 0, stream.bytes);
+  model::append_packet(header, stream.scratch, empty ? spec::kStatusIncomplete : 0, stream.bytes);
   stream.good.push_back({begin, stream.bytes.size()});
 }
 
@@ -153,7 +153,7 @@ void build(Input& input, Stream& stream) {
           stream.bytes[last.begin + input.byte() % spec::kHeaderBytes] ^= input.byte();
           stream.touched(last.begin, last.end);
           // The packet must be judged by everything else.
-          seal_packet(std::span(stream.bytes).subspan(last.begin));
+          model::seal_packet(std::span(stream.bytes).subspan(last.begin));
         }
         break;
       }
@@ -177,8 +177,8 @@ void build(Input& input, Stream& stream) {
 
 // A reader with its counters.
 struct Reader {
-  Counters counters;
-  PacketStreamReader reader{counters, 1};
+  driver::Counters counters;
+  driver::PacketStreamReader reader{counters, 1};
   std::vector<Stretch> given;  // where the packets were found in the last stream
 
   void read(const Bytes& stream, std::size_t largest, std::uint32_t random);
@@ -189,8 +189,8 @@ void Reader::read(const Bytes& stream, std::size_t largest, std::uint32_t random
   counters = {};
   given.clear();
   reader.restart();
-  PacketTally tally(counters);
-  PacketView packet;
+  driver::PacketTally tally(counters);
+  model::PacketView packet;
   std::size_t at = 0;
   const auto drain = [&] {
     while (reader.next(packet)) {
@@ -201,8 +201,9 @@ void Reader::read(const Bytes& stream, std::size_t largest, std::uint32_t random
       const std::span<const std::uint8_t> bytes = packet.bytes();
       require(std::equal(bytes.begin(), bytes.end(), stream.begin() + static_cast<std::ptrdiff_t>(begin)),
               "not the bytes of the stream");
-      PacketView again;
-      require(parse_packet(bytes, again) == PacketError::none && again.header == packet.header, "not a good packet");
+      model::PacketView again;
+      require(model::parse_packet(bytes, again) == model::PacketError::none && again.header == packet.header,
+              "not a good packet");
       given.push_back({begin, end});
       tally.accept(packet.header);
     }
@@ -261,10 +262,10 @@ void fuzz(std::span<const std::uint8_t> data) {
 }
 
 }  // namespace
-}  // namespace selfproj
+}  // namespace selfproj::test
 
 // NOLINTNEXTLINE(readability-identifier-naming): libFuzzer's name
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  selfproj::fuzz({data, size});
+  selfproj::test::fuzz({data, size});
   return 0;
 }

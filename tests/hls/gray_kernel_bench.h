@@ -14,9 +14,9 @@
 #include <vector>
 
 #include "hls/gray_decoder.h"
-#include "model/gray_decoder.h"
-#include "model/little_endian.h"
-#include "model/median3x3.h"
+#include "selfproj/model/gray_decoder.h"
+#include "selfproj/model/little_endian.h"
+#include "selfproj/model/median3x3.h"
 #include "tests/rtl/blocks/code_beats.h"
 #include "tests/support/random_cases.h"
 #include "tests/support/reference_gray.h"
@@ -33,7 +33,7 @@ class GrayKernelBench {
 
   // Plays a frame. In `gaps` percent of the steps there is no beat. A frame that is not good breaks after some of its
   // beats, in one of three ways.
-  void play(const GraySettings& settings, bool median, const GrayFrame& frame, int gaps, Random& random) {
+  void play(const model::GraySettings& settings, bool median, const GrayFrame& frame, int gaps, Random& random) {
     model_.configure(settings);
     setup_.columns = settings.columns;
     setup_.rows = settings.rows;
@@ -57,7 +57,7 @@ class GrayKernelBench {
       while (random.chance(gaps)) {
         step(frame.pattern);
       }
-      const auto pixels = load_little_endian<std::uint32_t>(frame.pixels.data() + 4 * i);
+      const auto pixels = model::load_little_endian<std::uint32_t>(frame.pixels.data() + 4 * i);
       const bool last = (i % groups == groups - 1) != (swaps_last && i == beats - 1);
       video_.write(hls::axis_beat<32>(pixels, i == 0, last));
       do {  // pattern and settings count when the frame's start is read
@@ -102,7 +102,7 @@ class GrayKernelBench {
     int image;
   };
 
-  void expect(const GraySettings& settings, bool median, bool due, const GrayFrame& frame) {
+  void expect(const model::GraySettings& settings, bool median, bool due, const GrayFrame& frame) {
     std::vector<std::uint16_t> codes(frame.pixels.size());
     for (int row = 0; row < settings.rows; ++row) {
       const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(row) * settings.columns;
@@ -114,7 +114,7 @@ class GrayKernelBench {
     ++images_;
     if (median) {
       std::vector<std::uint16_t> filtered(codes.size());
-      median3x3(codes.data(), settings.rows, settings.columns, filtered.data());
+      model::median3x3(codes.data(), settings.rows, settings.columns, filtered.data());
       codes = filtered;
     }
     const auto groups = static_cast<std::size_t>(settings.columns) / 4;
@@ -150,7 +150,7 @@ class GrayKernelBench {
   Video video_;
   Codes codes_;
   hls::GraySetup setup_;
-  GrayDecoder model_;
+  model::GrayDecoder model_;
   bool cut_ = false;
   int images_ = 0;        // code images so far
   std::set<int> broken_;  // those that broke
@@ -165,10 +165,10 @@ inline void play_gray_sequences(GrayKernelBench& bench, int sequences, int frame
   int columns = 4;
   for (int i = 0; i < sequences && !::testing::Test::HasFatalFailure(); ++i) {
     columns = 4 * random.between(1, random.chance(50) ? 3 : 16);
-    const GraySettings settings{.rows = random.between(1, random.chance(50) ? 2 : 16),
-                                .columns = columns,
-                                .bits = random.between(1, GrayDecoder::kMaxBits),
-                                .threshold = random.chance(20) ? random.between(0, 255) : random.between(0, 12)};
+    const model::GraySettings settings{.rows = random.between(1, random.chance(50) ? 2 : 16),
+                                       .columns = columns,
+                                       .bits = random.between(1, model::GrayDecoder::kMaxBits),
+                                       .threshold = random.chance(20) ? random.between(0, 255) : random.between(0, 12)};
     GraySequence sequence(settings, random);
     const bool median = random.chance(60);
     const int gaps = random.chance(60) ? 0 : random.between(1, 60);

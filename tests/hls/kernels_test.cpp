@@ -67,7 +67,7 @@ TEST(HlsColumnRuns, RandomFrames) { random_frames(kRunsKernel, runs_top, true); 
 TEST(HlsColumnRuns, LargestImage) {
   Random random(1);
   MomentsBench bench(kRunsKernel());
-  MomentsFrame frame = random_moments_frame(random, spec::kMaxColumns, spec::kMaxRows, Mode::grey, true);
+  MomentsFrame frame = random_moments_frame(random, spec::kMaxColumns, spec::kMaxRows, model::Mode::grey, true);
   frame.threshold = 0;
   frame.window = {};
   std::fill(frame.pixels.begin(), frame.pixels.end(), std::uint8_t{255});
@@ -78,7 +78,7 @@ TEST(HlsColumnRuns, LargestImage) {
 // All small sizes, one frame right behind the other.
 TEST(HlsColumnMoments, SmallSizes) {
   Random random(1);
-  for (const Mode mode : kModes) {
+  for (const model::Mode mode : kModes) {
     for (int columns = 4; columns <= 32; columns += 4) {
       for (int rows = 1; rows <= 7; ++rows) {
         SCOPED_TRACE(::testing::Message() << columns << " x " << rows << ", mode " << static_cast<int>(mode));
@@ -96,14 +96,14 @@ TEST(HlsColumnMoments, SmallSizes) {
 // Every sum at its largest value.
 TEST(HlsColumnMoments, LargestImage) {
   Random random(1);
-  for (const Mode mode : kModes) {
+  for (const model::Mode mode : kModes) {
     MomentsBench bench(kMomentsKernel());
     MomentsFrame frame = random_moments_frame(random, spec::kMaxColumns, spec::kMaxRows, mode);
     frame.threshold = 0;
     std::fill(frame.pixels.begin(), frame.pixels.end(), std::uint8_t{255});
     bench.play(frame, 0, random);
     bench.finish();
-    EXPECT_EQ(bench.matched(), (mode == Mode::binary ? 1U : 2U) * spec::kMaxColumns / 4);
+    EXPECT_EQ(bench.matched(), (mode == model::Mode::binary ? 1U : 2U) * spec::kMaxColumns / 4);
   }
 }
 
@@ -111,7 +111,7 @@ TEST(HlsColumnMoments, LargestImage) {
 // of the RTL.
 void beat_every_step(MomentsBench::Step (*kernel)(), bool runs) {
   Random random(1);
-  for (const Mode mode : kModes) {
+  for (const model::Mode mode : kModes) {
     for (const int columns : {4, 8, 12, 64, 512, 2048}) {
       for (const int rows : {2, 3, 16}) {
         SCOPED_TRACE(::testing::Message() << columns << " x " << rows << ", mode " << static_cast<int>(mode));
@@ -148,7 +148,7 @@ TEST(HlsGrayDecoder, TakesABeatEveryStep) {
   for (const int bits : {1, 2, 7, 12}) {
     for (const int columns : {4, 8, 64}) {
       for (const bool median : {false, true}) {
-        const GraySettings settings{.rows = 4, .columns = columns, .bits = bits};
+        const model::GraySettings settings{.rows = 4, .columns = columns, .bits = bits};
         GrayKernelBench bench(gray_kernel());
         for (int frame = 0; frame < 6 * bits; ++frame) {
           bench.play(settings, median,

@@ -14,7 +14,7 @@
 
 #include "hls/column_moments.h"
 #include "hls/column_runs.h"
-#include "model/little_endian.h"
+#include "selfproj/model/little_endian.h"
 #include "sim/board/hls_streams.h"
 #include "tests/support/moments_frames.h"
 #include "tests/support/random_cases.h"
@@ -51,7 +51,7 @@ class MomentsBench {
     setup_.rows = frame.rows;
     setup_.mode = static_cast<unsigned>(frame.mode);
     setup_.threshold = frame.threshold;
-    setup_.strongest = frame.select == Select::strongest;
+    setup_.strongest = frame.select == model::Select::strongest;
     setup_.gap = static_cast<unsigned>(frame.gap);
     setup_.first_row = static_cast<unsigned>(frame.window.first);
     setup_.last_row = static_cast<unsigned>(frame.window.last);
@@ -64,7 +64,8 @@ class MomentsBench {
       if (i == beats - 1 && (end == End::early || end == End::late)) {
         last = !last;
       }
-      video_.write(hls::axis_beat<32>(load_little_endian<std::uint32_t>(frame.pixels.data() + 4 * i), i == 0, last));
+      video_.write(
+          hls::axis_beat<32>(model::load_little_endian<std::uint32_t>(frame.pixels.data() + 4 * i), i == 0, last));
       step();
     }
   }
@@ -101,7 +102,7 @@ class MomentsBench {
   void expect(const MomentsFrame& frame, int beats, End end) {
     const std::vector<std::uint8_t> payload = payload_of_moments(frame);
     const int of_last_row = std::max(0, beats - (frame.rows - 1) * frame.columns / 4);
-    const int words = of_last_row * (frame.mode == Mode::binary ? 1 : 2);
+    const int words = of_last_row * (frame.mode == model::Mode::binary ? 1 : 2);
     for (int i = 0; i < words; ++i) {
       const auto from = payload.begin() + 16 * static_cast<std::ptrdiff_t>(i);
       expected_.push_back({{from, from + 16}, i == 0, end == End::whole && i == words - 1});
@@ -115,7 +116,7 @@ class MomentsBench {
     while (payload_.read_nb(beat)) {
       ASSERT_FALSE(expected_.empty()) << "more payload than expected";
       std::vector<std::uint8_t> bytes;
-      append_beat(beat, bytes);
+      sim::append_beat(beat, bytes);
       ASSERT_EQ(bytes, expected_.front().bytes);
       ASSERT_EQ(beat.user != 0, expected_.front().first);
       ASSERT_EQ(beat.last != 0, expected_.front().last);
@@ -139,14 +140,14 @@ class MomentsBench {
 inline void play_moments_frames(MomentsBench& bench, int frames, Random& random, bool runs = false) {
   int columns = 4;
   int rows = 1;
-  Mode mode = Mode::binary;
+  model::Mode mode = model::Mode::binary;
   const int breaks = random.chance(50) ? 0 : random.between(1, 40);
   const bool dense = random.chance(50);
   for (int i = 0; i < frames && !::testing::Test::HasFatalFailure(); ++i) {
     if (i == 0 || random.chance(30)) {
       columns = 4 * random.between(1, random.chance(50) ? 3 : 16);
       rows = random.between(1, random.chance(50) ? 2 : 9);
-      mode = static_cast<Mode>(random.between(0, 2));
+      mode = static_cast<model::Mode>(random.between(0, 2));
     }
     const MomentsFrame frame = random_moments_frame(random, columns, rows, mode, runs);
     const int groups = columns / 4;

@@ -15,8 +15,8 @@
 #include "Vboard_codes_raw.h"
 #include "hls/column_runs.h"
 #include "host/files/results_file.h"
-#include "host/light_section/fast_moments.h"
-#include "model/column_runs.h"
+#include "selfproj/light_section/fast_moments.h"
+#include "selfproj/model/column_runs.h"
 #include "tests/hls/moments_bench.h"
 #include "tests/rtl/board/random_frames.h"
 #include "tests/support/soak.h"
@@ -32,19 +32,19 @@ struct ImageCounts {
 };
 
 // Compares the fast kernel with the model, and counts what the image has.
-void compare_fast(const TestImage& image, const Measure& measure, ImageCounts& images) {
-  Runs right;
-  Runs found;
+void compare_fast(const TestImage& image, const model::Measure& measure, ImageCounts& images) {
+  model::Runs right;
+  model::Runs found;
   right.resize(measure.select, image.columns);
   found.resize(measure.select, image.columns);
-  measure_columns(image.view(), measure, right.view());
-  fast_measure_columns(image.view(), measure, found.view());
+  model::measure_columns(image.view(), measure, right.view());
+  light_section::fast_measure_columns(image.view(), measure, found.view());
   ASSERT_TRUE(found == right) << "the fast kernel differs";
   images.columns += right.runs.size();
   images.several +=
       static_cast<std::uint64_t>(std::count_if(right.runs.begin(), right.runs.end(), [](auto n) { return n > 1; }));
   images.ties += static_cast<std::uint64_t>(std::count(right.second.begin(), right.second.end(), 16));
-  images.windows += measure.window == RowWindow{} ? 0 : 1;
+  images.windows += measure.window == model::RowWindow{} ? 0 : 1;
 }
 
 template <class Model>
@@ -52,7 +52,7 @@ void play(std::uint64_t seed, RandomFrames limits, FrameCounts& counts, ImageCou
   const auto kernel = std::make_shared<hls::ColumnRunsKernel>();
   MomentsBench bench([&](auto& video, const auto& setup, auto& payload) { kernel->step(video, setup, payload); });
   Random random(seed + (std::uint64_t{1} << 32));
-  limits.also = [&](const TestImage& image, const BoardSettings& settings) {
+  limits.also = [&](const TestImage& image, const model::BoardSettings& settings) {
     compare_fast(image, settings.measure(), images);
     bench.play({.columns = settings.columns,
                 .rows = settings.rows,

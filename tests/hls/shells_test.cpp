@@ -24,10 +24,10 @@ namespace {
 // All modules must exist before the kernel first runs. One case after another uses them, and each begins with a reset,
 // whatever the previous one left behind.
 struct Shells {
-  ColumnMomentsBlock moments{"moments"};
-  ColumnRunsBlock runs{"runs"};
-  GrayDecoderBlock decoder{"decoder"};
-  Median3x3Block median{"median"};
+  sim::ColumnMomentsBlock moments{"moments"};
+  sim::ColumnRunsBlock runs{"runs"};
+  sim::GrayDecoderBlock decoder{"decoder"};
+  sim::Median3x3Block median{"median"};
 };
 
 Shells& shells() {
@@ -112,30 +112,30 @@ class MomentsBeside : public Beside<Pins, Rtl, Derived> {
   }
 };
 
-class Moments final : public MomentsBeside<ColumnMomentsPins, Vsp_column_moments, Moments> {
+class Moments final : public MomentsBeside<sim::ColumnMomentsPins, Vsp_column_moments, Moments> {
  public:
   using MomentsBeside::MomentsBeside;
-  static ColumnMomentsBlock& block() { return shells().moments; }
+  static sim::ColumnMomentsBlock& block() { return shells().moments; }
   void own_inputs(Vsp_column_moments& rtl) const {
     set(rtl.one_group_i, one_group_i);
     set(rtl.two_groups_i, two_groups_i);
   }
 };
 
-class StrongestRuns final : public MomentsBeside<ColumnRunsPins, Vsp_column_runs, StrongestRuns> {
+class StrongestRuns final : public MomentsBeside<sim::ColumnRunsPins, Vsp_column_runs, StrongestRuns> {
  public:
   using MomentsBeside::MomentsBeside;
-  static ColumnRunsBlock& block() { return shells().runs; }
+  static sim::ColumnRunsBlock& block() { return shells().runs; }
   void own_inputs(Vsp_column_runs& rtl) const {
     set(rtl.strongest_i, strongest_i);
     set(rtl.gap_i, gap_i);
   }
 };
 
-class Decoder final : public Beside<GrayDecoderPins, Vsp_gray_decoder, Decoder> {
+class Decoder final : public Beside<sim::GrayDecoderPins, Vsp_gray_decoder, Decoder> {
  public:
   using Beside::Beside;
-  static GrayDecoderBlock& block() { return shells().decoder; }
+  static sim::GrayDecoderBlock& block() { return shells().decoder; }
   void inputs(Vsp_gray_decoder& rtl) const {
     set(rtl.rst_i, rst_i);
     set(rtl.take_i, take_i);
@@ -184,10 +184,10 @@ class Decoder final : public Beside<GrayDecoderPins, Vsp_gray_decoder, Decoder> 
   }
 };
 
-class Median final : public Beside<Median3x3Pins, Vsp_median3x3, Median> {
+class Median final : public Beside<sim::Median3x3Pins, Vsp_median3x3, Median> {
  public:
   using Beside::Beside;
-  static Median3x3Block& block() { return shells().median; }
+  static sim::Median3x3Block& block() { return shells().median; }
   void inputs(Vsp_median3x3& rtl) const {
     set(rtl.rst_i, rst_i);
     set(rtl.s_valid_i, s_valid_i);

@@ -3,8 +3,8 @@
 
     check_layers.py [ROOT]
 
-Fails, with one line for each, on includes that the table does not allow, on folders that the table does not know, and
-on cycles of folders or of files (a source and its header count as one file).
+Fails, with one line for each, on includes that the table does not allow, on folders that the table does not know, on
+public headers that include private ones, and on cycles of folders or of files (a source and its header count as one file).
 """
 
 import fnmatch
@@ -16,18 +16,37 @@ import sys
 INCLUDE = re.compile(r'^\s*#\s*include\s+"([^"]+)"', re.MULTILINE)
 
 
+ROOMS = ("model", "hls", "host", "capi", "python", "sim", "constraints", "lab")
+
+
+def in_room(name):
+    """A public header as if it stood in its room: selfproj/driver/device.h is host/driver/device.h."""
+    name = name.removeprefix("include/")
+    if not name.startswith("selfproj/"):
+        return name
+    name = name.removeprefix("selfproj/")
+    return name if name.startswith("model/") else "host/" + name
+
+
 def includes_of(root):
-    """Returns (file, included file) of every include between our own files, both relative to the root."""
+    """Returns (file, included file) of every include between our own files, as paths in their rooms."""
     pairs = []
-    for top in ("model", "hls", "host", "capi", "python", "sim", "constraints", "lab"):
+    for top in ("include", *ROOMS):
         for path in sorted((root / top).rglob("*")):
             name = path.relative_to(root).as_posix()
             if path.suffix not in (".h", ".cpp", ".in") or name.startswith("lab/tests/"):
                 continue
             for included in INCLUDE.findall(path.read_text(encoding="utf-8")):
-                if included.split("/")[0] in ("model", "hls", "host", "capi", "python", "sim", "constraints", "lab", "tests"):
-                    pairs.append((name, included))
+                if included.split("/")[0] in (*ROOMS, "selfproj", "tests"):
+                    pairs.append((in_room(name), in_room(included)))
     return pairs
+
+
+def private_includes(root):
+    """Returns a line for every public header that includes a private one."""
+    return [f"{path.relative_to(root)}: is public, but includes {included}"
+            for path in sorted((root / "include").rglob("*.h"))
+            for included in INCLUDE.findall(path.read_text(encoding="utf-8")) if not included.startswith("selfproj/")]
 
 
 def folder_of(name, folders):
@@ -100,7 +119,7 @@ def problems(root, table):
 def main():
     root = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else pathlib.Path(__file__).parents[2]).resolve()
     table = json.loads((pathlib.Path(__file__).parent / "layers.json").read_text(encoding="utf-8"))
-    lines = problems(root, table)
+    lines = private_includes(root) + problems(root, table)
     print("\n".join(lines) if lines else f"{len(includes_of(root))} includes, all allowed by the table")
     return 1 if lines else 0
 

@@ -21,8 +21,8 @@
 #include <string>
 #include <vector>
 
-#include "capi/selfproj.h"
 #include "host/files/results_file.h"
+#include "selfproj.h"
 
 namespace {
 
@@ -379,7 +379,8 @@ int main(int count, char** values) {
   for (const std::int32_t result : {SELFPROJ_BAD_ARGUMENT, SELFPROJ_BAD_INPUT}) {
     refused += run.results().count(result) > 0 ? run.results().at(result) : 0;
   }
-  selfproj::write_results("c_interface_calls", "Random calls of the C interface in random order, under the sanitizers",
-                          {{"calls", calls}, {"refused", refused}, {"faults", 0}});  // a fault ends the process
+  selfproj::files::write_results("c_interface_calls",
+                                 "Random calls of the C interface in random order, under the sanitizers",
+                                 {{"calls", calls}, {"refused", refused}, {"faults", 0}});  // a fault ends the process
   return run.results().count(SELFPROJ_OK) > 0 && run.results().count(SELFPROJ_BAD_ARGUMENT) > 0 ? 0 : 1;
 }

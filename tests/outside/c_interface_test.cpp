@@ -12,15 +12,15 @@
 #include <utility>
 #include <vector>
 
-#include "capi/selfproj.h"
-#include "host/light_section/differential_profile.h"
-#include "host/light_section/reference.h"
-#include "model/board.h"
-#include "model/column_runs.h"
-#include "model/gray_decoder.h"
-#include "model/gray_match.h"
-#include "model/median3x3.h"
-#include "model/packet.h"
+#include "selfproj.h"
+#include "selfproj/light_section/differential_profile.h"
+#include "selfproj/light_section/reference.h"
+#include "selfproj/model/board.h"
+#include "selfproj/model/column_runs.h"
+#include "selfproj/model/gray_decoder.h"
+#include "selfproj/model/gray_match.h"
+#include "selfproj/model/median3x3.h"
+#include "selfproj/model/packet.h"
 #include "tests/support/random_cases.h"
 
 namespace selfproj::test {
@@ -73,19 +73,19 @@ struct Recording {
 // The packet of an image that the model of the whole board sends, with sequence and losses of `header`.
 std::vector<std::uint8_t> packet_of(const selfproj_image& image, const selfproj_measure& measure,
                                     const selfproj_header& header) {
-  BoardPacket sent;
-  BoardModel board([&](BoardPacket&& packet) { sent = std::move(packet); });
+  model::BoardPacket sent;
+  model::BoardModel board([&](model::BoardPacket&& packet) { sent = std::move(packet); });
   board.write({.columns = image.columns,
                .rows = image.rows,
-               .mode = static_cast<Mode>(measure.mode),
+               .mode = static_cast<model::Mode>(measure.mode),
                .threshold = measure.threshold,
-               .select = static_cast<Select>(measure.select),
+               .select = static_cast<model::Select>(measure.select),
                .gap = measure.gap,
                .window = {measure.first_row, measure.last_row}});
-  BoardInputs inputs{.clock = 100};
+  model::BoardInputs inputs{.clock = 100};
   for (int row = 0; row < image.rows; ++row) {
     for (int column = 0; column < image.columns; column += 4) {
-      VideoBeat beat{.start = row == 0 && column == 0, .line_end = column + 4 == image.columns};
+      model::VideoBeat beat{.start = row == 0 && column == 0, .line_end = column + 4 == image.columns};
       std::copy_n(image.pixels + row * image.stride + column, 4, beat.pixels.begin());
       board.beat(inputs, beat);
       ++inputs.clock;
@@ -95,7 +95,7 @@ std::vector<std::uint8_t> packet_of(const selfproj_image& image, const selfproj_
   sent.header.lost = header.lost;
   sent.header.time_stamp = header.time_stamp;
   std::vector<std::uint8_t> packet;
-  append_packet(sent.header, sent.payload, sent.status, packet);
+  model::append_packet(sent.header, sent.payload, sent.status, packet);
   return packet;
 }
 
@@ -111,22 +111,22 @@ TEST(CInterface, MomentsAndPackets) {
     const selfproj_image image{pixels.data(), rows, columns, stride};
     const int mode = random.between(0, 2);
     const int threshold = random.between(0, 255);
-    const auto select = static_cast<Select>(random.between(0, 1));
+    const auto select = static_cast<model::Select>(random.between(0, 1));
     selfproj_measure measure = measure_of(mode, threshold);
     measure.select = static_cast<std::int32_t>(select);
     measure.gap = random.between(0, 3);
     measure.first_row = random.between(0, 4);
     measure.last_row = random.between(0, rows + 3);
-    Runs ours;
+    model::Runs ours;
     ours.resize(select, columns);
-    measure_columns({pixels.data(), rows, columns, stride},
-                    {.mode = static_cast<Mode>(mode),
-                     .threshold = threshold,
-                     .select = select,
-                     .gap = measure.gap,
-                     .window = {measure.first_row, measure.last_row}},
-                    ours.view());
-    Runs theirs;
+    model::measure_columns({pixels.data(), rows, columns, stride},
+                           {.mode = static_cast<model::Mode>(mode),
+                            .threshold = threshold,
+                            .select = select,
+                            .gap = measure.gap,
+                            .window = {measure.first_row, measure.last_row}},
+                           ours.view());
+    model::Runs theirs;
     theirs.resize(select, columns);
     ASSERT_EQ(selfproj_moments(&image, &measure, theirs.moments.m0.data(), theirs.moments.m1.data(),
                                theirs.moments.n.data(), theirs.runs.data(), theirs.second.data()),
@@ -151,7 +151,7 @@ TEST(CInterface, MomentsAndPackets) {
     EXPECT_EQ(found.header.lost, header.lost);
     EXPECT_EQ(found.payload, packet.data() + spec::kHeaderBytes);
     EXPECT_EQ(found.header.last_row, static_cast<std::uint32_t>(measure.last_row));
-    Runs back;
+    model::Runs back;
     back.resize(select, columns);
     ASSERT_EQ(selfproj_unpack_moments(measure.select, mode, columns, found.payload, found.payload_bytes,
                                       back.moments.m0.data(), back.moments.m1.data(), back.moments.n.data(),
@@ -178,7 +178,7 @@ TEST(CInterface, CodesMedianAndMatches) {
     const int columns = random.between(1, 12);
     const int bits = random.between(1, 4);
     const auto pixels = static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns);
-    GrayDecoder decoder({.rows = rows, .columns = columns, .bits = bits, .threshold = 20});
+    model::GrayDecoder decoder({.rows = rows, .columns = columns, .bits = bits, .threshold = 20});
     selfproj_gray* gray = nullptr;
     ASSERT_EQ(selfproj_gray_create(rows, columns, bits, 20, &gray), SELFPROJ_OK);
     std::vector<std::uint16_t> ours(pixels, 0);
@@ -196,12 +196,12 @@ TEST(CInterface, CodesMedianAndMatches) {
     selfproj_gray_destroy(gray);
     std::vector<std::uint16_t> filtered(pixels);
     std::vector<std::uint16_t> wanted(pixels);
-    median3x3(ours.data(), rows, columns, wanted.data());
+    model::median3x3(ours.data(), rows, columns, wanted.data());
     ASSERT_EQ(selfproj_median3x3(ours.data(), rows, columns, filtered.data()), SELFPROJ_OK);
     EXPECT_EQ(filtered, wanted);
     std::vector<std::uint16_t> table(pixels << static_cast<unsigned>(bits));
     std::generate(table.begin(), table.end(), [&] { return static_cast<std::uint16_t>(random.bits()); });
-    GrayMatch::look_up(ours.data(), pixels, bits, table.data(), wanted.data());
+    model::GrayMatch::look_up(ours.data(), pixels, bits, table.data(), wanted.data());
     ASSERT_EQ(selfproj_match(ours.data(), pixels, bits, table.data(), filtered.data()), SELFPROJ_OK);
     EXPECT_EQ(filtered, wanted);
   }
@@ -218,24 +218,24 @@ TEST(CInterface, DeviceAndProfiles) {
   std::int32_t columns = 0;
   ASSERT_EQ(selfproj_profiler_size(profiler, &rows, &columns), SELFPROJ_OK);
   EXPECT_EQ(rows, 96);
-  const Rig rig = load_rig("light-section");
-  const DifferentialProfiler ours(rig, reference_of_plane(rig));
+  const rig::Rig rig = rig::load_rig("light-section");
+  const light_section::DifferentialProfiler ours(rig, light_section::reference_of_plane(rig));
   ASSERT_EQ(columns, ours.columns());
-  Profile expected;
+  light_section::Profile expected;
   expected.resize(columns);
-  Profile given;
+  light_section::Profile given;
   given.resize(columns);
   selfproj_packet packet = sized<selfproj_packet>();
   for (const std::vector<std::uint8_t>& sent : recording.packets) {
     ASSERT_EQ(selfproj_device_next(device, 1'000'000'000, &packet), SELFPROJ_OK);
     ASSERT_EQ(packet.byte_count, sent.size());
     EXPECT_EQ(std::memcmp(packet.bytes, sent.data(), sent.size()), 0);
-    const ProfileView view = given.view();
+    const light_section::ProfileView view = given.view();
     const selfproj_profile out{
         sizeof(selfproj_profile), 512, view.centroid, view.x, view.y, view.z, view.dx, view.dy, view.dz, view.validity};
     ASSERT_EQ(selfproj_profile_of_packet(profiler, &packet, &out), SELFPROJ_OK);
-    ours.profile(static_cast<Select>(packet.header.select), static_cast<Mode>(packet.header.mode), packet.payload,
-                 expected.view());
+    ours.profile(static_cast<model::Select>(packet.header.select), static_cast<model::Mode>(packet.header.mode),
+                 packet.payload, expected.view());
     EXPECT_EQ(std::memcmp(given.z.data(), expected.z.data(), 512 * sizeof(float)), 0);
     EXPECT_EQ(std::memcmp(given.dx.data(), expected.dx.data(), 512 * sizeof(float)), 0);
     EXPECT_EQ(given.validity, expected.validity);

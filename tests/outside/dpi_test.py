@@ -21,7 +21,7 @@ def main():
     with tempfile.TemporaryDirectory() as name:
         environment = {**os.environ, "CCACHE_BASEDIR": name, "OBJCACHE": shutil.which("ccache") or ""}
         consumer.run("verilator", "--binary", "--top-module", "scoreboard", "-CFLAGS",
-                     f"-I{capi} -O0 -std=c++20", "-LDFLAGS", f"-L{library} -Wl,-rpath,{library} -lselfproj", "-MAKEFLAGS",
+                     f"-I{consumer.ROOT / 'include'} -O0 -std=c++20", "-LDFLAGS", f"-L{library} -Wl,-rpath,{library} -lselfproj", "-MAKEFLAGS",
                      "OPT_FAST=-O0 OPT_SLOW=-O0 OPT_GLOBAL=-O0", "--Mdir", name, capi / "dpi/selfproj_dpi_pkg.sv",
                      bench / "their_moments.sv", bench / "scoreboard.sv", capi / "dpi/selfproj_dpi.c", env=environment)
         program = pathlib.Path(name) / "Vscoreboard"

@@ -13,9 +13,9 @@
 
 #include "host/calibration/chessboard.h"
 #include "host/files/results_file.h"
-#include "host/images/float_image.h"
 #include "host/images/image_files.h"
-#include "host/rig/rig.h"
+#include "selfproj/images/float_image.h"
+#include "selfproj/rig/rig.h"
 #include "sim/scene/pattern_renderer.h"
 #include "sim/scene/perturbed_rig.h"
 #include "sim/scene/projected_light.h"
@@ -23,17 +23,17 @@
 #include "tests/host/structured_light/pinhole.h"
 #include "tests/sim/on_board.h"
 
-namespace selfproj {
+namespace selfproj::test {
 namespace {
 
-constexpr ChessboardShape kShape{9, 7, 21};
+constexpr sim::ChessboardShape kShape{9, 7, 21};
 constexpr int kPoses = 3;
 
-std::vector<cv::Point2d> true_corners(const Rig& rig, const ChessboardPlace& place) {
+std::vector<cv::Point2d> true_corners(const rig::Rig& rig, const sim::ChessboardPlace& place) {
   std::vector<cv::Point2d> corners;
   for (int down = 0; down < kShape.down; ++down) {
     for (int across = 0; across < kShape.across; ++across) {
-      const Point3 p = test::on_board(kShape, place, across, down);
+      const sim::Point3 p = test::on_board(kShape, place, across, down);
       const test::Pixel seen = test::camera_sees(rig.camera, {p.x, p.y, p.z});
       corners.emplace_back(seen.column, seen.row);
     }
@@ -65,17 +65,18 @@ class Distances {
 
 // The board that calibrates rig B in lab/scripts/calibration_chain.sh, fully lit, with the camera's noise.
 TEST(ChessboardCorners, TheFitOfCrossingEdgesIsTheMostExact) {
-  const Rig rig = load_rig("scanner");
-  const ProjectedLight full(FloatImage(rig.projector.lines, rig.projector.columns, 1), 1);
+  const rig::Rig rig = rig::load_rig("scanner");
+  const sim::ProjectedLight full(images::FloatImage(rig.projector.lines, rig.projector.columns, 1), 1);
   std::array<Distances, 3> ways;  // OpenCV's finder, the same and cornerSubPix, ours
-  for (const ChessboardPlace& place : chessboard_places(rig, kShape, kPoses, 30)) {
-    const ChessboardScene board(rig, kShape, place);
-    const PatternRenderer renderer(rig, board);
-    Image image{rig.camera.rows, rig.camera.columns, std::vector<std::uint8_t>(rig.camera.pixels())};
+  for (const sim::ChessboardPlace& place : sim::chessboard_places(rig, kShape, kPoses, 30)) {
+    const sim::ChessboardScene board(rig, kShape, place);
+    const sim::PatternRenderer renderer(rig, board);
+    images::Image image{rig.camera.rows, rig.camera.columns, std::vector<std::uint8_t>(rig.camera.pixels())};
     renderer.render(0, full, std::span(image.pixels));
     const std::vector<cv::Point2d> truth = true_corners(rig, place);
 
-    const FoundChessboard found = find_chessboard(image, {kShape.across, kShape.down, kShape.square_mm});
+    const calibration::FoundChessboard found =
+        calibration::find_chessboard(image, {kShape.across, kShape.down, kShape.square_mm});
     ASSERT_EQ(found.corners.size(), truth.size()) << found.reason;
     ways[2].add(found.corners, truth);
 
@@ -95,12 +96,13 @@ TEST(ChessboardCorners, TheFitOfCrossingEdgesIsTheMostExact) {
   EXPECT_LT(ways[2].rms(), 0.01);
   EXPECT_LT(ways[2].rms(), ways[1].rms() / 3);
   EXPECT_LT(ways[1].rms(), ways[0].rms());
-  write_results("chessboard_corners", "RMS errors of a chessboard's corners in simulated images of rig B, in pixels",
-                {{"find_chessboard_corners_sb_px", ways[0].rms()},
-                 {"corner_sub_pix_px", ways[1].rms()},
-                 {"crossing_edges_px", ways[2].rms()},
-                 {"corners", ways[2].corners()}});
+  files::write_results("chessboard_corners",
+                       "RMS errors of a chessboard's corners in simulated images of rig B, in pixels",
+                       {{"find_chessboard_corners_sb_px", ways[0].rms()},
+                        {"corner_sub_pix_px", ways[1].rms()},
+                        {"crossing_edges_px", ways[2].rms()},
+                        {"corners", ways[2].corners()}});
 }
 
 }  // namespace
-}  // namespace selfproj
+}  // namespace selfproj::test

@@ -9,9 +9,9 @@
 #include <span>
 #include <vector>
 
-#include "host/files/user_error.h"
 #include "host/light_section/pattern.h"
-#include "host/rig/rig.h"
+#include "selfproj/files/user_error.h"
+#include "selfproj/rig/rig.h"
 #include "sim/scene/camera_errors.h"
 #include "sim/scene/lit_surface.h"
 #include "sim/scene/optics.h"
@@ -21,7 +21,7 @@
 #include "sim/scene/world.h"
 #include "tests/sim/level_scene.h"
 
-namespace selfproj {
+namespace selfproj::test {
 namespace {
 
 using test::Frame;
@@ -30,7 +30,7 @@ using test::LevelScene;
 
 constexpr double kPi = std::numbers::pi;
 
-Point3 direction(double polar, double azimuth) {
+sim::Point3 direction(double polar, double azimuth) {
   return {std::sin(polar) * std::cos(azimuth), std::sin(polar) * std::sin(azimuth), std::cos(polar)};
 }
 
@@ -41,7 +41,7 @@ TEST(Gloss, FacetsCoverTheSurfaceOnce) {
     constexpr int kSteps = 20000;
     for (int i = 0; i < kSteps; ++i) {
       const double polar = (i + 0.5) / kSteps * kPi / 2;
-      sum += facets(std::cos(polar), roughness) * std::cos(polar) * 2 * kPi * std::sin(polar) * kPi / 2 / kSteps;
+      sum += sim::facets(std::cos(polar), roughness) * std::cos(polar) * 2 * kPi * std::sin(polar) * kPi / 2 / kSteps;
     }
     EXPECT_NEAR(sum, 1, 1e-4) << roughness;
   }
@@ -49,20 +49,21 @@ TEST(Gloss, FacetsCoverTheSurfaceOnce) {
 
 // Helmholtz: light and camera can change places. And no surface throws back more than it gets.
 TEST(Gloss, IsReciprocalAndKeepsEnergy) {
-  const Point3 up{0, 0, 1};
-  const Gloss gloss{0, 0.53, 0.3};
+  const sim::Point3 up{0, 0, 1};
+  const sim::Gloss gloss{0, 0.53, 0.3};
   for (const double polar : {0.1, 0.6, 1.1}) {
-    const Point3 light = direction(polar, 0.3);
-    const Point3 view = direction(0.4, 2.0);
-    EXPECT_NEAR(relative_radiance(gloss, 1, up, light, view), relative_radiance(gloss, 1, up, view, light), 1e-12);
+    const sim::Point3 light = direction(polar, 0.3);
+    const sim::Point3 view = direction(0.4, 2.0);
+    EXPECT_NEAR(sim::relative_radiance(gloss, 1, up, light, view), sim::relative_radiance(gloss, 1, up, view, light),
+                1e-12);
     double thrown = 0;  // the integral of f cos over all directions of the camera; f = relative / π
     constexpr int kSteps = 300;
     for (int i = 0; i < kSteps; ++i) {
       for (int j = 0; j < kSteps; ++j) {
         const double out = (i + 0.5) / kSteps * kPi / 2;
-        const Point3 to = direction(out, (j + 0.5) / kSteps * 2 * kPi);
-        thrown += relative_radiance(gloss, 1, up, light, to) / kPi * std::cos(out) * std::sin(out) * kPi / 2 * 2 * kPi /
-                  kSteps / kSteps;
+        const sim::Point3 to = direction(out, (j + 0.5) / kSteps * 2 * kPi);
+        thrown += sim::relative_radiance(gloss, 1, up, light, to) / kPi * std::cos(out) * std::sin(out) * kPi / 2 * 2 *
+                  kPi / kSteps / kSteps;
       }
     }
     EXPECT_LE(thrown, 1);
@@ -72,20 +73,21 @@ TEST(Gloss, IsReciprocalAndKeepsEnergy) {
 
 // At normal incidence seen from above: D = 1/(π m²), F = R, G = 1, so that the radiance is diffuse + R / (4 m²).
 TEST(Gloss, PlaneSeenFromTheLight) {
-  const Gloss gloss{0.6, 0.04, 0.15};
-  EXPECT_NEAR(relative_radiance(gloss, 0.5, {0, 0, 1}, {0, 0, 1}, {0, 0, 1}), 0.3 + 0.04 / (4 * 0.15 * 0.15), 1e-12);
+  const sim::Gloss gloss{0.6, 0.04, 0.15};
+  EXPECT_NEAR(sim::relative_radiance(gloss, 0.5, {0, 0, 1}, {0, 0, 1}, {0, 0, 1}), 0.3 + 0.04 / (4 * 0.15 * 0.15),
+              1e-12);
 }
 
 // What the camera of rig A sees of the plane in the middle of its image, by the angles of the rig alone: the projector
 // stands at the angle i to the normal, the camera looks along it, and the facets lean by i/2.
 TEST(Gloss, RendererShowsTheClosedForm) {
-  Rig rig = load_rig("light-section");
+  rig::Rig rig = rig::load_rig("light-section");
   rig.camera.rows = 97;  // a pixel in the middle
   rig.camera.columns = 5;
   const LevelScene scene;
-  RenderOptions options = ideal();
-  options.world.gloss = Gloss{0.5, 0.2, 0.3};
-  const Frame frame(rig, LineRenderer(rig, scene, FloatImage(512, 512, 1), options), 0);
+  sim::RenderOptions options = ideal();
+  options.world.gloss = sim::Gloss{0.5, 0.2, 0.3};
+  const Frame frame(rig, sim::LineRenderer(rig, scene, images::FloatImage(512, 512, 1), options), 0);
   const double i = std::atan2(rig.projector.x_mm, rig.plane_z_mm - rig.projector.z_mm);
   const double tan_2 = std::pow(std::tan(i / 2), 2);
   const double d = std::exp(-tan_2 / 0.09) / (kPi * 0.09 * std::pow(std::cos(i / 2), 4));
@@ -96,7 +98,7 @@ TEST(Gloss, RendererShowsTheClosedForm) {
 }
 
 TEST(Texture, HasItsContrastAndCorrelation) {
-  const TextureField field({.contrast = 0.2, .scale_mm = 2}, 7);
+  const sim::TextureField field({.contrast = 0.2, .scale_mm = 2}, 7);
   double mean = 0;
   double square = 0;
   double beside = 0;
@@ -119,14 +121,14 @@ TEST(Texture, HasItsContrastAndCorrelation) {
 
 // The texture goes with the part: after the belt has moved it by whole rows, the image has moved by them as well.
 TEST(Texture, MovesWithThePart) {
-  Rig rig = load_rig("light-section");
+  rig::Rig rig = rig::load_rig("light-section");
   rig.camera.columns = 8;
   LevelScene scene;
   const double row_mm = rig.plane_z_mm * rig.camera.pixel_pitch_mm / rig.camera.focal_length_mm;
   scene.fastest = 5 * row_mm * rig.camera.frame_rate_hz;
-  RenderOptions options = ideal();
-  options.world.texture = Texture{0.3, 2};
-  const LineRenderer renderer(rig, scene, FloatImage(512, 512, 1), options);
+  sim::RenderOptions options = ideal();
+  options.world.texture = sim::Texture{0.3, 2};
+  const sim::LineRenderer renderer(rig, scene, images::FloatImage(512, 512, 1), options);
   const Frame first(rig, renderer, 0);
   const Frame second(rig, renderer, 1);
   const double tilt = std::atan2(rig.projector.x_mm, rig.plane_z_mm - rig.projector.z_mm);
@@ -136,14 +138,14 @@ TEST(Texture, MovesWithThePart) {
 }
 
 // A groove of two planes at 45° that meet at a right angle along x: height |y| up to a rim.
-class Groove final : public Scene {
+class Groove final : public sim::Scene {
  public:
   explicit Groove(double rim) : rim_(rim) {}
   [[nodiscard]] int frames() const override { return 1; }
   [[nodiscard]] double height(double /*x*/, double y, double /*t*/) const override {
     return std::min(std::abs(y), rim_);
   }
-  [[nodiscard]] HeightRange range(const Box& box, double /*t0*/, double /*t1*/) const override {
+  [[nodiscard]] sim::HeightRange range(const sim::Box& box, double /*t0*/, double /*t1*/) const override {
     const double low = box.y0 <= 0 && box.y1 >= 0 ? 0 : std::min(std::abs(box.y0), std::abs(box.y1));
     return {std::min(low, rim_), std::min(std::max(std::abs(box.y0), std::abs(box.y1)), rim_)};
   }
@@ -157,18 +159,18 @@ class Groove final : public Scene {
 // from the edge receives (1 - s/√(s² + w²))/2 of the strip's radiosity (Howell, view factors, an element and a long
 // strip).
 TEST(Bounce, GrooveHasTheViewFactorOfAStrip) {
-  const Rig rig = load_rig("light-section");
+  const rig::Rig rig = rig::load_rig("light-section");
   constexpr double kRim = 8;
   const Groove scene(kRim);
-  const LitSurface surface(rig, scene, false);
-  const BounceLight bounce(rig, scene, surface, {1});
-  const ProjectedLight pattern(FloatImage(rig.projector.lines, rig.projector.columns, 1), 0);
+  const sim::LitSurface surface(rig, scene, false);
+  const sim::BounceLight bounce(rig, scene, surface, {1});
+  const sim::ProjectedLight pattern(images::FloatImage(rig.projector.lines, rig.projector.columns, 1), 0);
   const double width = kRim * std::numbers::sqrt2;
-  const Point3 normal = 1 / std::numbers::sqrt2 * Point3{0, -1, -1};  // of the wall at y > 0
-  const Point3 other = 1 / std::numbers::sqrt2 * Point3{0, 1, -1};
+  const sim::Point3 normal = 1 / std::numbers::sqrt2 * sim::Point3{0, -1, -1};  // of the wall at y > 0
+  const sim::Point3 other = 1 / std::numbers::sqrt2 * sim::Point3{0, 1, -1};
   for (const double y : {2.0, 4.0, 6.0}) {
     const double s = y * std::numbers::sqrt2;
-    const Point3 point{0, y, rig.plane_z_mm - y};
+    const sim::Point3 point{0, y, rig.plane_z_mm - y};
     const double lit = surface.incidence({0, -kRim / 2, rig.plane_z_mm - kRim / 2}, other);
     EXPECT_NEAR(bounce.irradiance(pattern, 0, point, normal), lit * (1 - s / std::hypot(s, width)) / 2, 0.02 * lit)
         << y;
@@ -177,19 +179,19 @@ TEST(Bounce, GrooveHasTheViewFactorOfAStrip) {
 
 // A level plane lights no part of itself.
 TEST(Bounce, PlaneIsNotLitByItself) {
-  Rig rig = load_rig("light-section");
+  rig::Rig rig = rig::load_rig("light-section");
   const LevelScene scene;
-  RenderOptions options = ideal();
-  const Frame without(rig, LineRenderer(rig, scene, FloatImage(512, 512, 1), options), 0);
-  options.world.bounce = Bounce{1};
-  const Frame with(rig, LineRenderer(rig, scene, FloatImage(512, 512, 1), options), 0);
+  sim::RenderOptions options = ideal();
+  const Frame without(rig, sim::LineRenderer(rig, scene, images::FloatImage(512, 512, 1), options), 0);
+  options.world.bounce = sim::Bounce{1};
+  const Frame with(rig, sim::LineRenderer(rig, scene, images::FloatImage(512, 512, 1), options), 0);
   EXPECT_EQ(with.pixels, without.pixels);
 }
 
 // The circle of confusion of a thin lens (Hecht): f = 50, N = 4, focused at 1167 mm, an object at 1128 mm:
 // c = f²/N · 39 / (1128 · 1117) = 0.019346 mm.
 TEST(Defocus, ThinLens) {
-  const FocusedLens lens(50, 4, 0.01, 1167);
+  const sim::FocusedLens lens(50, 4, 0.01, 1167);
   EXPECT_NEAR(lens.sigma_px(1128) * 4 * 0.01, 0.0193457, 1e-6);
   EXPECT_EQ(lens.sigma_px(1167), 0);
 }
@@ -200,7 +202,7 @@ TEST(Defocus, SpreadHasItsVarianceAndKeepsLight) {
     std::vector<float> image(kSide * kSide, 0.0F);
     image[kSide * 20 + 20] = 1;
     const std::vector<float> sigmas(image.size(), static_cast<float>(sigma));
-    spread(kSide, kSide, sigmas, image);
+    sim::spread(kSide, kSide, sigmas, image);
     double sum = 0;
     double down = 0;
     double across = 0;
@@ -219,17 +221,17 @@ TEST(Defocus, SpreadHasItsVarianceAndKeepsLight) {
 // A line on a plane that lies out of focus: the variances of the image along rows add, pixel, line, projector and
 // camera. The projector's pixels are seen at the scale that the angles give.
 TEST(Defocus, VariancesOfALineAdd) {
-  Rig rig = load_rig("light-section");
+  rig::Rig rig = rig::load_rig("light-section");
   LevelScene scene;
   scene.floor = 30;
   const double line = std::round(test::line_at(rig, 0, rig.plane_z_mm - scene.floor));
-  FloatImage pattern(512, 512);
+  images::FloatImage pattern(512, 512);
   std::fill_n(pattern.row(static_cast<int>(line)), 512, 1.0F);
-  const auto variance = [&](const World& world) {
-    RenderOptions options = ideal();
+  const auto variance = [&](const sim::World& world) {
+    sim::RenderOptions options = ideal();
     options.camera_blur = true;  // whose margin gathers light from outside
     options.world = world;
-    const Frame frame(rig, LineRenderer(rig, scene, pattern, options), 0);
+    const Frame frame(rig, sim::LineRenderer(rig, scene, pattern, options), 0);
     const double middle = frame.centroid(256, rig.imaging.ambient);
     double m2 = 0;
     for (int r = 0; r < frame.rows; ++r) {
@@ -238,12 +240,12 @@ TEST(Defocus, VariancesOfALineAdd) {
     return m2 / frame.sum(256, rig.imaging.ambient);
   };
   const double sharp = variance({});
-  World camera;
-  camera.camera_defocus = Defocus{4, 0};
+  sim::World camera;
+  camera.camera_defocus = sim::Defocus{4, 0};
   const double c = 2500.0 / 4 * 30 / (1137.0 * 1117) / 0.01;  // pixels
   EXPECT_NEAR(variance(camera) - sharp, c * c / 16, 0.02);
-  World projector;
-  projector.projector_defocus = Defocus{4, 0};
+  sim::World projector;
+  projector.projector_defocus = sim::Defocus{4, 0};
   // distances along the projector's axis of the middle of the plane and of the point on the block
   const double tilt = rig.projector.tilt_rad;
   const auto along = [&](double z) {
@@ -262,51 +264,51 @@ TEST(Defocus, VariancesOfALineAdd) {
 
 // Rec. IEC 61966: half the level of a gamma of 2.2 is 21.8 % of the light; sent through its inverse it is the light.
 TEST(ProjectorGamma, PowerAndItsInverse) {
-  EXPECT_NEAR(light_through({2.2, 1}, 0.5F), std::pow(128 / 255.0, 2.2), 1e-6);
+  EXPECT_NEAR(sim::light_through({2.2, 1}, 0.5F), std::pow(128 / 255.0, 2.2), 1e-6);
   for (const float light : {0.0F, 0.1F, 0.3F, 0.7F, 1.0F}) {
-    EXPECT_NEAR(light_through({2.2, 2.2}, light), light, 2.2 / 2 / 255);  // half a level
-    EXPECT_NEAR(light_through({1, 1}, light), light, 0.5 / 255 + 1e-6);
+    EXPECT_NEAR(sim::light_through({2.2, 2.2}, light), light, 2.2 / 2 / 255);  // half a level
+    EXPECT_NEAR(sim::light_through({1, 1}, light), light, 0.5 / 255 + 1e-6);
   }
 }
 
 // A level plane under an even half light shows the power.
 TEST(ProjectorGamma, RendererShowsIt) {
-  Rig rig = load_rig("light-section");
+  rig::Rig rig = rig::load_rig("light-section");
   rig.camera.columns = 8;
   const LevelScene scene;
-  RenderOptions options = ideal();
-  const Frame full(rig, LineRenderer(rig, scene, FloatImage(512, 512, 1), options), 0);
-  options.world.gamma = ProjectorGamma{2.2, 1};
-  const Frame half(rig, LineRenderer(rig, scene, FloatImage(512, 512, 0.5F), options), 0);
+  sim::RenderOptions options = ideal();
+  const Frame full(rig, sim::LineRenderer(rig, scene, images::FloatImage(512, 512, 1), options), 0);
+  options.world.gamma = sim::ProjectorGamma{2.2, 1};
+  const Frame half(rig, sim::LineRenderer(rig, scene, images::FloatImage(512, 512, 0.5F), options), 0);
   const double ambient = rig.imaging.ambient;
   EXPECT_NEAR((half.at(48, 4) - ambient) / (full.at(48, 4) - ambient), std::pow(128 / 255.0, 2.2), 1e-5);
 }
 
 // Both renderers show the same world.
 TEST(Disturbances, BothRenderersAgree) {
-  Rig rig = load_rig("light-section");
+  rig::Rig rig = rig::load_rig("light-section");
   rig.camera.columns = 64;
   LevelScene scene;
   scene.floor = 5;
   scene.top = 25;
   scene.x0 = -4;
   scene.x1 = 3;
-  RenderOptions options = ideal();
+  sim::RenderOptions options = ideal();
   options.camera_blur = options.projector_blur = true;
-  World& world = options.world;
-  world.gloss = Gloss{0.6, 0.04, 0.15};
-  world.texture = Texture{0.2, 2};
-  world.bounce = Bounce{1};
-  world.camera_defocus = Defocus{4, 0};
-  world.projector_defocus = Defocus{2, 0};
-  world.second_line = SecondLine{0.3, 12, 36, 20};
-  FloatImage pattern(512, 512);
+  sim::World& world = options.world;
+  world.gloss = sim::Gloss{0.6, 0.04, 0.15};
+  world.texture = sim::Texture{0.2, 2};
+  world.bounce = sim::Bounce{1};
+  world.camera_defocus = sim::Defocus{4, 0};
+  world.projector_defocus = sim::Defocus{2, 0};
+  world.second_line = sim::SecondLine{0.3, 12, 36, 20};
+  images::FloatImage pattern(512, 512);
   for (int l = 0; l < 500; l += 40) {
     std::fill_n(pattern.row(l), 512 * 8, 1.0F);
   }
-  const Frame line(rig, LineRenderer(rig, scene, pattern, options), 0);
+  const Frame line(rig, sim::LineRenderer(rig, scene, pattern, options), 0);
   std::vector<float> whole(rig.camera.pixels());
-  PatternRenderer(rig, scene, options).render(0, throw_light(rig, pattern, options), std::span<float>(whole));
+  sim::PatternRenderer(rig, scene, options).render(0, sim::throw_light(rig, pattern, options), std::span<float>(whole));
   double sum = 0;
   for (std::size_t i = 0; i < whole.size(); ++i) {
     sum += std::abs(static_cast<double>(whole[i]) - static_cast<double>(line.pixels[i]));
@@ -334,7 +336,7 @@ Moments2 moments_of(std::span<const float> values) {
 // EMVA 1288: the spatial standard deviation in the dark is the DSNU, and that of the light over its mean the PRNU.
 TEST(FixedPattern, IsThatOfEmva1288) {
   constexpr std::size_t kPixels = 200'000;
-  const FixedPatternMap map({.dsnu_electrons = 40, .prnu = 0.02}, 80, kPixels, 3);
+  const sim::FixedPatternMap map({.dsnu_electrons = 40, .prnu = 0.02}, 80, kPixels, 3);
   std::vector<float> dark(kPixels, 2.0F);
   std::vector<float> lit(kPixels, 102.0F);
   map.add_gains(2, dark);
@@ -357,7 +359,8 @@ TEST(DefectPixels, AreAsManyAsTheirShare) {
   double squares = 0;
   constexpr int kCameras = 200;
   for (int camera = 0; camera < kCameras; ++camera) {
-    const DefectMap map({.hot = 1e-3, .dead = 5e-4, .min_hot_grey = 100}, kPixels, static_cast<std::uint64_t>(camera));
+    const sim::DefectMap map({.hot = 1e-3, .dead = 5e-4, .min_hot_grey = 100}, kPixels,
+                             static_cast<std::uint64_t>(camera));
     hot += static_cast<double>(map.hot());
     squares += std::pow(static_cast<double>(map.hot()) - 1e-3 * kPixels, 2);
     std::vector<float> image(kPixels, 8.0F);
@@ -373,7 +376,7 @@ TEST(DefectPixels, AreAsManyAsTheirShare) {
 TEST(RowNoise, IsOneOffsetARow) {
   constexpr int kRows = 20'000;
   std::vector<float> image(kRows * 4, 5.0F);
-  add_row_noise({.grey = 0.3}, 1, 7, 4, image);
+  sim::add_row_noise({.grey = 0.3}, 1, 7, 4, image);
   std::vector<float> rows;
   for (std::size_t i = 0; i < image.size(); i += 4) {
     ASSERT_EQ(std::count(image.begin() + static_cast<std::ptrdiff_t>(i),
@@ -387,13 +390,13 @@ TEST(RowNoise, IsOneOffsetARow) {
 
 TEST(Saturation, IsLinearUpToTheWell) {
   std::vector<float> image{2, 12, 52, 150};
-  saturate({.exposure = 3, .well_grey = 255}, 2, image);
+  sim::saturate({.exposure = 3, .well_grey = 255}, 2, image);
   EXPECT_EQ(image, (std::vector<float>{2, 32, 152, 255}));
 }
 
 // The mean of a sine over an exposure is the sine times sinc.
 TEST(Flicker, IsTheMeanOverTheExposure) {
-  const Flicker lamp{.grey = 10, .modulation = 0.37, .hz = 100};
+  const sim::Flicker lamp{.grey = 10, .modulation = 0.37, .hz = 100};
   for (const double exposure : {9e-5, 1e-3, 0.01}) {
     for (const double t : {0.0, 0.0013, 0.0071}) {
       double sum = 0;
@@ -402,10 +405,10 @@ TEST(Flicker, IsTheMeanOverTheExposure) {
         const double at = t + exposure * ((i + 0.5) / kSteps - 0.5);
         sum += 10 * (1 + 0.37 * std::sin(200 * std::numbers::pi * at)) / kSteps;
       }
-      EXPECT_NEAR(flicker_grey(lamp, t, exposure), sum, 1e-6);
+      EXPECT_NEAR(sim::flicker_grey(lamp, t, exposure), sum, 1e-6);
     }
   }
-  EXPECT_NEAR(flicker_grey(lamp, 0.0025, 0.01), 10, 1e-9) << "a whole period shows no flicker";
+  EXPECT_NEAR(sim::flicker_grey(lamp, 0.0025, 0.01), 10, 1e-9) << "a whole period shows no flicker";
 }
 
 // A camera that tips moves the image's centroid by as much.
@@ -429,7 +432,7 @@ TEST(Vibration, MovesTheImage) {
       return first / sum;
     };
     const double row = centre(true);
-    move_image(kRows, kColumns, {by, 2 * by}, image);
+    sim::move_image(kRows, kColumns, {by, 2 * by}, image);
     EXPECT_NEAR(centre(true) - row, by, 1e-5);
     EXPECT_NEAR(centre(false) - 12, 2 * by, 1e-5);
   }
@@ -437,13 +440,13 @@ TEST(Vibration, MovesTheImage) {
 
 // A belt that swings by dz moves the line by what (3.4) says of the plane at that height.
 TEST(Vibration, OfTheBeltIsHeight) {
-  const Rig rig = load_rig("light-section");
+  const rig::Rig rig = rig::load_rig("light-section");
   const LevelScene scene;
-  const FloatImage line = draw_straight_line(rig, test::line_at(rig, 0, rig.plane_z_mm));
-  RenderOptions options = ideal();
+  const images::FloatImage line = light_section::draw_straight_line(rig, test::line_at(rig, 0, rig.plane_z_mm));
+  sim::RenderOptions options = ideal();
   options.camera_blur = true;
-  options.world.vibration = Vibration{.belt_mm = 2, .belt_hz = 2500, .camera_px = 0, .camera_hz = 50};
-  const LineRenderer renderer(rig, scene, line, options);
+  options.world.vibration = sim::Vibration{.belt_mm = 2, .belt_hz = 2500, .camera_px = 0, .camera_hz = 50};
+  const sim::LineRenderer renderer(rig, scene, line, options);
   for (const auto& [frame, height] :
        {std::pair(0, 0.0), std::pair(1, 2.0), std::pair(3, -2.0)}) {  // of 10,000 a second
     const double z = rig.plane_z_mm - height;
@@ -459,8 +462,8 @@ TEST(Jitter, HasItsDeviations) {
   std::vector<float> still;
   constexpr int kFrames = 20'000;
   for (int frame = 0; frame < kFrames; ++frame) {
-    late.push_back(static_cast<float>(1e6 * lateness({.trigger_us = 3, .encoder_mm = 0.004}, 1, frame, 1000)));
-    still.push_back(static_cast<float>(1e6 * lateness({.trigger_us = 3, .encoder_mm = 0.004}, 1, frame, 0)));
+    late.push_back(static_cast<float>(1e6 * sim::lateness({.trigger_us = 3, .encoder_mm = 0.004}, 1, frame, 1000)));
+    still.push_back(static_cast<float>(1e6 * sim::lateness({.trigger_us = 3, .encoder_mm = 0.004}, 1, frame, 0)));
   }
   EXPECT_NEAR(moments_of(late).deviation, 5, 0.15);  // 3 µs of the trigger and 4 of the encoder
   EXPECT_NEAR(moments_of(still).deviation, 3, 0.1);
@@ -469,18 +472,18 @@ TEST(Jitter, HasItsDeviations) {
 
 // The image is that of a part which lies as much farther as the frame is late.
 TEST(Jitter, MovesThePart) {
-  const Rig rig = load_rig("light-section");
+  const rig::Rig rig = rig::load_rig("light-section");
   LevelScene scene;
   scene.top = 5;
   scene.x0 = -2000;
   scene.x1 = 0;
   scene.fastest = 1000;
-  RenderOptions options = ideal();
-  options.world.jitter = Jitter{.trigger_us = 0, .encoder_mm = 1.5};
-  const FloatImage light(512, 512, 1);
-  const LineRenderer renderer(rig, scene, light, options);
+  sim::RenderOptions options = ideal();
+  options.world.jitter = sim::Jitter{.trigger_us = 0, .encoder_mm = 1.5};
+  const images::FloatImage light(512, 512, 1);
+  const sim::LineRenderer renderer(rig, scene, light, options);
   for (int frame = 0; frame < 4; ++frame) {
-    const double late = lateness(*options.world.jitter, static_cast<std::uint64_t>(rig.imaging.seed), frame, 1000);
+    const double late = sim::lateness(*options.world.jitter, static_cast<std::uint64_t>(rig.imaging.seed), frame, 1000);
     LevelScene moved;
     moved.top = 5;
     moved.x0 = -2000 + 1000 * late;
@@ -488,7 +491,7 @@ TEST(Jitter, MovesThePart) {
     moved.fastest = 1000;
     EXPECT_GT(std::abs(late), 1e-5);
     const Frame seen(rig, renderer, frame);
-    const Frame expected(rig, LineRenderer(rig, moved, light, ideal()), frame);
+    const Frame expected(rig, sim::LineRenderer(rig, moved, light, ideal()), frame);
     for (std::size_t i = 0; i < seen.pixels.size(); ++i) {
       ASSERT_NEAR(seen.pixels[i], expected.pixels[i], 0.01) << frame;
     }
@@ -497,16 +500,16 @@ TEST(Jitter, MovesThePart) {
 
 // A single bright row is seen again `share` as bright, at the stated distance.
 TEST(SecondLine, LiesAndShinesAsStated) {
-  const SecondLine line{.share = 0.3, .min_rows = 12, .max_rows = 36, .period_mm = 20};
-  EXPECT_NEAR(second_line_rows(line, 0), 24, 1e-12);
-  EXPECT_NEAR(second_line_rows(line, 5), 36, 1e-12);
-  EXPECT_NEAR(second_line_rows(line, 15), 12, 1e-12);
+  const sim::SecondLine line{.share = 0.3, .min_rows = 12, .max_rows = 36, .period_mm = 20};
+  EXPECT_NEAR(sim::second_line_rows(line, 0), 24, 1e-12);
+  EXPECT_NEAR(sim::second_line_rows(line, 5), 36, 1e-12);
+  EXPECT_NEAR(sim::second_line_rows(line, 15), 12, 1e-12);
   constexpr int kRows = 96;
   for (const double way : {0.0, 1.3, 7.7}) {
     std::vector<float> image(kRows, 8.0F);
     image[40] = 108;
     image[41] = 58;
-    add_second_line(line, way, kRows, 1, 8, image);
+    sim::add_second_line(line, way, kRows, 1, 8, image);
     EXPECT_EQ(image[40], 108);
     double sum = 0;
     double first = 0;
@@ -515,24 +518,24 @@ TEST(SecondLine, LiesAndShinesAsStated) {
       first += (static_cast<double>(image[static_cast<std::size_t>(r)]) - 8) * r;
     }
     EXPECT_NEAR(sum, 0.3 * 150, 1e-3);
-    EXPECT_NEAR(first / sum, 40 + 1.0 / 3 + second_line_rows(line, way), 1e-4);
+    EXPECT_NEAR(first / sum, 40 + 1.0 / 3 + sim::second_line_rows(line, way), 1e-4);
   }
 }
 
 TEST(World, NamesAndStrengths) {
-  const WorldFile file = load_world(kBuiltInWorld);
-  const World world = world_of(file, {"gloss=brushed-steel", "defect-pixels", "second-line=0.1"});
+  const sim::WorldFile file = sim::load_world(sim::kBuiltInWorld);
+  const sim::World world = sim::world_of(file, {"gloss=brushed-steel", "defect-pixels", "second-line=0.1"});
   ASSERT_TRUE(world.gloss && world.defect_pixels && world.second_line);
   EXPECT_FALSE(world.texture || world.flicker);
   EXPECT_EQ(world.gloss->reflectance, file.presets[2].second.reflectance);
   EXPECT_EQ(world.defect_pixels->hot, 1e-4);
   EXPECT_EQ(world.second_line->share, 0.1);
   for (const char* wrong : {"glare", "gloss=gold", "second-line=2", "second-line=", "flicker=bright", "=1"}) {
-    EXPECT_THROW(world_of(file, {wrong}), UserError) << wrong;
+    EXPECT_THROW(sim::world_of(file, {wrong}), UserError) << wrong;
   }
-  EXPECT_THROW(world_of(file, {"flicker", "flicker=3"}), UserError);
-  EXPECT_THROW(load_world("no-such-world.yaml"), UserError);
+  EXPECT_THROW(sim::world_of(file, {"flicker", "flicker=3"}), UserError);
+  EXPECT_THROW(sim::load_world("no-such-world.yaml"), UserError);
 }
 
 }  // namespace
-}  // namespace selfproj
+}  // namespace selfproj::test

@@ -10,14 +10,14 @@
 #include <span>
 #include <vector>
 
-#include "host/rig/rig.h"
+#include "selfproj/rig/rig.h"
 #include "sim/scene/renderer.h"
 #include "sim/scene/scene.h"
 
 namespace selfproj::test {
 
 // Options without any disturbance.
-inline RenderOptions ideal() {
+inline sim::RenderOptions ideal() {
   return {.shot_noise = false,
           .read_noise = false,
           .quantization = false,
@@ -28,7 +28,7 @@ inline RenderOptions ideal() {
 }
 
 // A level surface with a level block on it, which has a width along x and is endless along y.
-class LevelScene : public Scene {
+class LevelScene : public sim::Scene {
  public:
   double floor = 0;                           // height beside the block
   double top = 0;                             // height of the block
@@ -41,7 +41,7 @@ class LevelScene : public Scene {
   [[nodiscard]] double height(double x, double /*y*/, double t) const override {
     return x >= x0 + fastest * t && x <= x1 + fastest * t ? top : floor;
   }
-  [[nodiscard]] HeightRange range(const Box& b, double t0, double t1) const override {
+  [[nodiscard]] sim::HeightRange range(const sim::Box& b, double t0, double t1) const override {
     const bool on = x1 > x0 && b.x1 >= x0 + fastest * t0 && b.x0 <= x1 + fastest * t1;
     const bool off = !(x1 > x0 && b.x0 >= x0 + fastest * t1 && b.x1 <= x1 + fastest * t0);
     return {std::min(on ? top : floor, off ? floor : top), std::max(on ? top : floor, off ? floor : top)};
@@ -58,7 +58,7 @@ struct Frame {
   int rows, columns;
   std::vector<float> pixels;
 
-  Frame(const Rig& rig, const LineRenderer& renderer, int frame)
+  Frame(const rig::Rig& rig, const sim::LineRenderer& renderer, int frame)
       : rows(rig.camera.rows),
         columns(rig.camera.columns),
         pixels(static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns)) {
@@ -86,20 +86,20 @@ struct Frame {
 };
 
 // tan θ of a projector line (3.6, 3.7).
-inline double tan_theta(const Rig& rig, double line) {
-  const RigProjector& p = rig.projector;
+inline double tan_theta(const rig::Rig& rig, double line) {
+  const rig::RigProjector& p = rig.projector;
   return std::tan(p.tilt_rad +
                   std::atan((p.center_xp_mm + p.line_pitch_mm * (line - (p.lines - 1) / 2.0)) / p.focal_length_mm));
 }
 
 // The projector line that meets (x, ., z).
-inline double line_at(const Rig& rig, double x, double z) {
-  const RigProjector& p = rig.projector;
+inline double line_at(const rig::Rig& rig, double x, double z) {
+  const rig::RigProjector& p = rig.projector;
   const double theta = std::atan2(p.x_mm - x, z - p.z_mm);
   return (p.focal_length_mm * std::tan(theta - p.tilt_rad) - p.center_xp_mm) / p.line_pitch_mm + (p.lines - 1) / 2.0;
 }
 
-inline double row_of(const Rig& rig, double tan_alpha) {
+inline double row_of(const rig::Rig& rig, double tan_alpha) {
   return tan_alpha * rig.camera.focal_length_mm / rig.camera.pixel_pitch_mm + (rig.camera.rows - 1) / 2.0;
 }
 

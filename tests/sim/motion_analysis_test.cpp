@@ -13,13 +13,13 @@
 #include <stdexcept>
 #include <vector>
 
-#include "host/images/float_image.h"
-#include "host/rig/rig.h"
-#include "host/structured_light/triangulation.h"
+#include "selfproj/images/float_image.h"
+#include "selfproj/rig/rig.h"
+#include "selfproj/structured_light/triangulation.h"
 #include "sim/cosim/wave_dispersion.h"
 #include "tests/host/light_section/seen_surface.h"
 
-namespace selfproj {
+namespace selfproj::test {
 namespace {
 
 TEST(FitSine, FindsFrequencyAndAmplitude) {
@@ -32,20 +32,20 @@ TEST(FitSine, FindsFrequencyAndAmplitude) {
       y.push_back(i % 17 == 0 ? std::nan("")
                               : 420 + 50 * std::sin(2 * std::numbers::pi * frequency * t.back() + 1) + noise);
     }
-    const SineFit fit = fit_sine(t, y, 1, 8);
+    const sim::SineFit fit = sim::fit_sine(t, y, 1, 8);
     EXPECT_NEAR(fit.frequency, frequency, 0.01);
     EXPECT_NEAR(fit.amplitude, 50, 0.3);
     EXPECT_NEAR(fit.mean, 420, 0.5);
     EXPECT_NEAR(fit.residual, 0.5 / std::numbers::sqrt2, 0.1);
   }
-  EXPECT_TRUE(std::isnan(fit_sine({0, 1}, {1, 2}, 1, 8).frequency));
+  EXPECT_TRUE(std::isnan(sim::fit_sine({0, 1}, {1, 2}, 1, 8).frequency));
 }
 
 TEST(FitLine, FindsSlope) {
-  const LineFit fit = fit_line({0, 1, 2, 3}, {5, 7, std::nan(""), 11});
+  const sim::LineFit fit = sim::fit_line({0, 1, 2, 3}, {5, 7, std::nan(""), 11});
   EXPECT_NEAR(fit.slope, 2, 1e-12);
   EXPECT_NEAR(fit.at_0, 5, 1e-12);
-  EXPECT_TRUE(std::isnan(fit_line({1}, {2}).slope));
+  EXPECT_TRUE(std::isnan(sim::fit_line({1}, {2}).slope));
 }
 
 TEST(SlopeBetweenJumps, JumpsDoNotMatter) {
@@ -55,22 +55,22 @@ TEST(SlopeBetweenJumps, JumpsDoNotMatter) {
     t.push_back(0.002 * i);
     y.push_back(i == 7 ? std::nan("") : 40 + 350 * t.back() - (i > 20 ? 25 : 0) - (i > 33 ? 25 : 0));
   }
-  EXPECT_NEAR(slope_between_jumps(t, y, 0.004, 0.01), 350, 1e-6);
-  EXPECT_TRUE(std::isnan(slope_between_jumps({0, 1}, {1, 2}, 2, 3)));
+  EXPECT_NEAR(sim::slope_between_jumps(t, y, 0.004, 0.01), 350, 1e-6);
+  EXPECT_TRUE(std::isnan(sim::slope_between_jumps({0, 1}, {1, 2}, 2, 3)));
 }
 
 // A crest of known radius on a level surface, and a lower one inside it.
 TEST(RingMeans, ForemostCrestIsWhereItWasPut) {
-  const Rig rig = load_rig("scanner");
-  const PlaneTriangulation triangulation(rig, 8);
-  const FloatImage background(512, 512, 520);
+  const rig::Rig rig = rig::load_rig("scanner");
+  const structured_light::PlaneTriangulation triangulation(rig, 8);
+  const images::FloatImage background(512, 512, 520);
   constexpr double kX = -10;
   constexpr double kY = -60;
-  const RingMeans rings(triangulation, {kX, kY, -135, 115, -170, 170}, 3, 40);
+  const sim::RingMeans rings(triangulation, {kX, kY, -135, 115, -170, 170}, 3, 40);
   for (const double radius : {40.0, 61.3, 95.0}) {
-    FloatImage depth = background;
+    images::FloatImage depth = background;
     for (std::size_t i = 0; i < depth.values.size(); ++i) {
-      const Point3f p = triangulation.point(i, 520);
+      const structured_light::Point3f p = triangulation.point(i, 520);
       const double r = std::hypot(static_cast<double>(p.x) - kX, static_cast<double>(p.y) - kY);
       const auto bump = [&](double at) { return std::exp(-(r - at) * (r - at) / 100); };
       depth.values[i] -= static_cast<float>(2 * bump(radius) + 1.2 * bump(radius - 35));
@@ -79,14 +79,14 @@ TEST(RingMeans, ForemostCrestIsWhereItWasPut) {
       depth.values[i] -= 300;  // wrong codes
     }
     const std::vector<double> means = rings.means(depth, background, 10);
-    EXPECT_NEAR(foremost_crest(rings, means, 0.4), radius, 0.5);
-    EXPECT_TRUE(std::isnan(foremost_crest(rings, means, 3)));
+    EXPECT_NEAR(sim::foremost_crest(rings, means, 0.4), radius, 0.5);
+    EXPECT_TRUE(std::isnan(sim::foremost_crest(rings, means, 3)));
   }
 }
 
 // Measures depth and speeds of waves that this test computes by formulas of its own.
 
-constexpr Basin kBasin{-130, 120, -150, 160};
+constexpr sim::Basin kBasin{-130, 120, -150, 160};
 constexpr double kLevel = 520;  // z of the water at rest, mm
 
 struct Turning {
@@ -118,16 +118,16 @@ std::vector<Turning> random_waves(double longest, double shortest, const std::fu
 }
 
 // The waves in 20 depth images of a coarse scanner within 0.3 s. `noise_mm` is the standard deviation of a depth.
-BasinWaves seen(const std::vector<Turning>& waves, double noise_mm, std::uint64_t seed) {
-  const Rig rig = test::coarse_scanner(4);
-  const PlaneTriangulation triangulation(rig, 8);
-  const FloatImage background(rig.camera.rows, rig.camera.columns, static_cast<float>(kLevel));
+sim::BasinWaves seen(const std::vector<Turning>& waves, double noise_mm, std::uint64_t seed) {
+  const rig::Rig rig = test::coarse_scanner(4);
+  const structured_light::PlaneTriangulation triangulation(rig, 8);
+  const images::FloatImage background(rig.camera.rows, rig.camera.columns, static_cast<float>(kLevel));
   std::mt19937_64 random(seed);
   std::normal_distribution<double> noise(0, noise_mm);
-  BasinWaves measured(kBasin, 60, 1);
+  sim::BasinWaves measured(kBasin, 60, 1);
   std::vector<std::vector<double>> shapes(waves.size());
   for (std::size_t pixel = 0; pixel < background.values.size(); ++pixel) {
-    const Point3f p = triangulation.point(pixel, static_cast<float>(kLevel));
+    const structured_light::Point3f p = triangulation.point(pixel, static_cast<float>(kLevel));
     const double x = std::numbers::pi * (static_cast<double>(p.x) - kBasin.x0) / (kBasin.x1 - kBasin.x0);
     const double y = std::numbers::pi * (static_cast<double>(p.y) - kBasin.y0) / (kBasin.y1 - kBasin.y0);
     for (std::size_t w = 0; w < waves.size(); ++w) {
@@ -136,7 +136,7 @@ BasinWaves seen(const std::vector<Turning>& waves, double noise_mm, std::uint64_
   }
   for (int i = 0; i < 20; ++i) {
     const double t = 1.44 + 0.016 * i;
-    FloatImage depth = background;
+    images::FloatImage depth = background;
     std::vector<double> turns;
     for (const Turning& wave : waves) {
       turns.push_back(std::cos(wave.omega * t + wave.phase));
@@ -162,7 +162,7 @@ TEST(WaveDispersion, DepthComesOut) {
     const double wanted = std::sqrt(9806.65 * depth);
     const auto waves = random_waves(
         700, 62, [depth = depth](double k) { return airy(k, depth); }, seed);
-    const LongWaves found = WaveDispersion(seen(waves, 0.5, seed + 100)).long_waves();
+    const sim::LongWaves found = sim::WaveDispersion(seen(waves, 0.5, seed + 100)).long_waves();
     EXPECT_GT(found.waves, waves.size() / 2);
     EXPECT_NEAR(found.speed, wanted, 0.02 * wanted) << depth;
     EXPECT_LT(std::abs(found.speed - wanted), 4 * found.deviation + 0.002 * wanted) << depth;
@@ -177,7 +177,7 @@ TEST(WaveDispersion, GravityNeedNotBeTheStandard) {
   for (const double factor : {0.995, 1.005}) {
     const auto waves = random_waves(
         140, 62, [factor](double k) { return std::sqrt(factor) * airy(k, 36); }, 14);
-    const LongWaves found = WaveDispersion(seen(waves, 0.1, 15)).long_waves();
+    const sim::LongWaves found = sim::WaveDispersion(seen(waves, 0.1, 15)).long_waves();
     EXPECT_NEAR(found.speed, std::sqrt(9806.65 * 36), 0.02 * found.speed) << factor;
     EXPECT_LT(found.misfit, 1.5) << factor;
   }
@@ -186,9 +186,9 @@ TEST(WaveDispersion, GravityNeedNotBeTheStandard) {
 TEST(WaveDispersion, EachLengthHasItsSpeed) {
   const auto waves = random_waves(
       700, 62, [](double k) { return airy(k, 30); }, 11);
-  const WaveDispersion measured(seen(waves, 0.3, 12));
+  const sim::WaveDispersion measured(seen(waves, 0.3, 12));
   for (const auto& [longest, shortest] : {std::pair(240.0, 160.0), {160.0, 120.0}, {120.0, 95.0}, {75.0, 60.0}}) {
-    const WaveSpeed found = measured.speed(longest, shortest);
+    const sim::WaveSpeed found = measured.speed(longest, shortest);
     const double k = 2 * std::numbers::pi / found.length;
     EXPECT_GE(found.waves, 3U);
     EXPECT_GT(found.length, shortest);
@@ -204,9 +204,9 @@ TEST(WaveDispersion, EachLengthHasItsSpeed) {
 TEST(WaveDispersion, OtherWavesDoNotFit) {
   const auto waves = random_waves(
       700, 62, [](double k) { return 400 * k; }, 21);
-  const WaveDispersion measured(seen(waves, 0.3, 22));
+  const sim::WaveDispersion measured(seen(waves, 0.3, 22));
   for (const auto& [longest, shortest] : {std::pair(240.0, 160.0), {75.0, 60.0}}) {
-    const WaveSpeed found = measured.speed(longest, shortest);
+    const sim::WaveSpeed found = measured.speed(longest, shortest);
     EXPECT_NEAR(found.speed, 400, 3 * found.deviation + 1);
     EXPECT_LT(found.deviation, 10);
   }
@@ -217,22 +217,22 @@ TEST(WaveDispersion, OtherWavesDoNotFit) {
 TEST(WaveDispersion, ShortWavesAloneDoNotTellTheDepth) {
   const auto waves = random_waves(
       75, 62, [](double k) { return airy(k, 90); }, 31);
-  const LongWaves found = WaveDispersion(seen(waves, 0.5, 32)).long_waves();
+  const sim::LongWaves found = sim::WaveDispersion(seen(waves, 0.5, 32)).long_waves();
   EXPECT_GE(found.waves, 10U);
   EXPECT_FALSE(found.deviation < 0.05 * found.speed);
 }
 
 TEST(WaveDispersion, NoiseIsNoWave) {
-  const BasinWaves measured = seen({}, 0.5, 41);
+  const sim::BasinWaves measured = seen({}, 0.5, 41);
   EXPECT_GT(measured.waves().size(), 50U);
-  const LongWaves found = WaveDispersion(measured).long_waves();
+  const sim::LongWaves found = sim::WaveDispersion(measured).long_waves();
   EXPECT_LT(found.waves, 10U);
   EXPECT_TRUE(std::isnan(found.speed));
 }
 
 TEST(WaveDispersion, AmplitudesAreInMillimetres) {
-  const BasinWaves measured = seen({{0, 3, 0, 1.5, 0}, {2, 1, 0, -0.75, 0}}, 0, 51);
-  for (const StandingWave& wave : measured.waves()) {
+  const sim::BasinWaves measured = seen({{0, 3, 0, 1.5, 0}, {2, 1, 0, -0.75, 0}}, 0, 51);
+  for (const sim::StandingWave& wave : measured.waves()) {
     const double wanted = wave.m == 0 && wave.n == 3 ? 1.5 : wave.m == 2 && wave.n == 1 ? -0.75 : 0;
     EXPECT_NEAR(wave.k, wavenumber(wave.m, wave.n), 1e-12);
     ASSERT_EQ(wave.amplitude.size(), measured.times().size());
@@ -241,10 +241,10 @@ TEST(WaveDispersion, AmplitudesAreInMillimetres) {
 }
 
 TEST(WaveDispersion, BadBasins) {
-  EXPECT_THROW(BasinWaves({0, 0, 0, 1}, 60, 1), std::invalid_argument);
-  EXPECT_THROW(BasinWaves(kBasin, 0, 1), std::invalid_argument);
-  EXPECT_THROW(BasinWaves(kBasin, 60, 0), std::invalid_argument);
+  EXPECT_THROW(sim::BasinWaves({0, 0, 0, 1}, 60, 1), std::invalid_argument);
+  EXPECT_THROW(sim::BasinWaves(kBasin, 0, 1), std::invalid_argument);
+  EXPECT_THROW(sim::BasinWaves(kBasin, 60, 0), std::invalid_argument);
 }
 
 }  // namespace
-}  // namespace selfproj
+}  // namespace selfproj::test

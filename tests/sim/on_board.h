@@ -8,8 +8,8 @@
 namespace selfproj::test {
 
 // The point at (across, down) squares from the first inner corner.
-inline selfproj::Point3 on_board(const ChessboardShape& shape, const ChessboardPlace& place, double across,
-                                 double down) {
+inline selfproj::sim::Point3 on_board(const sim::ChessboardShape& shape, const sim::ChessboardPlace& place,
+                                      double across, double down) {
   const double i = shape.square_mm * (across - (shape.across - 1) / 2.0);
   const double j = shape.square_mm * (down - (shape.down - 1) / 2.0);
   return {place.middle.x + i * place.right.x + j * place.below.x,

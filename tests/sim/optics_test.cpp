@@ -19,7 +19,7 @@
 #include <vector>
 
 #include "host/light_section/pattern.h"
-#include "host/rig/rig.h"
+#include "selfproj/rig/rig.h"
 #include "sim/scene/pattern_renderer.h"
 #include "sim/scene/perturbed_rig.h"
 #include "sim/scene/projected_light.h"
@@ -30,7 +30,7 @@
 #include "sim/scene/targets.h"
 #include "tests/sim/level_scene.h"
 
-namespace selfproj {
+namespace selfproj::test {
 namespace {
 
 using test::ideal;
@@ -42,9 +42,9 @@ struct CvView {
   cv::Matx33d k;
   cv::Matx<double, 1, 5> distortion;
 
-  [[nodiscard]] cv::Vec3d in_frame(Point3 p) const { return rotation * (cv::Vec3d(p.x, p.y, p.z) - centre); }
+  [[nodiscard]] cv::Vec3d in_frame(sim::Point3 p) const { return rotation * (cv::Vec3d(p.x, p.y, p.z) - centre); }
 
-  [[nodiscard]] cv::Point2d project(Point3 p) const {
+  [[nodiscard]] cv::Point2d project(sim::Point3 p) const {
     const std::vector<cv::Point3d> points{cv::Point3d(in_frame(p))};
     std::vector<cv::Point2d> pixels;
     cv::projectPoints(points, cv::Vec3d(), cv::Vec3d(), k, distortion, pixels);
@@ -52,7 +52,7 @@ struct CvView {
   }
 
   // The point of the plane z that a pixel sees.
-  [[nodiscard]] Point3 on_plane(cv::Point2d pixel, double z) const {
+  [[nodiscard]] sim::Point3 on_plane(cv::Point2d pixel, double z) const {
     std::vector<cv::Point2d> rays;
     cv::undistortPoints(std::vector<cv::Point2d>{pixel}, rays, k, distortion, cv::noArray(), cv::noArray(),
                         {cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 200, 1e-15});
@@ -71,7 +71,7 @@ cv::Matx33d about(int axis, double angle) {
 }
 
 CvView view_of(const cv::Matx33d& nominal_rotation, cv::Vec3d nominal_centre, const cv::Matx33d& nominal_k,
-               const Perturbation& d) {
+               const sim::Perturbation& d) {
   const cv::Matx33d turn = about(2, d.rotation_rad[2]) * about(1, d.rotation_rad[1]) * about(0, d.rotation_rad[0]);
   cv::Matx33d k = nominal_k;
   k(0, 0) *= d.focal_factor;
@@ -84,14 +84,14 @@ CvView view_of(const cv::Matx33d& nominal_rotation, cv::Vec3d nominal_centre, co
           {d.lens.k1, d.lens.k2, d.lens.p1, d.lens.p2, d.lens.k3}};
 }
 
-CvView camera_of(const Rig& rig, const Perturbation& d) {
+CvView camera_of(const rig::Rig& rig, const sim::Perturbation& d) {
   const double f = rig.camera.focal_length_mm / rig.camera.pixel_pitch_mm;
   return view_of({0, 1, 0, 1, 0, 0, 0, 0, 1}, {},
                  {f, 0, (rig.camera.columns - 1) / 2.0, 0, f, (rig.camera.rows - 1) / 2.0, 0, 0, 1}, d);
 }
 
-CvView projector_of(const Rig& rig, const Perturbation& d) {
-  const RigProjector& p = rig.projector;
+CvView projector_of(const rig::Rig& rig, const sim::Perturbation& d) {
+  const rig::RigProjector& p = rig.projector;
   const double s = std::sin(p.tilt_rad);
   const double c = std::cos(p.tilt_rad);
   return view_of(
@@ -101,8 +101,8 @@ CvView projector_of(const Rig& rig, const Perturbation& d) {
       d);
 }
 
-Perturbation large_deviation(double sign) {
-  Perturbation d;
+sim::Perturbation large_deviation(double sign) {
+  sim::Perturbation d;
   d.rotation_rad = {0.008, -0.006 * sign, 0.007};
   d.shift_mm = {4 * sign, -3, 5};
   d.focal_factor = 1 - 0.01 * sign;
@@ -114,29 +114,29 @@ Perturbation large_deviation(double sign) {
 
 TEST(BrownLens, InverseIsExactToMachinePrecision) {
   for (const double sign : {-1.0, 1.0}) {
-    const BrownLens lens(large_deviation(sign).lens);
+    const sim::BrownLens lens(large_deviation(sign).lens);
     for (double x = -0.8; x <= 0.8; x += 0.1) {
       for (double y = -0.8; y <= 0.8; y += 0.1) {
-        const Tangents again = lens.undistorted(lens.distorted({x, y}));
+        const sim::Tangents again = lens.undistorted(lens.distorted({x, y}));
         EXPECT_NEAR(again.across, x, 4e-16);
         EXPECT_NEAR(again.down, y, 4e-16);
       }
     }
   }
-  const BrownLens barrel({-0.3, 0, 0, 0, 0});
+  const sim::BrownLens barrel({-0.3, 0, 0, 0, 0});
   EXPECT_FALSE(barrel.sees({1.2, 0}));  // folds over at 1 / sqrt(0.9)
   EXPECT_TRUE(barrel.sees({0.9, 0}));
   EXPECT_THROW(static_cast<void>(barrel.undistorted({0.8, 0})), std::invalid_argument);
 }
 
 TEST(BrownLens, StretchBoundsTheDisplacement) {
-  EvenNumbers random(7);
-  const BrownLens lens(large_deviation(1).lens);
+  sim::EvenNumbers random(7);
+  const sim::BrownLens lens(large_deviation(1).lens);
   for (int i = 0; i < 2000; ++i) {
-    const Tangents a{random.within(0.6), random.within(0.6)};
-    const Tangents b{random.within(0.6), random.within(0.6)};
-    const Tangents da = lens.distorted(a);
-    const Tangents db = lens.distorted(b);
+    const sim::Tangents a{random.within(0.6), random.within(0.6)};
+    const sim::Tangents b{random.within(0.6), random.within(0.6)};
+    const sim::Tangents da = lens.distorted(a);
+    const sim::Tangents db = lens.distorted(b);
     const double moved = std::hypot(da.across - a.across - db.across + b.across, da.down - a.down - db.down + b.down);
     EXPECT_LE(moved, lens.stretch(0.6 * std::numbers::sqrt2) * std::hypot(a.across - b.across, a.down - b.down));
   }
@@ -145,25 +145,25 @@ TEST(BrownLens, StretchBoundsTheDisplacement) {
 // Camera and projector with every deviation at its bound project a grid of points where OpenCV projects them, and the
 // rays of the pixels lead back.
 TEST(PerturbedRig, ProjectsAsOpenCvDoes) {
-  for (const std::string& name : built_in_rigs()) {
-    const Rig rig = load_rig(name);
+  for (const std::string& name : rig::built_in_rigs()) {
+    const rig::Rig rig = rig::load_rig(name);
     const double reach = name == "scanner" ? 150 : 55;
     for (const double sign : {-1.0, 1.0}) {
-      const Perturbation camera = large_deviation(sign);
-      const Perturbation projector = large_deviation(-sign);
-      const PerturbedRig actual = perturbed_rig(rig, camera, projector);
+      const sim::Perturbation camera = large_deviation(sign);
+      const sim::Perturbation projector = large_deviation(-sign);
+      const sim::PerturbedRig actual = sim::perturbed_rig(rig, camera, projector);
       const CvView cv_camera = camera_of(rig, camera);
       const CvView cv_projector = projector_of(rig, projector);
       for (double x = -reach; x <= reach; x += reach / 5) {
         for (double y = -reach; y <= reach; y += reach / 5) {
-          const Point3 p{x, y, rig.plane_z_mm - std::abs(x) / 3};
-          const auto compare = [&](const Pinhole& ours, const CvView& theirs) {
-            const PixelPoint pixel = ours.project(p);
+          const sim::Point3 p{x, y, rig.plane_z_mm - std::abs(x) / 3};
+          const auto compare = [&](const sim::Pinhole& ours, const CvView& theirs) {
+            const sim::PixelPoint pixel = ours.project(p);
             const cv::Point2d expected = theirs.project(p);
             EXPECT_NEAR(pixel.row, expected.y, 1e-9);
             EXPECT_NEAR(pixel.column, expected.x, 1e-9);
             EXPECT_NEAR(ours.depth(p), theirs.in_frame(p)[2], 1e-9);
-            const Point3 again = ours.point_at(pixel, p.z);
+            const sim::Point3 again = ours.point_at(pixel, p.z);
             EXPECT_NEAR(again.x, p.x, 1e-9);
             EXPECT_NEAR(again.y, p.y, 1e-9);
             EXPECT_NEAR(again.z, p.z, 1e-9);
@@ -178,28 +178,28 @@ TEST(PerturbedRig, ProjectsAsOpenCvDoes) {
 
 // A rig file with a calibration is rendered by its full model.
 TEST(PerturbedRig, OfACalibratedRigIsItsFullModel) {
-  Rig rig = load_rig("scanner");
-  RigCalibration c;
+  rig::Rig rig = rig::load_rig("scanner");
+  rig::RigCalibration c;
   c.camera = {610, 605, 250, 260, -0.08, 0.02, 0.001, -0.002, 0.003};
   c.projector = {470, -475, 515, 380, 0.05, 0, -0.001, 0, 0};
   c.rotation_rad = {0.2, -0.03, 0.02};
   c.translation_mm = {3, -165, -280};
   rig.calibration = c;
-  const PerturbedRig actual(rig);
+  const sim::PerturbedRig actual(rig);
   cv::Matx33d rotation;
   cv::Rodrigues(cv::Vec3d(c.rotation_rad.data()), rotation);
   const std::array<cv::Vec3d, 2> turns{cv::Vec3d(), cv::Vec3d(c.rotation_rad.data())};
   const std::array<cv::Vec3d, 2> ways{cv::Vec3d(), cv::Vec3d(c.translation_mm.data())};
   for (const std::size_t i : {0U, 1U}) {
-    const RigLens& l = i == 0 ? c.camera : c.projector;
-    const Pinhole& ours = i == 0 ? actual.camera : actual.projector;
+    const rig::RigLens& l = i == 0 ? c.camera : c.projector;
+    const sim::Pinhole& ours = i == 0 ? actual.camera : actual.projector;
     for (double x = -90; x <= 90; x += 30) {
       for (double y = -90; y <= 90; y += 30) {
         std::vector<cv::Point2d> pixels;
         cv::projectPoints(std::vector<cv::Point3d>{{y, x, 540 + x / 9}}, turns.at(i), ways.at(i),
                           cv::Matx33d(l.fx_px, 0, l.cx_px, 0, l.fy_px, l.cy_px, 0, 0, 1),
                           cv::Matx<double, 1, 5>(l.k1, l.k2, l.p1, l.p2, l.k3), pixels);
-        const PixelPoint found = ours.project({x, y, 540 + x / 9});
+        const sim::PixelPoint found = ours.project({x, y, 540 + x / 9});
         EXPECT_NEAR(found.row, pixels[0].y, 1e-9);
         EXPECT_NEAR(found.column, pixels[0].x, 1e-9);
       }
@@ -210,24 +210,24 @@ TEST(PerturbedRig, OfACalibratedRigIsItsFullModel) {
 // Under a pattern whose light grows from line to line (or column to column), the grey value tells which point of the
 // projector a camera pixel sees. It is the one that OpenCV's formulas give by way of the plane.
 TEST(PerturbedRig, CameraPixelsSeeTheProjectorPointsOfOpenCv) {
-  for (const std::string& name : built_in_rigs()) {
-    const Rig rig = load_rig(name);
-    Perturbation camera = large_deviation(1);
-    Perturbation projector = large_deviation(-1);
-    const PerturbedRig actual = perturbed_rig(rig, camera, projector);
+  for (const std::string& name : rig::built_in_rigs()) {
+    const rig::Rig rig = rig::load_rig(name);
+    sim::Perturbation camera = large_deviation(1);
+    sim::Perturbation projector = large_deviation(-1);
+    const sim::PerturbedRig actual = sim::perturbed_rig(rig, camera, projector);
     const CvView cv_camera = camera_of(rig, camera);
     const CvView cv_projector = projector_of(rig, projector);
     test::LevelScene scene;
-    const PatternRenderer renderer(actual, scene, ideal());
+    const sim::PatternRenderer renderer(actual, scene, ideal());
     const auto image = [&](auto&& light) {
-      FloatImage pattern(rig.projector.lines, rig.projector.columns);
+      images::FloatImage pattern(rig.projector.lines, rig.projector.columns);
       for (int l = 0; l < pattern.rows; ++l) {
         for (int c = 0; c < pattern.columns; ++c) {
           pattern.row(l)[c] = static_cast<float>(light(l, c));
         }
       }
       std::vector<float> pixels(rig.camera.pixels());
-      renderer.render(0, ProjectedLight(pattern, 0), std::span<float>(pixels));
+      renderer.render(0, sim::ProjectedLight(pattern, 0), std::span<float>(pixels));
       return pixels;
     };
     const double lines = rig.projector.lines;
@@ -239,7 +239,7 @@ TEST(PerturbedRig, CameraPixelsSeeTheProjectorPointsOfOpenCv) {
     for (int row = 3; row < rig.camera.rows; row += 9) {
       for (int column = 3; column < rig.camera.columns; column += 31) {
         const auto i = static_cast<std::size_t>(row * rig.camera.columns + column);
-        const Point3 p = cv_camera.on_plane({column + 0.0, row + 0.0}, rig.plane_z_mm);
+        const sim::Point3 p = cv_camera.on_plane({column + 0.0, row + 0.0}, rig.plane_z_mm);
         const cv::Point2d seen = cv_projector.project(p);
         if (seen.y < 3 || seen.x < 3 || seen.y > lines - 4 || seen.x > columns - 4) {
           continue;
@@ -261,21 +261,22 @@ TEST(PerturbedRig, CameraPixelsSeeTheProjectorPointsOfOpenCv) {
 // LineRenderer leaves out blocks that no light reaches, by bounds that must hold with lenses too. PatternRenderer has
 // no such bounds.
 TEST(PerturbedRig, BothRenderersSeeTheSameLine) {
-  Rig rig = load_rig("light-section");
+  rig::Rig rig = rig::load_rig("light-section");
   rig.conveyor.speed_mm_per_s = 0;
-  RenderOptions options = ideal();
+  sim::RenderOptions options = ideal();
   options.camera_blur = options.projector_blur = true;
-  const std::unique_ptr<Scene> scene = make_scene("stairs", rig);
+  const std::unique_ptr<sim::Scene> scene = sim::make_scene("stairs", rig);
   for (const std::uint64_t seed : {3U, 4U}) {
-    const PerturbedRig actual = hidden_rig(rig, seed);
+    const sim::PerturbedRig actual = sim::hidden_rig(rig, seed);
     for (const double height : {10.0, 30.0}) {
-      const Point3 middle = actual.camera.point_at({48, 256}, rig.plane_z_mm - height);
+      const sim::Point3 middle = actual.camera.point_at({48, 256}, rig.plane_z_mm - height);
       const double line = actual.projector.project(middle).row;
-      const FloatImage pattern = draw_straight_line(rig, line);
+      const images::FloatImage pattern = light_section::draw_straight_line(rig, line);
       std::vector<float> a(rig.camera.pixels());
       std::vector<float> b(rig.camera.pixels());
-      LineRenderer(actual, *scene, pattern, options).render(0, std::span<float>(a));
-      PatternRenderer(actual, *scene, options).render(0, ProjectedLight(pattern, rig.imaging.projector_blur_px), b);
+      sim::LineRenderer(actual, *scene, pattern, options).render(0, std::span<float>(a));
+      sim::PatternRenderer(actual, *scene, options)
+          .render(0, sim::ProjectedLight(pattern, rig.imaging.projector_blur_px), b);
       double greatest = 0;
       for (std::size_t i = 0; i < a.size(); ++i) {
         greatest = std::max(greatest, static_cast<double>(std::abs(a[i] - b[i])));
@@ -287,27 +288,27 @@ TEST(PerturbedRig, BothRenderersSeeTheSameLine) {
 }
 
 TEST(PerturbedRig, SeedsDrawWithinTheBoundsAndDiffer) {
-  const Rig rig = load_rig("scanner");
-  const PerturbedRig nominal(rig);
+  const rig::Rig rig = rig::load_rig("scanner");
+  const sim::PerturbedRig nominal(rig);
   double furthest = 0;
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
-    const PerturbedRig actual = hidden_rig(rig, seed);
-    const PerturbedRig again = hidden_rig(rig, seed);
+    const sim::PerturbedRig actual = sim::hidden_rig(rig, seed);
+    const sim::PerturbedRig again = sim::hidden_rig(rig, seed);
     EXPECT_EQ(actual.projector.centre().x, again.projector.centre().x);
-    const Point3 shift =
+    const sim::Point3 shift =
         (actual.projector.centre() - nominal.projector.centre()) - (actual.camera.centre() - nominal.camera.centre());
-    EXPECT_LE(std::max({std::abs(shift.x), std::abs(shift.y), std::abs(shift.z)}), 2 * kMaxShiftMm);
+    EXPECT_LE(std::max({std::abs(shift.x), std::abs(shift.y), std::abs(shift.z)}), 2 * sim::kMaxShiftMm);
     furthest = std::max(furthest, std::abs(shift.x));
-    const Point3 aim = middle_of_view(actual, rig.plane_z_mm);
+    const sim::Point3 aim = sim::middle_of_view(actual, rig.plane_z_mm);
     EXPECT_NEAR(aim.x, 0, 1e-9);
     EXPECT_NEAR(aim.y, 0, 1e-9);
-    EXPECT_NEAR(actual.camera.intrinsics().row_scale / nominal.camera.intrinsics().row_scale, 1, kMaxFocal);
-    EXPECT_NEAR(actual.camera.intrinsics().row_0, nominal.camera.intrinsics().row_0, kMaxCentrePx);
-    EXPECT_LE(std::abs(actual.camera.lens().coefficients().k1), kMaxDistortion.k1);
-    const double angle = std::acos(std::min(1.0, dot(actual.camera.axis(), nominal.camera.axis())));
-    EXPECT_LE(angle, std::numbers::sqrt2 * kMaxRotationDeg * std::numbers::pi / 180 + 1e-9);
+    EXPECT_NEAR(actual.camera.intrinsics().row_scale / nominal.camera.intrinsics().row_scale, 1, sim::kMaxFocal);
+    EXPECT_NEAR(actual.camera.intrinsics().row_0, nominal.camera.intrinsics().row_0, sim::kMaxCentrePx);
+    EXPECT_LE(std::abs(actual.camera.lens().coefficients().k1), sim::kMaxDistortion.k1);
+    const double angle = std::acos(std::min(1.0, sim::dot(actual.camera.axis(), nominal.camera.axis())));
+    EXPECT_LE(angle, std::numbers::sqrt2 * sim::kMaxRotationDeg * std::numbers::pi / 180 + 1e-9);
   }
-  EXPECT_GT(furthest, 1.2 * kMaxShiftMm);
+  EXPECT_GT(furthest, 1.2 * sim::kMaxShiftMm);
 }
 
 // ------------------------------------------------------------------ images without deviations
@@ -324,22 +325,23 @@ std::uint64_t hash_of(std::span<const std::uint8_t> bytes) {
 // The images of rigs without deviations, noise included, are those of the version before there were any.
 TEST(PerturbedRig, WithoutDeviationsEveryImageIsAsBefore) {
   const auto section = [](const std::string& name, int frame) {
-    const Rig rig = load_rig("light-section");
-    const std::unique_ptr<Scene> scene = make_scene(name, rig);
-    const FloatImage line = draw_straight_line(rig, PerturbedRig(rig).projector.project({0, 0, rig.plane_z_mm}).row);
+    const rig::Rig rig = rig::load_rig("light-section");
+    const std::unique_ptr<sim::Scene> scene = sim::make_scene(name, rig);
+    const images::FloatImage line =
+        light_section::draw_straight_line(rig, sim::PerturbedRig(rig).projector.project({0, 0, rig.plane_z_mm}).row);
     std::vector<std::uint8_t> pixels(rig.camera.pixels());
-    LineRenderer(rig, *scene, line).render(frame, std::span<std::uint8_t>(pixels));
+    sim::LineRenderer(rig, *scene, line).render(frame, std::span<std::uint8_t>(pixels));
     return hash_of(pixels);
   };
   EXPECT_EQ(section("stairs-marked", 604), 0x5dbe29f1df490808U);
   EXPECT_EQ(section("mountain", 701), 0x9f015844489ffce4U);
   const auto scanned = [](const std::string& name, int frame) {
-    const Rig rig = load_rig("scanner");
-    const std::unique_ptr<Scene> scene = make_scene(name, rig);
-    const std::vector<Image> patterns = gray_patterns(rig.projector, 8);
+    const rig::Rig rig = rig::load_rig("scanner");
+    const std::unique_ptr<sim::Scene> scene = sim::make_scene(name, rig);
+    const std::vector<images::Image> patterns = sim::gray_patterns(rig.projector, 8);
     std::vector<std::uint8_t> pixels(rig.camera.pixels());
-    PatternRenderer(rig, *scene)
-        .render(frame, project_image(rig, patterns.at(static_cast<std::size_t>(frame)), {}),
+    sim::PatternRenderer(rig, *scene)
+        .render(frame, sim::project_image(rig, patterns.at(static_cast<std::size_t>(frame)), {}),
                 std::span<std::uint8_t>(pixels));
     return hash_of(pixels);
   };
@@ -348,4 +350,4 @@ TEST(PerturbedRig, WithoutDeviationsEveryImageIsAsBefore) {
 }
 
 }  // namespace
-}  // namespace selfproj
+}  // namespace selfproj::test

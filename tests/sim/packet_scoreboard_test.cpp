@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "model/packet.h"
+#include "selfproj/model/packet.h"
 
 namespace selfproj::test {
 namespace {
@@ -20,8 +20,8 @@ constexpr std::uint8_t kCodes = spec::kKindCodes;
 constexpr std::uint8_t kImage = spec::kKindImage;
 
 // A packet of 8 columns with 32 bytes of payload, as the model gives it, and as a board sends it after losing `lost`.
-BoardPacket expected(std::uint64_t sequence, std::uint8_t kind = kMoments, std::uint32_t status = 0) {
-  BoardPacket packet;
+model::BoardPacket expected(std::uint64_t sequence, std::uint8_t kind = kMoments, std::uint32_t status = 0) {
+  model::BoardPacket packet;
   packet.header.kind = kind;
   packet.header.columns = kind == kMoments ? 8 : kind == kCodes ? 16 : 32;
   packet.header.rows = 4;
@@ -33,17 +33,17 @@ BoardPacket expected(std::uint64_t sequence, std::uint8_t kind = kMoments, std::
   packet.status = status;
   return packet;
 }
-Bytes sent(const BoardPacket& packet, std::uint32_t lost) {
-  PacketHeader header = packet.header;
+Bytes sent(const model::BoardPacket& packet, std::uint32_t lost) {
+  model::PacketHeader header = packet.header;
   header.lost = lost;
   Bytes bytes;
-  append_packet(header, packet.payload, packet.status, bytes);
+  model::append_packet(header, packet.payload, packet.status, bytes);
   return bytes;
 }
 Bytes sent(std::uint64_t sequence, std::uint32_t lost) { return sent(expected(sequence), lost); }
 
-PacketScoreboard expecting(std::uint64_t count) {
-  PacketScoreboard scoreboard;
+sim::PacketScoreboard expecting(std::uint64_t count) {
+  sim::PacketScoreboard scoreboard;
   for (std::uint64_t sequence = 0; sequence < count; ++sequence) {
     scoreboard.expect(expected(sequence));
   }
@@ -65,9 +65,9 @@ TEST(PacketScoreboard, FindsEveryChangedByte) {
 }
 
 TEST(PacketScoreboard, RefusesARightPacketThatIsNotTheModels) {
-  BoardPacket other = expected(0);
+  model::BoardPacket other = expected(0);
   other.header.encoder = 1;
-  PacketScoreboard scoreboard = expecting(1);
+  sim::PacketScoreboard scoreboard = expecting(1);
   EXPECT_FALSE(scoreboard.compare(sent(other, 0)));
   EXPECT_NE(scoreboard.first_mismatch().find("frame 1"), std::string::npos);
   EXPECT_FALSE(scoreboard.compare(sent(5, 0)));
@@ -77,7 +77,7 @@ TEST(PacketScoreboard, RefusesARightPacketThatIsNotTheModels) {
 }
 
 TEST(PacketScoreboard, CountsWhatIsMissing) {
-  PacketScoreboard scoreboard = expecting(4);
+  sim::PacketScoreboard scoreboard = expecting(4);
   EXPECT_TRUE(scoreboard.compare(sent(1, 1)));
   EXPECT_FALSE(scoreboard.compare(sent(2, 0)));  // lost, and not counted
   EXPECT_FALSE(scoreboard.compare(sent(2, 1)));  // once more
@@ -92,7 +92,7 @@ TEST(PacketScoreboard, CountsWhatIsMissing) {
 }
 
 TEST(PacketScoreboard, CountsEachKindByItself) {
-  PacketScoreboard scoreboard;
+  sim::PacketScoreboard scoreboard;
   scoreboard.lost_before(kImage, 0xFFFFFFFF);  // its counter is about to wrap
   for (std::uint64_t sequence = 0; sequence < 3; ++sequence) {
     for (const std::uint8_t kind : {kMoments, kCodes, kImage}) {

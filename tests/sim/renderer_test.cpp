@@ -12,10 +12,10 @@
 #include <string>
 #include <vector>
 
-#include "host/files/user_error.h"
 #include "host/images/image_files.h"
 #include "host/light_section/pattern.h"
-#include "host/rig/rig.h"
+#include "selfproj/files/user_error.h"
+#include "selfproj/rig/rig.h"
 #include "sim/scene/optics.h"
 #include "sim/scene/parallel.h"
 #include "sim/scene/pattern_renderer.h"
@@ -25,7 +25,7 @@
 #include "sim/scene/scenes.h"
 #include "tests/sim/level_scene.h"
 
-namespace selfproj {
+namespace selfproj::test {
 namespace {
 
 using test::Frame;
@@ -39,14 +39,14 @@ using test::tan_theta;
 
 // (3.4) solved for tan α: where a straight line is seen on level surfaces.
 TEST(Renderer, StraightLineIsSeenWhere34Says) {
-  const Rig rig = load_rig("light-section");
+  const rig::Rig rig = rig::load_rig("light-section");
   for (const double height : {0.0, 5.0, 21.0, 39.0}) {
     LevelScene scene;
     scene.floor = height;
     const double z = rig.plane_z_mm - height;
     for (const double offset : {-6.0, -0.31, 0.0, 4.7}) {
       const double line = line_at(rig, offset, z);
-      const LineRenderer renderer(rig, scene, draw_straight_line(rig, line), ideal());
+      const sim::LineRenderer renderer(rig, scene, light_section::draw_straight_line(rig, line), ideal());
       const Frame frame(rig, renderer, 0);
       const double t = tan_theta(rig, line);
       const double expected = row_of(rig, (rig.projector.x_mm + rig.projector.z_mm * t) / z - t);
@@ -59,9 +59,9 @@ TEST(Renderer, StraightLineIsSeenWhere34Says) {
 
 // A line drawn by (3.9) for the mountain is straight in the middle of the image, with blur, motion and all.
 TEST(Renderer, LineOf39FallsOnTheMiddleOfTheImage) {
-  const Rig rig = load_rig("light-section");
-  const RigProjector& p = rig.projector;
-  const auto scene = make_scene("mountain", rig);
+  const rig::Rig rig = rig::load_rig("light-section");
+  const rig::RigProjector& p = rig.projector;
+  const auto scene = sim::make_scene("mountain", rig);
   const int middle = 700;
   // For steps of y along the reference: the projector column, and the line by (3.9), corrected.
   std::vector<double> columns;
@@ -74,7 +74,7 @@ TEST(Renderer, LineOf39FallsOnTheMiddleOfTheImage) {
     lines.push_back((xp - p.center_xp_mm) / p.line_pitch_mm + (p.lines - 1) / 2.0);
     columns.push_back((yp - p.center_yp_mm) / p.column_pitch_mm + (p.columns - 1) / 2.0);
   }
-  FloatImage pattern(p.lines, p.columns);
+  images::FloatImage pattern(p.lines, p.columns);
   for (int c = 0; c < p.columns; ++c) {
     const auto next = std::upper_bound(columns.begin(), columns.end(), c);
     if (next == columns.begin() || next == columns.end()) {
@@ -82,14 +82,14 @@ TEST(Renderer, LineOf39FallsOnTheMiddleOfTheImage) {
     }
     const auto i = static_cast<std::size_t>(next - columns.begin());
     const double f = (c - columns[i - 1]) / (columns[i] - columns[i - 1]);
-    const FloatImage straight = draw_straight_line(rig, (1 - f) * lines[i - 1] + f * lines[i]);
+    const images::FloatImage straight = light_section::draw_straight_line(rig, (1 - f) * lines[i - 1] + f * lines[i]);
     for (int r = 0; r < p.lines; ++r) {
       pattern.row(r)[c] = straight.row(r)[0];
     }
   }
-  RenderOptions options;
+  sim::RenderOptions options;
   options.shot_noise = options.read_noise = options.quantization = false;
-  const LineRenderer renderer(rig, *scene, pattern, options);
+  const sim::LineRenderer renderer(rig, *scene, pattern, options);
   const Frame frame(rig, renderer, middle);
   std::vector<float> truth(512);
   renderer.truth(middle, truth);
@@ -103,10 +103,10 @@ TEST(Renderer, LineOf39FallsOnTheMiddleOfTheImage) {
 
 // Centroid and (3.4) against the truth, on a smooth slope without disturbances.
 TEST(Renderer, TriangulatedHeightsAreTheTrueOnes) {
-  const Rig rig = load_rig("light-section");
-  const auto scene = make_scene("mountain", rig);
+  const rig::Rig rig = rig::load_rig("light-section");
+  const auto scene = sim::make_scene("mountain", rig);
   const double line = line_at(rig, 0, rig.plane_z_mm - 12);
-  const LineRenderer renderer(rig, *scene, draw_straight_line(rig, line), ideal());
+  const sim::LineRenderer renderer(rig, *scene, light_section::draw_straight_line(rig, line), ideal());
   const int number = 700;
   const Frame frame(rig, renderer, number);
   std::vector<float> truth(512);
@@ -126,15 +126,15 @@ TEST(Renderer, TriangulatedHeightsAreTheTrueOnes) {
 // ------------------------------------------------------------------ light
 
 TEST(Renderer, GreyValuesAreThoseOfTheRig) {
-  const Rig rig = load_rig("light-section");
+  const rig::Rig rig = rig::load_rig("light-section");
   LevelScene scene;
-  const FloatImage white(512, 512, 1);
-  LineRenderer renderer(rig, scene, white, ideal());
+  const images::FloatImage white(512, 512, 1);
+  sim::LineRenderer renderer(rig, scene, white, ideal());
   // seen at the middle: (0, 0, plane), light from (352, 0, 579)
   const double cosine = 588 / std::hypot(352, 588);
   const Frame lit(rig, renderer, 0);
   EXPECT_NEAR((lit.at(47, 255) + lit.at(48, 256)) / 2, 8 + 192 * cosine, 0.01);
-  renderer.set_pattern(FloatImage(512, 512));
+  renderer.set_pattern(images::FloatImage(512, 512));
   EXPECT_NEAR(Frame(rig, renderer, 0).at(47, 255), 8, 1e-5);
   scene.reflectance = [](double) { return 0.25; };
   EXPECT_NEAR(Frame(rig, renderer, 0).at(47, 255), 2 + 0.25 * 6, 1e-5);
@@ -142,21 +142,21 @@ TEST(Renderer, GreyValuesAreThoseOfTheRig) {
   EXPECT_NEAR(Frame(rig, renderer, 0).at(47, 255), 2 + 0.25 * (6 + 192 * cosine), 0.2);
   // twice as far from the projector: a quarter of the light
   LevelScene lower;
-  Rig raised = rig;
+  rig::Rig raised = rig;
   raised.imaging.ambient = raised.imaging.dark = 0;
   lower.floor = -100;
-  RenderOptions falling = ideal();
+  sim::RenderOptions falling = ideal();
   falling.falloff = true;
-  const double with = Frame(raised, LineRenderer(raised, lower, white, falling), 0).at(47, 255);
-  const double without = Frame(raised, LineRenderer(raised, lower, white, ideal()), 0).at(47, 255);
+  const double with = Frame(raised, sim::LineRenderer(raised, lower, white, falling), 0).at(47, 255);
+  const double without = Frame(raised, sim::LineRenderer(raised, lower, white, ideal()), 0).at(47, 255);
   EXPECT_NEAR(with / without, (352.0 * 352 + 588.0 * 588) / (352.0 * 352 + 688.0 * 688), 1e-3);
 }
 
 TEST(Renderer, BlurKeepsTheLightOfALineAndItsPlace) {
-  const Rig rig = load_rig("light-section");
+  const rig::Rig rig = rig::load_rig("light-section");
   const LevelScene scene;
-  const FloatImage line = draw_straight_line(rig, line_at(rig, 0.1, rig.plane_z_mm));
-  const Frame sharp(rig, LineRenderer(rig, scene, line, ideal()), 0);
+  const images::FloatImage line = light_section::draw_straight_line(rig, line_at(rig, 0.1, rig.plane_z_mm));
+  const Frame sharp(rig, sim::LineRenderer(rig, scene, line, ideal()), 0);
   const auto variance = [&](const Frame& frame) {
     const double middle = frame.centroid(200, 8);
     double sum = 0;
@@ -167,10 +167,10 @@ TEST(Renderer, BlurKeepsTheLightOfALineAndItsPlace) {
   };
   for (const bool camera : {false, true}) {
     for (const bool projector : {false, true}) {
-      RenderOptions options = ideal();
+      sim::RenderOptions options = ideal();
       options.camera_blur = camera;
       options.projector_blur = projector;
-      const Frame frame(rig, LineRenderer(rig, scene, line, options), 0);
+      const Frame frame(rig, sim::LineRenderer(rig, scene, line, options), 0);
       for (const int column : {1, 200, 510}) {
         EXPECT_NEAR(frame.sum(column, 8) / sharp.sum(column, 8), 1, 2e-4);
         EXPECT_NEAR(frame.centroid(column, 8), sharp.centroid(column, 8), 2e-3);
@@ -186,7 +186,7 @@ TEST(Renderer, BlurKeepsTheLightOfALineAndItsPlace) {
 // A cliff moves along x through the line, by 1.2 mm, during the exposure of the frame. The rows of the upper level are
 // lit for the share of the exposure in which the cliff has passed them.
 TEST(Renderer, MotionBlurAveragesOverTheExposure) {
-  Rig rig = load_rig("light-section");
+  rig::Rig rig = rig::load_rig("light-section");
   rig.camera.frame_rate_hz = 1e4;
   const double speed = 1e5;
   const double way = speed * rig.camera.exposure_s;  // 9 mm
@@ -197,18 +197,19 @@ TEST(Renderer, MotionBlurAveragesOverTheExposure) {
   scene.x1 = 0;
   scene.fastest = speed;
   for (const double place : {-3.0, 0.5, 2.0}) {
-    const FloatImage line = draw_straight_line(rig, line_at(rig, place, rig.plane_z_mm - height));
-    RenderOptions options = ideal();
-    const double lit = Frame(rig, LineRenderer(rig, scene, line, options), 1).sum(256, 8);
+    const images::FloatImage line =
+        light_section::draw_straight_line(rig, line_at(rig, place, rig.plane_z_mm - height));
+    sim::RenderOptions options = ideal();
+    const double lit = Frame(rig, sim::LineRenderer(rig, scene, line, options), 1).sum(256, 8);
     options.motion_blur = true;
-    const Frame frame(rig, LineRenderer(rig, scene, line, options), 0);
+    const Frame frame(rig, sim::LineRenderer(rig, scene, line, options), 0);
     const auto row = static_cast<int>(std::lround(row_of(rig, place / (rig.plane_z_mm - height))));
-    const Frame still(rig, LineRenderer(rig, scene, line, ideal()), 1);
+    const Frame still(rig, sim::LineRenderer(rig, scene, line, ideal()), 1);
     const double share = 0.5 - place / way;
     EXPECT_NEAR((frame.at(row, 256) - 8) / (still.at(row, 256) - 8), share, 0.03) << place;
     EXPECT_GT(lit, 0);
     // Without motion blur the line is where the middle of the exposure puts it.
-    const Frame middle(rig, LineRenderer(rig, scene, line, ideal()), 0);
+    const Frame middle(rig, sim::LineRenderer(rig, scene, line, ideal()), 0);
     EXPECT_NEAR((middle.at(row, 256) - 8) / (still.at(row, 256) - 8), place < 0 ? 1 : 0, 1e-6) << place;
   }
 }
@@ -218,12 +219,12 @@ TEST(Renderer, MotionBlurAveragesOverTheExposure) {
 // A wall 5 mm high from x = 2 to 6 under full light from +x. Its shadow on the plane ends where the ray over its far
 // edge lands.
 TEST(Renderer, WallThrowsItsShadow) {
-  const Rig rig = load_rig("light-section");
+  const rig::Rig rig = rig::load_rig("light-section");
   LevelScene scene;
   scene.top = 5;
   scene.x0 = 2;
   scene.x1 = 6;
-  const LineRenderer renderer(rig, scene, FloatImage(512, 512, 1), ideal());
+  const sim::LineRenderer renderer(rig, scene, images::FloatImage(512, 512, 1), ideal());
   const Frame frame(rig, renderer, 0);
   const double end = 2 - 350.0 / (588 - 5) * 5;
   const double first = row_of(rig, end / 1167);
@@ -247,13 +248,13 @@ TEST(Renderer, WallThrowsItsShadow) {
 
 // The top of a tower hides the plane behind its edge: the border between the reflectances is seen at the edge.
 TEST(Renderer, TowerHidesWhatIsBehind) {
-  const Rig rig = load_rig("light-section");
+  const rig::Rig rig = rig::load_rig("light-section");
   LevelScene scene;
   scene.top = 100;
   scene.x0 = -3;
   scene.x1 = 6;
   scene.reflectance = [](double x) { return x <= 6.01 ? 1 : 0.0; };
-  const LineRenderer renderer(rig, scene, FloatImage(512, 512), ideal());
+  const sim::LineRenderer renderer(rig, scene, images::FloatImage(512, 512), ideal());
   const Frame frame(rig, renderer, 0);
   EXPECT_NEAR(frame.sum(256, 2) - 6 * row_of(rig, 6.0 / 1067), 6 * 0.5, 6 * 0.51);
   EXPECT_NEAR(frame.at(75, 256), 8, 1e-4);
@@ -263,10 +264,10 @@ TEST(Renderer, TowerHidesWhatIsBehind) {
 // ------------------------------------------------------------------ truth
 
 TEST(Renderer, TruthIsTheHeightOnTheLightSheet) {
-  const Rig rig = load_rig("light-section");
-  const auto stairs = make_scene("stairs", rig);
+  const rig::Rig rig = rig::load_rig("light-section");
+  const auto stairs = sim::make_scene("stairs", rig);
   const double line = line_at(rig, 0.2, rig.plane_z_mm - 30);
-  const LineRenderer renderer(rig, *stairs, draw_straight_line(rig, line));
+  const sim::LineRenderer renderer(rig, *stairs, light_section::draw_straight_line(rig, line));
   std::vector<float> heights(512);
   renderer.truth(700, heights);
   EXPECT_NEAR(heights[100], 30, 1e-3);
@@ -277,7 +278,7 @@ TEST(Renderer, TruthIsTheHeightOnTheLightSheet) {
   EXPECT_TRUE(std::isnan(heights[100]));
   EXPECT_NEAR(heights[256], 39, 1e-3);
   EXPECT_TRUE(std::isnan(heights[400]));
-  const FloatImage rows = renderer.truth(698, 4, 3);
+  const images::FloatImage rows = renderer.truth(698, 4, 3);
   EXPECT_EQ(rows.rows, 4);
   EXPECT_EQ(rows.row(2)[400], [&] {
     renderer.truth(700, heights);
@@ -289,10 +290,10 @@ TEST(Renderer, TruthIsTheHeightOnTheLightSheet) {
 
 // On a slope: the point lies on the sheet, on the column's viewing plane and on the surface.
 TEST(Renderer, TruthOnASlopeLiesOnTheSurface) {
-  const Rig rig = load_rig("light-section");
-  const auto mountain = make_scene("mountain", rig);
+  const rig::Rig rig = rig::load_rig("light-section");
+  const auto mountain = sim::make_scene("mountain", rig);
   const double line = line_at(rig, 0, rig.plane_z_mm - 12);
-  const LineRenderer renderer(rig, *mountain, draw_straight_line(rig, line));
+  const sim::LineRenderer renderer(rig, *mountain, light_section::draw_straight_line(rig, line));
   std::vector<float> heights(512);
   renderer.truth(500, heights);
   for (int column = 0; column < 512; ++column) {
@@ -306,14 +307,15 @@ TEST(Renderer, TruthOnASlopeLiesOnTheSurface) {
 
 // Where a wall catches the light on the face that the camera does not see, there is no truth.
 TEST(Renderer, NoTruthInTheShadow) {
-  const Rig rig = load_rig("light-section");
+  const rig::Rig rig = rig::load_rig("light-section");
   LevelScene scene;
   scene.x0 = 2;
   scene.x1 = 6;
   std::vector<float> heights(512);
   for (const double top : {0.0, 40.0}) {
     scene.top = top;
-    const LineRenderer renderer(rig, scene, draw_straight_line(rig, line_at(rig, 0, rig.plane_z_mm)));
+    const sim::LineRenderer renderer(rig, scene,
+                                     light_section::draw_straight_line(rig, line_at(rig, 0, rig.plane_z_mm)));
     renderer.truth(0, heights);
     EXPECT_EQ(std::isnan(heights[256]), top > 0) << heights[256];
   }
@@ -322,21 +324,21 @@ TEST(Renderer, NoTruthInTheShadow) {
 // ------------------------------------------------------------------ errors
 
 TEST(Renderer, PatternMustFitTheProjector) {
-  const Rig rig = load_rig("light-section");
+  const rig::Rig rig = rig::load_rig("light-section");
   const LevelScene scene;
-  const auto error_of = [&](const FloatImage& pattern) -> std::string {
+  const auto error_of = [&](const images::FloatImage& pattern) -> std::string {
     try {
-      const LineRenderer renderer(rig, scene, pattern);
+      const sim::LineRenderer renderer(rig, scene, pattern);
     } catch (const UserError& error) {
       return error.what();
     }
     return "none";
   };
-  EXPECT_EQ(error_of(FloatImage(512, 500)),
+  EXPECT_EQ(error_of(images::FloatImage(512, 500)),
             "pattern: has 512 lines of 500 columns; the rig's projector has 512 of 512");
-  EXPECT_EQ(error_of(FloatImage(512, 512, 1.5)), "pattern: has a value of 1.5; light is 0 to 1");
-  EXPECT_EQ(error_of(FloatImage(512, 512, NAN)), "pattern: has a value of nan; light is 0 to 1");
-  EXPECT_EQ(error_of(FloatImage(512, 512, 0.5)), "none");
+  EXPECT_EQ(error_of(images::FloatImage(512, 512, 1.5)), "pattern: has a value of 1.5; light is 0 to 1");
+  EXPECT_EQ(error_of(images::FloatImage(512, 512, NAN)), "pattern: has a value of nan; light is 0 to 1");
+  EXPECT_EQ(error_of(images::FloatImage(512, 512, 0.5)), "none");
 }
 
 // Compares noise, rounding and repeatability of rendered images with statistics.
@@ -346,9 +348,10 @@ struct Statistics {
 };
 
 // Statistics of the difference between noisy frames and the ideal one.
-Statistics noise_of(const Rig& rig, const Scene& scene, const FloatImage& pattern, const RenderOptions& options) {
-  const Frame ideal_frame(rig, LineRenderer(rig, scene, pattern, ideal()), 0);
-  const LineRenderer renderer(rig, scene, pattern, options);
+Statistics noise_of(const rig::Rig& rig, const sim::Scene& scene, const images::FloatImage& pattern,
+                    const sim::RenderOptions& options) {
+  const Frame ideal_frame(rig, sim::LineRenderer(rig, scene, pattern, ideal()), 0);
+  const sim::LineRenderer renderer(rig, scene, pattern, options);
   double sum = 0;
   double squares = 0;
   double count = 0;
@@ -365,11 +368,11 @@ Statistics noise_of(const Rig& rig, const Scene& scene, const FloatImage& patter
 }
 
 TEST(RendererNoise, NoiseHasTheRigsMeanAndVariance) {
-  Rig rig = load_rig("light-section");
+  rig::Rig rig = rig::load_rig("light-section");
   rig.imaging.ambient = 60;
   rig.imaging.read_noise = 1.5;
   const LevelScene scene;
-  const FloatImage none(512, 512);
+  const images::FloatImage none(512, 512);
   const double shot = (60 - 2) / rig.imaging.electrons_per_grey;
   struct Case {
     bool shot, read, quantization;
@@ -377,7 +380,7 @@ TEST(RendererNoise, NoiseHasTheRigsMeanAndVariance) {
   };
   for (const Case& c : {Case{true, false, false, shot}, Case{false, true, false, 2.25},
                         Case{true, true, false, shot + 2.25}, Case{true, true, true, shot + 2.25 + 1.0 / 12}}) {
-    RenderOptions options = ideal();
+    sim::RenderOptions options = ideal();
     options.shot_noise = c.shot;
     options.read_noise = c.read;
     options.quantization = c.quantization;
@@ -387,22 +390,22 @@ TEST(RendererNoise, NoiseHasTheRigsMeanAndVariance) {
     EXPECT_NEAR(found.variance / c.variance, 1, 5 * std::sqrt(2.0 / 98304));
   }
   // more light, more shot noise
-  RenderOptions options = ideal();
+  sim::RenderOptions options = ideal();
   options.shot_noise = true;
-  const Statistics lit = noise_of(rig, scene, FloatImage(512, 512, 1), options);
-  const Frame frame(rig, LineRenderer(rig, scene, FloatImage(512, 512, 1), ideal()), 0);
+  const Statistics lit = noise_of(rig, scene, images::FloatImage(512, 512, 1), options);
+  const Frame frame(rig, sim::LineRenderer(rig, scene, images::FloatImage(512, 512, 1), ideal()), 0);
   const double mean =
       std::accumulate(frame.pixels.begin(), frame.pixels.end(), 0.0) / static_cast<double>(frame.pixels.size());
   EXPECT_NEAR(lit.variance / ((mean - 2) / rig.imaging.electrons_per_grey), 1, 0.03);
 }
 
 TEST(RendererNoise, EightBitsAreRoundedAndBounded) {
-  Rig rig = load_rig("light-section");
+  rig::Rig rig = rig::load_rig("light-section");
   rig.imaging.white = 255;
   rig.imaging.ambient = 250;
   rig.imaging.read_noise = 20;
   const LevelScene scene;
-  const LineRenderer renderer(rig, scene, FloatImage(512, 512, 1), {});
+  const sim::LineRenderer renderer(rig, scene, images::FloatImage(512, 512, 1), {});
   std::vector<std::uint8_t> bytes(96 * 512);
   renderer.render(3, bytes);
   const Frame frame(rig, renderer, 3);
@@ -410,18 +413,18 @@ TEST(RendererNoise, EightBitsAreRoundedAndBounded) {
     ASSERT_EQ(static_cast<float>(bytes[i]), frame.pixels[i]);
   }
   EXPECT_EQ(*std::max_element(bytes.begin(), bytes.end()), 255);
-  RenderOptions free;
+  sim::RenderOptions free;
   free.quantization = false;
-  const Frame unbounded(rig, LineRenderer(rig, scene, FloatImage(512, 512, 1), free), 3);
+  const Frame unbounded(rig, sim::LineRenderer(rig, scene, images::FloatImage(512, 512, 1), free), 3);
   EXPECT_GT(*std::max_element(unbounded.pixels.begin(), unbounded.pixels.end()), 260.0F);
   EXPECT_NE(unbounded.pixels[0], std::nearbyint(unbounded.pixels[0]));
 }
 
 TEST(RendererNoise, ImagesDependOnSeedAndFrameAloneNotOnOrderOrThreads) {
-  Rig rig = load_rig("light-section");
-  const auto scene = make_scene("stairs-marked", rig);
-  const FloatImage line = draw_straight_line(rig, line_at(rig, 0, rig.plane_z_mm - 39));
-  const LineRenderer renderer(rig, *scene, line);
+  rig::Rig rig = rig::load_rig("light-section");
+  const auto scene = sim::make_scene("stairs-marked", rig);
+  const images::FloatImage line = light_section::draw_straight_line(rig, line_at(rig, 0, rig.plane_z_mm - 39));
+  const sim::LineRenderer renderer(rig, *scene, line);
   constexpr int kCount = 6;
   constexpr int kFirst = 640;
   std::vector<std::vector<std::uint8_t>> alone(kCount, std::vector<std::uint8_t>(96 * 512));
@@ -429,12 +432,12 @@ TEST(RendererNoise, ImagesDependOnSeedAndFrameAloneNotOnOrderOrThreads) {
   for (int i = kCount - 1; i >= 0; --i) {
     renderer.render(kFirst + i, alone[static_cast<std::size_t>(i)]);
   }
-  parallel_for(kCount, 3, [&](int i) { renderer.render(kFirst + i, together[static_cast<std::size_t>(i)]); });
+  sim::parallel_for(kCount, 3, [&](int i) { renderer.render(kFirst + i, together[static_cast<std::size_t>(i)]); });
   EXPECT_EQ(alone, together);
   EXPECT_NE(alone[0], alone[1]);
   rig.imaging.seed = 2;
   std::vector<std::uint8_t> other(96 * 512);
-  LineRenderer(rig, *scene, line).render(kFirst, other);
+  sim::LineRenderer(rig, *scene, line).render(kFirst, other);
   EXPECT_NE(other, alone[0]);
 }
 
@@ -450,37 +453,38 @@ std::uint64_t sum_of(const std::vector<std::uint8_t>& pixels) {
   return sum;
 }
 
-FloatImage line_on_plane(const Rig& rig) {
-  return draw_straight_line(rig, Pinhole::of_projector(rig.projector).project({0, 0, rig.plane_z_mm}).row);
+images::FloatImage line_on_plane(const rig::Rig& rig) {
+  return light_section::draw_straight_line(
+      rig, sim::Pinhole::of_projector(rig.projector).project({0, 0, rig.plane_z_mm}).row);
 }
 
-std::uint64_t of_line(const PerturbedRig& actual, const std::string& scene_name, int frame,
-                      const RenderOptions& options) {
-  const auto scene = make_scene(scene_name, actual.rig);
-  const Rig& rig = actual.rig;
+std::uint64_t of_line(const sim::PerturbedRig& actual, const std::string& scene_name, int frame,
+                      const sim::RenderOptions& options) {
+  const auto scene = sim::make_scene(scene_name, actual.rig);
+  const rig::Rig& rig = actual.rig;
   std::vector<std::uint8_t> pixels(rig.camera.pixels());
-  LineRenderer(actual, *scene, line_on_plane(rig), options).render(frame - 1, std::span(pixels));
+  sim::LineRenderer(actual, *scene, line_on_plane(rig), options).render(frame - 1, std::span(pixels));
   return sum_of(pixels);
 }
 
 std::uint64_t of_pattern(const std::string& scene_name, int frame, int pattern) {
-  const Rig rig = load_rig("scanner");
-  const auto scene = make_scene(scene_name, rig);
-  const std::vector<Image> patterns = gray_patterns(rig.projector, 8);
+  const rig::Rig rig = rig::load_rig("scanner");
+  const auto scene = sim::make_scene(scene_name, rig);
+  const std::vector<images::Image> patterns = sim::gray_patterns(rig.projector, 8);
   std::vector<std::uint8_t> pixels(rig.camera.pixels());
-  PatternRenderer(rig, *scene)
-      .render(frame - 1, project_image(rig, patterns[static_cast<std::size_t>(pattern)]), std::span(pixels));
+  sim::PatternRenderer(rig, *scene)
+      .render(frame - 1, sim::project_image(rig, patterns[static_cast<std::size_t>(pattern)]), std::span(pixels));
   return sum_of(pixels);
 }
 
 TEST(ImagesOfBefore, OfALine) {
-  const Rig rig = load_rig("light-section");
+  const rig::Rig rig = rig::load_rig("light-section");
   EXPECT_EQ(of_line(rig, "stairs-marked", 700, {}), 0xc91e686512317edcU);
   EXPECT_EQ(of_line(rig, "stairs-marked", 701, {}), 0x71de9c1ca9382ed4U);
   EXPECT_EQ(of_line(rig, "mountain", 300, {}), 0x66fa39af3e067559U);
-  RenderOptions falling;
+  sim::RenderOptions falling;
   falling.falloff = true;
-  EXPECT_EQ(of_line(hidden_rig(rig, 3), "mountain", 300, falling), 0x73faae068e6eef81U);
+  EXPECT_EQ(of_line(sim::hidden_rig(rig, 3), "mountain", 300, falling), 0x73faae068e6eef81U);
 }
 
 TEST(ImagesOfBefore, OfWholePatterns) {
@@ -491,22 +495,22 @@ TEST(ImagesOfBefore, OfWholePatterns) {
 
 // A world in which nothing is on is no world at all, and one with a name on changes the image.
 TEST(ImagesOfBefore, OnlyWithoutDisturbances) {
-  const Rig rig = load_rig("light-section");
-  const WorldFile file = load_world(kBuiltInWorld);
-  RenderOptions options;
-  options.world = world_of(file, {});
+  const rig::Rig rig = rig::load_rig("light-section");
+  const sim::WorldFile file = sim::load_world(sim::kBuiltInWorld);
+  sim::RenderOptions options;
+  options.world = sim::world_of(file, {});
   EXPECT_EQ(of_line(rig, "stairs-marked", 700, options), 0xc91e686512317edcU);
-  const auto scene = make_scene("stairs-marked", rig);
+  const auto scene = sim::make_scene("stairs-marked", rig);
   const auto image_of = [&](const std::vector<std::string>& names) {
-    RenderOptions exact = options;
+    sim::RenderOptions exact = options;
     exact.quantization = false;
-    exact.world = world_of(file, names);
+    exact.world = sim::world_of(file, names);
     std::vector<float> pixels(rig.camera.pixels());  // of the part's front edge, on which a straight line falls
-    LineRenderer(rig, *scene, line_on_plane(rig), exact).render(54, std::span(pixels));
+    sim::LineRenderer(rig, *scene, line_on_plane(rig), exact).render(54, std::span(pixels));
     return pixels;
   };
   const std::vector<float> before = image_of({});
-  for (const WorldSwitch& entry : world_switches()) {
+  for (const sim::WorldSwitch& entry : sim::world_switches()) {
     EXPECT_NE(image_of({entry.name}), before) << entry.name;
   }
 }
@@ -516,18 +520,18 @@ TEST(ImagesOfBefore, OnlyWithoutDisturbances) {
 TEST(ParallelFor, CallsEachOnceAndPassesOnWhatIsThrown) {
   for (const int threads : {0, 1, 4}) {
     std::vector<int> calls(1000);
-    parallel_for(1000, threads, [&](int i) { ++calls[static_cast<std::size_t>(i)]; });
+    sim::parallel_for(1000, threads, [&](int i) { ++calls[static_cast<std::size_t>(i)]; });
     EXPECT_EQ(calls, std::vector<int>(1000, 1));
-    EXPECT_THROW(parallel_for(100, threads,
-                              [](int i) {
-                                if (i == 7) {
-                                  throw UserError("a", "b");
-                                }
-                              }),
+    EXPECT_THROW(sim::parallel_for(100, threads,
+                                   [](int i) {
+                                     if (i == 7) {
+                                       throw UserError("a", "b");
+                                     }
+                                   }),
                  UserError);
   }
-  parallel_for(0, 2, [](int) { FAIL(); });
+  sim::parallel_for(0, 2, [](int) { FAIL(); });
 }
 
 }  // namespace
-}  // namespace selfproj
+}  // namespace selfproj::test

@@ -16,9 +16,9 @@
 #include <string>
 #include <vector>
 
-#include "host/images/float_image.h"
 #include "host/light_section/pattern.h"
-#include "host/rig/rig.h"
+#include "selfproj/images/float_image.h"
+#include "selfproj/rig/rig.h"
 #include "sim/scene/lit_surface.h"
 #include "sim/scene/optics.h"
 #include "sim/scene/pattern_renderer.h"
@@ -30,7 +30,7 @@
 #include "tests/support/error_of.h"
 #include "tests/support/random_cases.h"
 
-namespace selfproj {
+namespace selfproj::test {
 namespace {
 
 using test::error_of;
@@ -39,46 +39,46 @@ using test::Random;
 using test::seeds;
 
 // Rough terrain with cliffs, 40 rows x 30 columns.
-FloatImage random_map(Random& random) {
-  FloatImage map(40, 30);
+images::FloatImage random_map(Random& random) {
+  images::FloatImage map(40, 30);
   for (float& value : map.values) {
     value = random.chance(30) ? 30 : static_cast<float>(random.between(0, 100)) / 10;
   }
   return map;
 }
 
-std::vector<std::unique_ptr<Scene>> all_scenes(const Rig& rig, Random& random) {
-  std::vector<std::unique_ptr<Scene>> all;
-  for (const SceneInfo& info : scenes()) {
-    all.push_back(make_scene(info.name, load_rig(info.rig())));
+std::vector<std::unique_ptr<sim::Scene>> all_scenes(const rig::Rig& rig, Random& random) {
+  std::vector<std::unique_ptr<sim::Scene>> all;
+  for (const sim::SceneInfo& info : sim::scenes()) {
+    all.push_back(sim::make_scene(info.name, rig::load_rig(info.rig())));
   }
-  all.push_back(height_map_scene(random_map(random), 2.5, rig));
+  all.push_back(sim::height_map_scene(random_map(random), 2.5, rig));
   return all;
 }
 
 // ------------------------------------------------------------------ scenes
 
 TEST(Scene, ListedOnesExistAndNameTheirReference) {
-  ASSERT_EQ(scenes().size(), 16U);
-  for (const SceneInfo& info : scenes()) {
-    const Rig rig = load_rig(info.rig());
-    EXPECT_EQ(make_scene(info.name, rig)->frames(), info.frames);
-    const SceneInfo& reference = find_scene(info.reference_name());
+  ASSERT_EQ(sim::scenes().size(), 16U);
+  for (const sim::SceneInfo& info : sim::scenes()) {
+    const rig::Rig rig = rig::load_rig(info.rig());
+    EXPECT_EQ(sim::make_scene(info.name, rig)->frames(), info.frames);
+    const sim::SceneInfo& reference = sim::find_scene(info.reference_name());
     EXPECT_EQ(reference.method, info.method) << info.name;
     EXPECT_EQ(reference.cells_below, info.cells_below) << info.name;
     EXPECT_TRUE(reference.reference.empty()) << info.name << ": a reference has no reference of its own";
   }
-  EXPECT_EQ(scenes()[3].name, "stairs-marked");
-  EXPECT_EQ(scenes()[3].reference, "stairs");
-  EXPECT_EQ(scenes()[3].frames, 1400);
-  EXPECT_EQ(error_of([] { make_scene("fist", load_rig("light-section")); }),
+  EXPECT_EQ(sim::scenes()[3].name, "stairs-marked");
+  EXPECT_EQ(sim::scenes()[3].reference, "stairs");
+  EXPECT_EQ(sim::scenes()[3].frames, 1400);
+  EXPECT_EQ(error_of([] { sim::make_scene("fist", rig::load_rig("light-section")); }),
             "fist: needs a rig of kind scanner; light-section is not one");
 }
 
 // The part reaches x = 0 5 mm after the first frame, and has passed by 5 mm at the last.
 TEST(Scene, PartsPassAtTheSpeedOfTheConveyor) {
-  const Rig rig = load_rig("light-section");
-  const auto stairs = make_scene("stairs", rig);
+  const rig::Rig rig = rig::load_rig("light-section");
+  const auto stairs = sim::make_scene("stairs", rig);
   const auto at = [&](double millimetres) { return stairs->height(0, 0, millimetres / rig.conveyor.speed_mm_per_s); };
   EXPECT_EQ(at(0), 0);
   EXPECT_EQ(at(4.99), 0);
@@ -89,14 +89,14 @@ TEST(Scene, PartsPassAtTheSpeedOfTheConveyor) {
 }
 
 TEST(Scene, HeightsAreThoseOfTheExperiments) {
-  const Rig rig = load_rig("light-section");
+  const rig::Rig rig = rig::load_rig("light-section");
   const double t = 0.07;  // the middle of the part is at x = 0
-  const auto mountain = make_scene("mountain", rig);
+  const auto mountain = sim::make_scene("mountain", rig);
   EXPECT_NEAR(mountain->height(0, 0, t), 23.6, 1e-9);
   EXPECT_NEAR(mountain->height(30, 49.99, t), 0, 1e-4);
   EXPECT_NEAR(mountain->height(30, 25, t), 23.6 * 0.5625, 1e-9);
   EXPECT_EQ(mountain->height(0, 50.01, t), 0);
-  const auto stairs = make_scene("stairs", rig);
+  const auto stairs = sim::make_scene("stairs", rig);
   EXPECT_EQ(stairs->height(0, -52.4, t), 30);
   EXPECT_EQ(stairs->height(0, -17.6, t), 30);
   EXPECT_EQ(stairs->height(0, -17.4, t), 39);
@@ -104,7 +104,7 @@ TEST(Scene, HeightsAreThoseOfTheExperiments) {
   EXPECT_EQ(stairs->height(0, 17.6, t), 21);
   EXPECT_EQ(stairs->height(0, 52.4, t), 21);
   EXPECT_EQ(stairs->height(0, 52.6, t), 0);
-  const auto marked = make_scene("stairs-marked", rig);
+  const auto marked = sim::make_scene("stairs-marked", rig);
   EXPECT_EQ(marked->height(9.5, -35, t), 29) << "circle";
   EXPECT_EQ(marked->height(0, -35, t), 30);
   EXPECT_EQ(marked->height(0, 0, t), 38) << "cross";
@@ -120,7 +120,7 @@ TEST(Scene, HeightsAreThoseOfTheExperiments) {
 TEST(Scene, MarksHaveTheirSizeAndStroke) {
   constexpr double kStep = 0.05;
   constexpr double kHalf = 15;
-  for (const Mark mark : {Mark::circle, Mark::cross, Mark::triangle_down}) {
+  for (const sim::Mark mark : {sim::Mark::circle, sim::Mark::cross, sim::Mark::triangle_down}) {
     double left = 0;
     double right = 0;
     double up = 0;
@@ -128,7 +128,7 @@ TEST(Scene, MarksHaveTheirSizeAndStroke) {
     double area = 0;
     for (double r = -kHalf; r < kHalf; r += kStep) {
       for (double d = -kHalf; d < kHalf; d += kStep) {
-        if (distance_from_mark(mark, r, d) <= kMarkStroke / 2) {
+        if (sim::distance_from_mark(mark, r, d) <= sim::kMarkStroke / 2) {
           left = std::min(left, r);
           right = std::max(right, r);
           up = std::min(up, d);
@@ -141,9 +141,9 @@ TEST(Scene, MarksHaveTheirSizeAndStroke) {
     EXPECT_NEAR(down - up, 22, 2 * kStep);
     const double half_circle = M_PI * 1.5 * 1.5 / 2;
     const double bar = 19 * std::sqrt(2) * 3;
-    const double expected = mark == Mark::circle  ? M_PI * (11.0 * 11 - 8.0 * 8)
-                            : mark == Mark::cross ? 2 * bar + 4 * half_circle - 9
-                                                  : 0;
+    const double expected = mark == sim::Mark::circle  ? M_PI * (11.0 * 11 - 8.0 * 8)
+                            : mark == sim::Mark::cross ? 2 * bar + 4 * half_circle - 9
+                                                       : 0;
     if (expected > 0) {
       EXPECT_NEAR(area, expected, 1);
     }
@@ -154,23 +154,23 @@ TEST(Scene, RangeBoundsTheHeightsAndClosesIn) {
   for (const std::uint64_t seed : seeds(20)) {
     SCOPED_TRACE(how_to_repeat(seed));
     Random random(seed);
-    const Rig rig = load_rig("light-section");
+    const rig::Rig rig = rig::load_rig("light-section");
     for (const auto& scene : all_scenes(rig, random)) {
       for (int i = 0; i < 50; ++i) {
         const double t = uniform(random, 0, 0.14);
         const double size = std::pow(10, uniform(random, -4, 2));
         const double x = uniform(random, -80, 80);
         const double y = uniform(random, -65, 65);
-        const Box box{x, x + uniform(random, 0, size), y, y + uniform(random, 0, size)};
+        const sim::Box box{x, x + uniform(random, 0, size), y, y + uniform(random, 0, size)};
         const double t1 = t + uniform(random, 0, 1e-4);
-        const HeightRange range = scene->range(box, t, t1);
+        const sim::HeightRange range = scene->range(box, t, t1);
         for (int k = 0; k < 30; ++k) {
           const double h =
               scene->height(uniform(random, box.x0, box.x1), uniform(random, box.y0, box.y1), uniform(random, t, t1));
           EXPECT_GE(h, range.low);
           EXPECT_LE(h, range.high);
         }
-        const HeightRange point = scene->range({x, x, y, y}, t, t);
+        const sim::HeightRange point = scene->range({x, x, y, y}, t, t);
         EXPECT_NEAR(point.low, point.high, 1e-9);
       }
     }
@@ -178,10 +178,10 @@ TEST(Scene, RangeBoundsTheHeightsAndClosesIn) {
 }
 
 TEST(Scene, HeightMapLiesAsHeightsAreMeasured) {
-  Rig rig = load_rig("light-section");
-  FloatImage map(2, 3);
+  rig::Rig rig = rig::load_rig("light-section");
+  images::FloatImage map(2, 3);
   map.values = {1, 2, 3, 4, std::numeric_limits<float>::quiet_NaN(), 6};
-  const auto scene = height_map_scene(map, 10, rig);
+  const auto scene = sim::height_map_scene(map, 10, rig);
   EXPECT_EQ(scene->frames(), 300);
   const double t = 0.015;  // the middle is at x = 0
   EXPECT_NEAR(scene->height(5, -10, t), 1, 1e-6) << "the first row comes first: at the largest x";
@@ -194,24 +194,27 @@ TEST(Scene, HeightMapLiesAsHeightsAreMeasured) {
   EXPECT_EQ(scene->height(10.1, 0, t), 0);
   EXPECT_EQ(scene->height(0, 15.1, t), 0);
   rig.conveyor.speed_mm_per_s = 0;
-  EXPECT_EQ(height_map_scene(map, 10, rig)->frames(), 1);
-  EXPECT_NEAR(height_map_scene(map, 10, rig)->height(5, -10, 7), 1, 1e-6);
+  EXPECT_EQ(sim::height_map_scene(map, 10, rig)->frames(), 1);
+  EXPECT_NEAR(sim::height_map_scene(map, 10, rig)->height(5, -10, 7), 1, 1e-6);
 }
 
 TEST(Scene, ErrorsNameWhatIsWrong) {
-  const Rig rig = load_rig("light-section");
-  EXPECT_EQ(error_of([&] { make_scene("hill", rig); }),
+  const rig::Rig rig = rig::load_rig("light-section");
+  EXPECT_EQ(error_of([&] { sim::make_scene("hill", rig); }),
             "hill: is not a scene; the scenes are plane, mountain, stairs, stairs-marked, desk, fist, pool, waves, "
             "keyboard, keys, cuboids, cuboids-marked, slider, mouse, "
             "block, hands");
-  EXPECT_EQ(error_of([&] { height_map_scene({}, 1, rig, "a.tiff"); }), "a.tiff: has no pixels");
-  const FloatImage map(2, 2, 1);
+  EXPECT_EQ(error_of([&] { sim::height_map_scene({}, 1, rig, "a.tiff"); }), "a.tiff: has no pixels");
+  const images::FloatImage map(2, 2, 1);
   for (const double scale : {0.0, -1.0, std::nan(""), std::numeric_limits<double>::infinity()}) {
-    EXPECT_NE(error_of([&] { height_map_scene(map, scale, rig); }).find("must be greater than 0"), std::string::npos);
+    EXPECT_NE(error_of([&] { sim::height_map_scene(map, scale, rig); }).find("must be greater than 0"),
+              std::string::npos);
   }
-  EXPECT_NE(error_of([&] { height_map_scene(FloatImage(2, 2, 588), 1, rig); }).find("must be finite and below 588"),
+  EXPECT_NE(error_of([&] {
+              sim::height_map_scene(images::FloatImage(2, 2, 588), 1, rig);
+            }).find("must be finite and below 588"),
             std::string::npos);
-  EXPECT_NE(error_of([&] { height_map_scene(FloatImage(2, 2, INFINITY), 1, rig); }).find("must be finite"),
+  EXPECT_NE(error_of([&] { sim::height_map_scene(images::FloatImage(2, 2, INFINITY), 1, rig); }).find("must be finite"),
             std::string::npos);
 }
 
@@ -224,22 +227,22 @@ TEST(Ray, FirstHitAndShadowAreThoseOfSmallSteps) {
   for (const std::uint64_t seed : seeds(10)) {
     SCOPED_TRACE(how_to_repeat(seed));
     Random random(seed);
-    const Rig rig = load_rig("light-section");
+    const rig::Rig rig = rig::load_rig("light-section");
     for (const auto& scene : all_scenes(rig, random)) {
       for (int i = 0; i < 20; ++i) {
         const double t = uniform(random, 0, 0.14);
-        const HeightRay ray{uniform(random, -40, 40), uniform(random, -1, 1), uniform(random, -60, 60),
-                            uniform(random, -1, 1)};
+        const sim::HeightRay ray{uniform(random, -40, 40), uniform(random, -1, 1), uniform(random, -60, 60),
+                                 uniform(random, -1, 1)};
         const auto clearance = [&](double h) { return h - scene->height(ray.x + ray.dx * h, ray.y + ray.dy * h, t); };
         double expected = kTop;
         while (expected > 0 && clearance(expected) > 0) {
           expected -= kStep;
         }
-        const double found = first_hit(*scene, ray, t, 0, kTop);
+        const double found = sim::first_hit(*scene, ray, t, 0, kTop);
         // Steps may miss an edge that the ray only just touches. Then it must be one.
         if (std::abs(found - expected) > 2 * kStep) {
           EXPECT_GT(found, expected);
-          EXPECT_LE(clearance(found - 2 * kHeightTolerance), 2 * kStep);
+          EXPECT_LE(clearance(found - 2 * sim::kHeightTolerance), 2 * kStep);
         }
         const double from = uniform(random, 0, kTop);
         bool blocked = false;
@@ -247,8 +250,8 @@ TEST(Ray, FirstHitAndShadowAreThoseOfSmallSteps) {
           blocked = blocked || clearance(h) < 0;
         }
         if (blocked) {
-          EXPECT_TRUE(is_blocked(*scene, ray, t, from, kTop));
-        } else if (is_blocked(*scene, ray, t, from, kTop)) {
+          EXPECT_TRUE(sim::is_blocked(*scene, ray, t, from, kTop));
+        } else if (sim::is_blocked(*scene, ray, t, from, kTop)) {
           double least = kTop;
           for (double h = from; h <= kTop; h += kStep / 50) {
             least = std::min(least, clearance(h));
@@ -263,22 +266,22 @@ TEST(Ray, FirstHitAndShadowAreThoseOfSmallSteps) {
 // ------------------------------------------------------------------ pinholes
 
 TEST(Pinhole, CameraIsThatOf33) {
-  const RigCamera rig = load_rig("light-section").camera;
-  const Pinhole camera = Pinhole::of_camera(rig);
-  const PixelPoint p = camera.project({11.67, -23.34, 1167});
+  const rig::RigCamera rig = rig::load_rig("light-section").camera;
+  const sim::Pinhole camera = sim::Pinhole::of_camera(rig);
+  const sim::PixelPoint p = camera.project({11.67, -23.34, 1167});
   EXPECT_NEAR(p.row, 47.5 + 0.01 / 0.01 * 50, 1e-9);  // Xc = fc x / z = 0.5 mm, a pitch of 0.01 mm
   EXPECT_NEAR(p.column, 255.5 - 0.02 / 0.01 * 50, 1e-9);
 }
 
 // θ = θ0 + atan(Xp/fp) is measured from z towards −x, and y = (z − z0) Yp / (fp cos θ0 − Xp sin θ0).
 TEST(Pinhole, ProjectorIsThatOf36To38) {
-  for (const std::string& name : built_in_rigs()) {
-    const RigProjector rig = load_rig(name).projector;
-    const Pinhole projector = Pinhole::of_projector(rig);
+  for (const std::string& name : rig::built_in_rigs()) {
+    const rig::RigProjector rig = rig::load_rig(name).projector;
+    const sim::Pinhole projector = sim::Pinhole::of_projector(rig);
     Random random(1);
     for (int i = 0; i < 100; ++i) {
-      const Point3 p{uniform(random, -100, 50), uniform(random, -100, 100), rig.z_mm + uniform(random, 100, 600)};
-      const PixelPoint found = projector.project(p);
+      const sim::Point3 p{uniform(random, -100, 50), uniform(random, -100, 100), rig.z_mm + uniform(random, 100, 600)};
+      const sim::PixelPoint found = projector.project(p);
       const double xp = rig.center_xp_mm + rig.line_pitch_mm * (found.row - (rig.lines - 1) / 2.0);
       const double yp = rig.center_yp_mm + rig.column_pitch_mm * (found.column - (rig.columns - 1) / 2.0);
       const double theta = rig.tilt_rad + std::atan(xp / rig.focal_length_mm);
@@ -286,8 +289,8 @@ TEST(Pinhole, ProjectorIsThatOf36To38) {
       EXPECT_NEAR((p.z - rig.z_mm) * yp / (rig.focal_length_mm * std::cos(rig.tilt_rad) - xp * std::sin(rig.tilt_rad)),
                   p.y, 1e-9);
       // and back
-      const Point3 along = projector.ray(found);
-      const Point3 again = projector.centre() + projector.depth(p) * along;
+      const sim::Point3 along = projector.ray(found);
+      const sim::Point3 again = projector.centre() + projector.depth(p) * along;
       EXPECT_NEAR(again.x, p.x, 1e-9);
       EXPECT_NEAR(again.y, p.y, 1e-9);
       EXPECT_NEAR(again.z, p.z, 1e-9);
@@ -298,10 +301,10 @@ TEST(Pinhole, ProjectorIsThatOf36To38) {
 // ------------------------------------------------------------------ projected light
 
 TEST(ProjectedLight, StraightLineHasItsWidthAndPlace) {
-  const Rig all = load_rig("light-section");
-  const RigProjector& rig = all.projector;
+  const rig::Rig all = rig::load_rig("light-section");
+  const rig::RigProjector& rig = all.projector;
   for (const double place : {100.0, 100.3, 100.5, 100.9}) {
-    const FloatImage pattern = draw_straight_line(all, place);
+    const images::FloatImage pattern = light_section::draw_straight_line(all, place);
     double m0 = 0;
     double m1 = 0;
     for (int r = 0; r < rig.lines; ++r) {
@@ -310,17 +313,17 @@ TEST(ProjectedLight, StraightLineHasItsWidthAndPlace) {
     }
     EXPECT_NEAR(m0, 5, 1e-5);
     EXPECT_NEAR(m1 / m0, place, 1e-5);
-    const ProjectedLight light(pattern, 0.7);
+    const sim::ProjectedLight light(pattern, 0.7);
     EXPECT_NEAR(light.line_centre(17.4), place, 1e-5);
   }
-  EXPECT_TRUE(std::isnan(ProjectedLight(FloatImage(4, 4), 0).line_centre(1)));
+  EXPECT_TRUE(std::isnan(sim::ProjectedLight(images::FloatImage(4, 4), 0).line_centre(1)));
 }
 
 TEST(ProjectedLight, BlurKeepsSumAndMiddleAndWidens) {
-  FloatImage pattern(40, 50);
+  images::FloatImage pattern(40, 50);
   pattern.row(20)[30] = 1;
   for (const double blur : {0.0, 0.4, 0.7, 2.0}) {
-    const ProjectedLight light(pattern, blur);
+    const sim::ProjectedLight light(pattern, blur);
     double m0 = 0;
     double line = 0;
     double column = 0;
@@ -352,49 +355,49 @@ TEST(ProjectedLight, BlurKeepsSumAndMiddleAndWidens) {
 // the last bit as without; and what the scenes say of themselves is true.
 
 // A scene that says nothing of its smoothness.
-class Silent final : public WrappedScene {
+class Silent final : public sim::WrappedScene {
  public:
-  using WrappedScene::WrappedScene;
-  [[nodiscard]] Smoothness smoothness(const Box& /*box*/) const override { return {}; }
-  [[nodiscard]] bool is_plain(const Box& /*box*/) const override { return false; }
+  using sim::WrappedScene::WrappedScene;
+  [[nodiscard]] sim::Smoothness smoothness(const sim::Box& /*box*/) const override { return {}; }
+  [[nodiscard]] bool is_plain(const sim::Box& /*box*/) const override { return false; }
 };
 
-PerturbedRig low_image(std::uint64_t seed) {
-  Rig rig = load_rig("light-section");
+sim::PerturbedRig low_image(std::uint64_t seed) {
+  rig::Rig rig = rig::load_rig("light-section");
   rig.camera.rows = 40;
-  return hidden_rig(rig, seed);
+  return sim::hidden_rig(rig, seed);
 }
 
-std::vector<float> image_of(const PerturbedRig& actual, const Scene& scene) {
-  RenderOptions exact;
+std::vector<float> image_of(const sim::PerturbedRig& actual, const sim::Scene& scene) {
+  sim::RenderOptions exact;
   exact.shot_noise = exact.read_noise = exact.quantization = false;
-  FloatImage pattern(actual.rig.projector.lines, actual.rig.projector.columns);
+  images::FloatImage pattern(actual.rig.projector.lines, actual.rig.projector.columns);
   for (std::size_t i = 0; i < pattern.values.size(); ++i) {
     pattern.values[i] = i / 1024 % 3 == 0 ? 1.0F : 0.25F;
   }
   std::vector<float> pixels(actual.rig.camera.pixels());
-  PatternRenderer(actual, scene, exact).render(0, throw_light(actual.rig, pattern, exact), std::span(pixels));
+  sim::PatternRenderer(actual, scene, exact).render(0, sim::throw_light(actual.rig, pattern, exact), std::span(pixels));
   return pixels;
 }
 
-constexpr ChessboardShape kChessboardShape{37, 3, 2.2};
+constexpr sim::ChessboardShape kChessboardShape{37, 3, 2.2};
 
-ChessboardScene board(const PerturbedRig& actual, double bend_mm, double lean) {
-  ChessboardPlace place;
-  place.middle = middle_of_view(actual, actual.rig.plane_z_mm - 20);
+sim::ChessboardScene board(const sim::PerturbedRig& actual, double bend_mm, double lean) {
+  sim::ChessboardPlace place;
+  place.middle = sim::middle_of_view(actual, actual.rig.plane_z_mm - 20);
   place.below = {std::cos(lean), 0, std::sin(lean)};
-  return {actual.rig, kChessboardShape, place, drawn_flaws(1e-4, bend_mm, 7)};
+  return {actual.rig, kChessboardShape, place, sim::drawn_flaws(1e-4, bend_mm, 7)};
 }
 
 TEST(SmoothScenes, ImagesAreTheSameToTheLastBit) {
   for (const std::uint64_t seed : {1U, 2U}) {
-    const PerturbedRig actual = low_image(seed);
-    const FlatPlate plate(20, {0.005, 0.01}, seed);
+    const sim::PerturbedRig actual = low_image(seed);
+    const sim::FlatPlate plate(20, {0.005, 0.01}, seed);
     EXPECT_EQ(image_of(actual, plate), image_of(actual, Silent(plate)));
-    const FlatPlate wavy(20, {0.005, 3}, seed);  // more than may be left out
+    const sim::FlatPlate wavy(20, {0.005, 3}, seed);  // more than may be left out
     EXPECT_EQ(image_of(actual, wavy), image_of(actual, Silent(wavy)));
     for (const double bend : {0.0, 0.01, 0.5}) {
-      const ChessboardScene scene = board(actual, bend, bend);
+      const sim::ChessboardScene scene = board(actual, bend, bend);
       EXPECT_EQ(image_of(actual, scene), image_of(actual, Silent(scene))) << bend;
     }
   }
@@ -402,15 +405,15 @@ TEST(SmoothScenes, ImagesAreTheSameToTheLastBit) {
 
 // A plain rectangle has one albedo, and the surface bends no more over one than is said.
 TEST(SmoothScenes, ChessboardsTellTheTruth) {
-  const PerturbedRig actual = low_image(1);
-  const ChessboardScene scene = board(actual, 0.4, 0.3);
-  const Point3 middle = middle_of_view(actual, actual.rig.plane_z_mm - 20);
+  const sim::PerturbedRig actual = low_image(1);
+  const sim::ChessboardScene scene = board(actual, 0.4, 0.3);
+  const sim::Point3 middle = sim::middle_of_view(actual, actual.rig.plane_z_mm - 20);
   int plain = 0;
   int smooth = 0;
   constexpr double kSide = 0.6;  // mm
   for (double x = middle.x - 8; x < middle.x + 8; x += 0.31) {
     for (double y = middle.y - 48; y < middle.y + 48; y += 0.87) {
-      const Box box{x, x + kSide, y, y + kSide};
+      const sim::Box box{x, x + kSide, y, y + kSide};
       double low = 1;
       double high = 0;
       for (int i = 0; i <= 6; ++i) {
@@ -423,7 +426,7 @@ TEST(SmoothScenes, ChessboardsTellTheTruth) {
       const bool is_plain = scene.is_plain(box);
       EXPECT_TRUE(!is_plain || high - low < 1e-12) << x << ", " << y;
       plain += is_plain ? 1 : 0;
-      const Smoothness bounds = scene.smoothness(box);
+      const sim::Smoothness bounds = scene.smoothness(box);
       const auto height = [&](double share) { return scene.height(x + kSide * share, y + kSide * share, 0); };
       const double step = kSide * std::sqrt(2) / 2;
       EXPECT_LE(std::abs(height(1) - height(0)), bounds.slope * 2 * step);
@@ -437,8 +440,8 @@ TEST(SmoothScenes, ChessboardsTellTheTruth) {
 }
 
 TEST(SmoothScenes, PlatesTellTheTruth) {
-  const FlatPlate plate(20, {0.005, 0.5}, 3);
-  const Smoothness bounds = plate.smoothness({0, 1, 0, 1});
+  const sim::FlatPlate plate(20, {0.005, 0.5}, 3);
+  const sim::Smoothness bounds = plate.smoothness({0, 1, 0, 1});
   constexpr double kStep = 2;  // mm
   for (double x = -60; x < 60; x += 1.7) {
     for (double y = -60; y < 60; y += 1.7) {
@@ -451,16 +454,16 @@ TEST(SmoothScenes, PlatesTellTheTruth) {
 }
 
 TEST(SightTable, IsTheCamera) {
-  const PerturbedRig actual = low_image(4);
-  const auto table = SightTable::of(actual.camera, actual.rig.camera);
+  const sim::PerturbedRig actual = low_image(4);
+  const auto table = sim::SightTable::of(actual.camera, actual.rig.camera);
   ASSERT_NE(table, nullptr);
-  EXPECT_EQ(SightTable::of(actual.camera, actual.rig.camera), table) << "shared";
-  EXPECT_NE(SightTable::of(low_image(5).camera, actual.rig.camera), table);
-  EXPECT_EQ(SightTable::of(Pinhole::of_camera(actual.rig.camera), actual.rig.camera), nullptr);
+  EXPECT_EQ(sim::SightTable::of(actual.camera, actual.rig.camera), table) << "shared";
+  EXPECT_NE(sim::SightTable::of(low_image(5).camera, actual.rig.camera), table);
+  EXPECT_EQ(sim::SightTable::of(sim::Pinhole::of_camera(actual.rig.camera), actual.rig.camera), nullptr);
   for (const double row : {-30.0, -8.375, -7.875, -0.125, 0.0, 3.125, 3.2, 39.5, 40.875, 47.375, 47.875, 90.0}) {
     for (const double column : {-9.0, -7.875, 0.375, 17.0, 255.625, 511.875, 519.375, 519.5, 700.0}) {
-      const Point3 found = table->sight({row, column});
-      const Point3 wanted = actual.camera.sight({row, column});
+      const sim::Point3 found = table->sight({row, column});
+      const sim::Point3 wanted = actual.camera.sight({row, column});
       EXPECT_EQ(found.x, wanted.x) << row << ", " << column;
       EXPECT_EQ(found.y, wanted.y) << row << ", " << column;
       EXPECT_EQ(found.z, wanted.z) << row << ", " << column;
@@ -492,10 +495,10 @@ double wave_by_simpson(double r, double t) {
 }
 
 TEST(RingWave, IsTheIntegral) {
-  const RingWave wave(30, kCrater, kSize, 0.3);
+  const sim::RingWave wave(30, kCrater, kSize, 0.3);
   EXPECT_NEAR(wave.speed(), 542.2, 0.05);  // sqrt(9.8 m/s² · 3 cm)
   for (const double t : {0.0, 0.0203, 0.1, 0.299}) {
-    const RingWave::Profile profile = wave.profile(t);
+    const sim::RingWave::Profile profile = wave.profile(t);
     for (double r = 0; r < 220; r += 7.3) {
       EXPECT_NEAR(profile.at(r).rise, wave_by_simpson(r, t), 0.02) << "r " << r << ", t " << t;
       const double slope = (wave_by_simpson(r + 0.1, t) - wave_by_simpson(r - 0.1, t)) / 0.2;
@@ -511,21 +514,21 @@ TEST(RingWave, WavelengthsRunAtTheirOwnSpeeds) {
   double length = 0;
   for (double l = 5; l < 60; l += 0.01) {
     const double k = 2 * std::numbers::pi / l;
-    const double speed = RingWave::omega(k, 1e4) / k;
+    const double speed = sim::RingWave::omega(k, 1e4) / k;
     length = speed < slowest ? l : length;
     slowest = std::min(slowest, speed);
   }
   EXPECT_NEAR(slowest, 231, 1);
   EXPECT_NEAR(length, 17.1, 0.2);
-  EXPECT_NEAR(RingWave::omega(1e-4, 30) / 1e-4, 542.2, 0.1);
-  EXPECT_NEAR(RingWave::omega(2e-3, 1e4) / 2e-3, std::sqrt(9800 / 2e-3), 0.1);
+  EXPECT_NEAR(sim::RingWave::omega(1e-4, 30) / 1e-4, 542.2, 0.1);
+  EXPECT_NEAR(sim::RingWave::omega(2e-3, 1e4) / 2e-3, std::sqrt(9800 / 2e-3), 0.1);
 }
 
 // At first there is the requested crater. Its crests are shorter than the water is deep, and run at about half of the
 // speed of long waves; nothing but long waves runs ahead of them.
 TEST(RingWave, BeginsAsACraterAndDisperses) {
-  const RingWave wave(30, kCrater, kSize, 0.4);
-  const RingWave::Profile first = wave.profile(0);
+  const sim::RingWave wave(30, kCrater, kSize, 0.4);
+  const sim::RingWave::Profile first = wave.profile(0);
   for (double r = 0; r < 80; r += 5) {
     const double u = r * r / (2 * kSize * kSize);
     EXPECT_NEAR(first.at(r).rise, -kCrater * (1 - u) * std::exp(-u), 0.02) << r;
@@ -533,7 +536,7 @@ TEST(RingWave, BeginsAsACraterAndDisperses) {
   EXPECT_EQ(wave.profile(-0.001).at(0).rise, 0);
   EXPECT_EQ(wave.profile(-0.001).reach(), 0);
   const auto crest = [&](double t) {
-    const RingWave::Profile profile = wave.profile(t);
+    const sim::RingWave::Profile profile = wave.profile(t);
     double best = 0;
     for (double r = 0; r < 400; r += 0.1) {
       best = profile.at(r).rise > profile.at(best).rise ? r : best;
@@ -544,15 +547,15 @@ TEST(RingWave, BeginsAsACraterAndDisperses) {
   EXPECT_GT(crests, 0.25 * wave.speed());
   EXPECT_LT(crests, 0.75 * wave.speed());
   EXPECT_GE(wave.most(), kCrater - 0.1);
-  EXPECT_THROW(RingWave(0, 1, 1, 1), std::invalid_argument);
+  EXPECT_THROW(sim::RingWave(0, 1, 1, 1), std::invalid_argument);
 }
 
 // Where a pixel's ray meets the bodies of a scene.
-std::optional<Meeting> seen(const Scene& scene, const Rig& rig, double row, double column, double t) {
-  const Point3 along = Pinhole::of_camera(rig.camera).ray({row, column});
-  std::optional<Meeting> nearest;
+std::optional<sim::Meeting> seen(const sim::Scene& scene, const rig::Rig& rig, double row, double column, double t) {
+  const sim::Point3 along = sim::Pinhole::of_camera(rig.camera).ray({row, column});
+  std::optional<sim::Meeting> nearest;
   for (const auto& body : scene.bodies(t)) {
-    Meeting meeting;
+    sim::Meeting meeting;
     if (body->meets({{0, 0, 0}, along}, nearest ? nearest->s : 1e9, meeting)) {
       nearest = meeting;
     }
@@ -561,21 +564,21 @@ std::optional<Meeting> seen(const Scene& scene, const Rig& rig, double row, doub
 }
 
 TEST(Waves, WaterIsLevelBeforeTheImpactAndKeepsToItsWallsAfter) {
-  const Rig rig = load_rig("scanner");
-  const auto scene = make_scene("waves", rig);
-  const double level = rig.plane_z_mm - PoolWave::kDepth;
+  const rig::Rig rig = rig::load_rig("scanner");
+  const auto scene = sim::make_scene("waves", rig);
+  const double level = rig.plane_z_mm - sim::PoolWave::kDepth;
   // The body hangs above the place of the impact, and touches the water at 1.36 s.
   const auto bottom = [&](double t) { return scene->bodies(t)[1]->bounds().high.z; };
   EXPECT_NEAR(bottom(0), level - 100, 1e-9);
-  EXPECT_NEAR(bottom(PoolWave::kImpact), level, 1e-9);
-  EXPECT_GT(bottom(PoolWave::kImpact + 0.1), level + 11);
-  const Bodies before = scene->bodies(PoolWave::kImpact - 1e-3);
-  const Bodies after = scene->bodies(PoolWave::kImpact + 0.28);
+  EXPECT_NEAR(bottom(sim::PoolWave::kImpact), level, 1e-9);
+  EXPECT_GT(bottom(sim::PoolWave::kImpact + 0.1), level + 11);
+  const sim::Bodies before = scene->bodies(sim::PoolWave::kImpact - 1e-3);
+  const sim::Bodies after = scene->bodies(sim::PoolWave::kImpact + 0.28);
   double most = 0;
-  for (double x = PoolWave::kCentreX - 124.5; x < PoolWave::kCentreX + 125; x += 3.1) {
+  for (double x = sim::PoolWave::kCentreX - 124.5; x < sim::PoolWave::kCentreX + 125; x += 3.1) {
     for (const double y : {-169.9, -120.0, -60.0, 20.0, 100.0, 169.9}) {
-      const Ray down{{x, y, 0}, {0, 0, 1}};
-      Meeting meeting;
+      const sim::Ray down{{x, y, 0}, {0, 0, 1}};
+      sim::Meeting meeting;
       ASSERT_TRUE(before[0]->meets(down, 1000, meeting));
       EXPECT_NEAR(meeting.s, level, 1e-9);
       EXPECT_NEAR(meeting.normal.z, -1, 1e-12);
@@ -589,41 +592,41 @@ TEST(Waves, WaterIsLevelBeforeTheImpactAndKeepsToItsWallsAfter) {
   }
   EXPECT_GT(most, 1);
   EXPECT_LT(most, 8);
-  Meeting meeting;
-  EXPECT_FALSE(before[0]->meets({{PoolWave::kCentreX + 126, 0, 0}, {0, 0, 1}}, 1000, meeting));
+  sim::Meeting meeting;
+  EXPECT_FALSE(before[0]->meets({{sim::PoolWave::kCentreX + 126, 0, 0}, {0, 0, 1}}, 1000, meeting));
 }
 
 TEST(Fist, GoesRoundASlantedCircle) {
-  const Rig rig = load_rig("scanner");
-  const auto scene = make_scene("fist", rig);
+  const rig::Rig rig = rig::load_rig("scanner");
+  const auto scene = sim::make_scene("fist", rig);
   const auto centre = [&](double t) {
-    const Cuboid box = scene->bodies(t)[0]->bounds();
+    const sim::Cuboid box = scene->bodies(t)[0]->bounds();
     return 0.5 * (box.low + box.high);
   };
-  const double turn = 1 / FistMotion::kFrequency;
-  const Point3 middle = 0.5 * (centre(0) + centre(turn / 2));
+  const double turn = 1 / sim::FistMotion::kFrequency;
+  const sim::Point3 middle = 0.5 * (centre(0) + centre(turn / 2));
   double low = 1e9;
   double high = 0;
   for (int i = 0; i < 50; ++i) {
     const double t = turn * i / 50;
-    const Point3 d = centre(t) - middle;
-    EXPECT_NEAR(std::sqrt(dot(d, d)), FistMotion::kRadius, 1e-9);
-    const Point3 later = centre(t + turn) - centre(t);
-    EXPECT_NEAR(dot(later, later), 0, 1e-12);
+    const sim::Point3 d = centre(t) - middle;
+    EXPECT_NEAR(std::sqrt(sim::dot(d, d)), sim::FistMotion::kRadius, 1e-9);
+    const sim::Point3 later = centre(t + turn) - centre(t);
+    EXPECT_NEAR(sim::dot(later, later), 0, 1e-12);
     const double height = rig.plane_z_mm - centre(t).z;
     low = std::min(low, height);
     high = std::max(high, height);
-    const Point3 way = centre(t + 1e-6) - centre(t);
-    EXPECT_LE(std::sqrt(dot(way, way)) / 1e-6, scene->body_speed() * 1.0001);
+    const sim::Point3 way = centre(t + 1e-6) - centre(t);
+    EXPECT_LE(std::sqrt(sim::dot(way, way)) / 1e-6, scene->body_speed() * 1.0001);
   }
   EXPECT_NEAR(low, 80, 0.5);  // its upper side, which the camera sees, is at 100 to 200 mm
   EXPECT_NEAR(high, 180, 0.5);
 }
 
 TEST(Keys, TwoPixelsSeeFingersThatTapByTurns) {
-  const Rig rig = load_rig("scanner");
-  const auto scene = make_scene("keys", rig);
-  for (const KeyTaps::Pixel pixel : {KeyTaps::kFirst, KeyTaps::kSecond}) {
+  const rig::Rig rig = rig::load_rig("scanner");
+  const auto scene = sim::make_scene("keys", rig);
+  for (const sim::KeyTaps::Pixel pixel : {sim::KeyTaps::kFirst, sim::KeyTaps::kSecond}) {
     double low = 1e9;
     double high = 0;
     double when = 0;  // furthest from the camera: down
@@ -637,8 +640,8 @@ TEST(Keys, TwoPixelsSeeFingersThatTapByTurns) {
       }
       EXPECT_NEAR(seen(*scene, rig, pixel.row, pixel.column, i * 1e-3 + 0.2)->s, meeting->s, 1e-6);
     }
-    EXPECT_NEAR(high - low, KeyTaps::kStroke, 0.5);
-    EXPECT_NEAR(std::fmod(when + 0.05, 0.2), pixel.row == KeyTaps::kFirst.row ? 0.05 : 0.15, 0.003);
+    EXPECT_NEAR(high - low, sim::KeyTaps::kStroke, 0.5);
+    EXPECT_NEAR(std::fmod(when + 0.05, 0.2), pixel.row == sim::KeyTaps::kFirst.row ? 0.05 : 0.15, 0.003);
   }
   // The keys go down under them by 3.5 mm.
   for (const std::size_t key : {0U, 1U}) {
@@ -647,11 +650,11 @@ TEST(Keys, TwoPixelsSeeFingersThatTapByTurns) {
     EXPECT_NEAR(top(key == 0 ? 0.1 : 0.0), 30, 1e-9);
   }
   // 18 mm apart along both axes
-  const Bodies bodies = scene->bodies(0);
-  const Point3 apart = bodies[0]->bounds().low - bodies[1]->bounds().low;
+  const sim::Bodies bodies = scene->bodies(0);
+  const sim::Point3 apart = bodies[0]->bounds().low - bodies[1]->bounds().low;
   EXPECT_NEAR(std::abs(apart.x), 18, 1e-9);
   EXPECT_NEAR(std::abs(apart.y), 18, 1e-9);
 }
 
 }  // namespace
-}  // namespace selfproj
+}  // namespace selfproj::test

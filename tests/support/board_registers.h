@@ -13,15 +13,15 @@
 namespace selfproj::test {
 
 // A port to `board`, the model of the register file. `board` must outlive the port.
-inline std::unique_ptr<RegisterPort> port_of(RegisterFile& board, const BoardState& state = {}) {
-  return std::make_unique<AccessPort>([&board, state](bool write, std::uint32_t address, std::uint32_t data) {
+inline std::unique_ptr<driver::RegisterPort> port_of(model::RegisterFile& board, const model::BoardState& state = {}) {
+  return std::make_unique<sim::AccessPort>([&board, state](bool write, std::uint32_t address, std::uint32_t data) {
     return write ? board.write(address, data) : board.read(address, state);
   });
 }
 
 // The bytes of all registers after reset, little endian.
-inline std::string register_bytes(const BoardBuild& build = {}) {
-  RegisterFile board(build);
+inline std::string register_bytes(const model::BoardBuild& build = {}) {
+  model::RegisterFile board(build);
   std::string bytes;
   for (std::uint32_t address = 0; address <= spec::kRegisters.back().address; address += 4) {
     const std::uint32_t word = board.read(address, {}).data;

@@ -5,7 +5,7 @@
 #include <functional>
 #include <string>
 
-#include "host/files/user_error.h"
+#include "selfproj/files/user_error.h"
 
 namespace selfproj::test {
 

@@ -69,13 +69,13 @@ class LitePciePlayer {
   }
 
   // What a test may change
-  bool foreign = false;                          // the file is no device of LitePCIe's driver
-  bool taken = false;                            // another process has the DMA
-  int error = 0;                                 // of every request
-  bool ones = false;                             // registers read as ones
-  std::function<void()> on_access;               // before a register is read
-  std::function<void(litepcie::Access&)> board;  // an access to the board's registers, its address from 0 on
-  std::uint32_t waits = 0;                       // calls of wait()
+  bool foreign = false;                                  // the file is no device of LitePCIe's driver
+  bool taken = false;                                    // another process has the DMA
+  int error = 0;                                         // of every request
+  bool ones = false;                                     // registers read as ones
+  std::function<void()> on_access;                       // before a register is read
+  std::function<void(driver::litepcie::Access&)> board;  // an access to the board's registers, its address from 0 on
+  std::uint32_t waits = 0;                               // calls of wait()
 
  private:
   friend class LitePciePlayerPort;
@@ -102,7 +102,7 @@ class LitePciePlayer {
   std::size_t place_ = 0;       // in the buffer under way
 };
 
-class LitePciePlayerPort final : public DevicePort {
+class LitePciePlayerPort final : public driver::DevicePort {
  public:
   explicit LitePciePlayerPort(LitePciePlayer& player) : player_(player) {}
   ~LitePciePlayerPort() override {
@@ -117,20 +117,20 @@ class LitePciePlayerPort final : public DevicePort {
       return player_.error;
     }
     switch (request) {
-      case litepcie::kBuffers:
-        *static_cast<litepcie::Buffers*>(argument) = {
+      case driver::litepcie::kBuffers:
+        *static_cast<driver::litepcie::Buffers*>(argument) = {
             .rx_offset = player_.ring_bytes(), .rx_bytes = player_.bytes_, .rx_count = player_.buffers_};
         return 0;
-      case litepcie::kLock:
-        return take(*static_cast<litepcie::Lock*>(argument));
-      case litepcie::kDmaWriter: {
+      case driver::litepcie::kLock:
+        return take(*static_cast<driver::litepcie::Lock*>(argument));
+      case driver::litepcie::kDmaWriter: {
         const std::lock_guard lock(player_.mutex_);
-        player_.set_enabled(static_cast<litepcie::DmaWriter*>(argument)->enable != 0);
+        player_.set_enabled(static_cast<driver::litepcie::DmaWriter*>(argument)->enable != 0);
         return 0;
       }
-      case litepcie::kAccess:
-        return access(*static_cast<litepcie::Access*>(argument));
-      case litepcie::kRead:
+      case driver::litepcie::kAccess:
+        return access(*static_cast<driver::litepcie::Access*>(argument));
+      case driver::litepcie::kRead:
         return 0;
       default:
         return ENOTTY;
@@ -150,7 +150,7 @@ class LitePciePlayerPort final : public DevicePort {
   }
 
  private:
-  int take(litepcie::Lock& lock) {
+  int take(driver::litepcie::Lock& lock) {
     lock.writer_status = 1;
     if (lock.writer_request != 0) {
       lock.writer_status = player_.taken ? 0 : 1;
@@ -164,18 +164,18 @@ class LitePciePlayerPort final : public DevicePort {
     return 0;
   }
 
-  int access(litepcie::Access& access) {
+  int access(driver::litepcie::Access& access) {
     if (player_.on_access) {
       player_.on_access();
     }
-    if (access.address >= litepcie::kBoardRegisters && player_.board) {
-      litepcie::Access inner = access;
-      inner.address -= litepcie::kBoardRegisters;
+    if (access.address >= driver::litepcie::kBoardRegisters && player_.board) {
+      driver::litepcie::Access inner = access;
+      inner.address -= driver::litepcie::kBoardRegisters;
       player_.board(inner);
       access.value = inner.value;
       return 0;
     }
-    if (access.write != 0 || access.address != litepcie::kLoopStatus) {
+    if (access.write != 0 || access.address != driver::litepcie::kLoopStatus) {
       return EINVAL;
     }
     access.value = player_.ones ? 0xFFFF'FFFFU : player_.loop_status();

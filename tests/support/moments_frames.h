@@ -7,39 +7,39 @@
 #include <cstdint>
 #include <vector>
 
-#include "model/column_moments.h"
-#include "model/column_runs.h"
-#include "model/packet_payload.h"
+#include "selfproj/model/column_moments.h"
+#include "selfproj/model/column_runs.h"
+#include "selfproj/model/packet_payload.h"
 #include "tests/support/random_cases.h"
 
 namespace selfproj::test {
 
-inline const std::vector<Mode> kModes{Mode::binary, Mode::grey, Mode::grey_over};
+inline const std::vector<model::Mode> kModes{model::Mode::binary, model::Mode::grey, model::Mode::grey_over};
 
 struct MomentsFrame {
   int columns = 4;
   int rows = 1;
-  Mode mode = Mode::binary;
+  model::Mode mode = model::Mode::binary;
   int threshold = 0;
   std::vector<std::uint8_t> pixels = {};  // row by row
-  Select select = Select::all;
+  model::Select select = model::Select::all;
   int gap = 0;
-  RowWindow window = {};
+  model::RowWindow window = {};
 };
 
 // The payload of its packet, by the model.
 inline std::vector<std::uint8_t> payload_of_moments(const MomentsFrame& frame) {
-  Runs runs;
+  model::Runs runs;
   runs.resize(frame.select, frame.columns);
-  measure_columns({frame.pixels.data(), frame.rows, frame.columns, frame.columns},
-                  {.mode = frame.mode,
-                   .threshold = frame.threshold,
-                   .select = frame.select,
-                   .gap = frame.gap,
-                   .window = frame.window},
-                  runs.view());
-  std::vector<std::uint8_t> payload(moments_payload_bytes(frame.mode, frame.columns));
-  pack_columns(frame.select, frame.mode, frame.columns, runs.view(), payload.data());
+  model::measure_columns({frame.pixels.data(), frame.rows, frame.columns, frame.columns},
+                         {.mode = frame.mode,
+                          .threshold = frame.threshold,
+                          .select = frame.select,
+                          .gap = frame.gap,
+                          .window = frame.window},
+                         runs.view());
+  std::vector<std::uint8_t> payload(model::moments_payload_bytes(frame.mode, frame.columns));
+  model::pack_columns(frame.select, frame.mode, frame.columns, runs.view(), payload.data());
   return payload;
 }
 
@@ -54,7 +54,7 @@ inline void fill_with_runs(Random& random, int threshold, std::vector<std::uint8
 }
 
 // `runs`: the frame mostly asks for the strongest runs, and has several of them in a column.
-inline MomentsFrame random_moments_frame(Random& random, int columns, int rows, Mode mode, bool runs = false) {
+inline MomentsFrame random_moments_frame(Random& random, int columns, int rows, model::Mode mode, bool runs = false) {
   MomentsFrame frame;
   frame.columns = columns;
   frame.rows = rows;
@@ -69,7 +69,7 @@ inline MomentsFrame random_moments_frame(Random& random, int columns, int rows, 
     fill_with_runs(random, frame.threshold, frame.pixels);
   }
   if (runs) {
-    frame.select = random.chance(75) ? Select::strongest : Select::all;
+    frame.select = random.chance(75) ? model::Select::strongest : model::Select::all;
     frame.gap = random.between(0, 3);
   }
   if (random.chance(30)) {

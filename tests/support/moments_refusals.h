@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "model/column_moments.h"
+#include "selfproj/model/column_moments.h"
 
 namespace selfproj::test {
 
@@ -17,12 +17,12 @@ namespace selfproj::test {
 template <class Compute>
 void expect_refusals_of_moments(Compute compute) {
   const std::vector<std::uint8_t> pixels(64, 255);
-  Moments moments;
+  model::Moments moments;
   moments.resize(8);
-  const Moments before = moments;
-  const ImageView good = {pixels.data(), 4, 8, 8};
-  const auto refuses = [&](const ImageView& image, int mode, int threshold, const MomentsView& out) {
-    EXPECT_THROW(compute(image, static_cast<Mode>(mode), threshold, out), std::invalid_argument);
+  const model::Moments before = moments;
+  const model::ImageView good = {pixels.data(), 4, 8, 8};
+  const auto refuses = [&](const model::ImageView& image, int mode, int threshold, const model::MomentsView& out) {
+    EXPECT_THROW(compute(image, static_cast<model::Mode>(mode), threshold, out), std::invalid_argument);
     EXPECT_EQ(moments, before);
   };
   refuses({pixels.data(), 0, 8, 8}, 0, 128, moments.view());
@@ -37,7 +37,7 @@ void expect_refusals_of_moments(Compute compute) {
   refuses(good, 0, 128, {nullptr, moments.m1.data(), moments.n.data()});
   refuses(good, 0, 128, {moments.m0.data(), nullptr, moments.n.data()});
   refuses(good, 0, 128, {moments.m0.data(), moments.m1.data(), nullptr});
-  EXPECT_NO_THROW(compute(good, Mode::binary, 128, moments.view()));
+  EXPECT_NO_THROW(compute(good, model::Mode::binary, 128, moments.view()));
 }
 
 }  // namespace selfproj::test

@@ -78,7 +78,7 @@ class BoardSocket {
  public:
   explicit BoardSocket(const std::string& host, std::uint16_t port = 0)
       : file_(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
-    const sockaddr_in here = udp_address("test", {.host = host, .port = port});
+    const sockaddr_in here = driver::udp_address("test", {.host = host, .port = port});
     if (bind(number(), reinterpret_cast<const sockaddr*>(&here), sizeof here) != 0) {
       throw std::runtime_error("no socket for the board");
     }
@@ -108,15 +108,15 @@ class BoardSocket {
   }
 
  private:
-  FileDescriptor file_;
+  files::FileDescriptor file_;
 };
 
 // The answer of a board to a datagram of Etherbone, if it gives one.
 template <class Board>
 std::optional<Datagram> answer_to(Board& board, const Datagram& question) {
-  const std::optional<EtherboneRecord> record = etherbone_record(question.bytes);
-  const std::optional<EtherboneRecord> answer = record ? board.answer(*record) : std::nullopt;
-  return answer ? std::optional(Datagram{question.host, etherbone_bytes(*answer)}) : std::nullopt;
+  const std::optional<driver::EtherboneRecord> record = driver::etherbone_record(question.bytes);
+  const std::optional<driver::EtherboneRecord> answer = record ? board.answer(*record) : std::nullopt;
+  return answer ? std::optional(Datagram{question.host, driver::etherbone_bytes(*answer)}) : std::nullopt;
 }
 
 // A thread that runs `step` again and again until stop().
@@ -159,23 +159,25 @@ class WrittenBoard {
       : board_([this](bool write, std::uint32_t address, std::uint32_t data) { return access(write, address, data); },
                mailbox) {}
 
-  std::optional<EtherboneRecord> answer(const EtherboneRecord& question) { return board_.answer(question); }
+  std::optional<driver::EtherboneRecord> answer(const driver::EtherboneRecord& question) {
+    return board_.answer(question);
+  }
   [[nodiscard]] const std::vector<Write>& writes() const { return writes_; }
-  [[nodiscard]] const RegisterFile& registers() const { return registers_; }
+  [[nodiscard]] const model::RegisterFile& registers() const { return registers_; }
 
  private:
-  RegisterAnswer access(bool write, std::uint32_t address, std::uint32_t data) {
+  model::RegisterAnswer access(bool write, std::uint32_t address, std::uint32_t data) {
     if (!write) {
       return registers_.read(address, {});
     }
-    const RegisterAnswer answer = registers_.write(address, data);
+    const model::RegisterAnswer answer = registers_.write(address, data);
     writes_.push_back({address, data, answer.error});
     return answer;
   }
 
-  RegisterFile registers_;
+  model::RegisterFile registers_;
   std::vector<Write> writes_;
-  EtherboneBoard board_;
+  sim::EtherboneBoard board_;
 };
 
 // A thread that is the board and the network before it, at 127.0.0.2.
@@ -194,7 +196,7 @@ class BadNetwork {
 
  private:
   void step() {
-    wait_readable(socket_.number(), 10'000'000);
+    files::wait_readable(socket_.number(), 10'000'000);
     if (std::optional<Datagram> came = socket_.receive()) {
       for (const Datagram& question : questions_.through(*std::move(came))) {
         if (std::optional<Datagram> answer = answer_to(board_, question)) {
@@ -221,7 +223,7 @@ struct ReplayPorts {
 // A board that replays frames, with a thread of its own; the network before its port of replay is bad.
 class ReplayBoard {
  public:
-  ReplayBoard(const VideoBuild& video, int percent, std::uint64_t seed, const std::string& host = "127.0.0.3",
+  ReplayBoard(const model::VideoBuild& video, int percent, std::uint64_t seed, const std::string& host = "127.0.0.3",
               const ReplayPorts& ports = {})
       : host_(host),
         replay_(video.replay),
@@ -241,7 +243,7 @@ class ReplayBoard {
   [[nodiscard]] std::uint16_t replay_port() const { return frames_port_.port(); }
 
   // After stop().
-  [[nodiscard]] const std::vector<ReplayFrame>& frames() const { return frames_; }
+  [[nodiscard]] const std::vector<model::ReplayFrame>& frames() const { return frames_; }
   [[nodiscard]] std::uint32_t source() const { return board_.source(); }
   [[nodiscard]] std::uint64_t lost() const { return way_.lost; }
 
@@ -269,7 +271,7 @@ class ReplayBoard {
 
   void arrive(const std::vector<std::uint8_t>& datagram) {
     const bool runs = registers_.settings().run;
-    std::optional<ReplayFrame> whole = replay_.datagram(
+    std::optional<model::ReplayFrame> whole = replay_.datagram(
         {.came = datagram, .bytes = datagram.size(), .may_send = runs && board_.source() == spec::kSourceReplay});
     if (whole) {
       frames_.push_back(*std::move(whole));
@@ -277,11 +279,11 @@ class ReplayBoard {
   }
 
   std::string host_;
-  RegisterFile registers_;
-  ReplayModel replay_;
-  EtherboneBoard board_;
+  model::RegisterFile registers_;
+  model::ReplayModel replay_;
+  sim::EtherboneBoard board_;
   BadWay way_;
-  std::vector<ReplayFrame> frames_;
+  std::vector<model::ReplayFrame> frames_;
   BoardSocket etherbone_;
   BoardSocket frames_port_;
   Repeating thread_;

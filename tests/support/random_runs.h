@@ -7,15 +7,15 @@
 #include <cstdint>
 #include <vector>
 
-#include "model/column_runs.h"
+#include "selfproj/model/column_runs.h"
 #include "tests/support/random_cases.h"
 
 namespace selfproj::test {
 
 struct RandomRuns {
   std::vector<std::uint8_t> pixels;
-  ImageView image;  // of `pixels`
-  Measure measure;  // with Select::strongest
+  model::ImageView image;  // of `pixels`
+  model::Measure measure;  // with Select::strongest
 
   // Up to 70 columns and 40 rows, now and then up to 1100 columns or 1023 rows. Pixels have few values, so that equal
   // runs are frequent.
@@ -24,10 +24,10 @@ struct RandomRuns {
     const int rows = random.between(1, random.chance(2) ? spec::kMaxRows : 40);
     const int columns = random.between(1, random.chance(2) ? 1100 : 70);
     const int stride = columns + random.between(0, 3);
-    measure = {.mode = static_cast<Mode>(random.between(0, 2)),
+    measure = {.mode = static_cast<model::Mode>(random.between(0, 2)),
                .threshold = random.chance(20) ? 255 * random.between(0, 1) : random.between(0, 254),
-               .select = Select::strongest,
-               .gap = random.between(0, kMaxGap)};
+               .select = model::Select::strongest,
+               .gap = random.between(0, model::kMaxGap)};
     if (random.chance(50)) {
       measure.window = {random.between(0, rows + 2), random.chance(30) ? 0 : random.between(0, rows + 2)};
     }

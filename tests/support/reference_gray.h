@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "model/gray_decoder.h"
+#include "selfproj/model/gray_decoder.h"
 #include "tests/support/random_cases.h"
 
 namespace selfproj::test {
@@ -24,7 +24,7 @@ struct GrayFrame {
 // Keeps the unbroken run of frames that began with plane 0, and computes each code image from it anew.
 class ReferenceGray {
  public:
-  explicit ReferenceGray(const GraySettings& settings) : settings_(settings) {}
+  explicit ReferenceGray(const model::GraySettings& settings) : settings_(settings) {}
 
   void restart() { run_.clear(); }
 
@@ -73,7 +73,7 @@ class ReferenceGray {
     return static_cast<std::uint16_t>(word + (ambiguous <= 1 ? 0x8000 : 0));
   }
 
-  GraySettings settings_;
+  model::GraySettings settings_;
   std::vector<std::vector<std::uint8_t>> run_;
 };
 
@@ -108,7 +108,7 @@ inline std::vector<std::uint16_t> reference_median(const std::vector<std::uint16
 // a frame is missing, comes twice, is flagged or has a wrong index.
 class GraySequence {
  public:
-  GraySequence(const GraySettings& settings, Random& random) : settings_(settings), random_(random) {
+  GraySequence(const model::GraySettings& settings, Random& random) : settings_(settings), random_(random) {
     trouble_ = random.between(0, 2) * 100 / (40 * settings.bits);
   }
 
@@ -139,7 +139,7 @@ class GraySequence {
   }
 
  private:
-  GraySettings settings_;
+  model::GraySettings settings_;
   Random& random_;
   int trouble_ = 0;  // per cent
   int pattern_ = 0;

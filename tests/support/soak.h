@@ -61,7 +61,7 @@ inline void soak(const std::uint64_t& done, std::uint64_t wanted, const std::fun
 inline void report_soak(const std::string& name, const std::string& about, const nlohmann::ordered_json& results) {
   if (!::testing::Test::HasFailure()) {
     std::printf("%s: %s\n", about.c_str(), results.dump().c_str());
-    write_results(name, about, results);
+    files::write_results(name, about, results);
   }
 }
 

@@ -1,6 +1,6 @@
 // Compares the definition of the column moments with values computed by hand or in closed form. Integer sums are exact,
 // so no test here has a tolerance.
-#include "model/column_moments.h"
+#include "selfproj/model/column_moments.h"
 
 #include <gtest/gtest.h>
 
@@ -17,24 +17,26 @@
 namespace selfproj::test {
 namespace {
 
-constexpr std::array kModes = {Mode::binary, Mode::grey, Mode::grey_over};
+constexpr std::array kModes = {model::Mode::binary, model::Mode::grey, model::Mode::grey_over};
 
-Moments moments_of(const ImageView& image, Mode mode, int threshold) {
-  Moments moments;
+model::Moments moments_of(const model::ImageView& image, model::Mode mode, int threshold) {
+  model::Moments moments;
   moments.resize(image.columns);
-  column_moments(image, mode, threshold, moments.view());
+  model::column_moments(image, mode, threshold, moments.view());
   return moments;
 }
 
-ImageView view_of(const std::vector<std::uint8_t>& pixels, int rows, int columns) {
+model::ImageView view_of(const std::vector<std::uint8_t>& pixels, int rows, int columns) {
   return {pixels.data(), rows, columns, columns};
 }
 
 std::size_t area(int rows, int columns) { return static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns); }
 
 // The weight of a lit pixel.
-std::uint32_t weight_of(Mode mode, int value, int threshold) {
-  return static_cast<std::uint32_t>(mode == Mode::binary ? 1 : mode == Mode::grey ? value : value - threshold);
+std::uint32_t weight_of(model::Mode mode, int value, int threshold) {
+  return static_cast<std::uint32_t>(mode == model::Mode::binary ? 1
+                                    : mode == model::Mode::grey ? value
+                                                                : value - threshold);
 }
 
 TEST(ColumnMoments, ByHand) {
@@ -42,13 +44,14 @@ TEST(ColumnMoments, ByHand) {
                                             11, 5, 5,  //
                                             12, 6, 255};
   using Words = std::vector<std::uint32_t>;
-  const ImageView image = view_of(pixels, 3, 3);
-  EXPECT_EQ(moments_of(image, Mode::binary, 5), (Moments{.m0 = {3, 1, 1}, .m1 = {6, 3, 3}, .n = {3, 1, 1}}));
-  EXPECT_EQ(moments_of(image, Mode::grey, 5),
-            (Moments{.m0 = {33, 6, 255}, .m1 = {10 + 22 + 36, 18, 765}, .n = {3, 1, 1}}));
-  EXPECT_EQ(moments_of(image, Mode::grey_over, 5),
-            (Moments{.m0 = {18, 1, 250}, .m1 = {5 + 12 + 21, 3, 750}, .n = {3, 1, 1}}));
-  EXPECT_EQ(moments_of(image, Mode::grey, 255).n, Words(3, 0));
+  const model::ImageView image = view_of(pixels, 3, 3);
+  EXPECT_EQ(moments_of(image, model::Mode::binary, 5),
+            (model::Moments{.m0 = {3, 1, 1}, .m1 = {6, 3, 3}, .n = {3, 1, 1}}));
+  EXPECT_EQ(moments_of(image, model::Mode::grey, 5),
+            (model::Moments{.m0 = {33, 6, 255}, .m1 = {10 + 22 + 36, 18, 765}, .n = {3, 1, 1}}));
+  EXPECT_EQ(moments_of(image, model::Mode::grey_over, 5),
+            (model::Moments{.m0 = {18, 1, 250}, .m1 = {5 + 12 + 21, 3, 750}, .n = {3, 1, 1}}));
+  EXPECT_EQ(moments_of(image, model::Mode::grey, 255).n, Words(3, 0));
 }
 
 TEST(ColumnMoments, EqualImages) {
@@ -56,8 +59,8 @@ TEST(ColumnMoments, EqualImages) {
     for (const int columns : {1, 3, 4, 33, 512, 1028}) {
       for (const int value : {0, 100, 101, 255}) {
         const std::vector<std::uint8_t> pixels(area(rows, columns), static_cast<std::uint8_t>(value));
-        for (const Mode mode : kModes) {
-          const Moments moments = moments_of(view_of(pixels, rows, columns), mode, 100);
+        for (const model::Mode mode : kModes) {
+          const model::Moments moments = moments_of(view_of(pixels, rows, columns), mode, 100);
           const auto n = static_cast<std::uint32_t>(value > 100 ? rows : 0);
           const std::uint32_t weight = n > 0 ? weight_of(mode, value, 100) : 0;
           const std::uint32_t m1 = n * (n + 1) / 2 * weight;
@@ -80,11 +83,11 @@ TEST(ColumnMoments, OnePixelEverywhere) {
       for (int column = 0; column < columns; ++column) {
         std::uint8_t& pixel = pixels[area(row, columns) + static_cast<std::size_t>(column)];
         pixel = kValue;
-        const Mode mode = kModes[static_cast<std::size_t>(row + column) % kModes.size()];
-        const Moments moments = moments_of(view_of(pixels, rows, columns), mode, kThreshold);
+        const model::Mode mode = kModes[static_cast<std::size_t>(row + column) % kModes.size()];
+        const model::Moments moments = moments_of(view_of(pixels, rows, columns), mode, kThreshold);
         pixel = kThreshold;
 
-        Moments right;
+        model::Moments right;
         right.resize(columns);
         const auto at = static_cast<std::size_t>(column);
         right.n[at] = 1;
@@ -104,8 +107,8 @@ TEST(ColumnMoments, EveryValueAndThreshold) {
     pixels.push_back(static_cast<std::uint8_t>(i));
   }
   for (int threshold = 0; threshold <= 255; ++threshold) {
-    for (const Mode mode : kModes) {
-      const Moments moments = moments_of(view_of(pixels, 1, kColumns), mode, threshold);
+    for (const model::Mode mode : kModes) {
+      const model::Moments moments = moments_of(view_of(pixels, 1, kColumns), mode, threshold);
       for (int value = 0; value < kColumns; ++value) {
         const auto at = static_cast<std::size_t>(value);
         ASSERT_EQ(moments.n[at], value > threshold ? 1U : 0U);
@@ -122,7 +125,7 @@ TEST(ColumnMoments, FirstAndLastRow) {
     for (const int row : {0, rows - 1}) {
       std::vector<std::uint8_t> pixels(area(rows, kColumns), 0);
       std::fill_n(pixels.begin() + row * kColumns, kColumns, 255);
-      const Moments moments = moments_of(view_of(pixels, rows, kColumns), Mode::binary, 254);
+      const model::Moments moments = moments_of(view_of(pixels, rows, kColumns), model::Mode::binary, 254);
       EXPECT_EQ(moments.m0, std::vector<std::uint32_t>(kColumns, 1));
       EXPECT_EQ(moments.m1, std::vector<std::uint32_t>(kColumns, static_cast<std::uint32_t>(row + 1)));
     }
@@ -132,23 +135,23 @@ TEST(ColumnMoments, FirstAndLastRow) {
 // The largest and brightest image gives the largest sums, for which the number formats are designed.
 TEST(ColumnMoments, LargestSums) {
   const std::vector<std::uint8_t> pixels(area(spec::kMaxRows, spec::kMaxColumns), 255);
-  const ImageView image = view_of(pixels, spec::kMaxRows, spec::kMaxColumns);
+  const model::ImageView image = view_of(pixels, spec::kMaxRows, spec::kMaxColumns);
   const auto all = [](std::uint64_t value) {
     return std::vector<std::uint32_t>(spec::kMaxColumns, static_cast<std::uint32_t>(value));
   };
-  const Moments binary = moments_of(image, Mode::binary, 0);
+  const model::Moments binary = moments_of(image, model::Mode::binary, 0);
   EXPECT_EQ(binary.m0, all(spec::kBinaryM0Max));
   EXPECT_EQ(binary.m1, all(spec::kBinaryM1Max));
   EXPECT_EQ(binary.n, all(spec::kBinaryM0Max));
-  const Moments grey = moments_of(image, Mode::grey, 254);
+  const model::Moments grey = moments_of(image, model::Mode::grey, 254);
   EXPECT_EQ(grey.m0, all(spec::kGreyM0Max));
   EXPECT_EQ(grey.m1, all(spec::kGreyM1Max));
   EXPECT_EQ(grey.n, all(spec::kGreyNMax));
-  EXPECT_EQ(moments_of(image, Mode::grey_over, 0), grey);
-  const Moments over = moments_of(image, Mode::grey_over, 254);
+  EXPECT_EQ(moments_of(image, model::Mode::grey_over, 0), grey);
+  const model::Moments over = moments_of(image, model::Mode::grey_over, 254);
   EXPECT_EQ(over, binary);
-  for (const Mode mode : kModes) {
-    const Moments none = moments_of(image, mode, 255);
+  for (const model::Mode mode : kModes) {
+    const model::Moments none = moments_of(image, mode, 255);
     EXPECT_EQ(none.m1, all(0));
     EXPECT_EQ(none.n, all(0));
   }
@@ -165,17 +168,18 @@ TEST(ColumnMoments, Strides) {
   for (const int columns : {1, 4, 63, 70}) {
     for (const bool upside_down : {false, true}) {
       const int first = upside_down ? kRows - 1 : 0;
-      const ImageView view = {pixels.data() + area(first, kStride), kRows, columns, upside_down ? -kStride : kStride};
+      const model::ImageView view = {pixels.data() + area(first, kStride), kRows, columns,
+                                     upside_down ? -kStride : kStride};
       std::vector<std::uint8_t> copy;
       for (int row = 0; row < kRows; ++row) {
         const std::uint8_t* line = view.pixels + row * view.stride;
         copy.insert(copy.end(), line, line + columns);
       }
-      for (const Mode mode : kModes) {
-        Moments moments;
+      for (const model::Mode mode : kModes) {
+        model::Moments moments;
         moments.m0 = moments.m1 = moments.n =
             std::vector<std::uint32_t>(static_cast<std::size_t>(columns + kGuard), kUntouched);
-        column_moments(view, mode, 100, moments.view());
+        model::column_moments(view, mode, 100, moments.view());
         for (const auto* values : {&moments.m0, &moments.m1, &moments.n}) {
           EXPECT_EQ(std::count(values->end() - kGuard, values->end(), kUntouched), kGuard);
         }
@@ -196,10 +200,10 @@ TEST(ColumnMoments, PartsOfRandomImages) {
     const int above = random.between(1, rows - 1);
     const int threshold = random.chance(50) ? random.between(0, 255) : 0;
     const std::vector<std::uint8_t> pixels = random.bytes(area(rows, columns));
-    for (const Mode mode : kModes) {
-      const Moments all = moments_of(view_of(pixels, rows, columns), mode, threshold);
-      const Moments upper = moments_of(view_of(pixels, above, columns), mode, threshold);
-      const Moments lower =
+    for (const model::Mode mode : kModes) {
+      const model::Moments all = moments_of(view_of(pixels, rows, columns), mode, threshold);
+      const model::Moments upper = moments_of(view_of(pixels, above, columns), mode, threshold);
+      const model::Moments lower =
           moments_of({pixels.data() + area(above, columns), rows - above, columns, columns}, mode, threshold);
       for (std::size_t i = 0; i < all.n.size(); ++i) {
         ASSERT_EQ(all.n[i], upper.n[i] + lower.n[i]);
@@ -211,9 +215,8 @@ TEST(ColumnMoments, PartsOfRandomImages) {
 }
 
 TEST(ColumnMoments, RefusesWhatIsOutOfRange) {
-  expect_refusals_of_moments([](const ImageView& image, Mode mode, int threshold, const MomentsView& out) {
-    column_moments(image, mode, threshold, out);
-  });
+  expect_refusals_of_moments([](const model::ImageView& image, model::Mode mode, int threshold,
+                                const model::MomentsView& out) { model::column_moments(image, mode, threshold, out); });
 }
 
 }  // namespace

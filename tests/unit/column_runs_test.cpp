@@ -1,6 +1,6 @@
 // Compares the definition of the strongest run with values computed by hand and with a second, slower definition that
 // cuts the list of lit rows. Integer sums are exact, so no test here has a tolerance.
-#include "model/column_runs.h"
+#include "selfproj/model/column_runs.h"
 
 #include <gtest/gtest.h>
 
@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "model/board.h"
+#include "selfproj/model/board.h"
 #include "tests/support/moments_refusals.h"
 #include "tests/support/random_cases.h"
 #include "tests/support/random_runs.h"
@@ -20,16 +20,16 @@
 namespace selfproj::test {
 namespace {
 
-Runs runs_of(const std::vector<std::uint8_t>& pixels, int rows, int columns, Measure measure) {
-  measure.select = Select::strongest;
-  Runs runs;
+model::Runs runs_of(const std::vector<std::uint8_t>& pixels, int rows, int columns, model::Measure measure) {
+  measure.select = model::Select::strongest;
+  model::Runs runs;
   runs.resize(measure.select, columns);
-  column_runs({pixels.data(), rows, columns, columns}, measure, runs.view());
+  model::column_runs({pixels.data(), rows, columns, columns}, measure, runs.view());
   return runs;
 }
 
 // One column, from the letters '.' (dark) and '1'..'9' (10 to 90).
-Runs runs_of(const std::string& column, const Measure& measure) {
+model::Runs runs_of(const std::string& column, const model::Measure& measure) {
   std::vector<std::uint8_t> pixels;
   for (const char letter : column) {
     pixels.push_back(static_cast<std::uint8_t>(letter == '.' ? 0 : 10 * (letter - '0')));
@@ -37,14 +37,14 @@ Runs runs_of(const std::string& column, const Measure& measure) {
   return runs_of(pixels, static_cast<int>(column.size()), 1, measure);
 }
 
-Runs one(std::uint32_t m0, std::uint32_t m1, std::uint32_t n, std::uint8_t runs, std::uint8_t second) {
+model::Runs one(std::uint32_t m0, std::uint32_t m1, std::uint32_t n, std::uint8_t runs, std::uint8_t second) {
   return {.moments = {.m0 = {m0}, .m1 = {m1}, .n = {n}}, .runs = {runs}, .second = {second}};
 }
 
 TEST(ColumnRuns, ByHand) {
-  const Measure binary{.mode = Mode::binary, .threshold = 5};
-  const Measure grey{.mode = Mode::grey, .threshold = 5};
-  const Measure over{.mode = Mode::grey_over, .threshold = 5};
+  const model::Measure binary{.mode = model::Mode::binary, .threshold = 5};
+  const model::Measure grey{.mode = model::Mode::grey, .threshold = 5};
+  const model::Measure over{.mode = model::Mode::grey_over, .threshold = 5};
   EXPECT_EQ(runs_of("......", binary), one(0, 0, 0, 0, 0));
   EXPECT_EQ(runs_of("..11..", binary), one(2, 7, 2, 1, 0));
   EXPECT_EQ(runs_of("1..111", binary), one(3, 15, 3, 2, 5));  // 16 / 3 = 5.33
@@ -56,7 +56,7 @@ TEST(ColumnRuns, ByHand) {
 }
 
 TEST(ColumnRuns, Gaps) {
-  const auto with_gap = [](int gap) { return Measure{.mode = Mode::binary, .threshold = 5, .gap = gap}; };
+  const auto with_gap = [](int gap) { return model::Measure{.mode = model::Mode::binary, .threshold = 5, .gap = gap}; };
   const std::string column = "11.1..11...1....1";
   EXPECT_EQ(runs_of(column, with_gap(0)), one(2, 3, 2, 3, 16));
   EXPECT_EQ(runs_of(column, with_gap(1)), one(3, 7, 3, 3, 10));
@@ -66,7 +66,7 @@ TEST(ColumnRuns, Gaps) {
 
 TEST(ColumnRuns, RowsThatCount) {
   const auto within = [](int first, int last) {
-    return Measure{.mode = Mode::binary, .threshold = 5, .gap = 1, .window = {first, last}};
+    return model::Measure{.mode = model::Mode::binary, .threshold = 5, .gap = 1, .window = {first, last}};
   };
   const std::string column = "111.11..1";
   EXPECT_EQ(runs_of(column, within(0, 0)), one(5, 17, 5, 2, 3));
@@ -81,21 +81,22 @@ TEST(ColumnRuns, RowsThatCount) {
 // The largest sums fit the words; 1023 equal runs do not overflow the number of runs.
 TEST(ColumnRuns, LargestSums) {
   const std::vector<std::uint8_t> bright(spec::kMaxRows, 255);
-  EXPECT_EQ(runs_of(bright, spec::kMaxRows, 1, {.mode = Mode::binary, .threshold = 0}),
+  EXPECT_EQ(runs_of(bright, spec::kMaxRows, 1, {.mode = model::Mode::binary, .threshold = 0}),
             one(spec::kBinaryRunM0Max, spec::kBinaryRunM1Max, spec::kMaxRows, 1, 0));
-  EXPECT_EQ(runs_of(bright, spec::kMaxRows, 1, {.mode = Mode::grey, .threshold = 0}),
+  EXPECT_EQ(runs_of(bright, spec::kMaxRows, 1, {.mode = model::Mode::grey, .threshold = 0}),
             one(spec::kGreyRunM0Max, spec::kGreyRunM1Max, spec::kGreyRunNMax, 1, 0));
   std::vector<std::uint8_t> stripes(spec::kMaxRows, 0);
   for (std::size_t i = 0; i < stripes.size(); i += 2) {
     stripes[i] = 255;
   }
-  EXPECT_EQ(runs_of(stripes, spec::kMaxRows, 1, {.mode = Mode::grey_over, .threshold = 0}), one(255, 255, 1, 3, 16));
+  EXPECT_EQ(runs_of(stripes, spec::kMaxRows, 1, {.mode = model::Mode::grey_over, .threshold = 0}),
+            one(255, 255, 1, 3, 16));
 }
 
 // All runs of a column by another way: the list of lit rows, cut where it jumps.
-Runs by_list(const ImageView& image, const Measure& measure) {
-  Runs out;
-  out.resize(Select::strongest, image.columns);
+model::Runs by_list(const model::ImageView& image, const model::Measure& measure) {
+  model::Runs out;
+  out.resize(model::Select::strongest, image.columns);
   for (int column = 0; column < image.columns; ++column) {
     std::vector<int> rows;
     for (int row = std::max(1, measure.window.first);
@@ -113,9 +114,9 @@ Runs by_list(const ImageView& image, const Measure& measure) {
         runs.push_back({0, 0, 0});
       }
       const int p = image.pixels[(rows[i] - 1) * image.stride + column];
-      const auto w = static_cast<std::uint32_t>(measure.mode == Mode::binary ? 1
-                                                : measure.mode == Mode::grey ? p
-                                                                             : p - measure.threshold);
+      const auto w = static_cast<std::uint32_t>(measure.mode == model::Mode::binary ? 1
+                                                : measure.mode == model::Mode::grey ? p
+                                                                                    : p - measure.threshold);
       runs.back().m0 += w;
       runs.back().m1 += w * static_cast<std::uint32_t>(rows[i]);
       ++runs.back().n;
@@ -137,15 +138,16 @@ TEST(ColumnRuns, RandomImages) {
   for (const std::uint64_t seed : seeds(3000)) {
     SCOPED_TRACE(how_to_repeat(seed));
     const RandomRuns random(seed);
-    Runs found;
-    found.resize(Select::strongest, random.image.columns);
-    column_runs(random.image, random.measure, found.view());
-    const Runs right = by_list(random.image, random.measure);
+    model::Runs found;
+    found.resize(model::Select::strongest, random.image.columns);
+    model::column_runs(random.image, random.measure, found.view());
+    const model::Runs right = by_list(random.image, random.measure);
     ASSERT_EQ(found, right);
     // A column with one run has the plain moments of the rows that count.
-    Moments all;
+    model::Moments all;
     all.resize(random.image.columns);
-    column_moments(random.image, random.measure.mode, random.measure.threshold, all.view(), random.measure.window);
+    model::column_moments(random.image, random.measure.mode, random.measure.threshold, all.view(),
+                          random.measure.window);
     for (std::size_t i = 0; i < all.m0.size(); ++i) {
       if (found.runs[i] <= 1) {
         ASSERT_EQ(found.moments.m1[i], all.m1[i]);
@@ -161,20 +163,20 @@ TEST(ColumnRuns, SelectAllWithinAWindowIsTheMomentsOfThatPart) {
   for (const std::uint64_t seed : seeds(300)) {
     SCOPED_TRACE(how_to_repeat(seed));
     RandomRuns random(seed);
-    random.measure.select = Select::all;
-    Runs found;
-    found.resize(Select::all, random.image.columns);
-    measure_columns(random.image, random.measure, found.view());
+    random.measure.select = model::Select::all;
+    model::Runs found;
+    found.resize(model::Select::all, random.image.columns);
+    model::measure_columns(random.image, random.measure, found.view());
     std::vector<std::uint8_t> cut = random.pixels;
     for (int row = 1; row <= random.image.rows; ++row) {
       if (!random.measure.window.counts(row)) {
         std::fill_n(cut.begin() + (row - 1) * random.image.stride, random.image.stride, 0);
       }
     }
-    Moments right;
+    model::Moments right;
     right.resize(random.image.columns);
-    const ImageView image = {cut.data(), random.image.rows, random.image.columns, random.image.stride};
-    column_moments(image, random.measure.mode, random.measure.threshold, right.view());
+    const model::ImageView image = {cut.data(), random.image.rows, random.image.columns, random.image.stride};
+    model::column_moments(image, random.measure.mode, random.measure.threshold, right.view());
     ASSERT_EQ(found.moments, right);
     ASSERT_TRUE(found.runs.empty() && found.second.empty());
   }
@@ -182,34 +184,34 @@ TEST(ColumnRuns, SelectAllWithinAWindowIsTheMomentsOfThatPart) {
 
 TEST(ColumnRuns, RefusesWhatIsOutOfRange) {
   std::vector<std::uint8_t> small(8);
-  const auto runs = [&](const ImageView& image, Mode mode, int threshold, const MomentsView& out) {
-    column_runs(image, {.mode = mode, .threshold = threshold, .select = Select::strongest},
-                {out, small.data(), small.data()});
+  const auto runs = [&](const model::ImageView& image, model::Mode mode, int threshold, const model::MomentsView& out) {
+    model::column_runs(image, {.mode = mode, .threshold = threshold, .select = model::Select::strongest},
+                       {out, small.data(), small.data()});
   };
   expect_refusals_of_moments(runs);
   const std::vector<std::uint8_t> pixels(64, 255);
-  Runs out;
-  out.resize(Select::strongest, 8);
-  for (const int gap : {-1, kMaxGap + 1}) {
-    EXPECT_THROW(column_runs({pixels.data(), 8, 8, 8}, {.gap = gap}, out.view()), std::invalid_argument);
+  model::Runs out;
+  out.resize(model::Select::strongest, 8);
+  for (const int gap : {-1, model::kMaxGap + 1}) {
+    EXPECT_THROW(model::column_runs({pixels.data(), 8, 8, 8}, {.gap = gap}, out.view()), std::invalid_argument);
   }
-  out.resize(Select::all, 8);
-  EXPECT_THROW(column_runs({pixels.data(), 8, 8, 8}, {}, out.view()), std::invalid_argument);
+  out.resize(model::Select::all, 8);
+  EXPECT_THROW(model::column_runs({pixels.data(), 8, 8, 8}, {}, out.view()), std::invalid_argument);
   EXPECT_EQ(out.moments.m0, std::vector<std::uint32_t>(8, 0));
 }
 
 // The board says in the header what it measured, and its words hold it, also for a frame that breaks in its last row.
 TEST(ColumnRuns, PacketsOfTheBoard) {
-  for (const Mode mode : {Mode::binary, Mode::grey, Mode::grey_over}) {
-    const BoardSettings settings{.columns = 8,
-                                 .rows = 6,
-                                 .mode = mode,
-                                 .threshold = 90,
-                                 .select = Select::strongest,
-                                 .gap = 1,
-                                 .window = {2, 6}};
-    std::vector<BoardPacket> packets;
-    BoardModel board([&](BoardPacket&& packet) { packets.push_back(std::move(packet)); });
+  for (const model::Mode mode : {model::Mode::binary, model::Mode::grey, model::Mode::grey_over}) {
+    const model::BoardSettings settings{.columns = 8,
+                                        .rows = 6,
+                                        .mode = mode,
+                                        .threshold = 90,
+                                        .select = model::Select::strongest,
+                                        .gap = 1,
+                                        .window = {2, 6}};
+    std::vector<model::BoardPacket> packets;
+    model::BoardModel board([&](model::BoardPacket&& packet) { packets.push_back(std::move(packet)); });
     board.write(settings);
     Random random(static_cast<std::uint64_t>(mode) + 1);
     std::vector<std::vector<std::uint8_t>> frames;
@@ -217,7 +219,7 @@ TEST(ColumnRuns, PacketsOfTheBoard) {
     for (int frame = 0; frame < 2; ++frame) {
       frames.push_back(random.bytes(48));
       for (int beat = 0; beat < (frame == 0 ? 12 : 11); ++beat) {  // the second lacks its last beat
-        VideoBeat video{.start = beat == 0, .line_end = beat % 2 == 1};
+        model::VideoBeat video{.start = beat == 0, .line_end = beat % 2 == 1};
         std::copy_n(frames.back().begin() + 4 * beat, 4, video.pixels.begin());
         video.line_end = video.line_end || (frame == 1 && beat == 10);
         board.beat({.clock = ++clock}, video);
@@ -225,24 +227,24 @@ TEST(ColumnRuns, PacketsOfTheBoard) {
     }
     ASSERT_EQ(packets.size(), 2U);
     for (std::size_t frame = 0; frame < 2; ++frame) {
-      const PacketHeader& header = packets[frame].header;
+      const model::PacketHeader& header = packets[frame].header;
       EXPECT_EQ(header.select, spec::kSelectStrongest);
       EXPECT_EQ(header.gap, 1);
       EXPECT_EQ(header.first_row, 2);
       EXPECT_EQ(header.last_row, 6);
       EXPECT_EQ(packets[frame].status, frame == 0 ? 0U : spec::kStatusShortLine);
-      Runs right =
+      model::Runs right =
           by_list({frames[frame].data(), 6, 8, 8}, {.mode = mode, .threshold = 90, .gap = 1, .window = {2, 6}});
       for (std::size_t i = 0; i < 8; ++i) {
-        right.second[i] = mode == Mode::binary ? right.second[i] / 8 > 0 ? 8 : 0 : right.second[i];
+        right.second[i] = mode == model::Mode::binary ? right.second[i] / 8 > 0 ? 8 : 0 : right.second[i];
         if (frame == 1 && i >= 4) {
           right.moments.m0[i] = right.moments.m1[i] = right.moments.n[i] = 0;
           right.runs[i] = right.second[i] = 0;
         }
       }
-      Runs found;
-      found.resize(Select::strongest, 8);
-      unpack_runs(mode, 8, packets[frame].payload.data(), found.view());
+      model::Runs found;
+      found.resize(model::Select::strongest, 8);
+      model::unpack_runs(mode, 8, packets[frame].payload.data(), found.view());
       EXPECT_EQ(found, right);
     }
   }

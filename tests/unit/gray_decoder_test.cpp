@@ -1,6 +1,6 @@
 // Compares the model of the Gray-code decoder and of the median with their definitions, written out here in another
 // way: from the whole history of frames, pixel by pixel, and by sorting. No test here has a tolerance.
-#include "model/gray_decoder.h"
+#include "selfproj/model/gray_decoder.h"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "model/median3x3.h"
+#include "selfproj/model/median3x3.h"
 #include "tests/support/random_cases.h"
 #include "tests/support/reference_gray.h"
 
@@ -19,15 +19,15 @@ namespace selfproj::test {
 namespace {
 
 constexpr std::uint16_t kUntouched = 0x7777;
-constexpr std::uint16_t kMeasurable = GrayDecoder::kMeasurable;
+constexpr std::uint16_t kMeasurable = model::GrayDecoder::kMeasurable;
 
-ImageView view_of(const GrayFrame& frame, const GraySettings& settings) {
+model::ImageView view_of(const GrayFrame& frame, const model::GraySettings& settings) {
   return {frame.pixels.data(), settings.rows, settings.columns, settings.columns};
 }
 
 // The code image of the model, or nothing if none is due. Checks that nothing else is touched.
-std::optional<std::vector<std::uint16_t>> codes_of(GrayDecoder& decoder, const GrayFrame& frame) {
-  const GraySettings settings = decoder.settings();
+std::optional<std::vector<std::uint16_t>> codes_of(model::GrayDecoder& decoder, const GrayFrame& frame) {
+  const model::GraySettings settings = decoder.settings();
   std::vector<std::uint16_t> codes(frame.pixels.size(), kUntouched);
   if (decoder.add_frame(view_of(frame, settings), frame.pattern, frame.good, codes.data())) {
     return codes;
@@ -50,7 +50,7 @@ GrayFrame frame_of_codes(const std::vector<std::uint16_t>& codes, int bits, int 
 }
 
 TEST(GrayDecoder, EveryCodeOfEveryLength) {
-  for (int bits = 1; bits <= GrayDecoder::kMaxBits; ++bits) {
+  for (int bits = 1; bits <= model::GrayDecoder::kMaxBits; ++bits) {
     const int count = 1 << bits;
     std::vector<std::uint16_t> scene(static_cast<std::size_t>(count));
     std::vector<std::uint16_t> right(scene.size());
@@ -58,7 +58,7 @@ TEST(GrayDecoder, EveryCodeOfEveryLength) {
       scene[static_cast<std::size_t>(i)] = static_cast<std::uint16_t>(i);
       right[static_cast<std::size_t>(i)] = static_cast<std::uint16_t>(i | kMeasurable);
     }
-    GrayDecoder decoder({.rows = 1, .columns = count, .bits = bits, .threshold = 5});
+    model::GrayDecoder decoder({.rows = 1, .columns = count, .bits = bits, .threshold = 5});
     for (int frame = 0; frame < 6 * bits; ++frame) {
       const auto codes = codes_of(decoder, frame_of_codes(scene, bits, frame % (2 * bits)));
       const bool due = frame % 2 == 1 && frame >= 2 * bits - 1;
@@ -75,8 +75,8 @@ TEST(GrayDecoder, EveryCodeOfEveryLength) {
 TEST(GrayDecoder, ThresholdIsStrict) {
   constexpr int kValues = 256;
   for (const int threshold : {0, 1, 5, 128, 254, 255}) {
-    const GraySettings settings{.rows = kValues, .columns = kValues, .bits = 2, .threshold = threshold};
-    GrayDecoder decoder(settings);
+    const model::GraySettings settings{.rows = kValues, .columns = kValues, .bits = 2, .threshold = threshold};
+    model::GrayDecoder decoder(settings);
     GrayFrame positive;
     GrayFrame negative;
     for (int i = 0; i < kValues * kValues; ++i) {
@@ -104,7 +104,7 @@ TEST(GrayDecoder, ThresholdIsStrict) {
 // One ambiguous plane is allowed, two are not, and they are forgotten when their turn comes again.
 TEST(GrayDecoder, AmbiguityWindow) {
   constexpr int kBits = 4;
-  GrayDecoder decoder({.rows = 1, .columns = 1, .bits = kBits, .threshold = 5});
+  model::GrayDecoder decoder({.rows = 1, .columns = 1, .bits = kBits, .threshold = 5});
   // Whether the newest codes are measurable after pairs that are ambiguous according to `ambiguous`.
   std::vector<bool> ambiguous = {false, true, false, false, false, true, false, true, false, false, false, false};
   std::vector<int> seen;
@@ -122,7 +122,7 @@ TEST(GrayDecoder, AmbiguityWindow) {
 
 TEST(GrayDecoder, WaitsForPlaneZero) {
   constexpr int kBits = 2;
-  GrayDecoder decoder({.rows = 1, .columns = 1, .bits = kBits, .threshold = 5});
+  model::GrayDecoder decoder({.rows = 1, .columns = 1, .bits = kBits, .threshold = 5});
   // Each letter is a frame: its pattern index, followed by "x" if it is flagged. "!" marks those that must give a code
   // image.
   const auto dues = [&](const std::string& frames) {
@@ -151,7 +151,7 @@ TEST(GrayDecoder, WaitsForPlaneZero) {
   EXPECT_EQ(dues("0123"), "...!");
   decoder.configure(decoder.settings());  // no change
   EXPECT_EQ(dues("01"), ".!");
-  GraySettings settings = decoder.settings();
+  model::GraySettings settings = decoder.settings();
   settings.threshold = 6;
   decoder.configure(settings);
   EXPECT_EQ(dues("2301"), "....");
@@ -163,11 +163,11 @@ TEST(GrayDecoder, RandomSequences) {
   for (const std::uint64_t seed : seeds(120)) {
     SCOPED_TRACE(how_to_repeat(seed));
     Random random(seed);
-    GraySettings settings{.rows = random.between(1, 5),
-                          .columns = random.between(1, 40),
-                          .bits = static_cast<int>(seed % GrayDecoder::kMaxBits) + 1,
-                          .threshold = random.chance(20) ? random.between(0, 255) : random.between(0, 12)};
-    GrayDecoder decoder(settings);
+    model::GraySettings settings{.rows = random.between(1, 5),
+                                 .columns = random.between(1, 40),
+                                 .bits = static_cast<int>(seed % model::GrayDecoder::kMaxBits) + 1,
+                                 .threshold = random.chance(20) ? random.between(0, 255) : random.between(0, 12)};
+    model::GrayDecoder decoder(settings);
     ReferenceGray reference(settings);
     GraySequence sequence(settings, random);
     int images = 0;
@@ -188,8 +188,8 @@ TEST(GrayDecoder, RandomSequences) {
 
 // Piece by piece with a break in the middle: the lines before it are decoded, and then the decoder waits for plane 0.
 TEST(GrayDecoder, BrokenFrame) {
-  const GraySettings settings{.rows = 2, .columns = 3, .bits = 1, .threshold = 5};
-  GrayDecoder decoder(settings);
+  const model::GraySettings settings{.rows = 2, .columns = 3, .bits = 1, .threshold = 5};
+  model::GrayDecoder decoder(settings);
   const std::array<std::uint8_t, 6> bright = {200, 200, 200, 200, 200, 200};
   const std::array<std::uint8_t, 6> dark{};
   std::array<std::uint16_t, 3> codes{};
@@ -214,19 +214,20 @@ TEST(GrayDecoder, BrokenFrame) {
 }
 
 TEST(GrayDecoder, RefusesWhatIsOutOfRange) {
-  const GraySettings good{.rows = 4, .columns = 8, .bits = 3, .threshold = 5};
-  for (const auto change : std::vector<void (*)(GraySettings&)>{
-           [](GraySettings& s) { s.rows = 0; }, [](GraySettings& s) { s.columns = 0; },
-           [](GraySettings& s) { s.bits = 0; }, [](GraySettings& s) { s.bits = GrayDecoder::kMaxBits + 1; },
-           [](GraySettings& s) { s.threshold = -1; }, [](GraySettings& s) { s.threshold = 256; }}) {
-    GraySettings bad = good;
+  const model::GraySettings good{.rows = 4, .columns = 8, .bits = 3, .threshold = 5};
+  for (const auto change : std::vector<void (*)(model::GraySettings&)>{
+           [](model::GraySettings& s) { s.rows = 0; }, [](model::GraySettings& s) { s.columns = 0; },
+           [](model::GraySettings& s) { s.bits = 0; },
+           [](model::GraySettings& s) { s.bits = model::GrayDecoder::kMaxBits + 1; },
+           [](model::GraySettings& s) { s.threshold = -1; }, [](model::GraySettings& s) { s.threshold = 256; }}) {
+    model::GraySettings bad = good;
     change(bad);
-    EXPECT_THROW(GrayDecoder decoder(bad), std::invalid_argument);
-    GrayDecoder decoder(good);
+    EXPECT_THROW(model::GrayDecoder decoder(bad), std::invalid_argument);
+    model::GrayDecoder decoder(good);
     EXPECT_THROW(decoder.configure(bad), std::invalid_argument);
     EXPECT_EQ(decoder.settings(), good);
   }
-  GrayDecoder decoder(good);
+  model::GrayDecoder decoder(good);
   const std::vector<std::uint8_t> pixels(32);
   std::vector<std::uint16_t> codes(32);
   EXPECT_THROW(decoder.add_frame({pixels.data(), 3, 8, 8}, 0, true, codes.data()), std::invalid_argument);
@@ -238,7 +239,7 @@ TEST(GrayDecoder, RefusesWhatIsOutOfRange) {
 TEST(Median3x3, SmallImagesByHand) {
   const auto median = [](std::vector<std::uint16_t> codes, int rows, int columns) {
     std::vector<std::uint16_t> out(codes.size(), kUntouched);
-    median3x3(codes.data(), rows, columns, out.data());
+    model::median3x3(codes.data(), rows, columns, out.data());
     return out;
   };
   constexpr std::uint16_t kM = kMeasurable;
@@ -267,17 +268,17 @@ TEST(Median3x3, RandomImages) {
                                         (random.chance(percent) ? kMeasurable : 0));
     }
     std::vector<std::uint16_t> out(codes.size(), kUntouched);
-    median3x3(codes.data(), rows, columns, out.data());
+    model::median3x3(codes.data(), rows, columns, out.data());
     ASSERT_EQ(out, reference_median(codes, rows, columns)) << rows << " x " << columns;
   }
 }
 
 TEST(Median3x3, RefusesWhatIsOutOfRange) {
   std::uint16_t word = 0;
-  EXPECT_THROW(median3x3(&word, 0, 1, &word), std::invalid_argument);
-  EXPECT_THROW(median3x3(&word, 1, 0, &word), std::invalid_argument);
-  EXPECT_THROW(median3x3(nullptr, 1, 1, &word), std::invalid_argument);
-  EXPECT_THROW(median3x3(&word, 1, 1, nullptr), std::invalid_argument);
+  EXPECT_THROW(model::median3x3(&word, 0, 1, &word), std::invalid_argument);
+  EXPECT_THROW(model::median3x3(&word, 1, 0, &word), std::invalid_argument);
+  EXPECT_THROW(model::median3x3(nullptr, 1, 1, &word), std::invalid_argument);
+  EXPECT_THROW(model::median3x3(&word, 1, 1, nullptr), std::invalid_argument);
 }
 
 }  // namespace

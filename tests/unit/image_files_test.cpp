@@ -17,13 +17,13 @@
 #include <string>
 #include <vector>
 
-#include "host/files/user_error.h"
-#include "host/images/float_image.h"
 #include "host/images/image_decoder.h"
+#include "selfproj/files/user_error.h"
+#include "selfproj/images/float_image.h"
 #include "tests/cli/program.h"
 #include "tests/support/error_of.h"
 
-namespace selfproj {
+namespace selfproj::test {
 namespace {
 
 // Bright on the left and wider than high, so that a turn shows.
@@ -55,7 +55,7 @@ bool holds_in_child(const std::function<bool()>& what) {
 }
 
 bool is_refused(const std::string& file) {
-  return test::error_of([&] { read_image(file, std::nullopt); }) != "none";
+  return test::error_of([&] { images::read_image(file, std::nullopt); }) != "none";
 }
 
 // Messages of libjpeg are noticed whether or not they can be written.
@@ -82,9 +82,9 @@ TEST(ImageFiles, DamageIsSeenWithoutADisk) {
 TEST(ImageFiles, TheOrientationThatAFileNotesIsIgnored) {
   const test::ScratchFolder scratch;
   std::string bytes = encoded(".tiff");
-  const Image upright = [&] {
+  const images::Image upright = [&] {
     test::write_text(scratch / "a.tiff", bytes);
-    return read_image(scratch / "a.tiff", std::nullopt);
+    return images::read_image(scratch / "a.tiff", std::nullopt);
   }();
   ASSERT_EQ(upright.columns, 64);
   // The entry for the software, which OpenCV does not need, becomes one for the orientation: 6, turned to the right.
@@ -93,16 +93,16 @@ TEST(ImageFiles, TheOrientationThatAFileNotesIsIgnored) {
   ASSERT_NE(at, std::string::npos);
   const auto patched = std::string("\x12\x01\x03\x00\x01\x00\x00\x00\x06\x00\x00\x00", 12);
   bytes.replace(at, patched.size(), patched);
-  ASSERT_NE(image_header(bytes)->orientation_at, 0U);
+  ASSERT_NE(images::image_header(bytes)->orientation_at, 0U);
   test::write_text(scratch / "b.tiff", bytes);
-  const Image turned = read_image(scratch / "b.tiff", std::nullopt);
+  const images::Image turned = images::read_image(scratch / "b.tiff", std::nullopt);
   EXPECT_EQ(turned.columns, 64);
   EXPECT_EQ(turned.pixels, upright.pixels);
 }
 
 TEST(ImageFiles, HeadersSayTheSize) {
   for (const char* extension : {".png", ".jpg", ".tiff", ".bmp", ".pgm"}) {
-    const auto header = image_header(encoded(extension));
+    const auto header = images::image_header(encoded(extension));
     ASSERT_TRUE(header) << extension;
     EXPECT_EQ(header->columns, 64U) << extension;
     EXPECT_EQ(header->rows, 40U) << extension;
@@ -115,20 +115,20 @@ TEST(ImageFiles, HugeImagesAreRefusedByTheirHeaders) {
   std::string png = encoded(".png");
   png.replace(16, 8, std::string("\x00\x00\xFF\xFF\x00\x00\xFF\xFF", 8));
   test::write_text(scratch / "huge.png", png);
-  const std::string error = test::error_of([&] { read_image(scratch / "huge.png", std::nullopt); });
+  const std::string error = test::error_of([&] { images::read_image(scratch / "huge.png", std::nullopt); });
   EXPECT_NE(error.find("65535 x 65535 pixels"), std::string::npos) << error;
 }
 
 TEST(FloatImage, ComesBackFromTiffWithItsGaps) {
   const test::ScratchFolder folder;
-  FloatImage image(3, 5);
+  images::FloatImage image(3, 5);
   for (std::size_t i = 0; i < image.values.size(); ++i) {
     image.values[i] = 0.1F * static_cast<float>(i) - 1e6F;
   }
   image.row(1)[2] = std::numeric_limits<float>::quiet_NaN();
   const std::string file = folder / "a.tiff";
-  write_float_tiff(file, image);
-  const FloatImage read = read_float_tiff(file);
+  images::write_float_tiff(file, image);
+  const images::FloatImage read = images::read_float_tiff(file);
   ASSERT_EQ(read.rows, 3);
   ASSERT_EQ(read.columns, 5);
   for (std::size_t i = 0; i < image.values.size(); ++i) {
@@ -142,12 +142,12 @@ TEST(FloatImage, ComesBackFromTiffWithItsGaps) {
 
 TEST(FloatImage, OtherFilesAreRefused) {
   const test::ScratchFolder folder;
-  EXPECT_THROW(read_float_tiff(folder / "none.tiff"), UserError);
+  EXPECT_THROW(images::read_float_tiff(folder / "none.tiff"), UserError);
   std::ofstream(folder / "grey.pgm") << "P2\n2 1\n255\n1 2\n";
-  EXPECT_THROW(read_float_tiff(folder / "grey.pgm"), UserError);
-  EXPECT_THROW(write_float_tiff(folder / "grey.pgm" / "a.tiff", FloatImage(1, 1)), UserError);
-  EXPECT_THROW(write_float_tiff(folder / "empty.tiff", FloatImage()), UserError);
+  EXPECT_THROW(images::read_float_tiff(folder / "grey.pgm"), UserError);
+  EXPECT_THROW(images::write_float_tiff(folder / "grey.pgm" / "a.tiff", images::FloatImage(1, 1)), UserError);
+  EXPECT_THROW(images::write_float_tiff(folder / "empty.tiff", images::FloatImage()), UserError);
 }
 
 }  // namespace
-}  // namespace selfproj
+}  // namespace selfproj::test

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace selfproj {
+namespace selfproj::test {
 namespace {
 
 using Names = std::vector<std::string>;
@@ -39,7 +39,7 @@ TEST(NaturalOrder, NumbersCountByTheirValue) {
                        "z100000000000000000000000000"};
   for (std::size_t i = 0; i < order.size(); ++i) {
     for (std::size_t k = 0; k < order.size(); ++k) {
-      EXPECT_EQ(natural_less(order[i], order[k]), i < k) << order[i] << " and " << order[k];
+      EXPECT_EQ(images::natural_less(order[i], order[k]), i < k) << order[i] << " and " << order[k];
     }
   }
 }
@@ -57,9 +57,10 @@ TEST(NaturalOrder, IsAStrictOrder) {
   }
   for (const std::string& a : names) {
     for (const std::string& b : names) {
-      EXPECT_EQ(natural_less(a, b) || natural_less(b, a), a != b) << a << " and " << b;
+      EXPECT_EQ(images::natural_less(a, b) || images::natural_less(b, a), a != b) << a << " and " << b;
       for (std::size_t k = 0; k < 20; ++k) {
-        EXPECT_FALSE(natural_less(a, b) && natural_less(b, names[k]) && !natural_less(a, names[k]))
+        EXPECT_FALSE(images::natural_less(a, b) && images::natural_less(b, names[k]) &&
+                     !images::natural_less(a, names[k]))
             << a << ", " << b << ", " << names[k];
       }
     }
@@ -67,21 +68,24 @@ TEST(NaturalOrder, IsAStrictOrder) {
 }
 
 TEST(NaturalOrder, FilesOfAFolder) {
-  EXPECT_EQ(in_natural_order({"img10.png", "img1.png", "img2.png"}), (Names{"img1.png", "img2.png", "img10.png"}));
+  EXPECT_EQ(images::in_natural_order({"img10.png", "img1.png", "img2.png"}),
+            (Names{"img1.png", "img2.png", "img10.png"}));
 }
 
 TEST(NaturalOrder, WhatAShellExpandedIsTakenByNumber) {
-  EXPECT_EQ(in_listed_order({"img1.png", "img10.png", "img11.png", "img2.png"}),
+  EXPECT_EQ(images::in_listed_order({"img1.png", "img10.png", "img11.png", "img2.png"}),
             (Names{"img1.png", "img2.png", "img10.png", "img11.png"}));
-  EXPECT_EQ(in_listed_order({"p10_a.png", "p1_a.png", "p2_a.png"}), (Names{"p1_a.png", "p2_a.png", "p10_a.png"}))
+  EXPECT_EQ(images::in_listed_order({"p10_a.png", "p1_a.png", "p2_a.png"}),
+            (Names{"p1_a.png", "p2_a.png", "p10_a.png"}))
       << "by bytes, where a mark comes after the digits";
-  EXPECT_EQ(in_listed_order({"p1_a.png", "p10_a.png", "p2_a.png"}), (Names{"p1_a.png", "p2_a.png", "p10_a.png"}))
+  EXPECT_EQ(images::in_listed_order({"p1_a.png", "p10_a.png", "p2_a.png"}),
+            (Names{"p1_a.png", "p2_a.png", "p10_a.png"}))
       << "by the rules of a language, where a mark comes before the digits";
-  EXPECT_EQ(in_listed_order({"pose_1", "pose_10", "pose_2"}), (Names{"pose_1", "pose_2", "pose_10"}));
+  EXPECT_EQ(images::in_listed_order({"pose_1", "pose_10", "pose_2"}), (Names{"pose_1", "pose_2", "pose_10"}));
 }
 
 TEST(NaturalOrder, EachPatternOfAListIsTakenByNumber) {
-  EXPECT_EQ(in_listed_order({"pos1", "pos10", "pos2", "neg1", "neg10", "neg2"}),
+  EXPECT_EQ(images::in_listed_order({"pos1", "pos10", "pos2", "neg1", "neg10", "neg2"}),
             (Names{"pos1", "pos2", "pos10", "neg1", "neg2", "neg10"}));
 }
 
@@ -89,7 +93,7 @@ TEST(NaturalOrder, AnyOtherOrderIsTheUsers) {
   for (const Names& names :
        {Names{"pos0", "neg0", "pos1", "neg1", "pos10", "neg10"}, Names{"img10", "img9", "img8", "img1"},
         Names{"img3", "img1", "img2"}, Names{"b", "a"}, Names{"one.png"}, Names{}}) {
-    EXPECT_EQ(in_listed_order(names), names);
+    EXPECT_EQ(images::in_listed_order(names), names);
   }
 }
 
@@ -98,9 +102,9 @@ TEST(NaturalOrder, NumbersOfOneWidthStayAsTheyWere) {
   for (int i = 1; i <= 120; ++i) {
     names.push_back("frame_" + std::string(5 - std::to_string(i).size(), '0') + std::to_string(i) + ".png");
   }
-  EXPECT_EQ(in_listed_order(names), names);
-  EXPECT_EQ(in_natural_order(names), names);
+  EXPECT_EQ(images::in_listed_order(names), names);
+  EXPECT_EQ(images::in_natural_order(names), names);
 }
 
 }  // namespace
-}  // namespace selfproj
+}  // namespace selfproj::test

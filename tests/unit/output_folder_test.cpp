@@ -17,11 +17,11 @@
 #include <vector>
 
 #include "host/files/stop_signal.h"
-#include "host/files/user_error.h"
+#include "selfproj/files/user_error.h"
 #include "tests/cli/program.h"
 #include "tests/support/error_of.h"
 
-namespace selfproj {
+namespace selfproj::test {
 namespace {
 namespace fs = std::filesystem;
 
@@ -36,7 +36,7 @@ std::vector<std::string> names_in(const fs::path& folder) {
 
 TEST(OutputFolder, AppearsWithTheCommit) {
   const test::ScratchFolder scratch;
-  OutputFolder output(scratch / "results/");
+  files::OutputFolder output(scratch / "results/");
   output.append("a", "1");
   output.append("b", "2");
   output.append("a", "3");
@@ -53,7 +53,7 @@ TEST(OutputFolder, ReplacesItsFilesAndKeepsOthers) {
   fs::create_directory(scratch / "results");
   test::write_text(scratch / "results" / "a", "old");
   test::write_text(scratch / "results" / "mine", "kept");
-  OutputFolder output(scratch / "results");
+  files::OutputFolder output(scratch / "results");
   output.append("a", "new");
   output.append("b", "more");
   EXPECT_EQ(test::read_text(scratch.path() / "results" / "a"), "old");
@@ -68,9 +68,9 @@ TEST(OutputFolder, WithoutACommitNothingRemains) {
   fs::create_directory(scratch / "there");
   test::write_text(scratch / "there" / "a", "old");
   {
-    OutputFolder fresh(scratch / "fresh");
+    files::OutputFolder fresh(scratch / "fresh");
     fresh.append("a", "1");
-    OutputFolder there(scratch / "there");
+    files::OutputFolder there(scratch / "there");
     there.append("a", "1");
   }
   EXPECT_EQ(scratch.names(), std::vector<std::string>{"there"});
@@ -84,7 +84,7 @@ TEST(OutputFolder, AFailureWhileMovingIsUndone) {
   fs::create_directories(scratch / "results" / "b");
   test::write_text(scratch / "results" / "a", "old");
   {
-    OutputFolder output(scratch / "results");
+    files::OutputFolder output(scratch / "results");
     for (const char* file : {"new", "a", "b", "c"}) {
       output.append(file, "fresh");
     }
@@ -97,27 +97,27 @@ TEST(OutputFolder, AFailureWhileMovingIsUndone) {
 TEST(OutputFolder, ImpossibleNamesAreFoundAtOnce) {
   const test::ScratchFolder scratch;
   test::write_text(scratch / "file", "");
-  EXPECT_THROW(OutputFolder(""), UserError);
-  EXPECT_THROW(OutputFolder(scratch / "file"), UserError);
-  EXPECT_THROW(OutputFolder(scratch / "file" / "a"), UserError);
-  EXPECT_THROW(OutputFolder("/proc/selfproj").append("a", ""), UserError);  // not even root can
+  EXPECT_THROW(files::OutputFolder(""), UserError);
+  EXPECT_THROW(files::OutputFolder(scratch / "file"), UserError);
+  EXPECT_THROW(files::OutputFolder(scratch / "file" / "a"), UserError);
+  EXPECT_THROW(files::OutputFolder("/proc/selfproj").append("a", ""), UserError);  // not even root can
   if (geteuid() != 0) {
     fs::create_directory(scratch / "closed");
     fs::permissions(scratch / "closed", fs::perms::owner_read | fs::perms::owner_exec);
-    EXPECT_THROW(OutputFolder(scratch / "closed"), UserError);
-    EXPECT_THROW(OutputFolder(scratch / "closed" / "a"), UserError);
+    EXPECT_THROW(files::OutputFolder(scratch / "closed"), UserError);
+    EXPECT_THROW(files::OutputFolder(scratch / "closed" / "a"), UserError);
   }
 }
 
 TEST(OutputFolder, MissingFoldersAboveAreMadeWithIt) {
   const test::ScratchFolder scratch;
   {
-    OutputFolder output(scratch / "a" / "b" / "results");
+    files::OutputFolder output(scratch / "a" / "b" / "results");
     output.append("x", "1");
     EXPECT_FALSE(fs::exists(scratch / "a"));
   }
   EXPECT_TRUE(scratch.names().empty());
-  OutputFolder output(scratch / "a" / "b" / "results");
+  files::OutputFolder output(scratch / "a" / "b" / "results");
   output.append("x", "1");
   output.commit();
   EXPECT_EQ(test::read_text(scratch.path() / "a" / "b" / "results" / "x"), "1");
@@ -140,7 +140,7 @@ TEST(OutputFolder, TheRestOfTheFolderIsKept) {
     return status.st_ino;
   };
   const ino_t before = inode(results / "inner" / "deeper" / "mine");
-  OutputFolder output(results);
+  files::OutputFolder output(results);
   output.append("old", "new");
   output.commit();
   EXPECT_EQ(test::read_text(results / "old"), "new");
@@ -159,7 +159,7 @@ TEST(OutputFolder, TheCurrentFolderIsWrittenInPlace) {
   fs::current_path(scratch.path());
   test::write_text(scratch / "a", "old");
   {
-    OutputFolder output(".");
+    files::OutputFolder output(".");
     output.append("a", "new");
     output.commit();
   }
@@ -178,7 +178,7 @@ TEST(OutputFolder, ManyWritersAtOnce) {
     const pid_t child = fork();
     if (child == 0) {
       for (int i = 0; i < 40; ++i) {
-        OutputFolder output(results);
+        files::OutputFolder output(results);
         for (const std::string& file : files) {
           output.append(file, mine);
         }
@@ -245,7 +245,7 @@ TEST(OutputFolder, KilledAtAnyMoment) {
   const fs::path results = scratch / "results";
   const std::vector<std::string> files{"a", "b", "c"};
   const auto write_all = [&](const char* text) {
-    OutputFolder output(results);
+    files::OutputFolder output(results);
     for (const std::string& file : files) {
       output.append(file, text);
     }
@@ -273,16 +273,16 @@ TEST(OutputFolder, WhatAKillLeftIsTakenAway) {
   const test::ScratchFolder scratch;
   const pid_t child = fork();
   if (child == 0) {
-    OutputFolder output(scratch / "results");
+    files::OutputFolder output(scratch / "results");
     output.append("a", "1");
     kill(getpid(), SIGKILL);
   }
   waitpid(child, nullptr, 0);
   ASSERT_EQ(scratch.names().size(), 1U) << "the kill left its folder";
-  OutputFolder living(scratch / "other");
+  files::OutputFolder living(scratch / "other");
   living.append("a", "1");
   ASSERT_EQ(scratch.names().size(), 1U);
-  OutputFolder output(scratch / "results");
+  files::OutputFolder output(scratch / "results");
   output.append("a", "1");
   output.commit();
   living.commit();
@@ -295,8 +295,8 @@ TEST(OutputFolder, SignalsLeaveNothingBehind) {
   for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGQUIT}) {
     const pid_t child = fork();
     if (child == 0) {
-      tidy_up_on_signals();
-      OutputFolder output(scratch / "results");
+      files::tidy_up_on_signals();
+      files::OutputFolder output(scratch / "results");
       output.append("a/b", "1");
       raise(number);
       _exit(0);
@@ -320,7 +320,7 @@ TEST(OutputFolder, AFullDiskLeavesWhatWasThere) {
   auto* const handler = std::signal(SIGXFSZ, SIG_IGN);
   ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &small), 0);
   const std::string message = test::error_of([&] {
-    OutputFolder output(scratch / "results");
+    files::OutputFolder output(scratch / "results");
     output.append("a", std::string(600, '1'));
     output.append("a", std::string(600, '2'));
   });
@@ -332,4 +332,4 @@ TEST(OutputFolder, AFullDiskLeavesWhatWasThere) {
 }
 
 }  // namespace
-}  // namespace selfproj
+}  // namespace selfproj::test

@@ -1,5 +1,5 @@
 // Tests payloads: words have their fields at the right bits, in both directions.
-#include "model/packet_payload.h"
+#include "selfproj/model/packet_payload.h"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "model/packet.h"
+#include "selfproj/model/packet.h"
 #include "tests/support/random_cases.h"
 #include "tests/unit/packets.h"
 
@@ -19,30 +19,30 @@ namespace selfproj::test {
 namespace {
 
 TEST(PayloadWords, Sizes) {
-  EXPECT_EQ(moments_payload_bytes(Mode::binary, 512), 2048U);
-  EXPECT_EQ(moments_payload_bytes(Mode::grey, 512), 4096U);
-  EXPECT_EQ(moments_payload_bytes(Mode::grey_over, 4), 32U);
-  EXPECT_EQ(moments_payload_bytes(Mode::binary, 5), 32U);
-  EXPECT_EQ(image_line_payload_bytes(512), 512U);
-  EXPECT_EQ(image_line_payload_bytes(4), 16U);
-  EXPECT_EQ(image_line_payload_bytes(20), 32U);
-  EXPECT_EQ(codes_line_payload_bytes(512), 1024U);
-  EXPECT_EQ(codes_line_payload_bytes(12), 32U);
-  EXPECT_EQ(moments_payload_bytes(Mode::binary, 0), 0U);
-  EXPECT_THROW(moments_payload_bytes(Mode::binary, -1), std::invalid_argument);
-  EXPECT_THROW(moments_payload_bytes(static_cast<Mode>(3), 4), std::invalid_argument);
-  EXPECT_THROW(image_line_payload_bytes(-1), std::invalid_argument);
-  EXPECT_THROW(codes_line_payload_bytes(-1), std::invalid_argument);
+  EXPECT_EQ(model::moments_payload_bytes(model::Mode::binary, 512), 2048U);
+  EXPECT_EQ(model::moments_payload_bytes(model::Mode::grey, 512), 4096U);
+  EXPECT_EQ(model::moments_payload_bytes(model::Mode::grey_over, 4), 32U);
+  EXPECT_EQ(model::moments_payload_bytes(model::Mode::binary, 5), 32U);
+  EXPECT_EQ(model::image_line_payload_bytes(512), 512U);
+  EXPECT_EQ(model::image_line_payload_bytes(4), 16U);
+  EXPECT_EQ(model::image_line_payload_bytes(20), 32U);
+  EXPECT_EQ(model::codes_line_payload_bytes(512), 1024U);
+  EXPECT_EQ(model::codes_line_payload_bytes(12), 32U);
+  EXPECT_EQ(model::moments_payload_bytes(model::Mode::binary, 0), 0U);
+  EXPECT_THROW(model::moments_payload_bytes(model::Mode::binary, -1), std::invalid_argument);
+  EXPECT_THROW(model::moments_payload_bytes(static_cast<model::Mode>(3), 4), std::invalid_argument);
+  EXPECT_THROW(model::image_line_payload_bytes(-1), std::invalid_argument);
+  EXPECT_THROW(model::codes_line_payload_bytes(-1), std::invalid_argument);
 }
 
 TEST(PayloadWords, RoundTripUpToTheLargest) {
-  for (const Mode mode : {Mode::binary, Mode::grey, Mode::grey_over}) {
-    const bool binary = mode == Mode::binary;
+  for (const model::Mode mode : {model::Mode::binary, model::Mode::grey, model::Mode::grey_over}) {
+    const bool binary = mode == model::Mode::binary;
     for (const std::uint64_t seed : seeds(50)) {
       SCOPED_TRACE(how_to_repeat(seed));
       Random random(seed);
       const int columns = random.between(1, 600);
-      Moments moments;
+      model::Moments moments;
       moments.resize(columns);
       const auto fill = [&](std::vector<std::uint32_t>& values, std::uint64_t largest) {
         for (std::uint32_t& value : values) {
@@ -55,16 +55,16 @@ TEST(PayloadWords, RoundTripUpToTheLargest) {
       if (binary) {
         moments.n = moments.m0;
       }
-      Bytes payload(moments_payload_bytes(mode, columns) + 16, 0xEE);
-      pack_moments(mode, columns, moments.view(), payload.data() + 1);  // at any address
+      Bytes payload(model::moments_payload_bytes(mode, columns) + 16, 0xEE);
+      model::pack_moments(mode, columns, moments.view(), payload.data() + 1);  // at any address
       EXPECT_EQ(payload.front(), 0xEE);
       EXPECT_TRUE(std::all_of(payload.end() - 15, payload.end(), [](std::uint8_t b) { return b == 0xEE; }));
       const std::size_t word = (binary ? spec::kBinaryWordBits : spec::kGreyWordBits) / 8;
       EXPECT_TRUE(std::all_of(payload.begin() + 1 + static_cast<std::ptrdiff_t>(word) * columns, payload.end() - 15,
                               [](std::uint8_t b) { return b == 0; }));
-      Moments found;
+      model::Moments found;
       found.resize(columns);
-      unpack_moments(mode, columns, payload.data() + 1, found.view());
+      model::unpack_moments(mode, columns, payload.data() + 1, found.view());
       ASSERT_EQ(found, moments);
     }
   }
@@ -72,39 +72,39 @@ TEST(PayloadWords, RoundTripUpToTheLargest) {
 
 // One column each with a single field at its largest value: compares the words with the specification, byte for byte.
 TEST(PayloadWords, FieldsAtTheirBits) {
-  const auto word_of = [](Mode mode, std::uint32_t m0, std::uint32_t m1, std::uint32_t n) {
+  const auto word_of = [](model::Mode mode, std::uint32_t m0, std::uint32_t m1, std::uint32_t n) {
     std::array<std::uint8_t, kBeat> bytes{};
-    pack_moments(mode, 1, {&m0, &m1, &n}, bytes.data());
+    model::pack_moments(mode, 1, {&m0, &m1, &n}, bytes.data());
     std::uint64_t word = 0;
     for (std::size_t i = 0; i < 8; ++i) {
       word |= static_cast<std::uint64_t>(bytes[i]) << (8 * i);
     }
     return word;
   };
-  EXPECT_EQ(word_of(Mode::binary, 0, 0xFFFFF, 0), 0x00000000000FFFFFU);
-  EXPECT_EQ(word_of(Mode::binary, 0xFFF, 0, 0), 0x00000000FFF00000U);
-  EXPECT_EQ(word_of(Mode::grey, 0, 0x7FFFFFF, 0), 0x0000000007FFFFFFU);
-  EXPECT_EQ(word_of(Mode::grey, 0x3FFFF, 0, 0), 0x00001FFFF8000000U);
-  EXPECT_EQ(word_of(Mode::grey_over, 0, 0, 0x3FF), 0x007FE00000000000U);
+  EXPECT_EQ(word_of(model::Mode::binary, 0, 0xFFFFF, 0), 0x00000000000FFFFFU);
+  EXPECT_EQ(word_of(model::Mode::binary, 0xFFF, 0, 0), 0x00000000FFF00000U);
+  EXPECT_EQ(word_of(model::Mode::grey, 0, 0x7FFFFFF, 0), 0x0000000007FFFFFFU);
+  EXPECT_EQ(word_of(model::Mode::grey, 0x3FFFF, 0, 0), 0x00001FFFF8000000U);
+  EXPECT_EQ(word_of(model::Mode::grey_over, 0, 0, 0x3FF), 0x007FE00000000000U);
   // A value too wide for its field does not spill into the next.
-  EXPECT_EQ(word_of(Mode::binary, 0, 0xFFFFFFFF, 0), 0x00000000000FFFFFU);
-  EXPECT_EQ(word_of(Mode::grey, 0xFFFFFFFF, 0, 0), 0x00001FFFF8000000U);
-  EXPECT_EQ(word_of(Mode::grey, 0, 0, 0xFFFFFFFF), 0x007FE00000000000U);
+  EXPECT_EQ(word_of(model::Mode::binary, 0, 0xFFFFFFFF, 0), 0x00000000000FFFFFU);
+  EXPECT_EQ(word_of(model::Mode::grey, 0xFFFFFFFF, 0, 0), 0x00001FFFF8000000U);
+  EXPECT_EQ(word_of(model::Mode::grey, 0, 0, 0xFFFFFFFF), 0x007FE00000000000U);
 }
 
 TEST(PayloadWords, RunsAtTheirBitsAndBack) {
-  const auto word_of = [](Mode mode, std::uint32_t m0, std::uint32_t m1, std::uint32_t n, int runs, int second) {
-    Runs all{.moments = {.m0 = {m0}, .m1 = {m1}, .n = {n}},
-             .runs = {static_cast<std::uint8_t>(runs)},
-             .second = {static_cast<std::uint8_t>(second)}};
+  const auto word_of = [](model::Mode mode, std::uint32_t m0, std::uint32_t m1, std::uint32_t n, int runs, int second) {
+    model::Runs all{.moments = {.m0 = {m0}, .m1 = {m1}, .n = {n}},
+                    .runs = {static_cast<std::uint8_t>(runs)},
+                    .second = {static_cast<std::uint8_t>(second)}};
     std::array<std::uint8_t, kBeat + 1> bytes{};
     bytes.back() = 0xEE;
-    pack_runs(mode, 1, all.view(), bytes.data());
-    Runs back;
-    back.resize(Select::strongest, 1);
-    unpack_columns(Select::strongest, mode, 1, bytes.data(), back.view());
-    all.second[0] = mode == Mode::binary ? second >= 8 ? 8 : 0 : all.second[0];
-    if (mode == Mode::binary) {
+    model::pack_runs(mode, 1, all.view(), bytes.data());
+    model::Runs back;
+    back.resize(model::Select::strongest, 1);
+    model::unpack_columns(model::Select::strongest, mode, 1, bytes.data(), back.view());
+    all.second[0] = mode == model::Mode::binary ? second >= 8 ? 8 : 0 : all.second[0];
+    if (mode == model::Mode::binary) {
       all.moments.n = all.moments.m0;
     }
     EXPECT_EQ(back, all);
@@ -115,45 +115,45 @@ TEST(PayloadWords, RunsAtTheirBitsAndBack) {
     }
     return word;
   };
-  EXPECT_EQ(word_of(Mode::binary, 0, 0x7FFFF, 0, 0, 0), 0x000000000007FFFFU);
-  EXPECT_EQ(word_of(Mode::binary, 0, 0, 0, 0, 7), 0U);
-  EXPECT_EQ(word_of(Mode::binary, 0, 0, 0, 0, 8), 0x0000000000080000U);
-  EXPECT_EQ(word_of(Mode::binary, 0x3FF, 0, 0, 0, 0), 0x000000003FF00000U);
-  EXPECT_EQ(word_of(Mode::binary, 0, 0, 0, 3, 16), 0x00000000C0080000U);
-  EXPECT_EQ(word_of(Mode::grey, 0, 0x7FFFFFF, 0, 0, 0), 0x0000000007FFFFFFU);
-  EXPECT_EQ(word_of(Mode::grey_over, 0x3FFFF, 0, 0, 0, 0), 0x00001FFFF8000000U);
-  EXPECT_EQ(word_of(Mode::grey, 0, 0, 0x3FF, 0, 0), 0x007FE00000000000U);
-  EXPECT_EQ(word_of(Mode::grey_over, 0, 0, 0, 3, 0), 0x0180000000000000U);
-  EXPECT_EQ(word_of(Mode::grey, 0, 0, 0, 0, 16), 0x2000000000000000U);
+  EXPECT_EQ(word_of(model::Mode::binary, 0, 0x7FFFF, 0, 0, 0), 0x000000000007FFFFU);
+  EXPECT_EQ(word_of(model::Mode::binary, 0, 0, 0, 0, 7), 0U);
+  EXPECT_EQ(word_of(model::Mode::binary, 0, 0, 0, 0, 8), 0x0000000000080000U);
+  EXPECT_EQ(word_of(model::Mode::binary, 0x3FF, 0, 0, 0, 0), 0x000000003FF00000U);
+  EXPECT_EQ(word_of(model::Mode::binary, 0, 0, 0, 3, 16), 0x00000000C0080000U);
+  EXPECT_EQ(word_of(model::Mode::grey, 0, 0x7FFFFFF, 0, 0, 0), 0x0000000007FFFFFFU);
+  EXPECT_EQ(word_of(model::Mode::grey_over, 0x3FFFF, 0, 0, 0, 0), 0x00001FFFF8000000U);
+  EXPECT_EQ(word_of(model::Mode::grey, 0, 0, 0x3FF, 0, 0), 0x007FE00000000000U);
+  EXPECT_EQ(word_of(model::Mode::grey_over, 0, 0, 0, 3, 0), 0x0180000000000000U);
+  EXPECT_EQ(word_of(model::Mode::grey, 0, 0, 0, 0, 16), 0x2000000000000000U);
 }
 
 TEST(PayloadWords, CodesAreWordsOfTwoBytesLowByteFirst) {
   const std::vector<std::uint16_t> codes = {0x8123, 0x0456, 0xFFFF, 0x0001, 0x8FFE};
-  Bytes payload(codes_line_payload_bytes(4) + 2, 0xEE);
-  pack_codes(5, codes.data(), payload.data());
+  Bytes payload(model::codes_line_payload_bytes(4) + 2, 0xEE);
+  model::pack_codes(5, codes.data(), payload.data());
   EXPECT_EQ(payload, (Bytes{0x23, 0x81, 0x56, 0x04, 0xFF, 0xFF, 0x01, 0x00, 0xFE, 0x8F, 0xEE, 0xEE, 0xEE, 0xEE, 0xEE,
                             0xEE, 0xEE, 0xEE}));
   std::vector<std::uint16_t> back(6, 7);
-  unpack_codes(5, payload.data(), back.data());
+  model::unpack_codes(5, payload.data(), back.data());
   EXPECT_EQ(back, (std::vector<std::uint16_t>{0x8123, 0x0456, 0xFFFF, 0x0001, 0x8FFE, 7}));
-  EXPECT_THROW(pack_codes(-1, codes.data(), payload.data()), std::invalid_argument);
-  EXPECT_THROW(unpack_codes(-1, payload.data(), back.data()), std::invalid_argument);
+  EXPECT_THROW(model::pack_codes(-1, codes.data(), payload.data()), std::invalid_argument);
+  EXPECT_THROW(model::unpack_codes(-1, payload.data(), back.data()), std::invalid_argument);
 }
 
 // A stamped packet equals one that was built with the stamp.
 TEST(Packet, StampsAndHeadersAreWrittenAnew) {
   for (Bytes packet : packets_of_all_kinds(24)) {
-    PacketView view;
-    ASSERT_EQ(parse_packet(packet, view), PacketError::none);
-    PacketHeader header = view.header;
+    model::PacketView view;
+    ASSERT_EQ(model::parse_packet(packet, view), model::PacketError::none);
+    model::PacketHeader header = view.header;
     header.sequence = 0x0102030405060708;
     header.time_stamp = 0x1112131415161718;
     header.encoder = 0x21222324;
     header.lost = 0x31;
     Bytes want;
-    append_packet(header, view.payload, view.status, want);
+    model::append_packet(header, view.payload, view.status, want);
     Bytes got = packet;
-    stamp_packet(
+    model::stamp_packet(
         got,
         {.sequence = header.sequence, .time_stamp = header.time_stamp, .encoder = header.encoder, .lost = header.lost});
     EXPECT_EQ(got, want);
@@ -161,18 +161,18 @@ TEST(Packet, StampsAndHeadersAreWrittenAnew) {
     header.sequence = view.header.sequence;  // the trailer's sequence stays
     header.threshold = 9;
     want.clear();
-    append_packet(header, view.payload, view.status, want);
+    model::append_packet(header, view.payload, view.status, want);
     got = packet;
-    replace_header(got, header);
+    model::replace_header(got, header);
     EXPECT_EQ(got, want);
-    replace_header(got, header, spec::kHash + 1);
-    EXPECT_EQ(verdict(got), PacketError::hash);
-    EXPECT_EQ(check_word(got), plain_check_word(got));
+    model::replace_header(got, header, spec::kHash + 1);
+    EXPECT_EQ(verdict(got), model::PacketError::hash);
+    EXPECT_EQ(model::check_word(got), plain_check_word(got));
   }
-  Bytes short_one(packet_bytes(0) - spec::kPacketBeatBytes);
-  EXPECT_THROW(stamp_packet(short_one, {}), std::invalid_argument);
-  EXPECT_THROW(replace_header(short_one, {}), std::invalid_argument);
-  EXPECT_THROW(payload_of(short_one), std::invalid_argument);
+  Bytes short_one(model::packet_bytes(0) - spec::kPacketBeatBytes);
+  EXPECT_THROW(model::stamp_packet(short_one, {}), std::invalid_argument);
+  EXPECT_THROW(model::replace_header(short_one, {}), std::invalid_argument);
+  EXPECT_THROW(model::payload_of(short_one), std::invalid_argument);
 }
 
 TEST(Packet, WholeAndItsParts) {
@@ -180,33 +180,33 @@ TEST(Packet, WholeAndItsParts) {
     Bytes stream(11, std::uint8_t{'S'});
     stream.insert(stream.end(), packet.begin(), packet.end());
     const std::span<const std::uint8_t> all(stream);
-    EXPECT_EQ(find_packet_start(all, 0), 11U);
-    EXPECT_EQ(find_packet_start(all, 11), 11U);
-    EXPECT_EQ(find_packet_start(all.first(11 + 3), 10), 11U) << "the beginning of a magic number counts";
-    EXPECT_EQ(find_packet_start(all.first(9), 9), 9U);
-    EXPECT_EQ(find_packet_start(all.first(9), 3), 8U);
-    EXPECT_FALSE(begins_like_packet(all.subspan(10)));
-    EXPECT_TRUE(begins_like_packet(all.subspan(11)));
-    EXPECT_TRUE(begins_like_packet({}));
+    EXPECT_EQ(model::find_packet_start(all, 0), 11U);
+    EXPECT_EQ(model::find_packet_start(all, 11), 11U);
+    EXPECT_EQ(model::find_packet_start(all.first(11 + 3), 10), 11U) << "the beginning of a magic number counts";
+    EXPECT_EQ(model::find_packet_start(all.first(9), 9), 9U);
+    EXPECT_EQ(model::find_packet_start(all.first(9), 3), 8U);
+    EXPECT_FALSE(model::begins_like_packet(all.subspan(10)));
+    EXPECT_TRUE(model::begins_like_packet(all.subspan(11)));
+    EXPECT_TRUE(model::begins_like_packet({}));
 
-    EXPECT_EQ(announced_packet_bytes(all.subspan(11)), packet.size());
-    EXPECT_EQ(announced_packet_bytes(all.subspan(11, spec::kHeaderBytes)), packet.size());
-    EXPECT_EQ(announced_packet_bytes(all.subspan(11, spec::kHeaderBytes - 1)), std::nullopt);
+    EXPECT_EQ(model::announced_packet_bytes(all.subspan(11)), packet.size());
+    EXPECT_EQ(model::announced_packet_bytes(all.subspan(11, spec::kHeaderBytes)), packet.size());
+    EXPECT_EQ(model::announced_packet_bytes(all.subspan(11, spec::kHeaderBytes - 1)), std::nullopt);
 
-    PacketView view;
-    ASSERT_EQ(parse_packet(all.subspan(11), view), PacketError::none);
+    model::PacketView view;
+    ASSERT_EQ(model::parse_packet(all.subspan(11), view), model::PacketError::none);
     EXPECT_EQ(view.bytes().data(), stream.data() + 11);
     EXPECT_EQ(view.bytes().size(), packet.size());
-    const auto payload = payload_of(view.bytes());
+    const auto payload = model::payload_of(view.bytes());
     EXPECT_EQ(payload.data(), view.payload.data());
     EXPECT_EQ(payload.size(), view.payload.size());
-    EXPECT_EQ(packet_bytes(payload.size()), packet.size());
+    EXPECT_EQ(model::packet_bytes(payload.size()), packet.size());
   }
 }
 
 TEST(Packet, FrameIsSequenceAndTime) {
-  const PacketHeader header = header_of(spec::kKindMoments, Mode::grey, 8);
-  PacketHeader other = header;
+  const model::PacketHeader header = header_of(spec::kKindMoments, model::Mode::grey, 8);
+  model::PacketHeader other = header;
   other.kind = spec::kKindImage;
   EXPECT_TRUE(header.same_frame(other));
   ++other.sequence;

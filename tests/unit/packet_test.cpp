@@ -1,5 +1,5 @@
 // Tests packets: what goes in comes out, and whatever is damaged on the way is refused.
-#include "model/packet.h"
+#include "selfproj/model/packet.h"
 
 #include <gtest/gtest.h>
 
@@ -22,25 +22,25 @@ Bytes forged(Bytes packet, std::size_t offset, std::size_t bytes, std::uint64_t 
   for (std::size_t i = 0; i < bytes; ++i) {
     packet[offset + i] = static_cast<std::uint8_t>(value >> (8 * i));
   }
-  seal_packet(packet);
+  model::seal_packet(packet);
   return packet;
 }
 
 TEST(Packet, RoundTrip) {
   for (const int columns : {4, 8, 12, 16, 20, 508, 512, spec::kMaxColumns}) {
-    for (const Mode mode : {Mode::binary, Mode::grey, Mode::grey_over}) {
+    for (const model::Mode mode : {model::Mode::binary, model::Mode::grey, model::Mode::grey_over}) {
       for (const std::uint8_t kind : {spec::kKindMoments, spec::kKindCodes, spec::kKindImage}) {
         for (const std::uint32_t status : {std::uint32_t{0}, spec::kStatusLongLine | spec::kStatusIncomplete}) {
-          PacketHeader header = header_of(kind, mode, columns);
+          model::PacketHeader header = header_of(kind, mode, columns);
           const Bytes payload = Random(static_cast<std::uint64_t>(columns)).bytes(payload_bytes_of(header));
           Bytes bytes(5, 0xAB);  // a packet may begin at any address
-          append_packet(header, payload, status, bytes);
+          model::append_packet(header, payload, status, bytes);
           const std::size_t size = bytes.size() - 5;
           EXPECT_EQ(size % kBeat, 0U);
           EXPECT_EQ(size, spec::kHeaderBytes + payload.size() + spec::kTrailerBytes);
           bytes.insert(bytes.end(), 100, 0xCD);  // what follows does not matter
-          PacketView view;
-          ASSERT_EQ(parse_packet(std::span(bytes).subspan(5), view), PacketError::none);
+          model::PacketView view;
+          ASSERT_EQ(model::parse_packet(std::span(bytes).subspan(5), view), model::PacketError::none);
           header.payload_size = static_cast<std::uint32_t>(payload.size());
           EXPECT_EQ(view.header, header);
           EXPECT_TRUE(std::equal(view.payload.begin(), view.payload.end(), payload.begin(), payload.end()));
@@ -55,12 +55,13 @@ TEST(Packet, RoundTrip) {
 
 // Each field is at its own bytes and nowhere else, low byte first.
 TEST(Packet, EveryFieldAtItsPlace) {
-  const PacketHeader zero;
+  const model::PacketHeader zero;
   Bytes base;
-  append_packet(zero, {}, 0, base);
-  const auto expect_at = [&](const PacketHeader& header, std::uint32_t status, std::size_t first, std::size_t bytes) {
+  model::append_packet(zero, {}, 0, base);
+  const auto expect_at = [&](const model::PacketHeader& header, std::uint32_t status, std::size_t first,
+                             std::size_t bytes) {
     Bytes packet;
-    append_packet(header, {}, status, packet);
+    model::append_packet(header, {}, status, packet);
     ASSERT_EQ(packet.size(), base.size());
     for (std::size_t i = 0; i + 4 < packet.size(); ++i) {
       const std::size_t trailer_sequence = spec::kHeaderBytes + spec::kTrailerSequence;
@@ -72,28 +73,28 @@ TEST(Packet, EveryFieldAtItsPlace) {
       }
     }
   };
-  const auto expect_field = [&](auto PacketHeader::*field, std::size_t first) {
-    PacketHeader header;
+  const auto expect_field = [&](auto model::PacketHeader::*field, std::size_t first) {
+    model::PacketHeader header;
     using T = std::remove_reference_t<decltype(header.*field)>;
     for (std::size_t k = 0; k < sizeof(T); ++k) {  // bytes 0x10 n + k from the lowest, n the width
       header.*field = static_cast<T>(header.*field | static_cast<T>((0x10 * sizeof(T) + k) << (8 * k)));
     }
     expect_at(header, 0, first, sizeof(T));
   };
-  expect_field(&PacketHeader::kind, spec::kHeaderKind);
-  expect_field(&PacketHeader::stream, spec::kHeaderStream);
-  expect_field(&PacketHeader::lost, spec::kHeaderLost);
-  expect_field(&PacketHeader::sequence, spec::kHeaderSequence);
-  expect_field(&PacketHeader::time_stamp, spec::kHeaderTimeStamp);
-  expect_field(&PacketHeader::encoder, spec::kHeaderEncoder);
-  expect_field(&PacketHeader::columns, spec::kHeaderColumns);
-  expect_field(&PacketHeader::rows, spec::kHeaderRows);
-  expect_field(&PacketHeader::pattern, spec::kHeaderPattern);
-  expect_field(&PacketHeader::mode, spec::kHeaderMode);
-  expect_field(&PacketHeader::threshold, spec::kHeaderThreshold);
-  expect_field(&PacketHeader::first_line, spec::kHeaderFirstLine);
-  expect_field(&PacketHeader::lines, spec::kHeaderLines);
-  expect_field(&PacketHeader::flags, spec::kHeaderFlags);
+  expect_field(&model::PacketHeader::kind, spec::kHeaderKind);
+  expect_field(&model::PacketHeader::stream, spec::kHeaderStream);
+  expect_field(&model::PacketHeader::lost, spec::kHeaderLost);
+  expect_field(&model::PacketHeader::sequence, spec::kHeaderSequence);
+  expect_field(&model::PacketHeader::time_stamp, spec::kHeaderTimeStamp);
+  expect_field(&model::PacketHeader::encoder, spec::kHeaderEncoder);
+  expect_field(&model::PacketHeader::columns, spec::kHeaderColumns);
+  expect_field(&model::PacketHeader::rows, spec::kHeaderRows);
+  expect_field(&model::PacketHeader::pattern, spec::kHeaderPattern);
+  expect_field(&model::PacketHeader::mode, spec::kHeaderMode);
+  expect_field(&model::PacketHeader::threshold, spec::kHeaderThreshold);
+  expect_field(&model::PacketHeader::first_line, spec::kHeaderFirstLine);
+  expect_field(&model::PacketHeader::lines, spec::kHeaderLines);
+  expect_field(&model::PacketHeader::flags, spec::kHeaderFlags);
   expect_at(zero, 0x43424140, spec::kHeaderBytes + spec::kTrailerStatus, 4);
   EXPECT_EQ(std::string(base.begin(), base.begin() + 4), "SLFP");
 }
@@ -103,10 +104,10 @@ TEST(Packet, CheckWordIsThatOfTheSpecification) {
     SCOPED_TRACE(how_to_repeat(seed));
     Random random(seed);
     const Bytes packet = random.bytes(kBeat * static_cast<std::size_t>(random.between(1, 300)));
-    ASSERT_EQ(check_word(packet), plain_check_word(packet));
+    ASSERT_EQ(model::check_word(packet), plain_check_word(packet));
   }
-  EXPECT_THROW(check_word({}), std::invalid_argument);
-  EXPECT_THROW(check_word(Bytes(24)), std::invalid_argument);
+  EXPECT_THROW(model::check_word({}), std::invalid_argument);
+  EXPECT_THROW(model::check_word(Bytes(24)), std::invalid_argument);
 }
 
 // 32 bytes 0, 1, .. 31. The value was computed by code in another language, written only from the text of the
@@ -116,16 +117,16 @@ TEST(Packet, CheckWordOfKnownBytes) {
   for (int i = 0; i < 32; ++i) {
     bytes.push_back(static_cast<std::uint8_t>(i));
   }
-  EXPECT_EQ(check_word(bytes), 0xEEA3C738U);
+  EXPECT_EQ(model::check_word(bytes), 0xEEA3C738U);
 }
 
 TEST(Packet, EverySingleBitFlipIsSeen) {
   for (const Bytes& good : packets_of_all_kinds(512)) {
-    ASSERT_EQ(verdict(good), PacketError::none);
+    ASSERT_EQ(verdict(good), model::PacketError::none);
     Bytes packet = good;
     for (std::size_t bit = 0; bit < 8 * packet.size(); ++bit) {
       packet[bit / 8] ^= static_cast<std::uint8_t>(1U << bit % 8);
-      ASSERT_NE(verdict(packet), PacketError::none) << "bit " << bit << " of " << 8 * packet.size();
+      ASSERT_NE(verdict(packet), model::PacketError::none) << "bit " << bit << " of " << 8 * packet.size();
       packet[bit / 8] ^= static_cast<std::uint8_t>(1U << bit % 8);
     }
   }
@@ -139,7 +140,7 @@ TEST(Packet, EverySwapOfBeatsIsSeen) {
         Bytes packet = good;
         const auto at = [&](std::size_t beat) { return packet.begin() + static_cast<std::ptrdiff_t>(beat * kBeat); };
         std::swap_ranges(at(i), at(i + 1), at(j));
-        ASSERT_NE(verdict(packet), PacketError::none) << "beats " << i << " and " << j << " of " << beats;
+        ASSERT_NE(verdict(packet), model::PacketError::none) << "beats " << i << " and " << j << " of " << beats;
       }
     }
   }
@@ -150,9 +151,10 @@ TEST(Packet, CutAnywhereIsTooShort) {
   for (const Bytes& good : packets_of_all_kinds(32)) {
     for (std::size_t size = 0; size < good.size(); ++size) {
       const Bytes cut(good.begin(), good.begin() + static_cast<std::ptrdiff_t>(size));
-      PacketView view;
+      model::PacketView view;
       view.status = 0x1234;
-      ASSERT_EQ(parse_packet(cut, view), PacketError::too_short) << size << " of " << good.size() << " bytes";
+      ASSERT_EQ(model::parse_packet(cut, view), model::PacketError::too_short)
+          << size << " of " << good.size() << " bytes";
       ASSERT_EQ(view.status, 0x1234U);  // untouched
     }
   }
@@ -165,16 +167,16 @@ TEST(Packet, MissingOrDoubledBeatIsSeen) {
       Bytes without = good;
       without.erase(without.begin() + begin, without.begin() + begin + static_cast<std::ptrdiff_t>(kBeat));
       without.insert(without.end(), good.begin(), good.end());  // the next packet follows
-      ASSERT_NE(verdict(without), PacketError::none) << "beat " << beat;
+      ASSERT_NE(verdict(without), model::PacketError::none) << "beat " << beat;
       Bytes twice = good;
       twice.insert(twice.begin() + begin, good.begin() + begin,
                    good.begin() + begin + static_cast<std::ptrdiff_t>(kBeat));
       if (beat + 1 < good.size() / kBeat) {
-        ASSERT_NE(verdict(twice), PacketError::none) << "beat " << beat;
+        ASSERT_NE(verdict(twice), model::PacketError::none) << "beat " << beat;
       } else {  // the packet is whole, and no other begins after it
-        ASSERT_EQ(verdict(twice), PacketError::none);
+        ASSERT_EQ(verdict(twice), model::PacketError::none);
         ASSERT_NE(verdict(Bytes(twice.begin() + static_cast<std::ptrdiff_t>(good.size()), twice.end())),
-                  PacketError::none);
+                  model::PacketError::none);
       }
     }
   }
@@ -182,49 +184,49 @@ TEST(Packet, MissingOrDoubledBeatIsSeen) {
 
 // One field is wrong, but the check word is right, so the field itself must be checked.
 TEST(Packet, NamesWhatIsWrong) {
-  const Bytes moments = packet_of(header_of(spec::kKindMoments, Mode::grey, 32));
-  const Bytes image = packet_of(header_of(spec::kKindImage, Mode::binary, 32));
+  const Bytes moments = packet_of(header_of(spec::kKindMoments, model::Mode::grey, 32));
+  const Bytes image = packet_of(header_of(spec::kKindImage, model::Mode::binary, 32));
   const std::size_t trailer = moments.size() - spec::kTrailerBytes;
-  EXPECT_EQ(verdict(forged(moments, spec::kHeaderMagic, 4, spec::kMagic ^ 1)), PacketError::magic);
-  EXPECT_EQ(verdict(forged(moments, spec::kHeaderSpecHash, 4, spec::kHash ^ 1)), PacketError::hash);
-  EXPECT_EQ(verdict(forged(moments, spec::kHeaderVersion, 2, spec::kVersion + 1)), PacketError::version);
+  EXPECT_EQ(verdict(forged(moments, spec::kHeaderMagic, 4, spec::kMagic ^ 1)), model::PacketError::magic);
+  EXPECT_EQ(verdict(forged(moments, spec::kHeaderSpecHash, 4, spec::kHash ^ 1)), model::PacketError::hash);
+  EXPECT_EQ(verdict(forged(moments, spec::kHeaderVersion, 2, spec::kVersion + 1)), model::PacketError::version);
   for (const std::uint64_t kind : {0, 4, 255}) {
-    EXPECT_EQ(verdict(forged(moments, spec::kHeaderKind, 1, kind)), PacketError::kind);
+    EXPECT_EQ(verdict(forged(moments, spec::kHeaderKind, 1, kind)), model::PacketError::kind);
   }
   for (std::size_t at = spec::kHeaderReserved; at < spec::kHeaderBytes; ++at) {
-    EXPECT_EQ(verdict(forged(moments, at, 1, 0x80)), PacketError::reserved);
+    EXPECT_EQ(verdict(forged(moments, at, 1, 0x80)), model::PacketError::reserved);
   }
   for (const Bytes& packet : {moments, image}) {
-    EXPECT_EQ(verdict(forged(packet, spec::kHeaderMode, 1, 3)), PacketError::geometry);
+    EXPECT_EQ(verdict(forged(packet, spec::kHeaderMode, 1, 3)), model::PacketError::geometry);
     for (const std::uint64_t columns : {0, 2, 33, spec::kMaxColumns + 4, 65532}) {
-      EXPECT_EQ(verdict(forged(packet, spec::kHeaderColumns, 2, columns)), PacketError::geometry);
+      EXPECT_EQ(verdict(forged(packet, spec::kHeaderColumns, 2, columns)), model::PacketError::geometry);
     }
     for (const std::uint64_t rows : {0, spec::kMaxRows + 1, 65535}) {
-      EXPECT_EQ(verdict(forged(packet, spec::kHeaderRows, 2, rows)), PacketError::geometry);
+      EXPECT_EQ(verdict(forged(packet, spec::kHeaderRows, 2, rows)), model::PacketError::geometry);
     }
   }
-  EXPECT_EQ(verdict(forged(moments, spec::kHeaderSelect, 1, 2)), PacketError::geometry);
-  EXPECT_EQ(verdict(forged(moments, spec::kHeaderGap, 1, 4)), PacketError::geometry);
-  EXPECT_EQ(verdict(forged(moments, spec::kHeaderFirstRow, 2, spec::kMaxRows + 1)), PacketError::geometry);
-  EXPECT_EQ(verdict(forged(moments, spec::kHeaderLastRow, 2, spec::kMaxRows + 1)), PacketError::geometry);
-  EXPECT_EQ(verdict(forged(moments, spec::kHeaderLastRow, 2, spec::kMaxRows)), PacketError::none);
-  EXPECT_EQ(verdict(forged(image, spec::kHeaderFirstLine, 2, 0)), PacketError::geometry);
-  EXPECT_EQ(verdict(forged(image, spec::kHeaderFirstLine, 2, 96)), PacketError::none);
-  EXPECT_EQ(verdict(forged(image, spec::kHeaderFirstLine, 2, 97)), PacketError::geometry);
-  EXPECT_EQ(verdict(forged(image, spec::kHeaderLines, 2, 0)), PacketError::geometry);
-  EXPECT_EQ(verdict(forged(image, spec::kHeaderLines, 2, 2)), PacketError::size);
-  EXPECT_EQ(verdict(forged(image, spec::kHeaderLines, 2, 65535)), PacketError::geometry);
+  EXPECT_EQ(verdict(forged(moments, spec::kHeaderSelect, 1, 2)), model::PacketError::geometry);
+  EXPECT_EQ(verdict(forged(moments, spec::kHeaderGap, 1, 4)), model::PacketError::geometry);
+  EXPECT_EQ(verdict(forged(moments, spec::kHeaderFirstRow, 2, spec::kMaxRows + 1)), model::PacketError::geometry);
+  EXPECT_EQ(verdict(forged(moments, spec::kHeaderLastRow, 2, spec::kMaxRows + 1)), model::PacketError::geometry);
+  EXPECT_EQ(verdict(forged(moments, spec::kHeaderLastRow, 2, spec::kMaxRows)), model::PacketError::none);
+  EXPECT_EQ(verdict(forged(image, spec::kHeaderFirstLine, 2, 0)), model::PacketError::geometry);
+  EXPECT_EQ(verdict(forged(image, spec::kHeaderFirstLine, 2, 96)), model::PacketError::none);
+  EXPECT_EQ(verdict(forged(image, spec::kHeaderFirstLine, 2, 97)), model::PacketError::geometry);
+  EXPECT_EQ(verdict(forged(image, spec::kHeaderLines, 2, 0)), model::PacketError::geometry);
+  EXPECT_EQ(verdict(forged(image, spec::kHeaderLines, 2, 2)), model::PacketError::size);
+  EXPECT_EQ(verdict(forged(image, spec::kHeaderLines, 2, 65535)), model::PacketError::geometry);
   const std::uint64_t right = moments.size() - spec::kHeaderBytes - spec::kTrailerBytes;
   for (const std::uint64_t size : {right - 16, right + 16, right + 1, std::uint64_t{1}, std::uint64_t{16},
                                    std::uint64_t{0x7FFFFFF0}, std::uint64_t{0xFFFFFFF0}, std::uint64_t{0xFFFFFFFF}}) {
-    EXPECT_EQ(verdict(forged(moments, spec::kHeaderPayloadSize, 4, size)), PacketError::size) << size;
+    EXPECT_EQ(verdict(forged(moments, spec::kHeaderPayloadSize, 4, size)), model::PacketError::size) << size;
   }
-  EXPECT_EQ(verdict(forged(moments, spec::kHeaderColumns, 2, 28)), PacketError::size);
-  EXPECT_EQ(verdict(forged(moments, spec::kHeaderMode, 1, spec::kModeBinary)), PacketError::size);
-  EXPECT_EQ(verdict(forged(moments, trailer + spec::kTrailerSequence, 8, 5)), PacketError::sequence);
+  EXPECT_EQ(verdict(forged(moments, spec::kHeaderColumns, 2, 28)), model::PacketError::size);
+  EXPECT_EQ(verdict(forged(moments, spec::kHeaderMode, 1, spec::kModeBinary)), model::PacketError::size);
+  EXPECT_EQ(verdict(forged(moments, trailer + spec::kTrailerSequence, 8, 5)), model::PacketError::sequence);
   Bytes bad_check = moments;
   bad_check.back() ^= 1;
-  EXPECT_EQ(verdict(bad_check), PacketError::check);
+  EXPECT_EQ(verdict(bad_check), model::PacketError::check);
 }
 
 // A packet of version 1.0, as a program of that time wrote it: 4 columns of 6 rows, binary, sequence 2, two columns
@@ -239,41 +241,41 @@ TEST(Packet, EarlierVersionIsRead) {
   put(40, {4, 0, 6, 0, 16, 0, 0, 0, 1, 0, 6, 0, 1});  // columns, rows, payload, first line, lines, flags
   put(spec::kHeaderBytes, {5, 0, 0x20, 0, 0, 0, 0, 0, 6, 0, 0x10});
   put(spec::kHeaderBytes + kBeat, {2});
-  seal_packet(packet);
-  PacketView view;
-  ASSERT_EQ(parse_packet(packet, view), PacketError::none);
+  model::seal_packet(packet);
+  model::PacketView view;
+  ASSERT_EQ(model::parse_packet(packet, view), model::PacketError::none);
   EXPECT_EQ(view.header.columns, 4);
   EXPECT_EQ(view.header.flags, spec::kFlagStrayBefore);
   EXPECT_EQ(view.header.select, spec::kSelectAll);
   EXPECT_EQ(view.header.first_row, 0);
   EXPECT_EQ(view.header.last_row, 0);
   EXPECT_EQ(view.header.gap, 0);
-  Moments moments;
+  model::Moments moments;
   moments.resize(4);
-  unpack_moments(Mode::binary, 4, view.payload.data(), moments.view());
-  EXPECT_EQ(moments, (Moments{.m0 = {2, 0, 1, 0}, .m1 = {5, 0, 6, 0}, .n = {2, 0, 1, 0}}));
+  model::unpack_moments(model::Mode::binary, 4, view.payload.data(), moments.view());
+  EXPECT_EQ(moments, (model::Moments{.m0 = {2, 0, 1, 0}, .m1 = {5, 0, 6, 0}, .n = {2, 0, 1, 0}}));
   for (std::size_t at = 53; at < spec::kHeaderBytes; ++at) {
-    EXPECT_EQ(verdict(forged(packet, at, 1, 1)), PacketError::reserved) << at;
+    EXPECT_EQ(verdict(forged(packet, at, 1, 1)), model::PacketError::reserved) << at;
   }
-  EXPECT_EQ(verdict(forged(packet, spec::kHeaderVersion, 2, spec::kVersion)), PacketError::version);
-  const Bytes now = packet_of(header_of(spec::kKindMoments, Mode::binary, 4));
-  EXPECT_EQ(verdict(forged(now, spec::kHeaderVersion, 2, 0x0100)), PacketError::version);
-  EXPECT_EQ(verdict(forged(now, spec::kHeaderSpecHash, 4, 0x08691C00)), PacketError::version);
+  EXPECT_EQ(verdict(forged(packet, spec::kHeaderVersion, 2, spec::kVersion)), model::PacketError::version);
+  const Bytes now = packet_of(header_of(spec::kKindMoments, model::Mode::binary, 4));
+  EXPECT_EQ(verdict(forged(now, spec::kHeaderVersion, 2, 0x0100)), model::PacketError::version);
+  EXPECT_EQ(verdict(forged(now, spec::kHeaderSpecHash, 4, 0x08691C00)), model::PacketError::version);
 }
 
 // The packet of a frame that broke before its header left.
 TEST(Packet, EmptyNeedsAStatus) {
   for (const std::uint8_t kind : {spec::kKindMoments, spec::kKindCodes, spec::kKindImage}) {
-    PacketHeader header = header_of(kind, Mode::binary, 512);
+    model::PacketHeader header = header_of(kind, model::Mode::binary, 512);
     header.first_line = 0;
     header.lines = 0;
     Bytes good_status;
-    append_packet(header, {}, 0, good_status);
-    EXPECT_EQ(verdict(good_status), PacketError::empty);
+    model::append_packet(header, {}, 0, good_status);
+    EXPECT_EQ(verdict(good_status), model::PacketError::empty);
     Bytes broken;
-    append_packet(header, {}, spec::kStatusShortLine, broken);
-    PacketView view;
-    ASSERT_EQ(parse_packet(broken, view), PacketError::none);
+    model::append_packet(header, {}, spec::kStatusShortLine, broken);
+    model::PacketView view;
+    ASSERT_EQ(model::parse_packet(broken, view), model::PacketError::none);
     EXPECT_EQ(view.header, header);
     EXPECT_TRUE(view.payload.empty());
     EXPECT_EQ(view.status, spec::kStatusShortLine);
@@ -287,7 +289,7 @@ TEST(Packet, RandomBytesAndDamage) {
   for (const std::uint64_t seed : seeds(2000)) {
     SCOPED_TRACE(how_to_repeat(seed));
     Random random(seed);
-    ASSERT_NE(verdict(random.bytes(static_cast<std::size_t>(random.between(0, 300)))), PacketError::none);
+    ASSERT_NE(verdict(random.bytes(static_cast<std::size_t>(random.between(0, 300)))), model::PacketError::none);
     const Bytes& original = good[static_cast<std::size_t>(random.between(0, static_cast<int>(good.size()) - 1))];
     Bytes packet = original;
     const int last = static_cast<int>(packet.size()) - 1;
@@ -295,25 +297,25 @@ TEST(Packet, RandomBytesAndDamage) {
       packet[static_cast<std::size_t>(random.between(0, last))] = static_cast<std::uint8_t>(random.bits());
     }
     if (packet != original) {
-      ASSERT_NE(verdict(packet), PacketError::none);
+      ASSERT_NE(verdict(packet), model::PacketError::none);
     }
   }
 }
 
 TEST(Packet, RefusesHalfBeats) {
   Bytes out = {1, 2, 3};
-  EXPECT_THROW(append_packet({}, Bytes(8), 0, out), std::invalid_argument);
+  EXPECT_THROW(model::append_packet({}, Bytes(8), 0, out), std::invalid_argument);
   EXPECT_EQ(out, (Bytes{1, 2, 3}));
 }
 
 TEST(PacketErrorNames, AreDistinct) {
   std::map<std::string, int> names;
-  for (int error = 0; error <= static_cast<int>(PacketError::empty); ++error) {
-    ++names[to_string(static_cast<PacketError>(error))];
+  for (int error = 0; error <= static_cast<int>(model::PacketError::empty); ++error) {
+    ++names[model::to_string(static_cast<model::PacketError>(error))];
   }
   EXPECT_EQ(names.size(), 12U);
   EXPECT_EQ(names.count("unknown"), 0U);
-  EXPECT_STREQ(to_string(static_cast<PacketError>(200)), "unknown");
+  EXPECT_STREQ(model::to_string(static_cast<model::PacketError>(200)), "unknown");
 }
 
 }  // namespace

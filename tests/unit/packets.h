@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "model/packet.h"
+#include "selfproj/model/packet.h"
 #include "tests/support/random_cases.h"
 
 namespace selfproj::test {
@@ -16,8 +16,8 @@ using Bytes = std::vector<std::uint8_t>;
 inline constexpr std::size_t kBeat = spec::kPacketBeatBytes;
 
 // A header with a different value in every field, fit for a payload of the kind.
-inline PacketHeader header_of(std::uint8_t kind, Mode mode, int columns) {
-  PacketHeader header;
+inline model::PacketHeader header_of(std::uint8_t kind, model::Mode mode, int columns) {
+  model::PacketHeader header;
   header.kind = kind;
   header.stream = 0x21;
   header.lost = 0x31323334;
@@ -39,38 +39,38 @@ inline PacketHeader header_of(std::uint8_t kind, Mode mode, int columns) {
   return header;
 }
 
-inline std::size_t payload_bytes_of(const PacketHeader& header) {
+inline std::size_t payload_bytes_of(const model::PacketHeader& header) {
   switch (header.kind) {
     case spec::kKindMoments:
-      return moments_payload_bytes(static_cast<Mode>(header.mode), header.columns);
+      return model::moments_payload_bytes(static_cast<model::Mode>(header.mode), header.columns);
     case spec::kKindCodes:
-      return codes_line_payload_bytes(header.columns);
+      return model::codes_line_payload_bytes(header.columns);
     default:
-      return image_line_payload_bytes(header.columns);
+      return model::image_line_payload_bytes(header.columns);
   }
 }
 
 // A good packet with a random payload.
-inline Bytes packet_of(PacketHeader header, std::uint64_t seed = 1) {
+inline Bytes packet_of(model::PacketHeader header, std::uint64_t seed = 1) {
   Bytes packet;
-  append_packet(header, Random(seed).bytes(payload_bytes_of(header)), 0, packet);
+  model::append_packet(header, Random(seed).bytes(payload_bytes_of(header)), 0, packet);
   return packet;
 }
 
 // One of each kind and format.
 inline std::vector<Bytes> packets_of_all_kinds(int columns) {
   std::vector<Bytes> packets;
-  packets.push_back(packet_of(header_of(spec::kKindMoments, Mode::binary, columns)));
-  packets.push_back(packet_of(header_of(spec::kKindMoments, Mode::grey, columns)));
-  packets.push_back(packet_of(header_of(spec::kKindMoments, Mode::grey_over, columns)));
-  packets.push_back(packet_of(header_of(spec::kKindCodes, Mode::binary, columns)));
-  packets.push_back(packet_of(header_of(spec::kKindImage, Mode::binary, columns)));
+  packets.push_back(packet_of(header_of(spec::kKindMoments, model::Mode::binary, columns)));
+  packets.push_back(packet_of(header_of(spec::kKindMoments, model::Mode::grey, columns)));
+  packets.push_back(packet_of(header_of(spec::kKindMoments, model::Mode::grey_over, columns)));
+  packets.push_back(packet_of(header_of(spec::kKindCodes, model::Mode::binary, columns)));
+  packets.push_back(packet_of(header_of(spec::kKindImage, model::Mode::binary, columns)));
   return packets;
 }
 
-inline PacketError verdict(const Bytes& bytes) {
-  PacketView view;
-  return parse_packet(bytes, view);
+inline model::PacketError verdict(const Bytes& bytes) {
+  model::PacketView view;
+  return model::parse_packet(bytes, view);
 }
 
 // The check word as the prose of the specification defines it, one bit at a time.

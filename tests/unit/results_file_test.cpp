@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "host/files/user_error.h"
+#include "selfproj/files/user_error.h"
 #include "tests/cli/program.h"
 
 namespace selfproj::test {
@@ -18,9 +18,9 @@ using Json = nlohmann::ordered_json;
 
 class ResultsFile : public ::testing::Test {
  protected:
-  ~ResultsFile() override { unsetenv(kResultsFolder); }
+  ~ResultsFile() override { unsetenv(files::kResultsFolder); }
 
-  static void name_folder(const std::string& folder) { setenv(kResultsFolder, folder.c_str(), 1); }
+  static void name_folder(const std::string& folder) { setenv(files::kResultsFolder, folder.c_str(), 1); }
 
   ScratchFolder folder_;
 };
@@ -28,7 +28,7 @@ class ResultsFile : public ::testing::Test {
 // The same keys in the same order as scripts/results.py writes them (tests/house/results_test.py).
 TEST_F(ResultsFile, HasTheEnvelope) {
   name_folder(folder_ / "results");
-  write_results("speed", "How fast it is", {{"per_s", 38834.2}, {"steps", {0.1234567891, 3}}});
+  files::write_results("speed", "How fast it is", {{"per_s", 38834.2}, {"steps", {0.1234567891, 3}}});
   const Json file = Json::parse(read_text(folder_ / "results/speed.json"));
   std::vector<std::string> keys;
   for (const auto& entry : file.items()) {
@@ -48,11 +48,11 @@ TEST_F(ResultsFile, HasTheEnvelope) {
 // One record a line, as scripts/results.py writes it too.
 TEST_F(ResultsFile, IsCompact) {
   name_folder(folder_ / "results");
-  write_results("speed", "",
-                {{"a", {{"b", {1, 2}}}},
-                 {"list", {{{"x", {{"y", {{"z", 1}}}}}}}},
-                 {"deep", {{"x", {{"y", {{"z", 1}}}}}}},
-                 {"table", {{"header", {"mm"}}, {"rows", {{"0.1"}, {"0.2"}}}}}});
+  files::write_results("speed", "",
+                       {{"a", {{"b", {1, 2}}}},
+                        {"list", {{{"x", {{"y", {{"z", 1}}}}}}}},
+                        {"deep", {{"x", {{"y", {{"z", 1}}}}}}},
+                        {"table", {{"header", {"mm"}}, {"rows", {{"0.1"}, {"0.2"}}}}}});
   EXPECT_THAT(read_text(folder_ / "results/speed.json"), ::testing::EndsWith(R"(
  "results": {
   "a": {"b":[1,2]},
@@ -79,7 +79,7 @@ TEST_F(ResultsFile, CommandHasTheSettings) {
   name_folder(folder_ / "results");
   setenv("SELFPROJ_TEST_SCANS", "100", 1);
   setenv("SELFPROJ_TEST_FILE", "/somewhere/file", 1);
-  write_results("speed", "", {});
+  files::write_results("speed", "", {});
   unsetenv("SELFPROJ_TEST_SCANS");
   unsetenv("SELFPROJ_TEST_FILE");
   const auto command = Json::parse(read_text(folder_ / "results/speed.json"))["command"].get<std::string>();
@@ -90,17 +90,17 @@ TEST_F(ResultsFile, CommandHasTheSettings) {
 }
 
 TEST_F(ResultsFile, IsNotWrittenUnlessAFolderIsNamed) {
-  unsetenv(kResultsFolder);
-  write_results("speed", "", {{"per_s", 1}});
+  unsetenv(files::kResultsFolder);
+  files::write_results("speed", "", {{"per_s", 1}});
   name_folder("");
-  write_results("speed", "", {{"per_s", 1}});
+  files::write_results("speed", "", {{"per_s", 1}});
   EXPECT_EQ(folder_.names(), std::vector<std::string>{});
 }
 
 TEST_F(ResultsFile, ThatCannotBeWrittenIsAnError) {
   write_text(folder_ / "file", "");
   name_folder(folder_ / "file");
-  EXPECT_THROW(write_results("speed", "", {{"per_s", 1}}), UserError);
+  EXPECT_THROW(files::write_results("speed", "", {{"per_s", 1}}), UserError);
 }
 
 }  // namespace

@@ -8,10 +8,10 @@
 #include "host/files/input_file.h"
 #include "host/files/output_file.h"
 #include "host/files/output_folder.h"
-#include "host/files/user_error.h"
+#include "selfproj/files/user_error.h"
 #include "tests/cli/program.h"
 
-namespace selfproj {
+namespace selfproj::test {
 namespace {
 namespace fs = std::filesystem;
 
@@ -25,25 +25,25 @@ class RunFilesTest : public ::testing::Test {
   void TearDown() override { EXPECT_EQ(test::read_text(scratch_ / "in"), "input"); }
 
   const test::ScratchFolder scratch_;
-  const RunFiles files_;
+  const files::RunFiles files_;
 };
 
 TEST_F(RunFilesTest, AnOutputFileIsNoInput) {
-  EXPECT_EQ(read_input(scratch_ / "in", 100), "input");
+  EXPECT_EQ(files::read_input(scratch_ / "in", 100), "input");
   for (const char* name : {"in", "hard", "soft", "./in"}) {
-    EXPECT_THROW(OutputFile(scratch_ / name), UserError) << name;
+    EXPECT_THROW(files::OutputFile(scratch_ / name), UserError) << name;
   }
-  EXPECT_NO_THROW(OutputFile(scratch_ / "new").write("x"));
+  EXPECT_NO_THROW(files::OutputFile(scratch_ / "new").write("x"));
 }
 
 TEST_F(RunFilesTest, AnInputIsNoOutputThatWasNamedBefore) {
-  const OutputFile output(scratch_ / "soft");
-  EXPECT_THROW(read_input(scratch_ / "in", 100), UserError);
+  const files::OutputFile output(scratch_ / "soft");
+  EXPECT_THROW(files::read_input(scratch_ / "in", 100), UserError);
 }
 
 TEST_F(RunFilesTest, AFileOfAFolderIsNoInput) {
-  EXPECT_EQ(read_input(scratch_ / "in", 100), "input");
-  OutputFolder folder(scratch_.path());
+  EXPECT_EQ(files::read_input(scratch_ / "in", 100), "input");
+  files::OutputFolder folder(scratch_.path());
   for (const char* name : {"in", "hard", "soft"}) {
     EXPECT_THROW(folder.check(name), UserError) << name;
     EXPECT_THROW(folder.append(name, "x"), UserError) << name;
@@ -51,31 +51,31 @@ TEST_F(RunFilesTest, AFileOfAFolderIsNoInput) {
 }
 
 TEST_F(RunFilesTest, AFileOfAFolderIsNoInputThatIsReadLater) {
-  OutputFolder folder(scratch_.path());
+  files::OutputFolder folder(scratch_.path());
   folder.append("in", "x");
-  EXPECT_EQ(read_input(scratch_ / "in", 100), "input");
+  EXPECT_EQ(files::read_input(scratch_ / "in", 100), "input");
   EXPECT_THROW(folder.commit(), UserError);
 }
 
 TEST_F(RunFilesTest, TwoOutputsAreNotOneFile) {
-  const OutputFile first(scratch_ / "out");
-  EXPECT_THROW(OutputFile(scratch_ / "." / "out"), UserError);
-  OutputFolder folder(scratch_.path());
+  const files::OutputFile first(scratch_ / "out");
+  EXPECT_THROW(files::OutputFile(scratch_ / "." / "out"), UserError);
+  files::OutputFolder folder(scratch_.path());
   EXPECT_THROW(folder.append("out", "x"), UserError);
 }
 
 TEST_F(RunFilesTest, DevicesAreNotWatched) {
-  EXPECT_EQ(read_input("/dev/null", 100), "");
-  EXPECT_NO_THROW(OutputFile("/dev/null").write("x"));
+  EXPECT_EQ(files::read_input("/dev/null", 100), "");
+  EXPECT_NO_THROW(files::OutputFile("/dev/null").write("x"));
 }
 
 TEST_F(RunFilesTest, LimitsOfInputs) {
-  EXPECT_THROW(read_input(scratch_ / "in", 4), UserError);
-  EXPECT_EQ(read_input(scratch_ / "in", 5), "input");
-  EXPECT_THROW(read_input("/dev/zero", 1000), UserError);
-  EXPECT_THROW(read_input(scratch_.path(), 1000), UserError);
-  EXPECT_THROW(read_input(scratch_ / "none", 1000), UserError);
+  EXPECT_THROW(files::read_input(scratch_ / "in", 4), UserError);
+  EXPECT_EQ(files::read_input(scratch_ / "in", 5), "input");
+  EXPECT_THROW(files::read_input("/dev/zero", 1000), UserError);
+  EXPECT_THROW(files::read_input(scratch_.path(), 1000), UserError);
+  EXPECT_THROW(files::read_input(scratch_ / "none", 1000), UserError);
 }
 
 }  // namespace
-}  // namespace selfproj
+}  // namespace selfproj::test

@@ -1,5 +1,5 @@
 // This file is compiled as C++14 with all warnings, because HLS tools read the generated header as C++14.
-#include "model/spec/generated/selfproj_spec.h"
+#include "selfproj/model/generated/selfproj_spec.h"
 
 static_assert(selfproj::spec::kHeaderBytes % selfproj::spec::kPacketBeatBytes == 0,
               "the packet header is not a whole number of beats");

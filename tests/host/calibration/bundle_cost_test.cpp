@@ -11,16 +11,18 @@
 
 #include "host/calibration/chessboard.h"
 
-namespace selfproj::bundle_cost {
+namespace selfproj::test {
 namespace {
+
+using namespace calibration::bundle_cost;  // NOLINT(google-build-using-namespace)
 
 struct Problem {
   // A board that leans, `turned` by an angle about an axis, before lenses with all kinds of distortion.
-  explicit Problem(double turned) : modes(board_modes(board)) {
+  explicit Problem(double turned) : modes(calibration::board_modes(board)) {
     std::mt19937_64 random(11);
     std::normal_distribution<double> normal;
     for (int i = 0; i < board.corners(); ++i) {
-      Sight sight;
+      calibration::Sight sight;
       sight.corner = i;
       sight.chessboard = {20.0 * (i % board.columns), 20.0 * (i - i % board.columns) / board.columns, 0};
       view.sights.push_back(sight);
@@ -36,11 +38,11 @@ struct Problem {
     }
   }
 
-  Chessboard board{7, 5, 20};
-  std::vector<CornerModes> modes;
-  BundleNoise noise{0.1, 0.2, 0.5, 0.1, 0.3};
-  View view;
-  std::vector<double> lens, stereo, pose, shape = std::vector<double>(kSharedModes);
+  calibration::Chessboard board{7, 5, 20};
+  std::vector<calibration::CornerModes> modes;
+  calibration::BundleNoise noise{0.1, 0.2, 0.5, 0.1, 0.3};
+  calibration::View view;
+  std::vector<double> lens, stereo, pose, shape = std::vector<double>(calibration::kSharedModes);
 };
 
 void expect_derivatives(const ViewCost& cost, std::vector<std::vector<double>> blocks) {
@@ -99,4 +101,4 @@ TEST(BundleCost, PriorIsTheLastOfItsBlock) {
 }
 
 }  // namespace
-}  // namespace selfproj::bundle_cost
+}  // namespace selfproj::test

@@ -23,13 +23,13 @@
 #include "tests/support/error_of.h"
 #include "tests/support/random_cases.h"
 
-namespace selfproj {
+namespace selfproj::test {
 namespace {
 
 using test::World;
 
-CalibrateSettings settings_of(const World& world) {
-  CalibrateSettings settings;
+calibration::CalibrateSettings settings_of(const World& world) {
+  calibration::CalibrateSettings settings;
   settings.chessboard = {world.chessboard_columns, world.chessboard_rows, world.square};
   settings.projector_columns = world.projector_columns;
   settings.projector_rows = world.projector_rows;
@@ -37,13 +37,13 @@ CalibrateSettings settings_of(const World& world) {
 }
 
 // What would be observed, with normal noise of these standard deviations.
-std::vector<PoseReport> observed(const World& world, const std::vector<test::ChessboardPose>& poses,
-                                 double camera_noise, double projector_noise, std::uint64_t seed) {
+std::vector<calibration::PoseReport> observed(const World& world, const std::vector<test::ChessboardPose>& poses,
+                                              double camera_noise, double projector_noise, std::uint64_t seed) {
   std::mt19937_64 random(seed);
   std::normal_distribution<double> normal;
-  std::vector<PoseReport> reports;
+  std::vector<calibration::PoseReport> reports;
   for (std::size_t p = 0; p < poses.size(); ++p) {
-    PoseReport report;
+    calibration::PoseReport report;
     report.name = "pose" + std::to_string(p);
     report.rows = world.camera_rows;
     report.columns = world.camera_columns;
@@ -51,7 +51,7 @@ std::vector<PoseReport> observed(const World& world, const std::vector<test::Che
       const cv::Vec3d at = poses[p].turn * world.on_chessboard(i) + poses[p].at;
       const cv::Vec2d camera = world.in_camera(at) + camera_noise * cv::Vec2d(normal(random), normal(random));
       const cv::Vec2d projector = world.in_projector(at) + projector_noise * cv::Vec2d(normal(random), normal(random));
-      Corner corner;
+      calibration::Corner corner;
       corner.camera = {camera[0], camera[1]};
       corner.projector = {projector[0], projector[1]};
       corner.used = true;
@@ -69,7 +69,7 @@ World distorted() {
   return world;
 }
 
-std::array<double, 9> parameters(const Lens& l) {
+std::array<double, 9> parameters(const rig::Lens& l) {
   return {l.fx, l.fy, l.cx, l.cy, l.k[0], l.k[1], l.k[2], l.k[3], l.k[4]};
 }
 std::array<double, 9> parameters(const test::WorldLens& l) {
@@ -81,9 +81,10 @@ TEST(Calibrate, ExactCornersGiveTheTruth) {
     SCOPED_TRACE(mirrored);
     World world = distorted();
     world.mirrored = mirrored;
-    CalibrateSettings settings = settings_of(world);
+    calibration::CalibrateSettings settings = settings_of(world);
     settings.free = {5, 5};
-    const CalibrationReport report = calibrate(observed(world, world.poses(), 0, 0, 1), settings);
+    const calibration::CalibrationReport report =
+        calibration::calibrate(observed(world, world.poses(), 0, 0, 1), settings);
     EXPECT_LT(report.bundle.rms, 1e-6);
     EXPECT_EQ(report.mirrored, mirrored);
     const auto camera = parameters(world.camera);
@@ -99,7 +100,7 @@ TEST(Calibrate, ExactCornersGiveTheTruth) {
     }
     EXPECT_LT(cv::norm(report.calibration.rotation - world.rotation), 1e-6);
     EXPECT_LT(cv::norm(report.calibration.translation - world.translation), 1e-3);
-    for (const PoseReport& pose : report.poses) {
+    for (const calibration::PoseReport& pose : report.poses) {
       EXPECT_EQ(pose.used(), settings.chessboard.corners());
     }
     // The lens of the result maps points as the world does, mirrored or not.
@@ -113,18 +114,19 @@ TEST(Calibrate, ExactCornersGiveTheTruth) {
 // Errors divided by their estimated standard deviations have mean square 1, for each parameter.
 TEST(Calibrate, StandardDeviationsAreThoseOfTheErrors) {
   const World world = distorted();
-  CalibrateSettings settings = settings_of(world);
+  calibration::CalibrateSettings settings = settings_of(world);
   settings.free = {5, 5};
   settings.reject = 0;
   constexpr int kRuns = 20;
   std::array<double, 25> squares{};
   for (std::uint64_t seed = 1; seed <= kRuns; ++seed) {
-    const CalibrationReport report = calibrate(observed(world, world.poses(), 0.05, 0.15, seed), settings);
+    const calibration::CalibrationReport report =
+        calibration::calibrate(observed(world, world.poses(), 0.05, 0.15, seed), settings);
     std::size_t at = 0;
     const auto add = [&](double value, double truth, double deviation) {
       squares[at++] += std::pow((value - truth) / deviation, 2) / kRuns;
     };
-    for (std::size_t i = 0; i < kLensParameters; ++i) {
+    for (std::size_t i = 0; i < calibration::kLensParameters; ++i) {
       add(report.bundle.bundle.camera[i], parameters(world.camera)[i], report.bundle.deviation.camera[i]);
       add(report.bundle.bundle.projector[i], parameters(world.projector)[i], report.bundle.deviation.projector[i]);
     }
@@ -152,51 +154,52 @@ TEST(Calibrate, StandardDeviationsAreThoseOfTheErrors) {
 
 TEST(Calibrate, RejectsAndSaysSo) {
   const World world;
-  std::vector<PoseReport> poses = observed(world, world.poses(), 0.05, 0.1, 3);
+  std::vector<calibration::PoseReport> poses = observed(world, world.poses(), 0.05, 0.1, 3);
   poses[2].corners[11].camera.x += 1.5;
   poses[5].corners[0].projector.y -= 3;
   poses[1].corners[4].used = false;
   poses[1].corners[4].reason = "hidden";
-  const CalibrationReport report = calibrate(poses, settings_of(world));
+  const calibration::CalibrationReport report = calibration::calibrate(poses, settings_of(world));
   EXPECT_FALSE(report.poses[2].corners[11].used);
   EXPECT_NE(report.poses[2].corners[11].reason.find("in the camera; the limit is"), std::string::npos);
   EXPECT_FALSE(report.poses[5].corners[0].used);
   EXPECT_NE(report.poses[5].corners[0].reason.find("in the projector; the limit is"), std::string::npos);
   EXPECT_EQ(report.poses[1].corners[4].reason, "hidden");
   int used = 0;
-  for (const PoseReport& pose : report.poses) {
+  for (const calibration::PoseReport& pose : report.poses) {
     used += pose.used();
   }
   EXPECT_GE(used, 8 * 35 - 5);
   EXPECT_NEAR(report.calibration.camera.fx, world.camera.fx, 2);
   // It keeps them if it is set to.
-  CalibrateSettings keep = settings_of(world);
+  calibration::CalibrateSettings keep = settings_of(world);
   keep.reject = 0;
-  EXPECT_TRUE(calibrate(poses, keep).poses[2].corners[11].used);
+  EXPECT_TRUE(calibration::calibrate(poses, keep).poses[2].corners[11].used);
 }
 
 TEST(Calibrate, LeavesOutPosesAndSaysSo) {
   const World world;
-  std::vector<PoseReport> poses = observed(world, world.poses(), 0.05, 0.1, 4);
+  std::vector<calibration::PoseReport> poses = observed(world, world.poses(), 0.05, 0.1, 4);
   for (std::size_t i = 0; i + 5 < poses[3].corners.size(); ++i) {
     poses[3].corners[i].used = false;
   }
   poses[4].corners.clear();
   poses[4].reason = "no board";
-  const CalibrationReport report = calibrate(poses, settings_of(world));
+  const calibration::CalibrationReport report = calibration::calibrate(poses, settings_of(world));
   EXPECT_EQ(report.poses[3].reason, "only 5 of 35 corners can be used; 12 are needed");
   EXPECT_EQ(report.poses[4].reason, "no board");
   EXPECT_EQ(report.bundle.bundle.chessboard.size(), 6U);
 }
 
-std::string error_of(const std::vector<PoseReport>& poses, const CalibrateSettings& settings) {
-  return test::error_of([&] { calibrate(poses, settings); });
+std::string error_of(const std::vector<calibration::PoseReport>& poses,
+                     const calibration::CalibrateSettings& settings) {
+  return test::error_of([&] { calibration::calibrate(poses, settings); });
 }
 
 TEST(Calibrate, WhatCannotBeDone) {
   const World world;
-  const CalibrateSettings settings = settings_of(world);
-  std::vector<PoseReport> poses = observed(world, {world.poses()[1]}, 0.05, 0.1, 1);
+  const calibration::CalibrateSettings settings = settings_of(world);
+  std::vector<calibration::PoseReport> poses = observed(world, {world.poses()[1]}, 0.05, 0.1, 1);
   EXPECT_EQ(
       error_of(poses, settings),
       "calibrate: 1 of 1 poses can be used; at least 2 are needed, and 3 or more in different directions advised");
@@ -211,27 +214,28 @@ TEST(Calibrate, WhatCannotBeDone) {
   EXPECT_EQ(error_of(poses, settings), "pose1: has images of 240 x 100, but pose0 of 240 x 200");
 }
 
-bool warns(const CalibrationReport& report, const std::string& of) {
+bool warns(const calibration::CalibrationReport& report, const std::string& of) {
   return std::any_of(report.warnings.begin(), report.warnings.end(),
                      [&](const std::string& warning) { return warning.find(of) != std::string::npos; });
 }
 
 TEST(Calibrate, WarnsOfWhatTheDataCannotTell) {
   World world;
-  const CalibrateSettings settings = settings_of(world);
-  const CalibrationReport good = calibrate(observed(world, world.poses(), 0.02, 0.02, 1), settings);
+  const calibration::CalibrateSettings settings = settings_of(world);
+  const calibration::CalibrationReport good =
+      calibration::calibrate(observed(world, world.poses(), 0.02, 0.02, 1), settings);
   EXPECT_FALSE(warns(good, "parallel"));
   EXPECT_FALSE(warns(good, "poses:"));
   EXPECT_FALSE(warns(good, "camera fx"));
   EXPECT_EQ(good.model.refusal, "");
-  const CalibrationReport two =
-      calibrate(observed(world, {world.poses()[1], world.poses()[4]}, 0.05, 0.1, 1), settings);
+  const calibration::CalibrationReport two =
+      calibration::calibrate(observed(world, {world.poses()[1], world.poses()[4]}, 0.05, 0.1, 1), settings);
   EXPECT_TRUE(warns(two, "only 2 poses"));
   std::vector<test::ChessboardPose> parallel;
   for (const double x : {-40.0, 0.0, 40.0}) {
     parallel.push_back(world.pose(x, 10 + 0.1 * x, 560 + x, test::turn(0.5, 0.5, 0.3 * x)));
   }
-  const CalibrationReport flat = calibrate(observed(world, parallel, 0.05, 0.1, 1), settings);
+  const calibration::CalibrationReport flat = calibration::calibrate(observed(world, parallel, 0.05, 0.1, 1), settings);
   EXPECT_TRUE(warns(flat, "all poses are parallel within"));
   EXPECT_NE(flat.model.refusal, "");
 }
@@ -239,46 +243,46 @@ TEST(Calibrate, WarnsOfWhatTheDataCannotTell) {
 // A second solution, as the data of weak poses have one: here a result is moved, and its cost says that it fits alike.
 TEST(Calibrate, StartsThatDisagreeAreRefused) {
   const World world;
-  const CalibrateSettings settings = settings_of(world);
-  const std::vector<PoseReport> poses = observed(world, world.poses(), 0.05, 0.1, 5);
-  std::vector<View> views;
-  for (const PoseReport& pose : poses) {
-    views.push_back(view_of(pose, settings, false));
+  const calibration::CalibrateSettings settings = settings_of(world);
+  const std::vector<calibration::PoseReport> poses = observed(world, world.poses(), 0.05, 0.1, 5);
+  std::vector<calibration::View> views;
+  for (const calibration::PoseReport& pose : poses) {
+    views.push_back(calibration::view_of(pose, settings, false));
   }
-  const ModelSettings model{{world.camera_columns, world.camera_rows},
-                            {world.projector_columns, world.projector_rows},
-                            settings.free,
-                            nullptr};
-  const ModelChoice chosen = choose_model(views, model);
-  ModelChoice same = chosen;
-  check_starts(views, model, same);
+  const calibration::ModelSettings model{{world.camera_columns, world.camera_rows},
+                                         {world.projector_columns, world.projector_rows},
+                                         settings.free,
+                                         nullptr};
+  const calibration::ModelChoice chosen = calibration::choose_model(views, model);
+  calibration::ModelChoice same = chosen;
+  calibration::check_starts(views, model, same);
   EXPECT_EQ(same.refusal, "");
   EXPECT_GE(same.agreeing, 6);
 
   const auto moved = [&](double deviations, double chi_square) {
-    ModelChoice choice = chosen;
+    calibration::ModelChoice choice = chosen;
     choice.result.bundle.camera[0] += deviations * chosen.result.deviation.camera[0];
     choice.result.cost += 0.5 * chi_square;
-    check_starts(views, model, choice);
+    calibration::check_starts(views, model, choice);
     return choice;
   };
   EXPECT_EQ(moved(0.1, 0).refusal, "");
-  const ModelChoice alike = moved(2, 0);
+  const calibration::ModelChoice alike = moved(2, 0);
   EXPECT_EQ(alike.refusal.rfind("different starts end in different solutions that fit alike: camera fx ", 0), 0U)
       << alike.refusal;
   EXPECT_EQ(alike.agreeing, 0);
   EXPECT_NE(moved(2, -10).refusal, "");
-  const ModelChoice worse = moved(2, -100);  // the starts' solutions are out of the question
+  const calibration::ModelChoice worse = moved(2, -100);  // the starts' solutions are out of the question
   EXPECT_EQ(worse.refusal, "");
   EXPECT_GE(worse.worse, 6);
-  const ModelChoice better = moved(2, 10);  // one of them takes the result's place
+  const calibration::ModelChoice better = moved(2, 10);  // one of them takes the result's place
   EXPECT_EQ(better.refusal, "");
   EXPECT_NEAR(better.result.bundle.camera[0], chosen.result.bundle.camera[0], 0.01);
 }
 
 // A capture whose codes are those of a homography, rounded.
 struct Window {
-  Capture capture;
+  calibration::Capture capture;
   cv::Point2d camera{40.3, 37.8};
   cv::Point2d projector;
 };
@@ -287,7 +291,7 @@ Window window_of(test::Random& random, double wrong_share) {
     return low + (high - low) * random.between(0, 1 << 20) / (1 << 20);
   };
   Window window;
-  Capture& capture = window.capture;
+  calibration::Capture& capture = window.capture;
   capture.rows = capture.columns = 80;
   const cv::Matx33d h(real(0.8, 2.5), real(-0.5, 0.5), real(200, 400), real(-0.5, 0.5), real(0.8, 2.5), real(200, 400),
                       real(-5e-4, 5e-4), real(-5e-4, 5e-4), 1);
@@ -302,8 +306,10 @@ Window window_of(test::Random& random, double wrong_share) {
       if (random.chance(static_cast<int>(100 * wrong_share))) {
         code += cv::Point2d(random.between(-64, 64), random.between(-64, 64));
       }
-      capture.projector_column.push_back(none ? Capture::kNone : static_cast<std::int16_t>(std::lround(code.x)));
-      capture.projector_row.push_back(none ? Capture::kNone : static_cast<std::int16_t>(std::lround(code.y)));
+      capture.projector_column.push_back(none ? calibration::Capture::kNone
+                                              : static_cast<std::int16_t>(std::lround(code.x)));
+      capture.projector_row.push_back(none ? calibration::Capture::kNone
+                                           : static_cast<std::int16_t>(std::lround(code.y)));
     }
   }
   window.projector = mapped(window.camera.x, window.camera.y);
@@ -318,8 +324,10 @@ TEST(CornerCode, BothWaysFindTheCorner) {
     SCOPED_TRACE(test::how_to_repeat(seed));
     test::Random random(seed);
     const Window window = window_of(random, random.chance(50) ? 0.1 : 0);
-    for (const CornerMethod method : {CornerMethod::homography, CornerMethod::direct}) {
-      const CornerCode found = corner_code(window.capture, window.camera, 24, {method, 0, 0.3});
+    for (const calibration::CornerMethod method :
+         {calibration::CornerMethod::homography, calibration::CornerMethod::direct}) {
+      const calibration::CornerCode found =
+          calibration::corner_code(window.capture, window.camera, 24, {method, 0, 0.3});
       ASSERT_TRUE(found.valid);
       const cv::Point2d off = found.projector - window.projector;
       EXPECT_LT(cv::norm(off), 0.12);
@@ -336,19 +344,22 @@ TEST(CornerCode, BothWaysFindTheCorner) {
 
 TEST(CornerCode, TooLittleIsNothing) {
   test::Random random(1);
-  for (const CornerMethod method : {CornerMethod::homography, CornerMethod::direct}) {
+  for (const calibration::CornerMethod method :
+       {calibration::CornerMethod::homography, calibration::CornerMethod::direct}) {
     Window window = window_of(random, 0);
-    EXPECT_FALSE(corner_code(window.capture, window.camera, 24, {method, 0, 1e-4}).valid);  // not that certain
+    EXPECT_FALSE(
+        calibration::corner_code(window.capture, window.camera, 24, {method, 0, 1e-4}).valid);  // not that certain
     for (std::size_t i = 0; i < window.capture.projector_row.size(); ++i) {
       if (i % 80 > 38) {  // nothing on the right
-        window.capture.projector_column[i] = window.capture.projector_row[i] = Capture::kNone;
+        window.capture.projector_column[i] = window.capture.projector_row[i] = calibration::Capture::kNone;
       }
     }
-    EXPECT_FALSE(corner_code(window.capture, window.camera, 24, {method, 0, 0.3}).valid);
-    std::fill(window.capture.projector_column.begin(), window.capture.projector_column.end(), Capture::kNone);
-    EXPECT_EQ(corner_code(window.capture, window.camera, 24, {method, 0, 0.3}).pixels, 0);
+    EXPECT_FALSE(calibration::corner_code(window.capture, window.camera, 24, {method, 0, 0.3}).valid);
+    std::fill(window.capture.projector_column.begin(), window.capture.projector_column.end(),
+              calibration::Capture::kNone);
+    EXPECT_EQ(calibration::corner_code(window.capture, window.camera, 24, {method, 0, 0.3}).pixels, 0);
   }
 }
 
 }  // namespace
-}  // namespace selfproj
+}  // namespace selfproj::test

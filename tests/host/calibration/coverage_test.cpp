@@ -18,7 +18,7 @@
 #include "host/files/results_file.h"
 #include "tests/support/chessboard_world.h"
 
-namespace selfproj {
+namespace selfproj::test {
 namespace {
 
 using test::World;
@@ -45,8 +45,8 @@ class Case {
   }
 
   World world;
-  CalibrateSettings settings;
-  std::vector<PoseReport> poses;
+  calibration::CalibrateSettings settings;
+  std::vector<calibration::PoseReport> poses;
 
  private:
   double normal() { return normal_(random_); }
@@ -71,7 +71,7 @@ class Case {
         world.pose(8 * normal(), 6 + 5 * normal(), 570 + 12 * normal(),
                    test::turn(lean * std::cos(around), lean * std::sin(around), 4 * normal()));
     const std::array<double, 3> own{0.2 * bend * normal(), 0.2 * bend * normal(), 0.2 * bend * normal()};
-    PoseReport report;
+    calibration::PoseReport report;
     report.name = "pose" + std::to_string(number);
     report.rows = world.camera_rows;
     report.columns = world.camera_columns;
@@ -82,7 +82,7 @@ class Case {
       place[2] = (shape[0] + own[0]) * x * x + (shape[1] + own[1]) * x * y + (shape[2] + own[2]) * y * y +
                  0.3 * shape[3] * x * x * x + 0.3 * shape[4] * x * y * y;
       const cv::Vec3d point = at.turn * place + at.at;
-      Corner corner;
+      calibration::Corner corner;
       corner.camera = noisy(world.in_camera(point), kCameraNoise);
       corner.projector = noisy(world.in_projector(point), kProjectorNoise);
       corner.used = true;
@@ -123,10 +123,11 @@ struct Share {
   }
 };
 
-void add(const CalibrationReport& report, const World& world, Share& share) {
-  const Bundle& found = report.bundle.bundle;
-  const Bundle& deviation = report.bundle.deviation;
-  const auto lens = [&](const LensParameters& l, const LensParameters& d, const test::WorldLens& truth) {
+void add(const calibration::CalibrationReport& report, const World& world, Share& share) {
+  const calibration::Bundle& found = report.bundle.bundle;
+  const calibration::Bundle& deviation = report.bundle.deviation;
+  const auto lens = [&](const calibration::LensParameters& l, const calibration::LensParameters& d,
+                        const test::WorldLens& truth) {
     share.add(l[0], truth.fx, d[0]);
     share.add(l[1], truth.fy, d[1]);
     share.add(l[2], truth.cx, d[2]);
@@ -149,7 +150,7 @@ Share share_of(int runs, int poses, double bend, bool released) {
   for (int run = 0; run < runs; ++run) {
     Case drawn(kFirstSeed + static_cast<std::uint64_t>(run), poses, bend);
     drawn.settings.bent = released;
-    const CalibrationReport report = calibrate(drawn.poses, drawn.settings);
+    const calibration::CalibrationReport report = calibration::calibrate(drawn.poses, drawn.settings);
     if (report.model.refusal.empty()) {
       add(report, drawn.world, share);
     } else {
@@ -181,9 +182,9 @@ TEST(CalibrationCoverage, ErrorsAreWithinTheStatedDeviations) {
   results["8_bent_taken_as_flat"] = flat.json();
   EXPECT_LT(flat.within_2, 0.87 * flat.errors);
   std::printf("%s\n", results.dump(1).c_str());
-  write_results("calibration_coverage", "Errors of calibrations in drawn worlds, within stated standard deviations",
-                results);
+  files::write_results("calibration_coverage",
+                       "Errors of calibrations in drawn worlds, within stated standard deviations", results);
 }
 
 }  // namespace
-}  // namespace selfproj
+}  // namespace selfproj::test

@@ -14,10 +14,10 @@
 #include <string>
 #include <vector>
 
-#include "host/files/user_error.h"
+#include "selfproj/files/user_error.h"
 #include "tests/support/chessboard_world.h"
 
-namespace selfproj {
+namespace selfproj::test {
 namespace {
 
 using test::World;
@@ -27,18 +27,19 @@ struct Laser {
   double distance;
 };
 
-CameraSettings camera_settings_of(const World& world) {
-  CameraSettings settings;
+calibration::CameraSettings camera_settings_of(const World& world) {
+  calibration::CameraSettings settings;
   settings.chessboard = {world.chessboard_columns, world.chessboard_rows, world.square};
   return settings;
 }
 
-std::vector<BoardImage> seen(const World& world, const std::vector<test::ChessboardPose>& poses, double noise) {
+std::vector<calibration::BoardImage> seen(const World& world, const std::vector<test::ChessboardPose>& poses,
+                                          double noise) {
   std::mt19937_64 random(3);
   std::normal_distribution<double> normal;
-  std::vector<BoardImage> images;
+  std::vector<calibration::BoardImage> images;
   for (const test::ChessboardPose& pose : poses) {
-    BoardImage image;
+    calibration::BoardImage image;
     image.name = "image" + std::to_string(images.size());
     image.rows = world.camera_rows;
     image.columns = world.camera_columns;
@@ -54,9 +55,9 @@ std::vector<BoardImage> seen(const World& world, const std::vector<test::Chessbo
 }
 
 // The line of a laser on the plane of a chessboard: a Gaussian across the rows, 1.2 pixels wide.
-Image line_on(const World& world, const test::ChessboardPose& pose, const Laser& laser) {
+images::Image line_on(const World& world, const test::ChessboardPose& pose, const Laser& laser) {
   const cv::Vec3d board(pose.turn(0, 2), pose.turn(1, 2), pose.turn(2, 2));
-  Image image{world.camera_rows, world.camera_columns, {}};
+  images::Image image{world.camera_rows, world.camera_columns, {}};
   image.pixels.assign(static_cast<std::size_t>(image.rows * image.columns), 8);
   const cv::Vec3d along = cv::normalize(laser.normal.cross(board));
   const cv::Matx33d planes(laser.normal[0], laser.normal[1], laser.normal[2], board[0], board[1], board[2], along[0],
@@ -86,9 +87,10 @@ TEST(LaserPlane, CameraAndPlaneOfAnyOrientation) {
   World world;
   world.camera.k1 = -0.12;
   const std::vector<test::ChessboardPose> poses = world.poses();
-  const CameraReport camera = calibrate_camera(seen(world, poses, 0.02), camera_settings_of(world));
+  const calibration::CameraReport camera =
+      calibration::calibrate_camera(seen(world, poses, 0.02), camera_settings_of(world));
   EXPECT_EQ(camera.model.refusal, "");
-  const BundleResult& found = camera.model.result;
+  const calibration::BundleResult& found = camera.model.result;
   const std::array<double, 5> truth{world.camera.fx, world.camera.fy, world.camera.cx, world.camera.cy,
                                     world.camera.k1};
   for (std::size_t i = 0; i < truth.size(); ++i) {
@@ -99,11 +101,11 @@ TEST(LaserPlane, CameraAndPlaneOfAnyOrientation) {
     SCOPED_TRACE(roll);
     const cv::Vec3d normal = test::turn(35, 0, 0) * test::turn(0, 0, roll) * cv::Vec3d(0, 1, 0);
     const Laser laser{normal, normal.dot(cv::Vec3d(0, 10, 560))};
-    std::vector<Image> lines;
+    std::vector<images::Image> lines;
     for (const test::ChessboardPose& pose : poses) {
       lines.push_back(line_on(world, pose, laser));
     }
-    const LaserPlane plane = laser_plane(camera, lines);
+    const calibration::LaserPlane plane = calibration::laser_plane(camera, lines);
     const std::array<double, 3>& n = plane.plane.normal;
     const double sign = laser.distance < 0 ? -1 : 1;
     const double off = 180 / CV_PI * cv::norm(sign * normal - cv::Vec3d(n[0], n[1], n[2]));
@@ -118,22 +120,23 @@ TEST(LaserPlane, CameraAndPlaneOfAnyOrientation) {
 TEST(LaserPlane, WhatDoesNotTellIsRefused) {
   const World world;
   const std::vector<test::ChessboardPose> poses = world.poses();
-  const CameraReport camera = calibrate_camera(seen(world, poses, 0.02), camera_settings_of(world));
-  std::vector<Image> dark(poses.size(), Image{world.camera_rows, world.camera_columns, {}});
-  for (Image& image : dark) {
+  const calibration::CameraReport camera =
+      calibration::calibrate_camera(seen(world, poses, 0.02), camera_settings_of(world));
+  std::vector<images::Image> dark(poses.size(), images::Image{world.camera_rows, world.camera_columns, {}});
+  for (images::Image& image : dark) {
     image.pixels.assign(static_cast<std::size_t>(image.rows * image.columns), 8);
   }
-  EXPECT_THROW(laser_plane(camera, dark), UserError);
+  EXPECT_THROW(calibration::laser_plane(camera, dark), UserError);
   // Parallel poses do not determine the focal length.
-  const CameraReport parallel = calibrate_camera(
+  const calibration::CameraReport parallel = calibration::calibrate_camera(
       seen(world,
            {world.pose(0, 0, 560, test::turn(0.2, 0, 0)), world.pose(20, 5, 580, test::turn(0, 0.2, 4)),
             world.pose(-20, 5, 540, test::turn(0, 0, -4))},
            0.1),
       camera_settings_of(world));
   EXPECT_NE(parallel.model.refusal, "");
-  EXPECT_THROW(calibrate_camera(seen(world, {poses[0]}, 0.02), camera_settings_of(world)), UserError);
+  EXPECT_THROW(calibration::calibrate_camera(seen(world, {poses[0]}, 0.02), camera_settings_of(world)), UserError);
 }
 
 }  // namespace
-}  // namespace selfproj
+}  // namespace selfproj::test

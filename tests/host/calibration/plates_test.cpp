@@ -18,11 +18,11 @@
 #include <vector>
 
 #include "host/calibration/calibrate.h"
-#include "host/files/user_error.h"
+#include "selfproj/files/user_error.h"
 #include "tests/support/chessboard_world.h"
 #include "tests/support/error_of.h"
 
-namespace selfproj {
+namespace selfproj::test {
 namespace {
 
 using test::World;
@@ -58,15 +58,15 @@ class NarrowWorld {
   [[nodiscard]] cv::Vec3d in_camera_axes(const cv::Vec3d& on_belt) const { return belt * on_belt + over; }
 
   // What is observed of these plates, the belt at each of its places.
-  [[nodiscard]] std::vector<PoseReport> observed(const std::vector<Placing>& plates) const {
+  [[nodiscard]] std::vector<calibration::PoseReport> observed(const std::vector<Placing>& plates) const {
     constexpr double kCameraNoisePx = 0.005;
     constexpr double kProjectorNoisePx = 0.1;
     std::mt19937_64 random(5);
     std::normal_distribution<double> normal;
-    std::vector<PoseReport> reports;
+    std::vector<calibration::PoseReport> reports;
     for (const Placing& plate : plates) {
       for (const double move : kMoves) {
-        PoseReport report;
+        calibration::PoseReport report;
         report.name = "pose" + std::to_string(reports.size());
         report.rows = world.camera_rows;
         report.columns = world.camera_columns;
@@ -82,7 +82,7 @@ class NarrowWorld {
             const double x = seen[0] + noise * normal(random);
             return cv::Point2d(x, seen[1] + noise * normal(random));
           };
-          Corner corner;
+          calibration::Corner corner;
           corner.camera = noisy(world.in_camera(at), kCameraNoisePx);
           corner.projector = noisy(world.in_projector(at), kProjectorNoisePx);
           corner.used = true;
@@ -95,14 +95,14 @@ class NarrowWorld {
   }
 
   // The drawings: focal lengths, centres and tilt are a little off.
-  [[nodiscard]] CalibrateSettings settings() const {
-    CalibrateSettings settings;
+  [[nodiscard]] calibration::CalibrateSettings settings() const {
+    calibration::CalibrateSettings settings;
     settings.chessboard = {world.chessboard_columns, world.chessboard_rows, world.square};
     settings.projector_columns = world.projector_columns;
     settings.projector_rows = world.projector_rows;
     settings.bent = false;
     settings.plates.emplace(std::vector<double>(kHeights.begin(), kHeights.end()),
-                            std::vector<double>(kMoves.begin(), kMoves.end()), PlateTolerance{},
+                            std::vector<double>(kMoves.begin(), kMoves.end()), calibration::PlateTolerance{},
                             world.square * (world.chessboard_columns - 1));
     settings.plates->camera = {5000, 5000, 255.5, 47.5};
     settings.plates->projector = {2849, 3257, 255.5, 876};
@@ -133,7 +133,7 @@ cv::Vec2d seen_on_belt(const cv::Vec3d& ray, const cv::Vec3d& along, const cv::V
 
 TEST(Plates, TellRaysLightAndBelt) {
   const NarrowWorld narrow;
-  const CalibrationReport report = calibrate(narrow.observed(put_down()), narrow.settings());
+  const calibration::CalibrationReport report = calibration::calibrate(narrow.observed(put_down()), narrow.settings());
   EXPECT_EQ(report.model.refusal, "");
   ASSERT_TRUE(report.belt);
   const std::array<double, 3>& n = report.belt->pose.normal;
@@ -144,7 +144,7 @@ TEST(Plates, TellRaysLightAndBelt) {
   EXPECT_NEAR(report.belt->squares, 1, 1e-4);
   const cv::Vec3d true_normal(narrow.belt(0, 2), narrow.belt(1, 2), narrow.belt(2, 2));
   const cv::Vec3d true_along = narrow.belt * cv::Vec3d(narrow.way[0], narrow.way[1], 0);
-  const Calibration& c = report.calibration;
+  const rig::Calibration& c = report.calibration;
   std::vector<cv::Vec2d> off;
   for (const double height : {0.0, 21.0, 39.0, 60.0}) {
     for (const double column : {15.0, 150.0, 256.0, 380.0, 497.0}) {
@@ -182,14 +182,15 @@ TEST(Plates, TellRaysLightAndBelt) {
 }
 
 // What is said of these plates, the belt and its places said to be as `change` leaves them.
-std::string said_of(const std::vector<Placing>& plates, const std::function<void(Plates&)>& change = {}) {
+std::string said_of(const std::vector<Placing>& plates, const std::function<void(calibration::Plates&)>& change = {}) {
   const NarrowWorld narrow;
-  CalibrateSettings settings = narrow.settings();
+  calibration::CalibrateSettings settings = narrow.settings();
   settings.free = {0, 0};
   if (plates.size() < kHeights.size()) {
     const std::vector<double> heights(kHeights.begin(), kHeights.begin() + static_cast<std::ptrdiff_t>(plates.size()));
-    const Plates all = *settings.plates;
-    settings.plates.emplace(heights, std::vector<double>(kMoves.begin(), kMoves.end()), PlateTolerance{}, 79.2);
+    const calibration::Plates all = *settings.plates;
+    settings.plates.emplace(heights, std::vector<double>(kMoves.begin(), kMoves.end()), calibration::PlateTolerance{},
+                            79.2);
     settings.plates->camera = all.camera;
     settings.plates->projector = all.projector;
     settings.plates->stereo = all.stereo;
@@ -198,7 +199,7 @@ std::string said_of(const std::vector<Placing>& plates, const std::function<void
   if (change) {
     change(*settings.plates);
   }
-  return test::error_of([&] { calibrate(narrow.observed(plates), settings); });
+  return test::error_of([&] { calibration::calibrate(narrow.observed(plates), settings); });
 }
 
 void expect_said(const std::string& said, const std::string& what) {
@@ -214,8 +215,8 @@ TEST(Plates, WrongPlacesAreRefused) {
   const std::string beside = said_of(plates);
   expect_said(beside, "--plates: the plate at 40 mm lies 1.");
   expect_said(beside, "mm beside the others");
-  const auto too_far = [](Plates& all) {
-    for (PlatePlace& place : all.places) {
+  const auto too_far = [](calibration::Plates& all) {
+    for (calibration::PlatePlace& place : all.places) {
       place.belt_mm *= 1.1;
     }
   };
@@ -252,15 +253,15 @@ TEST(Plates, ThreeDoNotTellWhichOfThemIsOff) {
 TEST(Plates, HeightsAllWrongByOneFactorAreRefused) {
   const NarrowWorld narrow;
   const auto refusal = [&](double factor) {
-    CalibrateSettings settings = narrow.settings();
+    calibration::CalibrateSettings settings = narrow.settings();
     settings.free = {1, 0};
-    for (PlatePlace& place : settings.plates->places) {
+    for (calibration::PlatePlace& place : settings.plates->places) {
       place.height_mm *= factor;
     }
     for (double& height : settings.plates->heights_mm) {
       height *= factor;
     }
-    return calibrate(narrow.observed(put_down()), settings).model.refusal;
+    return calibration::calibrate(narrow.observed(put_down()), settings).model.refusal;
   };
   EXPECT_EQ(refusal(1), "");
   for (const auto& [factor, times] : {std::pair(1.34, "1.34"), std::pair(0.93, "0.93")}) {
@@ -272,11 +273,11 @@ TEST(Plates, HeightsAllWrongByOneFactorAreRefused) {
 }
 
 TEST(Plates, ScaleIsHeldAgainstTheDrawings) {
-  const DrawnScale drawn{.distance_mm = 1000, .min_focal_px = 5000, .max_focal_px = 5200};
-  EXPECT_EQ(fault_of_scale(drawn, 1029, 5355), "");
-  EXPECT_EQ(fault_of_scale(drawn, 971, 4851), "");
+  const calibration::DrawnScale drawn{.distance_mm = 1000, .min_focal_px = 5000, .max_focal_px = 5200};
+  EXPECT_EQ(calibration::fault_of_scale(drawn, 1029, 5355), "");
+  EXPECT_EQ(calibration::fault_of_scale(drawn, 971, 4851), "");
   const auto names = [&](double distance, double focal, const std::string& reason) {
-    return fault_of_scale(drawn, distance, focal).find(reason) != std::string::npos;
+    return calibration::fault_of_scale(drawn, distance, focal).find(reason) != std::string::npos;
   };
   EXPECT_TRUE(names(1100, 5600, "are likely all 1.10 times the true ones"));
   EXPECT_TRUE(names(1040, 5200, "are likely all 1.04 times the true ones, or plane_z_mm of --rig is"));
@@ -286,4 +287,4 @@ TEST(Plates, ScaleIsHeldAgainstTheDrawings) {
 }
 
 }  // namespace
-}  // namespace selfproj
+}  // namespace selfproj::test

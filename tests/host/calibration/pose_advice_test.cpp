@@ -14,11 +14,11 @@ namespace {
 
 constexpr int kRows = 480;
 constexpr int kColumns = 640;
-const Chessboard kBoard{9, 6, 20};
+const calibration::Chessboard kBoard{9, 6, 20};
 
 // A board seen by a camera of 600 px focal length from 600 mm: turned about its rows and columns, and by `roll` in its
 // plane; its middle at this place of the image.
-PoseReport seen(double about_rows, double about_columns, double roll, double x, double y) {
+calibration::PoseReport seen(double about_rows, double about_columns, double roll, double x, double y) {
   std::vector<cv::Point3d> board;
   for (int i = 0; i < kBoard.corners(); ++i) {
     board.emplace_back((i % 9 - 4.0) * 20, (i / 9 - 2.5) * 20, 0);
@@ -32,7 +32,7 @@ PoseReport seen(double about_rows, double about_columns, double roll, double x, 
   const cv::Matx33d camera(600, 0, 319.5, 0, 600, 239.5, 0, 0, 1);
   std::vector<cv::Point2d> image;
   cv::projectPoints(board, rotation, cv::Vec3d((x - 319.5), (y - 239.5), 600), camera, cv::noArray(), image);
-  PoseReport pose;
+  calibration::PoseReport pose;
   pose.rows = kRows;
   pose.columns = kColumns;
   for (const cv::Point2d& point : image) {
@@ -44,18 +44,18 @@ PoseReport seen(double about_rows, double about_columns, double roll, double x, 
 // A positive turn about the image's rows (x to the right) takes the lower side away from the camera.
 TEST(PoseAdvice, FindsTheFarSideHoweverTheBoardIsTurned) {
   for (const double roll : {0.0, 0.5, 1.57, 3.14, -1.2}) {
-    EXPECT_EQ(lean_of(seen(0.4, 0, roll, 320, 240), kBoard), Lean::lower) << roll;
-    EXPECT_EQ(lean_of(seen(-0.4, 0, roll, 320, 240), kBoard), Lean::upper) << roll;
-    EXPECT_EQ(lean_of(seen(0, -0.4, roll, 320, 240), kBoard), Lean::right) << roll;
-    EXPECT_EQ(lean_of(seen(0, 0.4, roll, 320, 240), kBoard), Lean::left) << roll;
-    EXPECT_EQ(lean_of(seen(0, 0, roll, 320, 240), kBoard), Lean::none) << roll;
-    EXPECT_EQ(lean_of(seen(0.4, 0, roll, 420, 160), kBoard), Lean::lower) << roll;
+    EXPECT_EQ(calibration::lean_of(seen(0.4, 0, roll, 320, 240), kBoard), calibration::Lean::lower) << roll;
+    EXPECT_EQ(calibration::lean_of(seen(-0.4, 0, roll, 320, 240), kBoard), calibration::Lean::upper) << roll;
+    EXPECT_EQ(calibration::lean_of(seen(0, -0.4, roll, 320, 240), kBoard), calibration::Lean::right) << roll;
+    EXPECT_EQ(calibration::lean_of(seen(0, 0.4, roll, 320, 240), kBoard), calibration::Lean::left) << roll;
+    EXPECT_EQ(calibration::lean_of(seen(0, 0, roll, 320, 240), kBoard), calibration::Lean::none) << roll;
+    EXPECT_EQ(calibration::lean_of(seen(0.4, 0, roll, 420, 160), kBoard), calibration::Lean::lower) << roll;
   }
-  EXPECT_EQ(lean_of({}, kBoard), Lean::none);
+  EXPECT_EQ(calibration::lean_of({}, kBoard), calibration::Lean::none);
 }
 
 TEST(PoseAdvice, AsksForWhatIsMissing) {
-  PoseAdvice advice(kBoard);
+  calibration::PoseAdvice advice(kBoard);
   EXPECT_EQ(advice.next(),
             "place the chessboard in the central part of the image, with its left edge farther from the camera than "
             "its right "
@@ -75,7 +75,7 @@ TEST(PoseAdvice, AsksForWhatIsMissing) {
 }
 
 TEST(PoseAdvice, WhoFollowsItIsSoonDone) {
-  PoseAdvice advice(kBoard);
+  calibration::PoseAdvice advice(kBoard);
   const std::vector<std::string> parts = {"upper left",   "upper middle", "upper right",  "middle left", "central",
                                           "middle right", "lower left",   "lower middle", "lower right"};
   int poses = 0;

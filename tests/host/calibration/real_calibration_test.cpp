@@ -19,29 +19,29 @@
 #include "host/files/results_file.h"
 #include "host/images/image_files.h"
 #include "host/images/image_sequence.h"
-#include "host/structured_light/gray_sequence.h"
+#include "selfproj/structured_light/gray_sequence.h"
 
 #ifdef SELFPROJ_HAS_OPENCV_STRUCTURED_LIGHT
 #include <opencv2/structured_light/graycodepattern.hpp>
 #endif
 
-namespace selfproj {
+namespace selfproj::test {
 namespace {
 
 namespace fs = std::filesystem;
 
 constexpr int kPoses = 3;
-const GraySequence kSequence(1024, 768);
+const structured_light::GraySequence kSequence(1024, 768);
 
 std::string folder_of(int pose) {
   const fs::path data = fs::path(SELFPROJ_SOURCE_DIR) / "../shared/data";
   return (data / ("gray-kamino-pose" + std::to_string(pose)) / ("capture_" + std::to_string(pose))).string();
 }
 
-Capture capture_of(int pose, const DecodeSettings& settings) {
+calibration::Capture capture_of(int pose, const calibration::DecodeSettings& settings) {
   const std::string folder = folder_of(pose);
-  ImageSequence images(files_of_folder(folder), std::nullopt);
-  return decode_capture(folder, images, kSequence, settings);
+  images::ImageSequence images(images::files_of_folder(folder), std::nullopt);
+  return calibration::decode_capture(folder, images, kSequence, settings);
 }
 
 // The chessboard in its three poses, found with both kinds of corners.
@@ -52,55 +52,58 @@ class RealChessboard {
     settings.projector_columns = kSequence.columns();
     settings.projector_rows = kSequence.rows();
     for (int pose = 0; pose < kPoses; ++pose) {
-      const Capture capture = capture_of(pose, {});
-      settings.corners.method = CornerMethod::direct;
-      direct.push_back(observe_pose(folder_of(pose), capture, settings));
-      settings.corners.method = CornerMethod::homography;
-      homography.push_back(observe_pose(folder_of(pose), capture, settings));
+      const calibration::Capture capture = capture_of(pose, {});
+      settings.corners.method = calibration::CornerMethod::direct;
+      direct.push_back(calibration::observe_pose(folder_of(pose), capture, settings));
+      settings.corners.method = calibration::CornerMethod::homography;
+      homography.push_back(calibration::observe_pose(folder_of(pose), capture, settings));
     }
   }
 
-  CalibrateSettings settings;
-  std::vector<PoseReport> homography, direct;
+  calibration::CalibrateSettings settings;
+  std::vector<calibration::PoseReport> homography, direct;
 };
 
 nlohmann::ordered_json three_poses(const RealChessboard& real) {
-  CalibrateSettings settings = real.settings;
+  calibration::CalibrateSettings settings = real.settings;
   nlohmann::ordered_json results;
-  for (const CornerMethod method : {CornerMethod::homography, CornerMethod::direct}) {
+  for (const calibration::CornerMethod method :
+       {calibration::CornerMethod::homography, calibration::CornerMethod::direct}) {
     settings.corners.method = method;
-    const std::vector<PoseReport>& poses = method == CornerMethod::homography ? real.homography : real.direct;
-    for (const PoseReport& pose : poses) {
+    const std::vector<calibration::PoseReport>& poses =
+        method == calibration::CornerMethod::homography ? real.homography : real.direct;
+    for (const calibration::PoseReport& pose : poses) {
       EXPECT_EQ(pose.used(), settings.chessboard.corners());
     }
     for (const double reject : {0.0, 4.5}) {
       settings.reject = reject;
-      const CalibrationReport report = calibrate(poses, settings);
-      const BundleResult& found = report.bundle;
+      const calibration::CalibrationReport report = calibration::calibrate(poses, settings);
+      const calibration::BundleResult& found = report.bundle;
       int used = 0;
-      for (const PoseReport& pose : report.poses) {
+      for (const calibration::PoseReport& pose : report.poses) {
         used += pose.used();
       }
       constexpr double kFocal = 3452;  // that of five poses
-      results[method == CornerMethod::homography ? "homography" : "direct"][reject > 0 ? "rejecting" : "all_corners"] =
-          {{"corners", used},
-           {"camera_focal_px", report.calibration.camera.fx},
-           {"camera_focal_deviation_px", found.deviation.camera[0]},
-           {"off_five_poses", std::abs(report.calibration.camera.fx / kFocal - 1)},
-           {"projector_focal_px", report.calibration.projector.fx},
-           {"projector_focal_deviation_px", found.deviation.projector[0]},
-           {"baseline", cv::norm(report.calibration.translation)},
-           {"baseline_deviation", found.baseline_deviation},
-           {"camera_rms_px", found.camera_rms},
-           {"projector_rms_px", found.projector_rms},
-           {"stereo_rms_px", found.rms}};
+      results[method == calibration::CornerMethod::homography ? "homography" : "direct"]
+             [reject > 0 ? "rejecting" : "all_corners"] = {
+                 {"corners", used},
+                 {"camera_focal_px", report.calibration.camera.fx},
+                 {"camera_focal_deviation_px", found.deviation.camera[0]},
+                 {"off_five_poses", std::abs(report.calibration.camera.fx / kFocal - 1)},
+                 {"projector_focal_px", report.calibration.projector.fx},
+                 {"projector_focal_deviation_px", found.deviation.projector[0]},
+                 {"baseline", cv::norm(report.calibration.translation)},
+                 {"baseline_deviation", found.baseline_deviation},
+                 {"camera_rms_px", found.camera_rms},
+                 {"projector_rms_px", found.projector_rms},
+                 {"stereo_rms_px", found.rms}};
       EXPECT_NEAR(report.calibration.camera.fx, kFocal, 0.015 * kFocal);
       EXPECT_NEAR(report.calibration.camera.fy, kFocal, 0.015 * kFocal);
       EXPECT_LE(found.rms, 0.7);
       EXPECT_LE(found.camera_rms, 0.7);
       EXPECT_LE(found.projector_rms, 0.7);
       EXPECT_FALSE(report.mirrored);
-      for (std::size_t i = 0; i < kLensParameters; ++i) {
+      for (std::size_t i = 0; i < calibration::kLensParameters; ++i) {
         const bool estimated = i < 4 + static_cast<std::size_t>(report.model.free.camera);
         EXPECT_EQ(found.deviation.camera[i] > 0 && std::isfinite(found.deviation.camera[i]), estimated) << i;
         const bool lit = i < 4 + static_cast<std::size_t>(report.model.free.projector);
@@ -119,14 +122,14 @@ nlohmann::ordered_json three_poses(const RealChessboard& real) {
 
 // The greatest difference between two calibrations in a focal length, a centre, the projector's place or its turn, in
 // standard deviations of the difference.
-double farthest(const CalibrationReport& a, const CalibrationReport& b) {
+double farthest(const calibration::CalibrationReport& a, const calibration::CalibrationReport& b) {
   double most = 0;
   const auto compare = [&](double x, double y, double dx, double dy) {
     most = std::max(most, std::abs(x - y) / std::hypot(dx, dy));
   };
-  const BundleResult& p = a.bundle;
-  const BundleResult& q = b.bundle;
-  for (std::size_t i = 0; i < kPinholeParameters; ++i) {
+  const calibration::BundleResult& p = a.bundle;
+  const calibration::BundleResult& q = b.bundle;
+  for (std::size_t i = 0; i < calibration::kPinholeParameters; ++i) {
     compare(p.bundle.camera[i], q.bundle.camera[i], p.deviation.camera[i], q.deviation.camera[i]);
     compare(p.bundle.projector[i], q.bundle.projector[i], p.deviation.projector[i], q.deviation.projector[i]);
   }
@@ -145,17 +148,18 @@ double farthest(const CalibrationReport& a, const CalibrationReport& b) {
 // fits, and how it explains the pose left out, with the chessboard's shape released and without.
 nlohmann::ordered_json subsets(const RealChessboard& real) {
   constexpr double kWithin = 3;  // standard deviations, for the greatest of 15 differences
-  CalibrateSettings settings = real.settings;
+  calibration::CalibrateSettings settings = real.settings;
   nlohmann::ordered_json results;
-  const CalibrationReport all = calibrate(real.homography, settings);
+  const calibration::CalibrationReport all = calibration::calibrate(real.homography, settings);
   EXPECT_EQ(all.model.refusal, "");
   for (int left_out = 0; left_out < kPoses; ++left_out) {
-    std::vector<PoseReport> subset = real.homography;
+    std::vector<calibration::PoseReport> subset = real.homography;
     subset.erase(subset.begin() + left_out);
     for (const bool bent : {true, false}) {
       settings.bent = bent;
-      const CalibrationReport report = calibrate(subset, settings);
-      const CheckReport check = check_pose(real.homography[static_cast<std::size_t>(left_out)], report);
+      const calibration::CalibrationReport report = calibration::calibrate(subset, settings);
+      const calibration::CheckReport check =
+          calibration::check_pose(real.homography[static_cast<std::size_t>(left_out)], report);
       const double off = farthest(report, all);
       if (bent && report.model.refusal.empty()) {
         EXPECT_LT(off, kWithin) << "without pose " << left_out;
@@ -182,7 +186,8 @@ TEST(RealCalibration, ThreePosesOfAChessboard) {
   nlohmann::ordered_json results = three_poses(real);
   results["subsets"] = subsets(real);
   std::printf("%s\n", results.dump(1).c_str());
-  write_results("real_calibration", "Camera and projector from real captures of a chessboard in three poses", results);
+  files::write_results("real_calibration", "Camera and projector from real captures of a chessboard in three poses",
+                       results);
 }
 
 #ifdef SELFPROJ_HAS_OPENCV_STRUCTURED_LIGHT
@@ -192,17 +197,17 @@ TEST(RealCalibration, ProjectorPixelsAreThoseOfOpenCv) {
   if (!fs::exists(folder_of(0))) {
     GTEST_SKIP() << "no " << folder_of(0);
   }
-  const DecodeSettings settings;
+  const calibration::DecodeSettings settings;
   const auto peer = cv::structured_light::GrayCodePattern::create(kSequence.columns(), kSequence.rows());
   peer->setWhiteThreshold(static_cast<std::size_t>(settings.threshold) + 1);
   for (int pose = 0; pose < kPoses; ++pose) {
-    const Capture capture = capture_of(pose, settings);
-    std::vector<Image> images;
+    const calibration::Capture capture = capture_of(pose, settings);
+    std::vector<images::Image> images;
     std::vector<cv::Mat> mats;
-    for (const std::string& file : files_of_folder(folder_of(pose))) {
-      images.push_back(read_image(file, {}));
+    for (const std::string& file : images::files_of_folder(folder_of(pose))) {
+      images.push_back(images::read_image(file, {}));
     }
-    for (Image& image : images) {
+    for (images::Image& image : images) {
       mats.emplace_back(image.rows, image.columns, CV_8UC1, image.pixels.data());
     }
     mats.resize(peer->getNumberOfPatternImages());
@@ -214,7 +219,7 @@ TEST(RealCalibration, ProjectorPixelsAreThoseOfOpenCv) {
       for (int x = 0; x < capture.columns; ++x, ++i) {
         cv::Point pixel;
         const bool their = !peer->getProjPixel(mats, x, y, pixel);
-        const bool our = capture.projector_column[i] != Capture::kNone;
+        const bool our = capture.projector_column[i] != calibration::Capture::kNone;
         theirs += their && !our ? 1 : 0;
         ours += our && !their ? 1 : 0;
         if (our && their) {
@@ -240,4 +245,4 @@ TEST(RealCalibration, ProjectorPixelsAreThoseOfOpenCv) {
 #endif
 
 }  // namespace
-}  // namespace selfproj
+}  // namespace selfproj::test

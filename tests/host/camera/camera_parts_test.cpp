@@ -31,7 +31,7 @@ TEST(FrameNumbers, CountThroughTheWrap) {
     for (const std::uint64_t seed : seeds(20)) {
       SCOPED_TRACE(how_to_repeat(seed));
       Random random(seed);
-      FrameNumbers numbers(kind.first, kind.period);
+      camera::FrameNumbers numbers(kind.first, kind.period);
       std::uint64_t truth = kind.start;  // without the wrap
       std::uint64_t begin = 0;
       std::uint64_t given = 0;
@@ -56,7 +56,7 @@ TEST(FrameNumbers, CountThroughTheWrap) {
 }
 
 TEST(FrameNumbers, GigeLeavesOutZero) {
-  FrameNumbers numbers(1, 65535);
+  camera::FrameNumbers numbers(1, 65535);
   EXPECT_EQ(numbers.accept(65534), 0U);
   EXPECT_EQ(numbers.accept(65535), 1U);
   EXPECT_EQ(numbers.accept(1), 2U);
@@ -65,9 +65,43 @@ TEST(FrameNumbers, GigeLeavesOutZero) {
   EXPECT_EQ(numbers.dropped(), 0U);
 }
 
+// From each side of the half-wrap: a loss of any length, and a false number, cost at most two images more.
+TEST(FrameNumbers, AStreamThatGoesOnIsFollowed) {
+  for (const std::uint64_t loss : {1U, 32'700U, 32'766U, 32'767U, 32'768U, 40'000U, 65'400U}) {
+    camera::FrameNumbers numbers(1, 65535);
+    std::uint64_t given = 0;
+    std::uint64_t last = 0;
+    const auto send = [&](std::uint64_t image) {  // image 0 has number 1
+      if (const std::optional<std::uint64_t> count = numbers.accept(1 + image % 65535)) {
+        ++given;
+        last = *count;
+      }
+    };
+    for (std::uint64_t i = 0; i < 100; ++i) {
+      send(i);
+    }
+    for (std::uint64_t i = 0; i < 100'000; ++i) {
+      send(100 + loss + i);
+    }
+    EXPECT_EQ(last, 100 + loss + 99'999) << loss;
+    EXPECT_EQ(given + numbers.dropped(), last + 1) << loss;
+    EXPECT_GE(given, 100'098U) << loss;
+  }
+  for (const std::uint64_t period : {std::uint64_t{0}, std::uint64_t{65535}}) {
+    camera::FrameNumbers numbers(1, period);
+    EXPECT_TRUE(numbers.accept(1));
+    EXPECT_TRUE(numbers.accept(30'000)) << "false";
+    int refused = 0;
+    for (std::uint64_t number = 2; number < 1000; ++number) {
+      refused += numbers.accept(number) ? 0 : 1;
+    }
+    EXPECT_EQ(refused, 2);
+  }
+}
+
 // Of incomplete images the number may be lost, too.
 TEST(FrameNumbers, ImagesWithoutANumberAreTheNext) {
-  FrameNumbers numbers(1, 65535);
+  camera::FrameNumbers numbers(1, 65535);
   EXPECT_EQ(numbers.guess(), 0U);
   EXPECT_EQ(numbers.accept(65533), 1U);
   EXPECT_EQ(numbers.guess(), 2U);
@@ -82,11 +116,11 @@ TEST(FrameNumbers, ImagesWithoutANumberAreTheNext) {
 }
 
 // Packs values bit by bit, as the standards draw them.
-Bytes packed(const PixelFormat& format, const std::vector<unsigned>& values) {
-  Bytes raw(line_bytes(format, static_cast<int>(values.size())));
+Bytes packed(const camera::PixelFormat& format, const std::vector<unsigned>& values) {
+  Bytes raw(camera::line_bytes(format, static_cast<int>(values.size())));
   const auto bits = static_cast<std::size_t>(format.bits);
   for (std::size_t i = 0; i < values.size(); ++i) {
-    if (format.layout == Layout::packed_gige) {
+    if (format.layout == camera::Layout::packed_gige) {
       const auto step = static_cast<unsigned>(std::pow(2, format.bits - 8));
       const unsigned high = values[i] / step;
       const unsigned low = values[i] % step;
@@ -94,9 +128,9 @@ Bytes packed(const PixelFormat& format, const std::vector<unsigned>& values) {
       raw[i / 2 * 3 + 1] |= static_cast<std::uint8_t>(low << (i % 2 * 4));
       continue;
     }
-    const std::size_t place = format.layout == Layout::words   ? 16 * i
-                              : format.layout == Layout::bytes ? 8 * i
-                                                               : bits * i;
+    const std::size_t place = format.layout == camera::Layout::words   ? 16 * i
+                              : format.layout == camera::Layout::bytes ? 8 * i
+                                                                       : bits * i;
     for (std::size_t bit = 0; bit < bits; ++bit) {
       raw[(place + bit) / 8] |= static_cast<std::uint8_t>((values[i] >> bit & 1U) << ((place + bit) % 8));
     }
@@ -108,7 +142,7 @@ TEST(PixelFormat, ValuesBecomeTheirUpperEightBits) {
   for (const char* name :
        {"Mono8", "Mono10", "Mono12", "Mono16", "Mono10p", "Mono12p", "Mono10Packed", "Mono12Packed"}) {
     SCOPED_TRACE(name);
-    const PixelFormat format = pixel_format(name).value();
+    const camera::PixelFormat format = camera::pixel_format(name).value();
     Random random(3);
     std::vector<unsigned> values(64);
     for (unsigned& value : values) {
@@ -118,13 +152,13 @@ TEST(PixelFormat, ValuesBecomeTheirUpperEightBits) {
     const Bytes raw = packed(format, values);
     const std::size_t half = values.size() / 2;
     Bytes out(values.size());
-    to_grey8(format, std::nullopt, raw, 2, static_cast<int>(half), raw.size() / 2, out.data());
+    camera::to_grey8(format, std::nullopt, raw, 2, static_cast<int>(half), raw.size() / 2, out.data());
     EXPECT_EQ(out[0], 255);
     for (std::size_t i = 0; i < values.size(); ++i) {
       ASSERT_EQ(out[i], values[i] / static_cast<unsigned>(std::pow(2, format.bits - 8))) << i;
     }
-    EXPECT_THROW(to_grey8(format, std::nullopt, {raw.data(), raw.size() - 1}, 2, static_cast<int>(half), raw.size() / 2,
-                          out.data()),
+    EXPECT_THROW(camera::to_grey8(format, std::nullopt, {raw.data(), raw.size() - 1}, 2, static_cast<int>(half),
+                                  raw.size() / 2, out.data()),
                  std::invalid_argument);
   }
 }
@@ -132,40 +166,40 @@ TEST(PixelFormat, ValuesBecomeTheirUpperEightBits) {
 TEST(PixelFormat, ColourFiltersByCell) {
   const Bytes raw = {10, 21, 11, 20,  //
                      30, 40, 33, 41};
-  const auto plane = [&](const char* name, Channel channel) {
+  const auto plane = [&](const char* name, images::Channel channel) {
     Bytes out(2);
-    to_grey8(pixel_format(name).value(), channel, raw, 2, 4, 4, out.data());
+    camera::to_grey8(camera::pixel_format(name).value(), channel, raw, 2, 4, 4, out.data());
     return out;
   };
-  EXPECT_EQ(plane("BayerRG8", Channel::red), (Bytes{10, 11}));
-  EXPECT_EQ(plane("BayerRG8", Channel::blue), (Bytes{40, 41}));
-  EXPECT_EQ(plane("BayerRG8", Channel::green), (Bytes{26, 27})) << "25.5 and 26.5, halves up";
-  EXPECT_EQ(plane("BayerRG8", Channel::grey), (Bytes{25, 26})) << "25.25 and 26.25";
-  EXPECT_EQ(plane("BayerBG8", Channel::red), (Bytes{40, 41}));
-  EXPECT_EQ(plane("BayerGR8", Channel::red), (Bytes{21, 20}));
-  EXPECT_EQ(plane("BayerGR8", Channel::green), (Bytes{25, 26}));
-  EXPECT_EQ(plane("BayerGB8", Channel::red), (Bytes{30, 33}));
-  EXPECT_EQ(plane("BayerGB8", Channel::blue), (Bytes{21, 20}));
-  EXPECT_EQ(rows_of(*pixel_format("BayerRG8"), 96), 48);
+  EXPECT_EQ(plane("BayerRG8", images::Channel::red), (Bytes{10, 11}));
+  EXPECT_EQ(plane("BayerRG8", images::Channel::blue), (Bytes{40, 41}));
+  EXPECT_EQ(plane("BayerRG8", images::Channel::green), (Bytes{26, 27})) << "25.5 and 26.5, halves up";
+  EXPECT_EQ(plane("BayerRG8", images::Channel::grey), (Bytes{25, 26})) << "25.25 and 26.25";
+  EXPECT_EQ(plane("BayerBG8", images::Channel::red), (Bytes{40, 41}));
+  EXPECT_EQ(plane("BayerGR8", images::Channel::red), (Bytes{21, 20}));
+  EXPECT_EQ(plane("BayerGR8", images::Channel::green), (Bytes{25, 26}));
+  EXPECT_EQ(plane("BayerGB8", images::Channel::red), (Bytes{30, 33}));
+  EXPECT_EQ(plane("BayerGB8", images::Channel::blue), (Bytes{21, 20}));
+  EXPECT_EQ(camera::rows_of(*camera::pixel_format("BayerRG8"), 96), 48);
 }
 
 TEST(PixelFormat, ColoursAndLuminance) {
   const Bytes raw = {200, 100, 50, 0, 255, 3};
-  const auto plane = [&](const char* name, std::optional<Channel> channel, int columns) {
+  const auto plane = [&](const char* name, std::optional<images::Channel> channel, int columns) {
     Bytes out(static_cast<std::size_t>(columns));
-    to_grey8(pixel_format(name).value(), channel, raw, 1, columns, raw.size(), out.data());
+    camera::to_grey8(camera::pixel_format(name).value(), channel, raw, 1, columns, raw.size(), out.data());
     return out;
   };
-  EXPECT_EQ(plane("RGB8", Channel::red, 2), (Bytes{200, 0}));
-  EXPECT_EQ(plane("BGR8", Channel::red, 2), (Bytes{50, 3}));
-  EXPECT_EQ(plane("RGB8", Channel::grey, 2), (Bytes{124, 150})) << "0.299 R + 0.587 G + 0.114 B";
+  EXPECT_EQ(plane("RGB8", images::Channel::red, 2), (Bytes{200, 0}));
+  EXPECT_EQ(plane("BGR8", images::Channel::red, 2), (Bytes{50, 3}));
+  EXPECT_EQ(plane("RGB8", images::Channel::grey, 2), (Bytes{124, 150})) << "0.299 R + 0.587 G + 0.114 B";
   EXPECT_EQ(plane("YUV422_8", std::nullopt, 3), (Bytes{200, 50, 255}));
   EXPECT_EQ(plane("YUV422_8_UYVY", std::nullopt, 3), (Bytes{100, 0, 3}));
   EXPECT_THROW(plane("RGB8", std::nullopt, 2), std::invalid_argument);
 }
 
 TEST(CameraUri, EverySetting) {
-  const CameraUri uri = parse_camera_uri(
+  const camera::CameraUri uri = camera::parse_camera_uri(
       "camera:Maker-1?exposure-us=12.5&gain=-2&region=512x96+64+20&format=BayerRG12&channel=green&trigger=Line1&"
       "packet-bytes=9000&buffers=8&mode=grey&threshold=60&select=strongest&gap=1&rows=10..80&codes=6&code-threshold=4&"
       "patterns=12&stream=3&pixel-clock-hz=1e6&median=yes&image=no");
@@ -173,14 +207,14 @@ TEST(CameraUri, EverySetting) {
   EXPECT_EQ(uri.name, "Maker-1");
   EXPECT_EQ(uri.camera.exposure_us, 12.5);
   EXPECT_EQ(uri.camera.gain, -2);
-  EXPECT_EQ(uri.camera.region, (ImagePart{512, 96, 64, 20}));
-  EXPECT_EQ(uri.camera.channel, Channel::green);
+  EXPECT_EQ(uri.camera.region, (images::ImagePart{512, 96, 64, 20}));
+  EXPECT_EQ(uri.camera.channel, images::Channel::green);
   EXPECT_EQ(uri.camera.trigger, "Line1");
   EXPECT_EQ(uri.camera.packet_bytes, 9000);
   EXPECT_EQ(uri.camera.buffers, 8);
-  EXPECT_EQ(uri.board.mode, Mode::grey);
-  EXPECT_EQ(uri.board.select, Select::strongest);
-  EXPECT_EQ(uri.board.window, (RowWindow{10, 80}));
+  EXPECT_EQ(uri.board.mode, model::Mode::grey);
+  EXPECT_EQ(uri.board.select, model::Select::strongest);
+  EXPECT_EQ(uri.board.window, (model::RowWindow{10, 80}));
   EXPECT_EQ(uri.board.code_bits, 6);
   EXPECT_EQ(uri.board.patterns, 12);
   EXPECT_TRUE(uri.board.median);
@@ -188,7 +222,7 @@ TEST(CameraUri, EverySetting) {
 }
 
 TEST(CameraUri, Refusals) {
-  const auto refusal = [](const std::string& text) { return error_of([&] { parse_camera_uri(text); }); };
+  const auto refusal = [](const std::string& text) { return error_of([&] { camera::parse_camera_uri(text); }); };
   EXPECT_EQ(refusal("ring:a"), "ring:a: is not a camera; use camera:NAME, as `selfproj devices` lists them");
   EXPECT_EQ(refusal("camera:a?gain"), "camera:a?gain: gain has no value");
   EXPECT_EQ(refusal("camera:a?gain=1&gain=1"), "camera:a?gain=1&gain=1: gain is given twice");

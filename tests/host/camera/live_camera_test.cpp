@@ -13,8 +13,8 @@
 
 #include "host/camera/camera_device.h"
 #include "host/camera/open_camera.h"
-#include "host/files/user_error.h"
-#include "model/packet.h"
+#include "selfproj/files/user_error.h"
+#include "selfproj/model/packet.h"
 #include "tests/host/camera/gige_camera.h"
 #include "tests/support/error_of.h"
 
@@ -41,14 +41,14 @@ constexpr const char* kHighestRate =
 
 // Takes packets until `count` good ones came or ten seconds have passed, and checks their moments. Image numbers and
 // pictures count from the same one, unless images before the first were lost, which `first` then says.
-void take_packets(Device& device, std::uint64_t count) {
-  PacketView packet;
+void take_packets(driver::Device& device, std::uint64_t count) {
+  model::PacketView packet;
   std::optional<int> shift;
   std::uint64_t good = 0;
   std::uint64_t newest = 0;
   const auto end = std::chrono::steady_clock::now() + seconds(20);
   while (good < count && std::chrono::steady_clock::now() < end) {
-    if (device.next(packet, milliseconds(100)) != Next::packet) {
+    if (device.next(packet, milliseconds(100)) != driver::Next::packet) {
       continue;
     }
     newest = packet.header.sequence;
@@ -57,9 +57,9 @@ void take_packets(Device& device, std::uint64_t count) {
       continue;
     }
     ++good;
-    Moments moments;
+    model::Moments moments;
     moments.resize(512);
-    unpack_moments(Mode::binary, 512, packet.payload.data(), moments.view());
+    model::unpack_moments(model::Mode::binary, 512, packet.payload.data(), moments.view());
     const int row = static_cast<int>(moments.m1[300] / 3) - 2;  // rows count from 1; three are lit
     if (!shift) {                                               // the first picture whose line is there
       for (int i = 0; i < 90 && !shift; ++i) {
@@ -73,7 +73,7 @@ void take_packets(Device& device, std::uint64_t count) {
                 static_cast<std::uint32_t>(3 * (row_of(newest + static_cast<std::uint64_t>(*shift)) + 2)));
     }
   }
-  const Counters counters = device.counters();
+  const driver::Counters counters = device.counters();
   EXPECT_EQ(good, count);
   EXPECT_EQ(counters.delivered + counters.missing, newest + 1) << "every image is a packet or counted";
   EXPECT_EQ(counters.delivered - counters.flagged, good);
@@ -83,23 +83,23 @@ void take_packets(Device& device, std::uint64_t count) {
 // Through the wrap of the 16-bit numbers: Aravis' camera begins with 65,400.
 TEST_F(LiveCamera, EveryFrameOfTheHighestRateIsAPacketOrCounted) {
   const GigeCamera camera(draw_line);
-  const std::unique_ptr<Device> device = open_any_device(kHighestRate);
+  const std::unique_ptr<driver::Device> device = camera::open_any_device(kHighestRate);
   take_packets(*device, 600);
 }
 
 TEST_F(LiveCamera, LostPacketsAreIncompleteImages) {
   const GigeCamera camera(draw_line, 0.01);
-  const std::unique_ptr<Device> device = open_any_device(kHighestRate);
+  const std::unique_ptr<driver::Device> device = camera::open_any_device(kHighestRate);
   take_packets(*device, 300);
   EXPECT_GT(device->counters().flagged, 0U);
 }
 
 TEST_F(LiveCamera, SoftwareTriggerOneAtATime) {
   const GigeCamera gige(draw_line);
-  const std::unique_ptr<Camera> camera =
-      open_camera(parse_camera_uri("camera:127.0.0.1?region=64x96&trigger=software"));
+  const std::unique_ptr<camera::Camera> camera =
+      camera::open_camera(camera::parse_camera_uri("camera:127.0.0.1?region=64x96&trigger=software"));
   camera->start();
-  CameraImage image;
+  camera::CameraImage image;
   EXPECT_FALSE(camera->next(image, milliseconds(100))) << "without a trigger there is no image";
   for (std::uint64_t i = 0; i < 5; ++i) {
     camera->trigger();
@@ -114,7 +114,7 @@ TEST_F(LiveCamera, SoftwareTriggerOneAtATime) {
 TEST_F(LiveCamera, SettingsThatTheCameraRefuses) {
   const GigeCamera gige(draw_line);
   const auto refusal = [](const std::string& settings) {
-    return error_of([&] { open_camera(parse_camera_uri("camera:127.0.0.1?" + settings)); });
+    return error_of([&] { camera::open_camera(camera::parse_camera_uri("camera:127.0.0.1?" + settings)); });
   };
   const std::string uri = "camera:127.0.0.1: ";
   EXPECT_EQ(refusal("exposure-us=1"), uri + "exposure-us: the camera takes 10 to 1e+07");
@@ -129,21 +129,21 @@ TEST_F(LiveCamera, ColourFilter) {
       picture.pixels[i] = static_cast<std::uint8_t>(i / picture.columns % 2 * 100 + i % 2 * 10);
     }
   });
-  const std::unique_ptr<Camera> camera =
-      open_camera(parse_camera_uri("camera:127.0.0.1?region=64x32&format=BayerRG8&channel=blue"));
+  const std::unique_ptr<camera::Camera> camera =
+      camera::open_camera(camera::parse_camera_uri("camera:127.0.0.1?region=64x32&format=BayerRG8&channel=blue"));
   EXPECT_EQ(camera->rows(), 16);
   EXPECT_EQ(camera->columns(), 32);
   camera->start();
-  CameraImage image;
+  camera::CameraImage image;
   ASSERT_TRUE(camera->next(image, seconds(2)));
   EXPECT_EQ(image.view.pixels[5 * image.view.stride + 31], 110);
 }
 
 TEST_F(LiveCamera, ACameraThatGoesIsOneLine) {
   auto gige = std::make_unique<GigeCamera>(draw_line);
-  const std::unique_ptr<Device> device = open_any_device("camera:127.0.0.1?region=64x32");
-  PacketView packet;
-  ASSERT_EQ(device->next(packet, seconds(2)), Next::packet);
+  const std::unique_ptr<driver::Device> device = camera::open_any_device("camera:127.0.0.1?region=64x32");
+  model::PacketView packet;
+  ASSERT_EQ(device->next(packet, seconds(2)), driver::Next::packet);
   gige.reset();
   const auto end = std::chrono::steady_clock::now() + seconds(20);
   try {
@@ -157,14 +157,14 @@ TEST_F(LiveCamera, ACameraThatGoesIsOneLine) {
 }
 
 TEST_F(LiveCamera, ListAndAbsence) {
-  EXPECT_THROW(open_camera(parse_camera_uri("camera:127.0.0.1")), UserError);
+  EXPECT_THROW(camera::open_camera(camera::parse_camera_uri("camera:127.0.0.1")), UserError);
   const GigeCamera gige(draw_line);
-  const std::vector<CameraEntry> cameras = list_cameras();
-  const auto found = std::find_if(cameras.begin(), cameras.end(), [](const CameraEntry& camera) {
+  const std::vector<camera::CameraEntry> cameras = camera::list_cameras();
+  const auto found = std::find_if(cameras.begin(), cameras.end(), [](const camera::CameraEntry& camera) {
     return camera.address == "127.0.0.1" && camera.kind == "GigE Vision";
   });
   ASSERT_NE(found, cameras.end());
-  EXPECT_NO_THROW(open_camera(parse_camera_uri(found->uri)));
+  EXPECT_NO_THROW(camera::open_camera(camera::parse_camera_uri(found->uri)));
 }
 
 }  // namespace

@@ -15,8 +15,8 @@
 #include <vector>
 
 #include "host/camera/camera_device.h"
-#include "host/files/user_error.h"
-#include "model/board.h"
+#include "selfproj/files/user_error.h"
+#include "selfproj/model/board.h"
 #include "tests/support/random_cases.h"
 
 namespace selfproj::test {
@@ -25,14 +25,14 @@ namespace {
 using Bytes = std::vector<std::uint8_t>;
 using PacketsOfKind = std::map<int, std::vector<Bytes>>;
 
-BoardSettings random_settings(Random& random) {
-  BoardSettings settings;
+model::BoardSettings random_settings(Random& random) {
+  model::BoardSettings settings;
   settings.columns = 4 * random.between(1, 20);
   settings.rows = random.between(1, 24);
-  settings.mode = static_cast<Mode>(random.between(0, 2));
+  settings.mode = static_cast<model::Mode>(random.between(0, 2));
   settings.threshold = random.between(0, 255);
-  settings.select = random.chance(50) ? Select::strongest : Select::all;
-  settings.gap = settings.select == Select::strongest ? random.between(0, 3) : 0;
+  settings.select = random.chance(50) ? model::Select::strongest : model::Select::all;
+  settings.gap = settings.select == model::Select::strongest ? random.between(0, 3) : 0;
   if (random.chance(30)) {
     settings.window = {random.between(0, settings.rows), random.between(0, settings.rows + 3)};
   }
@@ -47,10 +47,11 @@ BoardSettings random_settings(Random& random) {
 }
 
 // Gives the frame to the model, beat by beat; a broken one stops after its first beat.
-void feed(BoardModel& model, const Bytes& pixels, const BoardSettings& settings, BoardInputs inputs, bool whole) {
+void feed(model::BoardModel& model, const Bytes& pixels, const model::BoardSettings& settings,
+          model::BoardInputs inputs, bool whole) {
   const std::size_t beats = pixels.size() / 4;
   for (std::size_t beat = 0; beat < (whole ? beats : 1); ++beat) {
-    VideoBeat video;
+    model::VideoBeat video;
     std::copy_n(pixels.begin() + static_cast<std::ptrdiff_t>(4 * beat), 4, video.pixels.begin());
     video.start = beat == 0;
     video.line_end = (beat + 1) * 4 % static_cast<std::size_t>(settings.columns) == 0;
@@ -64,19 +65,19 @@ TEST(SoftwareBoard, GivesThePacketsOfTheModel) {
   for (const std::uint64_t seed : seeds(300)) {
     SCOPED_TRACE(how_to_repeat(seed));
     Random random(seed);
-    BoardSettings settings = random_settings(random);
+    model::BoardSettings settings = random_settings(random);
     // Of a broken frame the model has a beat and the camera nothing, which makes no difference to these.
     const bool breaks = !settings.image && settings.rows > 1 && settings.columns > 4 && random.chance(50);
     PacketsOfKind expected;
-    BoardModel model([&](BoardPacket&& packet) {
+    model::BoardModel model([&](model::BoardPacket&& packet) {
       Bytes bytes;
-      append_packet(packet.header, packet.payload, packet.status, bytes);
+      model::append_packet(packet.header, packet.payload, packet.status, bytes);
       expected[packet.header.kind].push_back(bytes);
     });
     model.write(settings);
-    SoftwareBoard board(settings);
+    camera::SoftwareBoard board(settings);
     PacketsOfKind got;
-    BoardInputs inputs;
+    model::BoardInputs inputs;
     for (std::uint64_t frame = 0; frame < 40; ++frame) {
       inputs.clock += 5000;
       inputs.encoder = static_cast<std::uint32_t>(random.bits());
@@ -89,10 +90,10 @@ TEST(SoftwareBoard, GivesThePacketsOfTheModel) {
           random.bytes(static_cast<std::size_t>(settings.columns) * static_cast<std::size_t>(settings.rows));
       feed(model, pixels, settings, inputs, whole);
       board.process({pixels.data(), settings.rows, settings.columns, settings.columns}, whole, frame, inputs);
-      PacketView packet;
+      model::PacketView packet;
       while (board.next(packet)) {
-        PacketView parsed;
-        ASSERT_EQ(parse_packet(packet.bytes(), parsed), PacketError::none);
+        model::PacketView parsed;
+        ASSERT_EQ(model::parse_packet(packet.bytes(), parsed), model::PacketError::none);
         ASSERT_EQ(parsed.header, packet.header);
         ASSERT_EQ(parsed.status, packet.status);
         got[packet.header.kind].emplace_back(packet.bytes().begin(), packet.bytes().end());
@@ -111,18 +112,18 @@ TEST(SoftwareBoard, GivesThePacketsOfTheModel) {
 }
 
 TEST(SoftwareBoard, RefusesWhatNoBoardHas) {
-  EXPECT_THROW(SoftwareBoard({.columns = 510}), std::invalid_argument);
-  EXPECT_THROW(SoftwareBoard({.columns = 4096}), std::invalid_argument);
-  EXPECT_THROW(SoftwareBoard({.rows = 1024}), std::invalid_argument);
-  EXPECT_THROW(SoftwareBoard({.threshold = 256}), std::invalid_argument);
-  EXPECT_THROW(SoftwareBoard({.codes = true, .code_bits = 13}), std::invalid_argument);
-  SoftwareBoard board({.columns = 8, .rows = 2});
+  EXPECT_THROW(camera::SoftwareBoard({.columns = 510}), std::invalid_argument);
+  EXPECT_THROW(camera::SoftwareBoard({.columns = 4096}), std::invalid_argument);
+  EXPECT_THROW(camera::SoftwareBoard({.rows = 1024}), std::invalid_argument);
+  EXPECT_THROW(camera::SoftwareBoard({.threshold = 256}), std::invalid_argument);
+  EXPECT_THROW(camera::SoftwareBoard({.codes = true, .code_bits = 13}), std::invalid_argument);
+  camera::SoftwareBoard board({.columns = 8, .rows = 2});
   const Bytes pixels(16);
   EXPECT_THROW(board.process({pixels.data(), 2, 4, 4}, true, 0, {}), std::invalid_argument);
 }
 
 // A camera whose images are given beforehand.
-class ListedCamera final : public Camera {
+class ListedCamera final : public camera::Camera {
  public:
   struct Listed {
     std::uint64_t number;
@@ -138,7 +139,7 @@ class ListedCamera final : public Camera {
   void stop() override {}
   void trigger() override { throw std::logic_error("no trigger"); }
   void forget_trigger() override {}
-  bool next(CameraImage& image, std::chrono::nanoseconds /*timeout*/) override {
+  bool next(camera::CameraImage& image, std::chrono::nanoseconds /*timeout*/) override {
     if (next_ == images_.size()) {
       return false;
     }
@@ -150,7 +151,7 @@ class ListedCamera final : public Camera {
     image.complete = listed.complete;
     return true;
   }
-  [[nodiscard]] CameraCounters counters() const override { return {}; }
+  [[nodiscard]] camera::CameraCounters counters() const override { return {}; }
   [[nodiscard]] int rows() const override { return rows_; }
   [[nodiscard]] int columns() const override { return columns_; }
   [[nodiscard]] const std::string& uri() const override { return uri_; }
@@ -171,17 +172,17 @@ TEST(CameraDevice, EveryImageIsAPacketOrCounted) {
       images.push_back({number, number % 500 != 9});
     }
   }
-  const auto device = make_camera_device(std::make_unique<ListedCamera>(2, 8, images),
-                                         {.mode = Mode::grey, .threshold = 100, .pixel_clock_hz = 1e6});
-  PacketView packet;
+  const auto device = camera::make_camera_device(std::make_unique<ListedCamera>(2, 8, images),
+                                                 {.mode = model::Mode::grey, .threshold = 100, .pixel_clock_hz = 1e6});
+  model::PacketView packet;
   std::uint64_t packets = 0;
-  while (device->next(packet, std::chrono::nanoseconds(0)) == Next::packet) {
+  while (device->next(packet, std::chrono::nanoseconds(0)) == driver::Next::packet) {
     ASSERT_EQ(packet.header.time_stamp, packet.header.sequence * 2500) << "2.5 ms at 1 MHz";
     ASSERT_EQ(packet.payload.empty(), packet.header.sequence % 500 == 9);
     ++packets;
     device->release();
   }
-  const Counters counters = device->counters();
+  const driver::Counters counters = device->counters();
   EXPECT_EQ(packets, 99'900U);
   EXPECT_EQ(counters.delivered, 99'900U);
   EXPECT_EQ(counters.missing, 100U);
@@ -190,10 +191,12 @@ TEST(CameraDevice, EveryImageIsAPacketOrCounted) {
 }
 
 TEST(CameraDevice, SizesThatNoBoardTakes) {
-  EXPECT_THROW(make_camera_device(std::make_unique<ListedCamera>(2, 10, std::vector<ListedCamera::Listed>{}), {}),
-               UserError);
-  EXPECT_THROW(make_camera_device(std::make_unique<ListedCamera>(1080, 1920, std::vector<ListedCamera::Listed>{}), {}),
-               UserError);
+  EXPECT_THROW(
+      camera::make_camera_device(std::make_unique<ListedCamera>(2, 10, std::vector<ListedCamera::Listed>{}), {}),
+      UserError);
+  EXPECT_THROW(
+      camera::make_camera_device(std::make_unique<ListedCamera>(1080, 1920, std::vector<ListedCamera::Listed>{}), {}),
+      UserError);
 }
 
 }  // namespace

@@ -18,7 +18,7 @@
 #include "host/camera/camera_uri.h"
 #include "host/camera/open_camera.h"
 #include "host/driver/device_port.h"
-#include "host/files/user_error.h"
+#include "selfproj/files/user_error.h"
 
 namespace selfproj::test {
 namespace {
@@ -50,7 +50,7 @@ struct Player {
   std::size_t queued_most = 0;
 };
 
-class PlayerPort final : public DevicePort {
+class PlayerPort final : public driver::DevicePort {
  public:
   explicit PlayerPort(Player& player) : player_(player) {}
 
@@ -176,8 +176,9 @@ class PlayerPort final : public DevicePort {
   std::deque<std::uint32_t> queue_;
 };
 
-std::unique_ptr<Camera> open(Player& player, const std::string& settings = "") {
-  return open_v4l2_camera(parse_camera_uri("camera:/dev/video9" + settings), std::make_unique<PlayerPort>(player));
+std::unique_ptr<camera::Camera> open(Player& player, const std::string& settings = "") {
+  return camera::open_v4l2_camera(camera::parse_camera_uri("camera:/dev/video9" + settings),
+                                  std::make_unique<PlayerPort>(player));
 }
 
 std::string refusal(Player& player, const std::string& settings) {
@@ -202,11 +203,11 @@ TEST(V4l2Camera, PlaysARecordingWithDroppedAndDamagedImages) {
   }
   player.images.insert(player.images.begin() + 100, {.sequence = 7});  // again, and late
   player.unplugged_at_end = true;
-  const std::unique_ptr<Camera> camera = open(player, "?region=320x8");
+  const std::unique_ptr<camera::Camera> camera = open(player, "?region=320x8");
   EXPECT_EQ(player.format, V4L2_PIX_FMT_YUYV) << "the luminance of what it has";
   EXPECT_EQ(camera->columns(), 320);
   camera->start();
-  CameraImage image;
+  camera::CameraImage image;
   std::int64_t last = -1;
   for (int given = 0; given < 288; ++given) {
     ASSERT_TRUE(camera->next(image, std::chrono::seconds(1)));
@@ -218,7 +219,7 @@ TEST(V4l2Camera, PlaysARecordingWithDroppedAndDamagedImages) {
       ASSERT_EQ(image.view.pixels[7 * image.view.stride + 319], static_cast<std::uint8_t>(i));
     }
   }
-  const CameraCounters counters = camera->counters();
+  const camera::CameraCounters counters = camera->counters();
   EXPECT_EQ(counters.incomplete, 10U);
   EXPECT_EQ(counters.complete, 278U);
   EXPECT_EQ(counters.dropped, 12U);
@@ -235,7 +236,7 @@ TEST(V4l2Camera, AutomaticsAreOffAndComeBack) {
   Player player;
   const auto before = player.controls;
   {
-    const std::unique_ptr<Camera> camera = open(player, "?exposure-us=5000");
+    const std::unique_ptr<camera::Camera> camera = open(player, "?exposure-us=5000");
     EXPECT_EQ(player.controls.at(V4L2_CID_EXPOSURE_AUTO), V4L2_EXPOSURE_MANUAL);
     EXPECT_EQ(player.controls.at(V4L2_CID_AUTOGAIN), 0);
     EXPECT_EQ(player.controls.at(V4L2_CID_EXPOSURE_ABSOLUTE), 50);
@@ -259,7 +260,7 @@ TEST(V4l2Camera, Refusals) {
   player.formats = {V4L2_PIX_FMT_MJPEG};
   EXPECT_EQ(refusal(player, ""),
             uri + "format: it has not Mono8 or YUV422_8 or YUV422_8_UYVY; it has none that is known here");
-  EXPECT_THROW(open_v4l2_camera(parse_camera_uri("camera:/dev/null")), UserError);
+  EXPECT_THROW(camera::open_v4l2_camera(camera::parse_camera_uri("camera:/dev/null")), UserError);
 }
 
 }  // namespace

@@ -29,8 +29,8 @@ class LitScene {
   }
 
   // `light` 0..1 of a pixel from its row and column.
-  Image seen(const std::function<double(int row, int column)>& light) {
-    Image image{kSceneSide, kSceneSide, {}};
+  images::Image seen(const std::function<double(int row, int column)>& light) {
+    images::Image image{kSceneSide, kSceneSide, {}};
     for (int i = 0; i < kSceneSide * kSceneSide; ++i) {
       const auto at = static_cast<std::size_t>(i);
       const double grey = black_[at] + light(i / kSceneSide, i % kSceneSide) * light_[at] + random_.between(-4, 4);
@@ -39,7 +39,7 @@ class LitScene {
     return image;
   }
 
-  WhiteAndBlack levels() {
+  capture::WhiteAndBlack levels() {
     return {.white = seen([](int /*row*/, int /*column*/) { return 1; }),
             .black = seen([](int /*row*/, int /*column*/) { return 0; })};
   }
@@ -58,15 +58,15 @@ TEST(LightCheck, APatternAndItsNegativeAddUpAndNothingElseDoes) {
     SCOPED_TRACE(how_to_repeat(seed));
     Random random(seed);
     LitScene scene(random);
-    const WhiteAndBlack levels = scene.levels();
+    const capture::WhiteAndBlack levels = scene.levels();
     const int width = 1 << random.between(1, 4);
     const auto pattern = [&](int /*row*/, int column) { return stripe(column, width); };
     const auto negative = [&](int row, int column) { return 1 - pattern(row, column); };
-    const Image first = scene.seen(pattern);
-    EXPECT_TRUE(adds_up(first, scene.seen(negative), levels));
+    const images::Image first = scene.seen(pattern);
+    EXPECT_TRUE(capture::adds_up(first, scene.seen(negative), levels));
     // An iris that opens a little, as long as it does so for both.
-    EXPECT_TRUE(adds_up(scene.seen([&](int row, int column) { return 1.1 * pattern(row, column); }),
-                        scene.seen([&](int row, int column) { return 1.1 * negative(row, column); }), levels));
+    EXPECT_TRUE(capture::adds_up(scene.seen([&](int row, int column) { return 1.1 * pattern(row, column); }),
+                                 scene.seen([&](int row, int column) { return 1.1 * negative(row, column); }), levels));
     const int other_width = 2 * width;
     const std::vector<std::function<double(int, int)>> others = {
         pattern, [](int /*row*/, int /*column*/) { return 1; }, [](int /*row*/, int /*column*/) { return 0; },
@@ -75,17 +75,17 @@ TEST(LightCheck, APatternAndItsNegativeAddUpAndNothingElseDoes) {
     for (std::size_t i = 0; i < others.size(); ++i) {
       SCOPED_TRACE(i);
       const auto& other = others[i];
-      EXPECT_FALSE(adds_up(first, scene.seen(other), levels));
-      const Image torn = scene.seen(
+      EXPECT_FALSE(capture::adds_up(first, scene.seen(other), levels));
+      const images::Image torn = scene.seen(
           [&](int row, int column) { return row < kSceneSide - 20 ? negative(row, column) : other(row, column); });
-      EXPECT_FALSE(adds_up(first, torn, levels));
-      EXPECT_FALSE(adds_up(torn, first, levels));
-      const Image across =
+      EXPECT_FALSE(capture::adds_up(first, torn, levels));
+      EXPECT_FALSE(capture::adds_up(torn, first, levels));
+      const images::Image across =
           scene.seen([&](int row, int column) { return 0.5 * (negative(row, column) + other(row, column)); });
-      EXPECT_FALSE(adds_up(first, across, levels));
+      EXPECT_FALSE(capture::adds_up(first, across, levels));
     }
-    EXPECT_TRUE(same_light(first, scene.seen(pattern), levels));
-    EXPECT_FALSE(same_light(first, scene.seen(negative), levels));
+    EXPECT_TRUE(capture::same_light(first, scene.seen(pattern), levels));
+    EXPECT_FALSE(capture::same_light(first, scene.seen(negative), levels));
   }
 }
 
@@ -93,26 +93,26 @@ TEST(LightCheck, APatternAndItsNegativeAddUpAndNothingElseDoes) {
 TEST(LightCheck, ApartOfTheLightIsNotAllOfIt) {
   Random random(1);
   LitScene scene(random);
-  const WhiteAndBlack levels = scene.levels();
+  const capture::WhiteAndBlack levels = scene.levels();
   const auto white_above = [&](int row_of_change) {
     return scene.seen([=](int row, int /*column*/) { return row < row_of_change ? 1.0 : 0.0; });
   };
-  EXPECT_TRUE(all_white(white_above(kSceneSide), levels));
-  EXPECT_FALSE(all_white(white_above(kSceneSide - 2), levels));
-  EXPECT_FALSE(all_white(white_above(0), levels));
-  EXPECT_TRUE(all_black(white_above(0), levels));
-  EXPECT_FALSE(all_black(white_above(2), levels));
-  EXPECT_FALSE(all_black(white_above(kSceneSide), levels));
+  EXPECT_TRUE(capture::all_white(white_above(kSceneSide), levels));
+  EXPECT_FALSE(capture::all_white(white_above(kSceneSide - 2), levels));
+  EXPECT_FALSE(capture::all_white(white_above(0), levels));
+  EXPECT_TRUE(capture::all_black(white_above(0), levels));
+  EXPECT_FALSE(capture::all_black(white_above(2), levels));
+  EXPECT_FALSE(capture::all_black(white_above(kSceneSide), levels));
 }
 
 TEST(LightCheck, KnowsANegative) {
-  const Image pattern{1, 4, {0, 255, 255, 0}};
-  EXPECT_TRUE(is_negative(pattern, {1, 4, {255, 0, 0, 255}}));
-  EXPECT_FALSE(is_negative(pattern, pattern));
-  EXPECT_FALSE(is_negative(pattern, {1, 4, {255, 0, 0, 0}}));
-  EXPECT_FALSE(is_negative(pattern, {2, 2, {255, 0, 0, 255}}));
-  EXPECT_FALSE(is_negative(pattern, {}));
-  EXPECT_FALSE(is_negative({1, 1, {100}}, {1, 1, {155}})) << "greys of a projector do not add up to white";
+  const images::Image pattern{1, 4, {0, 255, 255, 0}};
+  EXPECT_TRUE(capture::is_negative(pattern, {1, 4, {255, 0, 0, 255}}));
+  EXPECT_FALSE(capture::is_negative(pattern, pattern));
+  EXPECT_FALSE(capture::is_negative(pattern, {1, 4, {255, 0, 0, 0}}));
+  EXPECT_FALSE(capture::is_negative(pattern, {2, 2, {255, 0, 0, 255}}));
+  EXPECT_FALSE(capture::is_negative(pattern, {}));
+  EXPECT_FALSE(capture::is_negative({1, 1, {100}}, {1, 1, {155}})) << "greys of a projector do not add up to white";
 }
 
 }  // namespace

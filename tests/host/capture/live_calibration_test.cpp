@@ -14,10 +14,10 @@
 #include <utility>
 #include <vector>
 
-#include "host/images/float_image.h"
 #include "host/images/image_files.h"
-#include "host/rig/rig.h"
-#include "host/structured_light/gray_sequence.h"
+#include "selfproj/images/float_image.h"
+#include "selfproj/rig/rig.h"
+#include "selfproj/structured_light/gray_sequence.h"
 #include "sim/scene/perturbed_rig.h"
 #include "sim/scene/scene.h"
 #include "sim/scene/scenes.h"
@@ -104,12 +104,12 @@ class LiveCalibration : public LiveTest {
  protected:
   LiveCalibration() : LiveTest(small_scanner(4, 4)) {}
   void prepare() override {
-    const PerturbedRig actual(rig_);
-    const ChessboardShape shape{6, 5, 30};
-    for (const ChessboardPlace& place : chessboard_places(actual, shape, 6, 25)) {
-      poses_.push_back(std::make_unique<ChessboardScene>(rig_, shape, place));
+    const sim::PerturbedRig actual(rig_);
+    const sim::ChessboardShape shape{6, 5, 30};
+    for (const sim::ChessboardPlace& place : sim::chessboard_places(actual, shape, 6, 25)) {
+      poses_.push_back(std::make_unique<sim::ChessboardScene>(rig_, shape, place));
     }
-    plane_ = make_scene("plane", rig_);
+    plane_ = sim::make_scene("plane", rig_);
     look(*plane_, {.max_delay_ms = 20});
   }
 
@@ -142,8 +142,8 @@ class LiveCalibration : public LiveTest {
   void record(const std::string& name, int count) {
     fs::create_directory(folder_ / name);
     for (int i = 0; i < count; ++i) {
-      const Image image = world_->image_under({gray_.rows(), gray_.columns(), gray_.image(i)});
-      write_text(folder_ / name / ("image_" + std::to_string(i) + ".png"), encode_png(image));
+      const images::Image image = world_->image_under({gray_.rows(), gray_.columns(), gray_.image(i)});
+      write_text(folder_ / name / ("image_" + std::to_string(i) + ".png"), images::encode_png(image));
     }
   }
 
@@ -155,9 +155,9 @@ class LiveCalibration : public LiveTest {
     return errors.median_mm;
   }
 
-  GraySequence gray_{rig_.projector.columns, rig_.projector.lines};
-  std::vector<std::unique_ptr<Scene>> poses_;
-  std::unique_ptr<Scene> plane_;
+  structured_light::GraySequence gray_{rig_.projector.columns, rig_.projector.lines};
+  std::vector<std::unique_ptr<sim::Scene>> poses_;
+  std::unique_ptr<sim::Scene> plane_;
 };
 
 // The command lines of the blocks `sh` of a document, each in words, for this rig in place of the document's.
@@ -191,7 +191,7 @@ std::vector<std::vector<std::string>> commands_of(const fs::path& document) {
 // docs/first-scan.md, command by command, as its reader types them. The depth is as good as by the recorded route: the
 // same scenes by the renderer, calibrated and measured from files.
 TEST_F(LiveCalibration, TheFirstScanPage) {
-  const std::unique_ptr<Scene> part = make_scene("block", rig_);
+  const std::unique_ptr<sim::Scene> part = sim::make_scene("block", rig_);
   const auto commands = commands_of(fs::path(SELFPROJ_SOURCE_DIR) / "docs" / "first-scan.md");
   ASSERT_EQ(commands.size(), 10U);
   for (const std::vector<std::string>& command : commands) {

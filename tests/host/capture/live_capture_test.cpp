@@ -20,10 +20,10 @@
 
 #include "host/capture/grey_curve.h"
 #include "host/files/results_file.h"
-#include "host/images/float_image.h"
 #include "host/images/image_files.h"
-#include "host/rig/rig.h"
-#include "host/structured_light/gray_sequence.h"
+#include "selfproj/images/float_image.h"
+#include "selfproj/rig/rig.h"
+#include "selfproj/structured_light/gray_sequence.h"
 #include "sim/scene/projected_light.h"
 #include "sim/scene/scene.h"
 #include "sim/scene/scenes.h"
@@ -42,12 +42,12 @@ class LiveCapture : public LiveTest {
  protected:
   LiveCapture() : LiveTest(small_scanner(8, 8)) {}
   void prepare() override {
-    scene_ = make_scene("desk", rig_);
-    write_text(folder_ / "small.yaml", to_yaml(rig_));
+    scene_ = sim::make_scene("desk", rig_);
+    write_text(folder_ / "small.yaml", rig::to_yaml(rig_));
     std::filesystem::create_directory(folder_ / "gray");
-    patterns_ = gray_patterns(rig_.projector, kBits);
+    patterns_ = sim::gray_patterns(rig_.projector, kBits);
     for (std::size_t i = 0; i < patterns_.size(); ++i) {
-      write_text(folder_ / "gray" / ("pattern_" + std::to_string(i) + ".png"), encode_png(patterns_[i]));
+      write_text(folder_ / "gray" / ("pattern_" + std::to_string(i) + ".png"), images::encode_png(patterns_[i]));
     }
   }
 
@@ -58,8 +58,8 @@ class LiveCapture : public LiveTest {
         {"capture", "--camera", "camera:127.0.0.1?region=64x64" + settings, "--patterns", "gray", "--out", "seen"});
   }
 
-  std::unique_ptr<Scene> scene_;
-  std::vector<Image> patterns_;
+  std::unique_ptr<sim::Scene> scene_;
+  std::vector<images::Image> patterns_;
 };
 
 TEST_F(LiveCapture, DepthThroughRandomDelaysAndLostPackets) {
@@ -74,14 +74,14 @@ TEST_F(LiveCapture, DepthThroughRandomDelaysAndLostPackets) {
   EXPECT_EQ(record["images"][13]["pattern"], "pattern_13.png");
   // The recorded route: the same images by the renderer, without display, camera and network.
   std::filesystem::create_directory(folder_ / "recorded");
-  std::vector<Image> recorded;
+  std::vector<images::Image> recorded;
   for (std::size_t i = 0; i < patterns_.size(); ++i) {
     recorded.push_back(world_->image_under(patterns_[i]));
-    write_text(folder_ / "recorded" / ("image_" + std::to_string(i) + ".png"), encode_png(recorded.back()));
+    write_text(folder_ / "recorded" / ("image_" + std::to_string(i) + ".png"), images::encode_png(recorded.back()));
   }
   for (std::size_t i = 0; i < recorded.size(); ++i) {
-    const Image seen =
-        read_image((folder_ / "seen" / record["images"][i]["image"].get<std::string>()).string(), std::nullopt);
+    const images::Image seen =
+        images::read_image((folder_ / "seen" / record["images"][i]["image"].get<std::string>()).string(), std::nullopt);
     for (std::size_t k = 0; k < recorded.size(); ++k) {
       const double off = mean_difference(seen, recorded[k]);
       EXPECT_EQ(off < kOtherPattern, k == i) << "image " << i << " under pattern " << k << ": " << off;
@@ -106,8 +106,8 @@ int scans_wanted() {
 // Projects, captures and measures in one run, through random delays, lost packets and torn pictures. Each image is the
 // one of its pattern, and the depth that of the recorded route: the same images by the renderer.
 TEST_F(LiveCapture, ScanByGrayCodes) {
-  const GraySequence gray(rig_.projector.columns, rig_.projector.lines);
-  std::vector<Image> recorded;
+  const structured_light::GraySequence gray(rig_.projector.columns, rig_.projector.lines);
+  std::vector<images::Image> recorded;
   std::uint64_t wrong_images = 0;
   std::uint64_t lost = 0;
   std::uint64_t mixed = 0;
@@ -131,7 +131,7 @@ TEST_F(LiveCapture, ScanByGrayCodes) {
     ASSERT_EQ(outcome.status, 0) << outcome.err;
     for (std::size_t i = 0; i < recorded.size(); ++i) {
       const std::string seen = (folder_ / "scan" / fmt::format("image_{:04}.png", i + 1)).string();
-      const double off = mean_difference(read_image(seen, std::nullopt), recorded[i]);
+      const double off = mean_difference(images::read_image(seen, std::nullopt), recorded[i]);
       most_off = std::max(most_off, off);
       wrong_images += off < kOtherPattern ? 0 : 1;
     }
@@ -147,7 +147,7 @@ TEST_F(LiveCapture, ScanByGrayCodes) {
                                     "--row-bits", row_bits, "--out",      "known"};
   for (std::size_t i = 0; i < recorded.size(); ++i) {
     known.push_back("recorded_" + std::to_string(i) + ".png");
-    write_text(folder_ / known.back(), encode_png(recorded[i]));
+    write_text(folder_ / known.back(), images::encode_png(recorded[i]));
   }
   ASSERT_EQ(run(known).status, 0);
   const DepthErrors live = depth_errors(folder_ / "scan" / "depth.tiff", world_->truth());
@@ -157,7 +157,7 @@ TEST_F(LiveCapture, ScanByGrayCodes) {
   EXPECT_NEAR(live.median_mm, files.median_mm, 0.02 * files.median_mm);
   EXPECT_NE(read_text(folder_ / "scan" / "report.html").find("The camera under white light"), std::string::npos);
   EXPECT_FALSE(read_text(folder_ / "scan" / "cloud.ply").empty());
-  write_results(
+  files::write_results(
       "live_scans",
       "Live scans with Aravis' fake camera and a virtual display: random delays of 0 to 120 ms, 0.5 % of the network "
       "packets lost, 1 % of the pictures torn for 300 ms",
@@ -180,7 +180,8 @@ TEST_F(LiveCapture, TornPicturesAreTakenAgain) {
                                 "--settle-ms", "30", "--out", "seen"});
   ASSERT_EQ(captured.status, 0) << captured.err;
   for (std::size_t i = 0; i < patterns_.size(); ++i) {
-    const Image seen = read_image((folder_ / "seen" / fmt::format("image_{:04}.png", i + 1)).string(), std::nullopt);
+    const images::Image seen =
+        images::read_image((folder_ / "seen" / fmt::format("image_{:04}.png", i + 1)).string(), std::nullopt);
     EXPECT_EQ(seen.pixels, world_->image_under(patterns_[i]).pixels) << i;
   }
   EXPECT_GT(world_->torn(), 0);
@@ -193,13 +194,13 @@ TEST_F(LiveCapture, TornPicturesAreTakenAgain) {
 TEST_F(LiveCapture, ABentCurveOfTheCameraIsNoTearing) {
   look({.gain = 2, .bend = 3});
   std::filesystem::create_directory(folder_ / "fine");
-  Image lines = patterns_[0];
+  images::Image lines = patterns_[0];
   for (const char* file : {"0.png", "1.png"}) {
     for (std::size_t i = 0; i < lines.pixels.size(); ++i) {
       const std::size_t line = i / static_cast<std::size_t>(lines.columns);
       lines.pixels[i] = line % 2 == (file[0] == '0' ? 0 : 1) ? 255 : 0;
     }
-    write_text(folder_ / "fine" / file, encode_png(lines));
+    write_text(folder_ / "fine" / file, images::encode_png(lines));
   }
   const Outcome captured = run({"capture", "--camera", "camera:127.0.0.1?region=64x64", "--patterns", "fine",
                                 "--settle-ms", "30", "--out", "seen"});
@@ -224,7 +225,7 @@ TEST_F(LiveCapture, ScanWithTheReferencesOwnPatterns) {
   const Outcome scan = run({"scan", camera[0], camera[1], "--rig", "small.yaml", "--self-projected", "reference", "--e",
                             "8", "--out", "scan"});
   ASSERT_EQ(scan.status, 0) << scan.err;
-  const FloatImage difference = read_float_tiff((folder_ / "scan" / "difference.tiff").string());
+  const images::FloatImage difference = images::read_float_tiff((folder_ / "scan" / "difference.tiff").string());
   std::vector<float> off;
   std::copy_if(difference.values.begin(), difference.values.end(), std::back_inserter(off),
                [](float value) { return !std::isnan(value); });
@@ -261,9 +262,9 @@ TEST_F(LiveCapture, GammaIsMeasuredAndCompensated) {
                                             "--settle-ms", "30",    "--out",    "gamma.csv"};
   const Outcome measured = run(measure);
   ASSERT_EQ(measured.status, 0) << measured.err;
-  const GreyCurve curve = load_grey_curve((folder_ / "gamma.csv").string());
+  const capture::GreyCurve curve = capture::load_grey_curve((folder_ / "gamma.csv").string());
   ASSERT_EQ(curve.points.size(), 18U);
-  for (const GreyCurve::Point& point : curve.points) {
+  for (const capture::GreyCurve::Point& point : curve.points) {
     EXPECT_NEAR(point.light / curve.points.back().light, std::pow(point.grey / 255, kGamma), 0.02) << point.grey;
   }
   std::smatch found;
@@ -274,8 +275,8 @@ TEST_F(LiveCapture, GammaIsMeasuredAndCompensated) {
   check.insert(check.end(), {"--gamma", "gamma.csv"});
   const Outcome checked = run(check);
   ASSERT_EQ(checked.status, 0) << checked.err;
-  const GreyCurve straight = load_grey_curve((folder_ / "check.csv").string());
-  for (const GreyCurve::Point& point : straight.points) {
+  const capture::GreyCurve straight = capture::load_grey_curve((folder_ / "check.csv").string());
+  for (const capture::GreyCurve::Point& point : straight.points) {
     EXPECT_NEAR(point.light / straight.points.back().light, point.grey / 255, 0.02) << point.grey;
   }
 }
@@ -284,16 +285,16 @@ TEST_F(LiveCapture, GammaIsMeasuredAndCompensated) {
 // come, and the depth is that of the same images as files.
 TEST_F(LiveCapture, DepthOfACameraThatTheProjectorTriggers) {
   look({});
-  std::vector<Image> images;
+  std::vector<images::Image> images;
   std::vector<std::string> known = {"depth", "--rig", "small.yaml", "--bits", std::to_string(kBits), "--out", "known"};
-  for (const Image& pattern : patterns_) {
+  for (const images::Image& pattern : patterns_) {
     images.push_back(world_->image_under(pattern));
     known.push_back("known_" + std::to_string(images.size()) + ".png");
-    write_text(folder_ / known.back(), encode_png(images.back()));
+    write_text(folder_ / known.back(), images::encode_png(images.back()));
   }
   world_.reset();
   const GigeCamera camera([&](const Picture& picture) {
-    const Image& image = images[picture.number % images.size()];
+    const images::Image& image = images[picture.number % images.size()];
     const std::size_t pixels = static_cast<std::size_t>(picture.rows) * static_cast<std::size_t>(picture.columns);
     std::copy_n(image.pixels.begin(), std::min(pixels, image.pixels.size()), picture.pixels);
   });
@@ -301,8 +302,8 @@ TEST_F(LiveCapture, DepthOfACameraThatTheProjectorTriggers) {
                             "camera:127.0.0.1?region=64x64&rate=100", "--count", "20", "--out", "live"});
   ASSERT_EQ(live.status, 0) << live.err;
   ASSERT_EQ(run(known).status, 0);
-  const FloatImage seen = read_float_tiff((folder_ / "live" / "depth.tiff").string());
-  const FloatImage expected = read_float_tiff((folder_ / "known" / "depth.tiff").string());
+  const images::FloatImage seen = images::read_float_tiff((folder_ / "live" / "depth.tiff").string());
+  const images::FloatImage expected = images::read_float_tiff((folder_ / "known" / "depth.tiff").string());
   ASSERT_EQ(seen.values.size(), expected.values.size());
   for (std::size_t i = 0; i < seen.values.size(); ++i) {
     ASSERT_EQ(std::isnan(seen.values[i]), std::isnan(expected.values[i])) << i;
@@ -328,7 +329,7 @@ TEST_F(LiveCapture, SettleTimeIsFoundWithinTenMilliseconds) {
 TEST_F(LiveCapture, PatternsAreNotOverwritten) {
   look({});
   std::filesystem::create_directory(folder_ / "shown");
-  const std::string pattern = encode_png(patterns_[0]);
+  const std::string pattern = images::encode_png(patterns_[0]);
   write_text(folder_ / "shown" / "image_0001.png", pattern);
   const Outcome onto = run({"capture", "--camera", "camera:127.0.0.1?region=64x64", "--patterns", "shown",
                             "--settle-ms", "50", "--out", "shown"});
@@ -385,12 +386,12 @@ TEST_F(LiveCapture, Preview) {
   const auto figures = nlohmann::json::parse(read_text(folder_ / "figures.json"));
   EXPECT_EQ(figures["pixels"], "64 x 64");
   EXPECT_NE(figures["saturated (255)"], "0.0 %") << figures;
-  const Image white{96, 128, std::vector<std::uint8_t>(std::size_t{96} * 128, 255)};
-  Image expected = world_->image_under(white);
+  const images::Image white{96, 128, std::vector<std::uint8_t>(std::size_t{96} * 128, 255)};
+  images::Image expected = world_->image_under(white);
   for (std::uint8_t& pixel : expected.pixels) {
     pixel = static_cast<std::uint8_t>(std::min(255, 3 * pixel));
   }
-  EXPECT_LT(mean_difference(read_image((folder_ / "image.png").string(), std::nullopt), expected), 6);
+  EXPECT_LT(mean_difference(images::read_image((folder_ / "image.png").string(), std::nullopt), expected), 6);
   const std::vector<std::uint8_t> shown = screen_->picture();
   EXPECT_EQ(std::count(shown.begin(), shown.end(), 0), static_cast<std::ptrdiff_t>(shown.size()));
   const Outcome both = run({"capture", "--camera", "camera:127.0.0.1", "--preview", "8080", "--out", "seen"});

@@ -14,8 +14,8 @@
 #include <thread>
 #include <vector>
 
-#include "host/images/float_image.h"
-#include "host/rig/rig.h"
+#include "selfproj/images/float_image.h"
+#include "selfproj/rig/rig.h"
 #include "sim/scene/targets.h"
 #include "tests/cli/program.h"
 #include "tests/host/camera/gige_camera.h"
@@ -27,7 +27,7 @@ namespace {
 
 class LiveLine : public LiveTest {
  protected:
-  LiveLine() : LiveTest(load_rig("light-section")) {}
+  LiveLine() : LiveTest(rig::load_rig("light-section")) {}
   void prepare() override { look(good_, {}); }
 
   // The median difference from the reference in mm of what is before the camera now, under the reference's pattern.
@@ -37,7 +37,7 @@ class LiveLine : public LiveTest {
     EXPECT_EQ(inspected.status, 0) << inspected.err;
     const auto counters = nlohmann::json::parse(read_text(folder_ / (out + ".json")));
     EXPECT_EQ(counters["delivered"], 40);
-    const FloatImage map = read_float_tiff((folder_ / out / "difference.tiff").string());
+    const images::FloatImage map = images::read_float_tiff((folder_ / out / "difference.tiff").string());
     std::vector<float> values;
     std::copy_if(map.values.begin(), map.values.end(), std::back_inserter(values),
                  [](float value) { return !std::isnan(value); });
@@ -51,8 +51,8 @@ class LiveLine : public LiveTest {
     return std::count(shown.begin(), shown.end(), 0) == static_cast<std::ptrdiff_t>(shown.size());
   }
 
-  FlatPlate good_{0, {}, 0};
-  FlatPlate high_{2, {}, 0};
+  sim::FlatPlate good_{0, {}, 0};
+  sim::FlatPlate high_{2, {}, 0};
 };
 
 // Scan a good part by lines, make its pattern, and watch under this pattern: the good part, and one that is 2 mm

@@ -23,8 +23,8 @@
 #include <utility>
 #include <vector>
 
-#include "host/images/float_image.h"
 #include "host/images/image_files.h"
+#include "selfproj/images/float_image.h"
 #include "sim/scene/pattern_renderer.h"
 #include "sim/scene/perturbed_rig.h"
 #include "sim/scene/projected_light.h"
@@ -58,10 +58,10 @@ class LiveWorld {
  public:
   using Clock = std::chrono::steady_clock;
 
-  LiveWorld(const Rig& rig, const Scene& scene, const VirtualScreen& screen, const WorldFaults& faults)
+  LiveWorld(const rig::Rig& rig, const sim::Scene& scene, const VirtualScreen& screen, const WorldFaults& faults)
       : rig_(rig),
         actual_(rig),
-        renderer_(std::make_shared<PatternRenderer>(actual_, scene, RenderOptions{}, 1)),
+        renderer_(std::make_shared<sim::PatternRenderer>(actual_, scene, sim::RenderOptions{}, 1)),
         screen_(screen),
         faults_(faults),
         random_(faults.seed),
@@ -75,8 +75,8 @@ class LiveWorld {
   }
 
   // Puts another scene before the camera.
-  void look_at(const Scene& scene) {
-    auto renderer = std::make_shared<PatternRenderer>(actual_, scene, RenderOptions{}, 1);
+  void look_at(const sim::Scene& scene) {
+    auto renderer = std::make_shared<sim::PatternRenderer>(actual_, scene, sim::RenderOptions{}, 1);
     const std::lock_guard lock(mutex_);
     renderer_ = std::move(renderer);
   }
@@ -92,8 +92,8 @@ class LiveWorld {
   }
 
   // The same, but NaN where the projector's light does not come.
-  [[nodiscard]] FloatImage lit() const {
-    FloatImage z(rig_.camera.rows, rig_.camera.columns);
+  [[nodiscard]] images::FloatImage lit() const {
+    images::FloatImage z(rig_.camera.rows, rig_.camera.columns);
     renderer_->lit_depth(0, z.values);
     return z;
   }
@@ -108,9 +108,9 @@ class LiveWorld {
   [[nodiscard]] int torn() const { return torn_; }
 
   // The image under a pattern, without display, camera and network.
-  [[nodiscard]] Image image_under(const Image& pattern) const {
-    Image image{rig_.camera.rows, rig_.camera.columns, std::vector<std::uint8_t>(rig_.camera.pixels())};
-    renderer_->render(noise_of(pattern.pixels), project_image(rig_, pattern, renderer_->options()),
+  [[nodiscard]] images::Image image_under(const images::Image& pattern) const {
+    images::Image image{rig_.camera.rows, rig_.camera.columns, std::vector<std::uint8_t>(rig_.camera.pixels())};
+    renderer_->render(noise_of(pattern.pixels), sim::project_image(rig_, pattern, renderer_->options()),
                       std::span(image.pixels));
     return image;
   }
@@ -161,7 +161,7 @@ class LiveWorld {
       return;
     }
     bool changed = false;
-    std::shared_ptr<const PatternRenderer> renderer;
+    std::shared_ptr<const sim::PatternRenderer> renderer;
     {
       const std::lock_guard lock(mutex_);
       renderer = renderer_;
@@ -174,12 +174,12 @@ class LiveWorld {
       }
     }
     if (changed || !light_) {
-      Image pattern{rig_.projector.lines, rig_.projector.columns, light_pixels_};
+      images::Image pattern{rig_.projector.lines, rig_.projector.columns, light_pixels_};
       pattern.pixels.resize(static_cast<std::size_t>(pattern.rows) * static_cast<std::size_t>(pattern.columns));
       for (std::uint8_t& pixel : pattern.pixels) {
         pixel = static_cast<std::uint8_t>(std::lround(255 * std::pow(pixel / 255.0, faults_.gamma)));
       }
-      light_ = std::make_unique<ProjectedLight>(project_image(rig_, pattern, renderer->options()));
+      light_ = std::make_unique<sim::ProjectedLight>(sim::project_image(rig_, pattern, renderer->options()));
     }
     const std::span<std::uint8_t> pixels(picture.pixels, rig_.camera.pixels());
     const int frame = faults_.same_noise ? noise_of(light_pixels_) : static_cast<int>(picture.number % 100'000);
@@ -191,16 +191,16 @@ class LiveWorld {
     }
   }
 
-  Rig rig_;
-  PerturbedRig actual_;
-  std::shared_ptr<const PatternRenderer> renderer_;
+  rig::Rig rig_;
+  sim::PerturbedRig actual_;
+  std::shared_ptr<const sim::PatternRenderer> renderer_;
   const VirtualScreen& screen_;
   WorldFaults faults_;
   Random random_;
   std::mutex mutex_;
   std::deque<Shown> shown_;
   std::vector<std::uint8_t> light_pixels_;  // only the camera's thread
-  std::unique_ptr<ProjectedLight> light_;
+  std::unique_ptr<sim::ProjectedLight> light_;
   std::atomic<bool> done_ = false;
   std::atomic<bool> capped_ = false;
   std::atomic<double> look_ms_ = 0;
@@ -214,7 +214,7 @@ class LiveWorld {
 // A test with a display and a network of its own. What a world shows must outlive it.
 class LiveTest : public OnOwnNetwork {
  protected:
-  explicit LiveTest(Rig rig) : rig_(std::move(rig)) {}
+  explicit LiveTest(rig::Rig rig) : rig_(std::move(rig)) {}
 
   void SetUp() override {
     if (!VirtualScreen::installed()) {
@@ -230,7 +230,7 @@ class LiveTest : public OnOwnNetwork {
 
   virtual void prepare() = 0;
 
-  void look(const Scene& scene, const WorldFaults& faults) {
+  void look(const sim::Scene& scene, const WorldFaults& faults) {
     world_ = std::make_unique<LiveWorld>(rig_, scene, *screen_, faults);
   }
 
@@ -238,7 +238,7 @@ class LiveTest : public OnOwnNetwork {
     return run_program(SELFPROJ_PROGRAM, arguments, folder_.path());
   }
 
-  Rig rig_;
+  rig::Rig rig_;
   ScratchFolder screen_folder_;
   ScratchFolder folder_;
   std::unique_ptr<VirtualScreen> screen_;
@@ -252,7 +252,7 @@ struct DepthErrors {
 };
 
 inline DepthErrors depth_errors(const std::filesystem::path& file, const std::vector<float>& truth) {
-  const FloatImage z = read_float_tiff(file.string());
+  const images::FloatImage z = images::read_float_tiff(file.string());
   std::vector<double> off;
   for (std::size_t i = 0; i < truth.size(); ++i) {
     if (!std::isnan(z.values[i]) && !std::isnan(truth[i])) {

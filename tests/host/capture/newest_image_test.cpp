@@ -19,9 +19,9 @@ namespace {
 
 // Offers images of one grey after another until what waits for one has it.
 template <class Answer>
-auto answer_of(NewestImage& newest, std::future<Answer>& waiting) {
+auto answer_of(capture::NewestImage& newest, std::future<Answer>& waiting) {
   std::vector<std::uint8_t> pixels(12);
-  CameraImage image{.view = {pixels.data(), 3, 4, 4}};
+  camera::CameraImage image{.view = {pixels.data(), 3, 4, 4}};
   while (waiting.wait_for(std::chrono::milliseconds(0)) != std::future_status::ready) {
     newest.put(image, {.incomplete = 7}, "camera:a");
   }
@@ -29,9 +29,9 @@ auto answer_of(NewestImage& newest, std::future<Answer>& waiting) {
 }
 
 TEST(NewestImage, IsCopiedOnlyWhereSomebodyWatches) {
-  NewestImage newest;
+  capture::NewestImage newest;
   std::vector<std::uint8_t> pixels(12, 255);
-  CameraImage image{.view = {pixels.data(), 3, 4, 4}};
+  camera::CameraImage image{.view = {pixels.data(), 3, 4, 4}};
   for (int i = 0; i < 1000; ++i) {
     newest.put(image, {}, "camera:a");
   }
@@ -49,7 +49,7 @@ TEST(NewestImage, IsCopiedOnlyWhereSomebodyWatches) {
 
 // A camera that has stopped: the page shows what came last.
 TEST(NewestImage, ShowsTheImageBeforeWhereNoneComes) {
-  NewestImage newest;
+  capture::NewestImage newest;
   EXPECT_EQ(nlohmann::json::parse(*newest.figures())["pixels"], "1 x 1");
 }
 

@@ -38,8 +38,8 @@ class ProjectCommand : public testing::Test {
 
   // A random pattern as a file.
   Pixels pattern(const std::string& name, std::uint64_t seed, int columns = kColumns) {
-    const Image image{kRows, columns, Random(seed).bytes(static_cast<std::size_t>(columns) * kRows)};
-    write_text(folder_ / name, encode_png(image));
+    const images::Image image{kRows, columns, Random(seed).bytes(static_cast<std::size_t>(columns) * kRows)};
+    write_text(folder_ / name, images::encode_png(image));
     return image.pixels;
   }
 
@@ -83,11 +83,11 @@ TEST_F(ProjectCommand, ShowsEveryPixelOfASequenceBetweenBlack) {
 
 TEST_F(ProjectCommand, CurveIsApplied) {
   const Pixels shown = pattern("p.png", 5);
-  GreyCurve curve;
+  capture::GreyCurve curve;
   for (int grey = 0; grey <= 255; grey += 5) {
     curve.points.push_back({static_cast<double>(grey), 3 + std::pow(grey / 255.0, 2.2)});
   }
-  write_text(folder_ / "gamma.csv", grey_curve_text(curve));
+  write_text(folder_ / "gamma.csv", capture::grey_curve_text(curve));
   std::vector<Pixels> seen;
   const Outcome outcome = run({"project", "--seconds", "0.3", "--gamma", "gamma.csv", "p.png"}, seen);
   ASSERT_EQ(outcome.status, 0) << outcome.err;
@@ -117,10 +117,10 @@ TEST_F(ProjectCommand, Refusals) {
 }
 
 TEST(GreyCurve, LightBecomesProportionalToGrey) {
-  GreyCurve straight{{{0, 10}, {255, 20}}};
-  EXPECT_EQ(linear_greys(straight), plain_greys());
-  GreyCurve bent{{{0, 0}, {128, 0}, {255, 100}}};  // nothing up to 128
-  const GreyTable table = linear_greys(bent);
+  capture::GreyCurve straight{{{0, 10}, {255, 20}}};
+  EXPECT_EQ(capture::linear_greys(straight), capture::plain_greys());
+  capture::GreyCurve bent{{{0, 0}, {128, 0}, {255, 100}}};  // nothing up to 128
+  const capture::GreyTable table = capture::linear_greys(bent);
   EXPECT_EQ(table[0], 0);
   EXPECT_EQ(table[255], 255);
   for (int grey = 1; grey < 256; ++grey) {
@@ -138,7 +138,7 @@ TEST(GreyCurve, RefusesWhatIsNoCurve) {
   const auto refusal = [&](const std::string& text) {
     const std::string file = folder / "c.csv";
     write_text(file, text);
-    const std::string error = error_of([&] { load_grey_curve(file); });
+    const std::string error = error_of([&] { capture::load_grey_curve(file); });
     return error.starts_with(file) ? error.substr(file.size()) : error;
   };
   EXPECT_EQ(refusal("grey,light\n0,1\n255,2\n"), "none");

@@ -9,13 +9,13 @@
 #include <vector>
 
 #include "host/images/image_files.h"
-#include "host/rig/rig.h"
+#include "selfproj/rig/rig.h"
 
 namespace selfproj::test {
 
 // Rig B with fewer pixels along each side, by these factors.
-inline Rig small_scanner(int camera, int projector) {
-  Rig rig = load_rig("scanner");
+inline rig::Rig small_scanner(int camera, int projector) {
+  rig::Rig rig = rig::load_rig("scanner");
   rig.camera.rows /= camera;
   rig.camera.columns /= camera;
   rig.camera.pixel_pitch_mm *= camera;
@@ -43,7 +43,7 @@ inline Picture8 torn_across(const Picture8& old, Picture8 now) {
   return now;
 }
 
-inline double mean_difference(const Image& a, const Image& b) {
+inline double mean_difference(const images::Image& a, const images::Image& b) {
   double sum = 0;
   for (std::size_t i = 0; i < a.pixels.size(); ++i) {
     sum += std::abs(a.pixels[i] - b.pixels[i]);

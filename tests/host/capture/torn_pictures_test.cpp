@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "host/capture/light_check.h"
-#include "host/structured_light/gray_sequence.h"
+#include "selfproj/structured_light/gray_sequence.h"
 #include "sim/scene/pattern_renderer.h"
 #include "sim/scene/perturbed_rig.h"
 #include "sim/scene/projected_light.h"
@@ -39,21 +39,21 @@ class TornPictures : public testing::TestWithParam<World> {
   }
 
   // With the noise of a frame of its own.
-  Image seen(const Picture8& picture) {
-    const Image pattern{gray_.rows(), gray_.columns(), picture};
-    Image image{rig_.camera.rows, rig_.camera.columns, Picture8(rig_.camera.pixels())};
-    renderer_.render(frame_++, project_image(rig_, pattern, renderer_.options()), std::span(image.pixels));
+  images::Image seen(const Picture8& picture) {
+    const images::Image pattern{gray_.rows(), gray_.columns(), picture};
+    images::Image image{rig_.camera.rows, rig_.camera.columns, Picture8(rig_.camera.pixels())};
+    renderer_.render(frame_++, sim::project_image(rig_, pattern, renderer_.options()), std::span(image.pixels));
     return image;
   }
 
-  Rig rig_ = small_scanner(GetParam().fewer_pixels, GetParam().fewer_of_projector);
-  GraySequence gray_{rig_.projector.columns, rig_.projector.lines};
-  PerturbedRig actual_{rig_};
-  std::unique_ptr<Scene> scene_ = make_scene(GetParam().scene, rig_);
-  PatternRenderer renderer_{actual_, *scene_, RenderOptions{}, 1};
+  rig::Rig rig_ = small_scanner(GetParam().fewer_pixels, GetParam().fewer_of_projector);
+  structured_light::GraySequence gray_{rig_.projector.columns, rig_.projector.lines};
+  sim::PerturbedRig actual_{rig_};
+  std::unique_ptr<sim::Scene> scene_ = sim::make_scene(GetParam().scene, rig_);
+  sim::PatternRenderer renderer_{actual_, *scene_, sim::RenderOptions{}, 1};
   int frame_ = 0;
   std::vector<Picture8> pictures_;
-  WhiteAndBlack levels_;
+  capture::WhiteAndBlack levels_;
 };
 
 std::vector<Picture8> torn(const Picture8& old, const Picture8& now) {
@@ -68,10 +68,10 @@ TEST_P(TornPictures, AreNoticedInEveryPair) {
   int others = 0;
   int missed = 0;
   for (std::size_t i = 0; i + 1 < static_cast<std::size_t>(gray_.white()); i += 2) {
-    const Image pattern = seen(pictures_[i]);
-    const Image negative = seen(pictures_[i + 1]);
-    EXPECT_TRUE(adds_up(pattern, negative, levels_)) << i;
-    const auto check = [&](const Image& image, const Image& own, bool noticed) {
+    const images::Image pattern = seen(pictures_[i]);
+    const images::Image negative = seen(pictures_[i + 1]);
+    EXPECT_TRUE(capture::adds_up(pattern, negative, levels_)) << i;
+    const auto check = [&](const images::Image& image, const images::Image& own, bool noticed) {
       if (mean_difference(image, own) >= kOtherPattern) {
         ++others;
         missed += noticed ? 0 : 1;
@@ -80,13 +80,13 @@ TEST_P(TornPictures, AreNoticedInEveryPair) {
     // Before the first pattern white is shown, or black.
     for (const Picture8& old : {pictures_[i > 0 ? i - 1 : pictures_.size() - 2], pictures_.back()}) {
       for (const Picture8& picture : torn(old, pictures_[i])) {
-        const Image image = seen(picture);
-        check(image, pattern, !adds_up(image, negative, levels_));
+        const images::Image image = seen(picture);
+        check(image, pattern, !capture::adds_up(image, negative, levels_));
       }
     }
     for (const Picture8& picture : torn(pictures_[i], pictures_[i + 1])) {
-      const Image image = seen(picture);
-      check(image, negative, !adds_up(pattern, image, levels_));
+      const images::Image image = seen(picture);
+      check(image, negative, !capture::adds_up(pattern, image, levels_));
     }
   }
   EXPECT_GT(others, 500);

@@ -12,7 +12,7 @@
 
 #include "host/driver/boards.h"
 #include "host/driver/register_port.h"
-#include "host/files/user_error.h"
+#include "selfproj/files/user_error.h"
 #include "tests/cli/program.h"
 #include "tests/support/board_registers.h"
 #include "tests/support/error_of.h"
@@ -21,25 +21,25 @@ namespace selfproj::test {
 namespace {
 
 TEST(Control, EveryRegisterAndFieldByName) {
-  RegisterFile board({.codes = true, .median = true, .code_bits = 12});
-  Control control(port_of(board));
+  model::RegisterFile board({.codes = true, .median = true, .code_bits = 12});
+  driver::Control control(port_of(board));
   for (const spec::Register& one : spec::kRegisters) {
     for (const spec::RegisterField& field : one.fields) {
       const std::string name = std::string(one.name) + "." + std::string(field.name);
-      EXPECT_EQ(control.read(name), field_of(control.read(one.name), field.lsb, field.bits)) << name;
+      EXPECT_EQ(control.read(name), driver::field_of(control.read(one.name), field.lsb, field.bits)) << name;
     }
     if (!one.writable) {
       EXPECT_EQ(error_of([&] { control.write(one.name, 0); }),
                 "sim:: register " + std::string(one.name) + " can only be read");
     }
   }
-  EXPECT_EQ(error_of([] { register_part("sizes"); }), "sizes: there is no such register");
-  EXPECT_EQ(error_of([] { register_part("size.x"); }), "size.x: register size has no such field");
+  EXPECT_EQ(error_of([] { driver::register_part("sizes"); }), "sizes: there is no such register");
+  EXPECT_EQ(error_of([] { driver::register_part("size.x"); }), "size.x: register size has no such field");
 }
 
 TEST(Control, AFieldLeavesTheOthers) {
-  RegisterFile board;
-  Control control(port_of(board));
+  model::RegisterFile board;
+  driver::Control control(port_of(board));
   control.write("size.columns", 64);
   EXPECT_EQ(control.read("size.rows"), 96U);
   EXPECT_EQ(control.read("size.columns"), 64U);
@@ -52,40 +52,40 @@ TEST(Control, AFieldLeavesTheOthers) {
 
 // While settings are written, frames go on with the old ones.
 TEST(Control, SettingsChangeTogether) {
-  RegisterFile board;
+  model::RegisterFile board;
   int together = 0;
-  Control control(
-      std::make_unique<AccessPort>([&](bool write, std::uint32_t address, std::uint32_t data) -> RegisterAnswer {
+  driver::Control control(std::make_unique<sim::AccessPort>(
+      [&](bool write, std::uint32_t address, std::uint32_t data) -> model::RegisterAnswer {
         if (write && address != spec::kRegControl) {
           EXPECT_TRUE(board.settings().hold);
           ++together;
         }
         return write ? board.write(address, data) : board.read(address, {});
       }));
-  control.write_together({{register_part("control.run"), 1},
-                          {register_part("size.rows"), 7},
-                          {register_part("measure.threshold"), 60},
-                          {register_part("size.columns"), 128}});
+  control.write_together({{driver::register_part("control.run"), 1},
+                          {driver::register_part("size.rows"), 7},
+                          {driver::register_part("measure.threshold"), 60},
+                          {driver::register_part("size.columns"), 128}});
   EXPECT_EQ(together, 2);  // one write a register
   EXPECT_EQ(board.settings().columns, 128);
   EXPECT_EQ(board.settings().rows, 7);
   EXPECT_EQ(board.settings().threshold, 60);
   EXPECT_TRUE(board.settings().run && !board.settings().hold);
   // A refused value ends the hold, too.
-  EXPECT_THROW(control.write_together({{register_part("size.columns"), 6}}), UserError);
+  EXPECT_THROW(control.write_together({{driver::register_part("size.columns"), 6}}), UserError);
   EXPECT_FALSE(board.settings().hold);
   EXPECT_EQ(board.settings().columns, 128);
 }
 
 TEST(Control, OtherBoards) {
   for (const std::uint32_t wrong : {spec::kRegId, spec::kRegVersion, spec::kRegSpecHash}) {
-    RegisterFile board;
+    model::RegisterFile board;
     const auto port = [&](bool write, std::uint32_t address, std::uint32_t data) {
-      RegisterAnswer answer = write ? board.write(address, data) : board.read(address, {});
+      model::RegisterAnswer answer = write ? board.write(address, data) : board.read(address, {});
       answer.data ^= address == wrong ? 1U : 0U;
       return answer;
     };
-    const std::string error = error_of([&] { Control control(std::make_unique<AccessPort>(port)); });
+    const std::string error = error_of([&] { driver::Control control(std::make_unique<sim::AccessPort>(port)); });
     EXPECT_NE(error.find(wrong == spec::kRegId ? "no selfproj board" : "another specification"), std::string::npos)
         << error;
   }
@@ -97,7 +97,7 @@ TEST(BarPort, OrdinaryFile) {
   write_text(folder / "bar", std::string(4096, '\0') + bytes);
   const std::string uri = "bar:" + (folder / "bar").string() + "+0x1000";
   {
-    const std::unique_ptr<Control> control = open_control(uri);
+    const std::unique_ptr<driver::Control> control = driver::open_control(uri);
     EXPECT_EQ(control->uri(), uri);
     control->write("size.columns", 1024);
     control->write("trigger_period", 0x123456);
@@ -114,7 +114,7 @@ TEST(BarPort, MemoryAndARegisterThatDoesNotTakeItsValue) {
   ASSERT_GE(memory, 0);
   const std::string bytes = register_bytes();
   ASSERT_EQ(write(memory, bytes.data(), bytes.size()), static_cast<ssize_t>(bytes.size()));
-  Control control(make_bar_port(memory, "bar:memory"));
+  driver::Control control(driver::make_bar_port(memory, "bar:memory"));
   control.write("measure.threshold", 77);
   // Memory keeps the bits that a board ignores, so the value read differs from the one that a board would hold.
   EXPECT_EQ(error_of([&] { control.write("measure", 0xFF00'0001); }),
@@ -129,15 +129,16 @@ TEST(BarPort, WhatCannotBeOpened) {
   const ScratchFolder folder;
   write_text(folder / "short", "SLFP");
   const std::string path = (folder / "short").string();
-  EXPECT_NE(error_of([&] { open_control("bar:" + path); }).find("too short"), std::string::npos);
-  EXPECT_NE(error_of([&] { open_control("bar:" + path + "+6"); }).find("'6' is no offset"), std::string::npos);
-  EXPECT_NE(error_of([&] { open_control("bar:" + (folder / "none").string()); }).find("No such file"),
+  EXPECT_NE(error_of([&] { driver::open_control("bar:" + path); }).find("too short"), std::string::npos);
+  EXPECT_NE(error_of([&] { driver::open_control("bar:" + path + "+6"); }).find("'6' is no offset"), std::string::npos);
+  EXPECT_NE(error_of([&] { driver::open_control("bar:" + (folder / "none").string()); }).find("No such file"),
             std::string::npos);
-  EXPECT_NE(error_of([&] { open_control("bar:" + folder.path().string()); }).find("directory"), std::string::npos);
-  EXPECT_EQ(error_of([] { open_control("ring:line1"); }),
+  EXPECT_NE(error_of([&] { driver::open_control("bar:" + folder.path().string()); }).find("directory"),
+            std::string::npos);
+  EXPECT_EQ(error_of([] { driver::open_control("ring:line1"); }),
             "ring:line1: has no control of a board beside it; use bar:PATH, litepcie:PATH or udp:HOST");
-  EXPECT_EQ(control_uri("file:/dev/xdma1_c2h_0"), "bar:/dev/xdma1_user");
-  EXPECT_EQ(control_uri("file:line.slfp"), "");
+  EXPECT_EQ(driver::control_uri("file:/dev/xdma1_c2h_0"), "bar:/dev/xdma1_user");
+  EXPECT_EQ(driver::control_uri("file:line.slfp"), "");
 }
 
 TEST(BoardList, FilesOfADeviceFolder) {
@@ -145,7 +146,7 @@ TEST(BoardList, FilesOfADeviceFolder) {
   write_text(folder / "xdma0_user", register_bytes());
   write_text(folder / "uio3", std::string(512, '\0'));
   write_text(folder / "null", "");
-  const std::vector<BoardPlace> boards = list_boards(folder.path());
+  const std::vector<driver::BoardPlace> boards = driver::list_boards(folder.path());
   ASSERT_EQ(boards.size(), 2U);
   EXPECT_EQ(boards[0].uri, "bar:" + (folder / "uio3").string());
   EXPECT_EQ(boards[0].problem, "no selfproj board is there: its first register is 0x00000000");
@@ -153,31 +154,31 @@ TEST(BoardList, FilesOfADeviceFolder) {
 }
 
 TEST(BoardTest, GoodBoardAndBoardsWithAFault) {
-  RegisterFile board;
+  model::RegisterFile board;
   std::uint64_t time = 0;
   std::uint32_t stuck = 0;  // a bit that is always 1 on the way back
   const auto access = [&](bool write, std::uint32_t address, std::uint32_t data) {
     time += 20;
-    RegisterAnswer answer = write ? board.write(address, data) : board.read(address, {.time = time});
+    model::RegisterAnswer answer = write ? board.write(address, data) : board.read(address, {.time = time});
     answer.data |= !write && address == spec::kRegTriggerCamera ? stuck : 0;
     return answer;
   };
-  Control control(std::make_unique<AccessPort>(access));
-  for (const BoardTestResult& result : test_board(control)) {
+  driver::Control control(std::make_unique<sim::AccessPort>(access));
+  for (const driver::BoardTestResult& result : driver::test_board(control)) {
     EXPECT_EQ(result.fault, "") << result.what;
   }
-  RegisterFile fresh;
+  model::RegisterFile fresh;
   for (const spec::Register& one : spec::kRegisters) {
     EXPECT_EQ(board.value(one.address), fresh.value(one.address)) << one.name;
   }
   stuck = 1U << 5U;
   int faults = 0;
-  for (const BoardTestResult& result : test_board(control)) {
+  for (const driver::BoardTestResult& result : driver::test_board(control)) {
     faults += result.fault.empty() ? 0 : 1;
   }
   EXPECT_EQ(faults, 1);
   board.write(spec::kRegControl, 1);
-  EXPECT_THROW(test_board(control), UserError);
+  EXPECT_THROW(driver::test_board(control), UserError);
 }
 
 }  // namespace

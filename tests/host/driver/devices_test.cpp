@@ -12,10 +12,10 @@
 #include <thread>
 #include <vector>
 
-#include "host/driver/device.h"
 #include "host/driver/sim_device.h"
-#include "host/files/user_error.h"
-#include "model/packet.h"
+#include "selfproj/driver/device.h"
+#include "selfproj/files/user_error.h"
+#include "selfproj/model/packet.h"
 #include "tests/cli/program.h"
 #include "tests/host/driver/packets.h"
 
@@ -28,19 +28,19 @@ using std::chrono::nanoseconds;
 std::string text_of(const Bytes& bytes) { return {bytes.begin(), bytes.end()}; }
 
 // Reads to the end; all packets must be intact.
-std::vector<std::uint64_t> read_all(Device& device) {
+std::vector<std::uint64_t> read_all(driver::Device& device) {
   std::vector<std::uint64_t> sequences;
-  PacketView packet;
+  model::PacketView packet;
   for (;;) {
     switch (device.next(packet, milliseconds(100))) {
-      case Next::packet:
+      case driver::Next::packet:
         EXPECT_TRUE(is_intact(packet));
         sequences.push_back(packet.header.sequence);
         device.release();
         break;
-      case Next::timeout:
+      case driver::Next::timeout:
         break;
-      case Next::end:
+      case driver::Next::end:
         return sequences;
     }
   }
@@ -50,9 +50,9 @@ TEST(FileDevice, RecordedStream) {
   const ScratchFolder folder;
   write_text(folder / "stream", text_of(moments_stream(0, 3000, 64)));
   for (const std::size_t buffer : {std::size_t{1}, std::size_t{1} << 20U}) {
-    const auto device = open_device("file:" + (folder / "stream").string(), {.buffer_bytes = buffer});
+    const auto device = driver::open_device("file:" + (folder / "stream").string(), {.buffer_bytes = buffer});
     EXPECT_EQ(read_all(*device).size(), 3000U);
-    EXPECT_EQ(device->counters(), (Counters{.delivered = 3000}));
+    EXPECT_EQ(device->counters(), (driver::Counters{.delivered = 3000}));
     EXPECT_EQ(device->uri(), "file:" + (folder / "stream").string());
   }
 }
@@ -65,33 +65,33 @@ TEST(FileDevice, FaultsInARecordedStream) {
   append(stream, moments_packet(3));
   append(stream, moments_packet(3));  // doubled
   append(stream, Bytes(5));           // shifted
-  PacketHeader header = moments_header(6);
+  model::PacketHeader header = moments_header(6);
   header.lost = 2;
   append(stream, moments_packet(header, spec::kStatusShortLine));
   append(stream, moments_stream(0, 2));  // restarted
   stream.insert(stream.end(), cut.begin(), cut.begin() + 70);
   write_text(folder / "stream", text_of(stream));
-  const auto device = open_device("file:" + (folder / "stream").string());
+  const auto device = driver::open_device("file:" + (folder / "stream").string());
   EXPECT_EQ(read_all(*device), (std::vector<std::uint64_t>{0, 1, 3, 6, 0, 1}));
-  EXPECT_EQ(device->counters(), (Counters{.delivered = 6,
-                                          .flagged = 1,
-                                          .lost_board = 2,
-                                          .missing = 3,
-                                          .bad = 3,
-                                          .resynchronized = 2,
-                                          .bytes_discarded = 145,
-                                          .repeated = 1,
-                                          .restarts = 1}));
+  EXPECT_EQ(device->counters(), (driver::Counters{.delivered = 6,
+                                                  .flagged = 1,
+                                                  .lost_board = 2,
+                                                  .missing = 3,
+                                                  .bad = 3,
+                                                  .resynchronized = 2,
+                                                  .bytes_discarded = 145,
+                                                  .repeated = 1,
+                                                  .restarts = 1}));
 }
 
 TEST(FileDevice, Pipe) {
   const ScratchFolder folder;
   const std::string pipe = folder / "pipe";
   ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
-  for (const Wait wait : {Wait::polling, Wait::blocking, Wait::polling_then_blocking}) {
-    const auto device = open_device("file:" + pipe, {.wait = wait});
-    PacketView packet;
-    EXPECT_EQ(device->next(packet, milliseconds(1)), Next::timeout) << "no writer yet";
+  for (const driver::Wait wait : {driver::Wait::polling, driver::Wait::blocking, driver::Wait::polling_then_blocking}) {
+    const auto device = driver::open_device("file:" + pipe, {.wait = wait});
+    model::PacketView packet;
+    EXPECT_EQ(device->next(packet, milliseconds(1)), driver::Next::timeout) << "no writer yet";
     std::thread writer([&] {
       const Bytes stream = moments_stream(0, 1000);
       const int descriptor = open(pipe.c_str(), O_WRONLY);
@@ -104,7 +104,7 @@ TEST(FileDevice, Pipe) {
       close(descriptor);
     });
     EXPECT_EQ(read_all(*device).size(), 1000U);
-    EXPECT_EQ(device->counters(), (Counters{.delivered = 1000}));
+    EXPECT_EQ(device->counters(), (driver::Counters{.delivered = 1000}));
     writer.join();
   }
 }
@@ -117,7 +117,7 @@ TEST(FileDevice, TenThousandStartsInTheMiddle) {
   ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
   Random random(1);
   for (int i = 0; i < 10000; ++i) {
-    const auto device = open_device("file:" + pipe, {.wait = Wait::polling, .buffer_bytes = 1});
+    const auto device = driver::open_device("file:" + pipe, {.wait = driver::Wait::polling, .buffer_bytes = 1});
     const int descriptor = open(pipe.c_str(), O_WRONLY);
     const auto begin = static_cast<std::size_t>(random.between(0, static_cast<int>(stream.size() / 2)));
     ASSERT_GT(write(descriptor, stream.data() + begin, stream.size() - begin), 0);
@@ -132,22 +132,22 @@ TEST(FileDevice, TenThousandStartsInTheMiddle) {
 
 TEST(FileDevice, Errors) {
   const ScratchFolder folder;
-  EXPECT_THROW(open_device("file:" + (folder / "none").string()), UserError);
-  EXPECT_THROW(open_device("file:" + folder.path().string()), UserError);
+  EXPECT_THROW(driver::open_device("file:" + (folder / "none").string()), UserError);
+  EXPECT_THROW(driver::open_device("file:" + folder.path().string()), UserError);
   for (const char* uri : {"", "file", "file:", "ring:", "usb:0", "ring:a/b", "/dev/null"}) {
-    EXPECT_THROW(open_device(uri), UserError) << uri;
+    EXPECT_THROW(driver::open_device(uri), UserError) << uri;
   }
-  const auto empty = open_device("file:/dev/null");
+  const auto empty = driver::open_device("file:/dev/null");
   EXPECT_TRUE(read_all(*empty).empty());
-  const auto zeros = open_device("file:/dev/zero", {.buffer_bytes = 1});
-  PacketView packet;
-  EXPECT_EQ(zeros->next(packet, milliseconds(20)), Next::timeout);
+  const auto zeros = driver::open_device("file:/dev/zero", {.buffer_bytes = 1});
+  model::PacketView packet;
+  EXPECT_EQ(zeros->next(packet, milliseconds(20)), driver::Next::timeout);
 }
 
 constexpr std::size_t kBeat = spec::kPacketBeatBytes;
 
 // Pushes the packet beat by beat; returns the number of beats that were taken.
-std::size_t push(SimDevice& device, const Bytes& packet) {
+std::size_t push(driver::SimDevice& device, const Bytes& packet) {
   std::size_t taken = 0;
   for (std::size_t at = 0; at < packet.size(); at += kBeat) {
     taken += device.push(std::span(packet).subspan(at, kBeat), at + kBeat == packet.size()) ? 1 : 0;
@@ -156,31 +156,31 @@ std::size_t push(SimDevice& device, const Bytes& packet) {
 }
 
 TEST(SimDevice, BeatsBecomePackets) {
-  SimDevice device;
-  PacketView packet;
+  driver::SimDevice device;
+  model::PacketView packet;
   for (std::uint64_t i = 0; i < 10000; ++i) {
     push(device, moments_packet(i, 32));
-    ASSERT_EQ(device.next(packet, nanoseconds(0)), Next::packet);
+    ASSERT_EQ(device.next(packet, nanoseconds(0)), driver::Next::packet);
     ASSERT_EQ(packet.header.sequence, i);
     ASSERT_TRUE(is_intact(packet));
     device.release();
-    ASSERT_EQ(device.next(packet, nanoseconds(0)), Next::timeout);
+    ASSERT_EQ(device.next(packet, nanoseconds(0)), driver::Next::timeout);
   }
   device.finish();
-  EXPECT_EQ(device.next(packet, nanoseconds(0)), Next::end);
+  EXPECT_EQ(device.next(packet, nanoseconds(0)), driver::Next::end);
   EXPECT_EQ(device.misframed(), 0U);
-  EXPECT_EQ(device.counters(), (Counters{.delivered = 10000}));
+  EXPECT_EQ(device.counters(), (driver::Counters{.delivered = 10000}));
 }
 
 TEST(SimDevice, FullBufferStallsTheBus) {
-  SimDevice device(1);  // room for two of the largest packets
+  driver::SimDevice device(1);  // room for two of the largest packets
   const Bytes first = moments_packet(0, spec::kMaxColumns);
   EXPECT_EQ(push(device, first), first.size() / kBeat);
   EXPECT_EQ(push(device, moments_packet(1, spec::kMaxColumns)), first.size() / kBeat);
   const Bytes beat(kBeat);
   EXPECT_FALSE(device.push(beat, false));
-  PacketView packet;
-  ASSERT_EQ(device.next(packet, nanoseconds(0)), Next::packet);
+  model::PacketView packet;
+  ASSERT_EQ(device.next(packet, nanoseconds(0)), driver::Next::packet);
   EXPECT_FALSE(device.push(beat, false)) << "the packet that is held would move";
   EXPECT_TRUE(is_intact(packet));
   device.release();
@@ -188,18 +188,18 @@ TEST(SimDevice, FullBufferStallsTheBus) {
 }
 
 TEST(SimDevice, EndOfPacketAtTheWrongBeat) {
-  SimDevice device;
+  driver::SimDevice device;
   Bytes packet = moments_packet(0);
   const std::span<const std::uint8_t> bytes(packet);
   device.push(bytes.first(bytes.size() - kBeat), true);  // one beat early
   device.push(bytes.last(kBeat), true);
   push(device, moments_packet(1));
   EXPECT_EQ(device.misframed(), 2U);
-  PacketView view;
-  EXPECT_EQ(device.next(view, nanoseconds(0)), Next::packet) << "the bytes themselves are right";
+  model::PacketView view;
+  EXPECT_EQ(device.next(view, nanoseconds(0)), driver::Next::packet) << "the bytes themselves are right";
 }
 
-TEST(SimDevice, NotByUri) { EXPECT_THROW(open_device("sim:"), UserError); }
+TEST(SimDevice, NotByUri) { EXPECT_THROW(driver::open_device("sim:"), UserError); }
 
 }  // namespace
 }  // namespace selfproj::test

@@ -34,16 +34,17 @@ inline AccessCounts random_accesses(int accesses, int percent, std::uint64_t see
   std::vector<WrittenBoard::Write> asked;
   {
     BadNetwork network(board, percent, seed);
-    const std::unique_ptr<RegisterPort> port =
-        make_etherbone_port(network.place(), {.patience = std::chrono::milliseconds(2), .tries = 30});
-    RegisterFile model;
+    const std::unique_ptr<driver::RegisterPort> port =
+        driver::make_etherbone_port(network.place(), {.patience = std::chrono::milliseconds(2), .tries = 30});
+    model::RegisterFile model;
     Random random(seed);
     for (int i = 0; i < accesses && !::testing::Test::HasFailure(); ++i) {
       const auto address = static_cast<std::uint32_t>(4 * random.between(0, 31));
       if (random.chance(60)) {
         const auto data = static_cast<std::uint32_t>(random.bits()) & (random.chance(50) ? 0x00FF01FFU : ~0U);
         const bool error = model.write(address, data).error;
-        EXPECT_EQ(port->write(address, data), error ? Written::refused : Written::applied) << "access " << i;
+        EXPECT_EQ(port->write(address, data), error ? driver::Written::refused : driver::Written::applied)
+            << "access " << i;
         asked.push_back({address, data, error});
         counts.refused += error ? 1 : 0;
       } else {

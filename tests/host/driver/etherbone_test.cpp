@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "host/driver/control.h"
-#include "host/files/user_error.h"
+#include "selfproj/files/user_error.h"
 #include "tests/host/driver/etherbone_accesses.h"
 #include "tests/support/network_board.h"
 #include "tests/support/random_cases.h"
@@ -24,18 +24,18 @@ using Bytes = std::vector<std::uint8_t>;
 
 // The bytes that LiteX's own client sends for a read and for a write.
 TEST(Etherbone, RecordsOfLiteX) {
-  EXPECT_EQ(etherbone_bytes({.tag = 0x11223344, .reads = {0x14}}),
+  EXPECT_EQ(driver::etherbone_bytes({.tag = 0x11223344, .reads = {0x14}}),
             (Bytes{0x4E, 0x6F, 0x10, 0x44, 0, 0, 0, 0, 0, 0x0F, 0, 1, 0x11, 0x22, 0x33, 0x44, 0, 0, 0, 0x14}));
-  EXPECT_EQ(etherbone_bytes({.write_address = 0x18, .writes = {0xDEADBEEF}}),
+  EXPECT_EQ(driver::etherbone_bytes({.write_address = 0x18, .writes = {0xDEADBEEF}}),
             (Bytes{0x4E, 0x6F, 0x10, 0x44, 0, 0, 0, 0, 0, 0x0F, 1, 0, 0, 0, 0, 0x18, 0xDE, 0xAD, 0xBE, 0xEF}));
-  EXPECT_EQ(etherbone_bytes({.probe = true}), (Bytes{0x4E, 0x6F, 0x11, 0x44, 0, 0, 0, 0}));
+  EXPECT_EQ(driver::etherbone_bytes({.probe = true}), (Bytes{0x4E, 0x6F, 0x11, 0x44, 0, 0, 0, 0}));
 }
 
 TEST(Etherbone, RandomRecordsAndDamage) {
   for (const std::uint64_t seed : seeds(200)) {
     SCOPED_TRACE(how_to_repeat(seed));
     Random random(seed);
-    EtherboneRecord record;
+    driver::EtherboneRecord record;
     const auto words = [&](int most) {
       std::vector<std::uint32_t> all(static_cast<std::size_t>(random.between(0, most)));
       for (std::uint32_t& word : all) {
@@ -47,13 +47,13 @@ TEST(Etherbone, RandomRecordsAndDamage) {
     record.reads = words(5);
     record.write_address = record.writes.empty() ? 0 : 0x104;
     record.tag = record.reads.empty() ? 0 : 77;
-    Bytes bytes = etherbone_bytes(record);
-    EXPECT_EQ(etherbone_record(bytes), record);
+    Bytes bytes = driver::etherbone_bytes(record);
+    EXPECT_EQ(driver::etherbone_record(bytes), record);
     if (bytes.size() > 8) {
       bytes.resize(static_cast<std::size_t>(random.between(9, static_cast<int>(bytes.size()) - 1)));
-      EXPECT_EQ(etherbone_record(bytes), std::nullopt);
+      EXPECT_EQ(driver::etherbone_record(bytes), std::nullopt);
     }
-    static_cast<void>(etherbone_record(random.bytes(static_cast<std::size_t>(random.between(0, 60)))));
+    static_cast<void>(driver::etherbone_record(random.bytes(static_cast<std::size_t>(random.between(0, 60)))));
   }
 }
 
@@ -69,7 +69,8 @@ TEST(EtherbonePort, RandomAccessesThroughABadNetwork) {
 TEST(EtherbonePort, ControlOverTheNetwork) {
   WrittenBoard board(true);
   const BadNetwork network(board, 0, 1);
-  const std::unique_ptr<Control> control = std::make_unique<Control>(make_etherbone_port(network.place()));
+  const std::unique_ptr<driver::Control> control =
+      std::make_unique<driver::Control>(driver::make_etherbone_port(network.place()));
   control->set({.columns = 64, .rows = 12, .threshold = 9});
   EXPECT_EQ(control->read("size.columns"), 64U);
   EXPECT_THROW(control->write("size.columns", 6), UserError);
@@ -81,7 +82,7 @@ TEST(EtherbonePort, ABoardWithoutTheMailbox) {
   WrittenBoard good(false);
   {
     const BadNetwork network(good, 0, 1);
-    Control control(make_etherbone_port(network.place()));
+    driver::Control control(driver::make_etherbone_port(network.place()));
     control.write("measure.threshold", 60);
     EXPECT_THROW(control.write("measure.mode", 3), UserError);
   }
@@ -90,12 +91,12 @@ TEST(EtherbonePort, ABoardWithoutTheMailbox) {
   std::size_t sent = 0;
   {
     const BadNetwork network(board, 10, 3);
-    const std::unique_ptr<RegisterPort> port =
-        make_etherbone_port(network.place(), {.patience = std::chrono::milliseconds(4), .tries = 20});
+    const std::unique_ptr<driver::RegisterPort> port =
+        driver::make_etherbone_port(network.place(), {.patience = std::chrono::milliseconds(4), .tries = 20});
     int unanswered = 0;
     for (; sent < 60; ++sent) {
       try {
-        EXPECT_EQ(port->write(spec::kRegTimeout, static_cast<std::uint32_t>(sent)), Written::unknown);
+        EXPECT_EQ(port->write(spec::kRegTimeout, static_cast<std::uint32_t>(sent)), driver::Written::unknown);
       } catch (const UserError& error) {
         EXPECT_NE(std::string(error.what()).find("not known"), std::string::npos);
         ++unanswered;
@@ -107,15 +108,16 @@ TEST(EtherbonePort, ABoardWithoutTheMailbox) {
 }
 
 TEST(EtherbonePort, NobodyAndTwoHosts) {
-  EXPECT_THROW(make_etherbone_port("127.0.0.2:9", {.patience = std::chrono::milliseconds(1), .tries = 2}), UserError);
+  EXPECT_THROW(driver::make_etherbone_port("127.0.0.2:9", {.patience = std::chrono::milliseconds(1), .tries = 2}),
+               UserError);
   WrittenBoard board(true);
   const BadNetwork network(board, 0, 1);
-  const std::unique_ptr<RegisterPort> one = make_etherbone_port(network.place());
-  const std::unique_ptr<RegisterPort> other = make_etherbone_port(network.place());
-  EXPECT_EQ(one->write(spec::kRegTimeout, 1), Written::applied);
-  EXPECT_EQ(other->write(spec::kRegTimeout, 2), Written::applied);
+  const std::unique_ptr<driver::RegisterPort> one = driver::make_etherbone_port(network.place());
+  const std::unique_ptr<driver::RegisterPort> other = driver::make_etherbone_port(network.place());
+  EXPECT_EQ(one->write(spec::kRegTimeout, 1), driver::Written::applied);
+  EXPECT_EQ(other->write(spec::kRegTimeout, 2), driver::Written::applied);
   EXPECT_THROW(one->write(spec::kRegTimeout, 3), UserError);
-  EXPECT_EQ(one->write(spec::kRegTimeout, 4), Written::applied);
+  EXPECT_EQ(one->write(spec::kRegTimeout, 4), driver::Written::applied);
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // Tests how lines become images. An image that lacks a line is counted and never returned.
-#include "host/driver/image_assembler.h"
+#include "selfproj/driver/image_assembler.h"
 
 #include <gtest/gtest.h>
 
@@ -16,10 +16,10 @@ constexpr int kRows = 5;
 constexpr int kColumns = 20;  // not a multiple of a beat: lines are filled up
 
 struct Line {
-  PacketHeader header;
+  model::PacketHeader header;
   Bytes payload;
   std::uint32_t status = 0;
-  [[nodiscard]] PacketView view() const { return {header, payload, status, 0}; }
+  [[nodiscard]] model::PacketView view() const { return {header, payload, status, 0}; }
 };
 
 // All lines of frame `sequence`, with random pixels.
@@ -32,8 +32,8 @@ std::vector<Line> frame(std::uint8_t kind, std::uint64_t sequence, int columns =
     line.header.rows = kRows;
     line.header.first_line = static_cast<std::uint16_t>(row);
     line.header.lines = 1;
-    line.payload =
-        random.bytes(kind == spec::kKindImage ? image_line_payload_bytes(columns) : codes_line_payload_bytes(columns));
+    line.payload = random.bytes(kind == spec::kKindImage ? model::image_line_payload_bytes(columns)
+                                                         : model::codes_line_payload_bytes(columns));
     line.header.payload_size = static_cast<std::uint32_t>(line.payload.size());
     lines.push_back(line);
   }
@@ -41,7 +41,7 @@ std::vector<Line> frame(std::uint8_t kind, std::uint64_t sequence, int columns =
 }
 
 TEST(ImageAssembler, Images) {
-  ImageAssembler assembler(spec::kKindImage, 0);
+  driver::ImageAssembler assembler(spec::kKindImage, 0);
   for (std::uint64_t sequence = 3; sequence < 6; ++sequence) {
     const auto lines = frame(spec::kKindImage, sequence);
     for (std::size_t i = 0; i < lines.size(); ++i) {
@@ -58,7 +58,7 @@ TEST(ImageAssembler, Images) {
 }
 
 TEST(ImageAssembler, Codes) {
-  ImageAssembler assembler(spec::kKindCodes, 0);
+  driver::ImageAssembler assembler(spec::kKindCodes, 0);
   const auto lines = frame(spec::kKindCodes, 1);
   bool done = false;
   for (const Line& line : lines) {
@@ -73,7 +73,7 @@ TEST(ImageAssembler, Codes) {
 
 TEST(ImageAssembler, AnyMissingLine) {
   for (std::size_t missing = 0; missing < kRows; ++missing) {
-    ImageAssembler assembler(spec::kKindImage, 0);
+    driver::ImageAssembler assembler(spec::kKindImage, 0);
     auto lines = frame(spec::kKindImage, 1);
     lines.erase(lines.begin() + static_cast<std::ptrdiff_t>(missing));
     for (const Line& line : lines) {
@@ -90,7 +90,7 @@ TEST(ImageAssembler, AnyMissingLine) {
 }
 
 TEST(ImageAssembler, FlaggedLine) {
-  ImageAssembler assembler(spec::kKindImage, 0);
+  driver::ImageAssembler assembler(spec::kKindImage, 0);
   auto lines = frame(spec::kKindImage, 1);
   lines.back().status = spec::kStatusShortLine;
   for (const Line& line : lines) {
@@ -100,7 +100,7 @@ TEST(ImageAssembler, FlaggedLine) {
 }
 
 TEST(ImageAssembler, FrameThatBrokeBeforeItsFirstLine) {
-  ImageAssembler assembler(spec::kKindImage, 0);
+  driver::ImageAssembler assembler(spec::kKindImage, 0);
   Line line = frame(spec::kKindImage, 1).front();
   line.payload.clear();
   line.header.first_line = 0;
@@ -112,7 +112,7 @@ TEST(ImageAssembler, FrameThatBrokeBeforeItsFirstLine) {
 }
 
 TEST(ImageAssembler, OtherStreamsAndKindsArePassedOver) {
-  ImageAssembler assembler(spec::kKindImage, 1);
+  driver::ImageAssembler assembler(spec::kKindImage, 1);
   for (const Line& line : frame(spec::kKindImage, 1)) {
     EXPECT_FALSE(assembler.add(line.view()));
   }
@@ -120,7 +120,7 @@ TEST(ImageAssembler, OtherStreamsAndKindsArePassedOver) {
 }
 
 TEST(ImageAssembler, TooLarge) {
-  ImageAssembler assembler(spec::kKindImage, 0, kRows, kColumns - 4);
+  driver::ImageAssembler assembler(spec::kKindImage, 0, kRows, kColumns - 4);
   for (const Line& line : frame(spec::kKindImage, 1)) {
     EXPECT_FALSE(assembler.add(line.view()));
   }
@@ -128,9 +128,9 @@ TEST(ImageAssembler, TooLarge) {
 }
 
 TEST(ImageAssembler, BadArguments) {
-  EXPECT_THROW(ImageAssembler(spec::kKindMoments, 0), std::invalid_argument);
-  EXPECT_THROW(ImageAssembler(spec::kKindImage, 256), std::invalid_argument);
-  EXPECT_THROW(ImageAssembler(spec::kKindImage, 0, 0), std::invalid_argument);
+  EXPECT_THROW(driver::ImageAssembler(spec::kKindMoments, 0), std::invalid_argument);
+  EXPECT_THROW(driver::ImageAssembler(spec::kKindImage, 256), std::invalid_argument);
+  EXPECT_THROW(driver::ImageAssembler(spec::kKindImage, 0, 0), std::invalid_argument);
 }
 
 }  // namespace

@@ -17,9 +17,9 @@
 
 #include "host/driver/boards.h"
 #include "host/driver/control.h"
-#include "host/driver/device.h"
 #include "host/driver/litepcie_interface.h"
 #include "host/files/file_descriptor.h"
+#include "selfproj/driver/device.h"
 #include "tests/cli/program.h"
 #include "tests/host/driver/packets.h"
 #include "tests/support/board_registers.h"
@@ -32,8 +32,8 @@ namespace {
 constexpr std::chrono::nanoseconds kOnce{0};
 constexpr const char* kUri = "litepcie:/dev/litepcie0";
 
-std::unique_ptr<Device> open(LitePciePlayer& player, const DeviceOptions& options = {}) {
-  return make_litepcie_device(std::make_unique<LitePciePlayerPort>(player), kUri, options);
+std::unique_ptr<driver::Device> open(LitePciePlayer& player, const driver::DeviceOptions& options = {}) {
+  return driver::make_litepcie_device(std::make_unique<LitePciePlayerPort>(player), kUri, options);
 }
 
 // Reads what is there. Every packet must be whole, and later than the one before.
@@ -41,9 +41,9 @@ struct Reading {
   std::uint64_t packets = 0;
   std::uint64_t newest = 0;
 
-  void read(Device& device) {
-    PacketView packet;
-    while (device.next(packet, kOnce) == Next::packet) {
+  void read(driver::Device& device) {
+    model::PacketView packet;
+    while (device.next(packet, kOnce) == driver::Next::packet) {
       ASSERT_TRUE(is_intact(packet)) << packet.header.sequence;
       ASSERT_TRUE(packets == 0 || packet.header.sequence > newest) << packet.header.sequence;
       newest = packet.header.sequence;
@@ -54,7 +54,7 @@ struct Reading {
 
 TEST(LitePcieDevice, EveryPacketThroughManyRounds) {
   LitePciePlayer player(16, 8192);
-  const std::unique_ptr<Device> device = open(player);
+  const std::unique_ptr<driver::Device> device = open(player);
   Reading reading;
   for (std::uint64_t first = 0; first < 2000; first += 10) {
     ASSERT_TRUE(player.write(moments_stream(first, 10, 512)));  // 10 x 4176 bytes: five buffers
@@ -66,14 +66,14 @@ TEST(LitePcieDevice, EveryPacketThroughManyRounds) {
   player.fill();
   reading.read(*device);
   EXPECT_EQ(reading.packets, 2000U);
-  Counters want;
+  driver::Counters want;
   want.delivered = 2000;
   EXPECT_EQ(device->counters(), want);
 }
 
 TEST(LitePcieDevice, ZerosBehindBursts) {
   LitePciePlayer player(8, 256);
-  const std::unique_ptr<Device> device = open(player);
+  const std::unique_ptr<driver::Device> device = open(player);
   Reading reading;
   std::uint64_t sent = 0;
   for (int burst = 1; burst < 40; ++burst) {
@@ -83,14 +83,14 @@ TEST(LitePcieDevice, ZerosBehindBursts) {
     reading.read(*device);
     EXPECT_EQ(reading.packets, sent);
   }
-  Counters want;
+  driver::Counters want;
   want.delivered = sent;
   EXPECT_EQ(device->counters(), want);
 }
 
 TEST(LitePcieDevice, TheDmaHasComeRound) {
   LitePciePlayer player(8, 1024);
-  const std::unique_ptr<Device> device = open(player);
+  const std::unique_ptr<driver::Device> device = open(player);
   Reading reading;
   ASSERT_TRUE(player.write(moments_stream(0, 10)));
   player.fill();
@@ -99,7 +99,7 @@ TEST(LitePcieDevice, TheDmaHasComeRound) {
   ASSERT_TRUE(player.write(moments_stream(10, 300)));  // 300 x 208 bytes: seven rounds
   player.fill();
   reading.read(*device);
-  const Counters counters = device->counters();
+  const driver::Counters counters = device->counters();
   EXPECT_EQ(counters.read_errors, 1U);
   EXPECT_EQ(counters.resynchronized, 1U);
   EXPECT_GT(counters.missing, 0U);
@@ -116,7 +116,7 @@ TEST(LitePcieDevice, TheDmaHasComeRound) {
 
 TEST(LitePcieDevice, TheDmaComesRoundDuringTheCopy) {
   LitePciePlayer player(8, 1024);
-  const std::unique_ptr<Device> device = open(player);
+  const std::unique_ptr<driver::Device> device = open(player);
   ASSERT_TRUE(player.write(moments_stream(0, 20)));  // 20 x 208 bytes: four buffers
   int accesses = 0;
   player.on_access = [&] {
@@ -130,7 +130,7 @@ TEST(LitePcieDevice, TheDmaComesRoundDuringTheCopy) {
   player.fill();
   reading.read(*device);
   EXPECT_EQ(reading.newest, 45U);
-  const Counters counters = device->counters();
+  const driver::Counters counters = device->counters();
   EXPECT_EQ(counters.read_errors, 1U);
   EXPECT_LT(counters.delivered, 46U);
   EXPECT_EQ(counters.bad, 0U);
@@ -139,7 +139,7 @@ TEST(LitePcieDevice, TheDmaComesRoundDuringTheCopy) {
 // The DMA writes as fast as it can while the reader reads: what comes is whole, and what does not come is counted.
 TEST(LitePcieDevice, AFastBoardInAnotherThread) {
   LitePciePlayer player(32, 1024);
-  const std::unique_ptr<Device> device = open(player, {.wait = Wait::blocking});
+  const std::unique_ptr<driver::Device> device = open(player, {.wait = driver::Wait::blocking});
   constexpr std::uint64_t kPackets = 20'000;
   Reading reading;
   ASSERT_TRUE(player.write(moments_stream(0, 4)));  // so that the first packet is known, whenever the thread runs
@@ -158,7 +158,7 @@ TEST(LitePcieDevice, AFastBoardInAnotherThread) {
   }
   board.join();
   reading.read(*device);
-  const Counters counters = device->counters();
+  const driver::Counters counters = device->counters();
   EXPECT_EQ(reading.newest, kPackets - 1);
   EXPECT_EQ(counters.delivered, reading.packets);
   EXPECT_EQ(counters.delivered + counters.missing, kPackets);
@@ -168,7 +168,7 @@ TEST(LitePcieDevice, AFastBoardInAnotherThread) {
 // The register of the loop has 16 bits for the rounds.
 TEST(LitePcieDevice, TheRegisterWraps) {
   LitePciePlayer player(4, 16);
-  const std::unique_ptr<Device> device = open(player);
+  const std::unique_ptr<driver::Device> device = open(player);
   Reading reading;
   std::uint64_t sent = 0;
   while (player.finished() < 5 * 65536) {
@@ -185,15 +185,15 @@ TEST(LitePcieDevice, TheRegisterWraps) {
 
 TEST(LitePcieDevice, ABoardThatIsReset) {
   LitePciePlayer player(8, 1024);
-  const std::unique_ptr<Device> device = open(player);
+  const std::unique_ptr<driver::Device> device = open(player);
   Reading reading;
   ASSERT_TRUE(player.write(moments_stream(0, 20)));
   reading.read(*device);
   ASSERT_GT(reading.packets, 0U);
   player.reset();
   EXPECT_FALSE(player.write(moments_stream(20, 1)));
-  PacketView packet;
-  EXPECT_EQ(device->next(packet, kOnce), Next::timeout);
+  model::PacketView packet;
+  EXPECT_EQ(device->next(packet, kOnce), driver::Next::timeout);
   EXPECT_EQ(device->counters().reattached, 1U);
   ASSERT_TRUE(player.write(moments_stream(40, 5)));
   player.fill();
@@ -202,16 +202,16 @@ TEST(LitePcieDevice, ABoardThatIsReset) {
 }
 
 TEST(LitePcieDevice, ABoardThatHasGone) {
-  PacketView packet;
+  model::PacketView packet;
   for (const int error : {ENODEV, EIO}) {
     LitePciePlayer player(8, 1024);
-    const std::unique_ptr<Device> device = open(player);
+    const std::unique_ptr<driver::Device> device = open(player);
     player.error = error;
     EXPECT_EQ(error_of([&] { device->next(packet, kOnce); }),
-              std::string(kUri) + ": the board has gone: " + error_text(error));
+              std::string(kUri) + ": the board has gone: " + files::error_text(error));
   }
   LitePciePlayer player(8, 1024);
-  const std::unique_ptr<Device> device = open(player);
+  const std::unique_ptr<driver::Device> device = open(player);
   player.ones = true;
   EXPECT_EQ(error_of([&] { device->next(packet, kOnce); }),
             std::string(kUri) + ": the board has gone: its registers read as ones");
@@ -220,7 +220,7 @@ TEST(LitePcieDevice, ABoardThatHasGone) {
 TEST(LitePcieDevice, WhatCannotBeOpened) {
   LitePciePlayer player(8, 1024);
   {
-    const std::unique_ptr<Device> device = open(player);
+    const std::unique_ptr<driver::Device> device = open(player);
     EXPECT_TRUE(player.enabled());
     EXPECT_EQ(error_of([&] { open(player); }), std::string(kUri) + ": already has a reader");
     EXPECT_TRUE(player.taken);
@@ -229,36 +229,37 @@ TEST(LitePcieDevice, WhatCannotBeOpened) {
   EXPECT_FALSE(player.taken);
   player.foreign = true;
   EXPECT_EQ(error_of([&] { open(player); }),
-            std::string(kUri) + ": is no device of LitePCIe's driver: " + error_text(ENOTTY));
+            std::string(kUri) + ": is no device of LitePCIe's driver: " + files::error_text(ENOTTY));
   LitePciePlayer odd(3, 1000);
   EXPECT_NE(error_of([&] { open(odd); }).find("has 3 buffers of 1000 bytes"), std::string::npos);
-  EXPECT_EQ(error_of([] { open_device("litepcie:/none/litepcie0"); }),
-            "litepcie:/none/litepcie0: " + error_text(ENOENT));
-  EXPECT_EQ(error_of([] { open_device("litepcie:"); }), "litepcie:: the path of the file is missing");
-  EXPECT_NE(error_of([] { open_device("litepcie:/dev/null"); }).find("is no device of LitePCIe's driver"),
+  EXPECT_EQ(error_of([] { driver::open_device("litepcie:/none/litepcie0"); }),
+            "litepcie:/none/litepcie0: " + files::error_text(ENOENT));
+  EXPECT_EQ(error_of([] { driver::open_device("litepcie:"); }), "litepcie:: the path of the file is missing");
+  EXPECT_NE(error_of([] { driver::open_device("litepcie:/dev/null"); }).find("is no device of LitePCIe's driver"),
             std::string::npos);
 }
 
 TEST(LitePcieDevice, WaitsUntilTheTimeIsUp) {
   LitePciePlayer player(8, 1024);
-  const std::unique_ptr<Device> device = open(player, {.wait = Wait::blocking});
-  PacketView packet;
-  EXPECT_EQ(device->next(packet, std::chrono::milliseconds(2)), Next::timeout);  // although each wait ends at once
+  const std::unique_ptr<driver::Device> device = open(player, {.wait = driver::Wait::blocking});
+  model::PacketView packet;
+  EXPECT_EQ(device->next(packet, std::chrono::milliseconds(2)),
+            driver::Next::timeout);  // although each wait ends at once
   EXPECT_GT(player.waits, 1U);
 }
 
 // Registers, as the driver would read them from BAR 0.
-class RegisterPlayer final : public DevicePort {
+class RegisterPlayer final : public driver::DevicePort {
  public:
-  RegisterPlayer(RegisterFile& board, const int& error) : board_(board), error_(error) {}
+  RegisterPlayer(model::RegisterFile& board, const int& error) : board_(board), error_(error) {}
 
   int control(unsigned long request, void* argument) override {
-    EXPECT_EQ(request, litepcie::kAccess);
-    auto& access = *static_cast<litepcie::Access*>(argument);
+    EXPECT_EQ(request, driver::litepcie::kAccess);
+    auto& access = *static_cast<driver::litepcie::Access*>(argument);
     if (error_ != 0) {
       return error_;
     }
-    const std::uint32_t address = access.address - litepcie::kBoardRegisters;
+    const std::uint32_t address = access.address - driver::litepcie::kBoardRegisters;
     if (access.write != 0) {
       board_.write(address, access.value);
     } else {
@@ -270,39 +271,40 @@ class RegisterPlayer final : public DevicePort {
   bool wait(std::chrono::nanoseconds /*timeout*/) override { return false; }
 
  private:
-  RegisterFile& board_;
+  model::RegisterFile& board_;
   const int& error_;
 };
 
 TEST(LitePciePort, RegistersOfABoard) {
-  RegisterFile board;
+  model::RegisterFile board;
   int error = 0;
-  Control control(make_litepcie_port(std::make_unique<RegisterPlayer>(board, error), kUri));
+  driver::Control control(driver::make_litepcie_port(std::make_unique<RegisterPlayer>(board, error), kUri));
   control.write("size.columns", 640);
   EXPECT_EQ(control.read("size.columns"), 640U);
   EXPECT_EQ(board.value(spec::kRegSize) & 0xFFFFU, 640U);
   EXPECT_NE(error_of([&] { control.write("size.columns", 6); }).find("refuses"), std::string::npos);
-  const std::unique_ptr<RegisterPort> port = make_litepcie_port(std::make_unique<RegisterPlayer>(board, error), kUri);
+  const std::unique_ptr<driver::RegisterPort> port =
+      driver::make_litepcie_port(std::make_unique<RegisterPlayer>(board, error), kUri);
   for (const std::uint32_t wrong : {2U, spec::kRegisters.back().address + 4}) {
     EXPECT_EQ(error_of([&] { port->write(wrong, 0); }),
               std::string(kUri) + ": has no register at " + std::to_string(wrong));
   }
   error = ENODEV;
   EXPECT_EQ(error_of([&] { static_cast<void>(control.read("size")); }),
-            std::string(kUri) + ": the board's registers cannot be reached: " + error_text(ENODEV));
+            std::string(kUri) + ": the board's registers cannot be reached: " + files::error_text(ENODEV));
 }
 
 TEST(LitePciePort, OpenedByItsUri) {
-  EXPECT_EQ(control_uri(kUri), kUri);
-  EXPECT_EQ(error_of([] { open_control("litepcie:/none/litepcie0"); }),
-            "litepcie:/none/litepcie0: " + error_text(ENOENT));
-  EXPECT_EQ(error_of([] { open_control("litepcie:"); }), "litepcie:: the path of the file is missing");
+  EXPECT_EQ(driver::control_uri(kUri), kUri);
+  EXPECT_EQ(error_of([] { driver::open_control("litepcie:/none/litepcie0"); }),
+            "litepcie:/none/litepcie0: " + files::error_text(ENOENT));
+  EXPECT_EQ(error_of([] { driver::open_control("litepcie:"); }), "litepcie:: the path of the file is missing");
   const ScratchFolder folder;
   write_text(folder / "litepcie0", "");
-  const std::vector<BoardPlace> boards = list_boards(folder.path());
+  const std::vector<driver::BoardPlace> boards = driver::list_boards(folder.path());
   ASSERT_EQ(boards.size(), 1U);
   EXPECT_EQ(boards[0].uri, "litepcie:" + (folder / "litepcie0").string());
-  EXPECT_EQ(boards[0].problem, "the board's registers cannot be reached: " + error_text(ENOTTY));
+  EXPECT_EQ(boards[0].problem, "the board's registers cannot be reached: " + files::error_text(ENOTTY));
 }
 
 }  // namespace

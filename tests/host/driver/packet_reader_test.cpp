@@ -1,5 +1,5 @@
 // Finds packets in damaged streams: each fault is counted, and the frame after it is right.
-#include "host/driver/packet_reader.h"
+#include "selfproj/driver/packet_reader.h"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "model/packet.h"
+#include "selfproj/model/packet.h"
 #include "tests/host/driver/packets.h"
 #include "tests/support/random_cases.h"
 
@@ -21,7 +21,7 @@ using Sequences = std::vector<std::uint64_t>;
 
 // The results of a reader.
 struct Outcome {
-  Counters counters;
+  driver::Counters counters;
   Sequences given;
   std::size_t bytes = 0;  // of the packets given
   bool intact = true;
@@ -30,8 +30,8 @@ struct Outcome {
 // Feeds the stream in pieces of 1..largest_piece bytes (0: as much as there is room for).
 Outcome run(const Bytes& stream, Random& random, int largest_piece = 0, std::size_t capacity = 1) {
   Outcome result;
-  PacketStreamReader reader(result.counters, capacity);
-  PacketView packet;
+  driver::PacketStreamReader reader(result.counters, capacity);
+  model::PacketView packet;
   const auto drain = [&] {
     while (reader.next(packet)) {
       result.given.push_back(packet.header.sequence);
@@ -88,13 +88,13 @@ TEST(PacketStreamReader, WholeStreamInPiecesOfAnySize) {
         run(stream, random, random.between(1, 2000), static_cast<std::size_t>(random.between(1, 100000)));
     EXPECT_EQ(result.given, range(0, 199));
     EXPECT_TRUE(result.intact);
-    EXPECT_EQ(result.counters, Counters{});
+    EXPECT_EQ(result.counters, driver::Counters{});
   }
 }
 
 TEST(PacketStreamReader, LargestPacketFits) {
   Bytes stream = moments_stream(0, 5, spec::kMaxColumns);
-  EXPECT_EQ(stream.size(), 5 * kLargestPacketBytes);
+  EXPECT_EQ(stream.size(), 5 * model::kLargestPacketBytes);
   EXPECT_EQ(run(stream).given, range(0, 4));
 }
 
@@ -168,9 +168,9 @@ TEST(PacketStreamReader, AnyDamagedPayloadLength) {
   for (const std::uint32_t size : {0U, 1U, 16U, 112U, 144U, 4096U, 16384U, 16400U, 0x7FFFFFFFU, 0xFFFFFFFFU}) {
     Bytes stream = before;
     Bytes damaged = moments_packet(1);
-    PacketHeader header = moments_header(1);
+    model::PacketHeader header = moments_header(1);
     header.payload_size = size;
-    replace_header(damaged, header);
+    model::replace_header(damaged, header);
     append(stream, damaged);
     append(stream, moments_stream(2, 2));
     const Outcome result = run(stream);
@@ -182,20 +182,20 @@ TEST(PacketStreamReader, AnyDamagedPayloadLength) {
 // The format allows many lines in one packet, but no board sends them. A damaged number of lines must not make the
 // reader wait for megabytes.
 TEST(PacketStreamReader, PacketThatNoBoardSends) {
-  PacketHeader header = moments_header(1, 2048);
+  model::PacketHeader header = moments_header(1, 2048);
   header.kind = spec::kKindImage;
   header.first_line = 1;
   header.lines = 96;
   Bytes large;
-  append_packet(header, Bytes(std::size_t{96} * 2048), 0, large);
+  model::append_packet(header, Bytes(std::size_t{96} * 2048), 0, large);
   Bytes stream = moments_packet(0);
   stream.insert(stream.end(), large.begin(), large.begin() + 64);
   append(stream, moments_packet(2));
-  Counters counters;
-  PacketStreamReader reader(counters);
+  driver::Counters counters;
+  driver::PacketStreamReader reader(counters);
   std::copy(stream.begin(), stream.end(), reader.room().begin());
   reader.added(stream.size());
-  PacketView packet;
+  model::PacketView packet;
   ASSERT_TRUE(reader.next(packet));
   ASSERT_TRUE(reader.next(packet)) << "waits for more bytes";
   EXPECT_EQ(packet.header.sequence, 2U);
@@ -205,12 +205,12 @@ TEST(PacketStreamReader, PacketThatNoBoardSends) {
 TEST(PacketStreamReader, WholePacketInsideADamagedOne) {
   // A payload that is itself a packet must not be given while the packet around it is good ...
   const Bytes inner = moments_packet(7, 4);
-  PacketHeader header = moments_header(1, 16);
-  Bytes payload(moments_payload_bytes(Mode::grey_over, 16));
+  model::PacketHeader header = moments_header(1, 16);
+  Bytes payload(model::moments_payload_bytes(model::Mode::grey_over, 16));
   ASSERT_LE(inner.size(), payload.size());
   std::copy(inner.begin(), inner.end(), payload.begin());
   Bytes outer;
-  append_packet(header, payload, 0, outer);
+  model::append_packet(header, payload, 0, outer);
   Bytes stream = moments_packet(0);
   append(stream, outer);
   append(stream, moments_packet(2));
@@ -220,7 +220,7 @@ TEST(PacketStreamReader, WholePacketInsideADamagedOne) {
 TEST(PacketStreamReader, AnotherSpecification) {
   Bytes stream = moments_packet(0);
   Bytes other = moments_packet(1);
-  replace_header(other, moments_header(1), spec::kHash ^ 0x55);
+  model::replace_header(other, moments_header(1), spec::kHash ^ 0x55);
   append(stream, other);
   append(stream, moments_packet(2));
   const Outcome result = run(stream);
@@ -230,12 +230,12 @@ TEST(PacketStreamReader, AnotherSpecification) {
 }
 
 TEST(PacketStreamReader, RestartDiscardsWhatWasBegun) {
-  Counters counters;
-  PacketStreamReader reader(counters);
+  driver::Counters counters;
+  driver::PacketStreamReader reader(counters);
   const Bytes packet = moments_packet(0);
   std::copy_n(packet.begin(), 100, reader.room().begin());
   reader.added(100);
-  PacketView view;
+  model::PacketView view;
   EXPECT_FALSE(reader.next(view));
   reader.restart();
   std::copy(packet.begin(), packet.end(), reader.room().begin());
@@ -295,8 +295,8 @@ TEST(PacketStreamReader, TenThousandStarts) {
   constexpr int kFrames = 50;
   const Bytes stream = moments_stream(0, kFrames);
   const std::size_t size = stream.size() / kFrames;
-  Counters counters;
-  PacketStreamReader reader(counters);
+  driver::Counters counters;
+  driver::PacketStreamReader reader(counters);
   Random random(1);
   for (int i = 0; i < 10000; ++i) {
     reader.restart();
@@ -306,7 +306,7 @@ TEST(PacketStreamReader, TenThousandStarts) {
     std::copy(stream.begin() + static_cast<std::ptrdiff_t>(begin), stream.begin() + static_cast<std::ptrdiff_t>(end),
               reader.room().begin());
     reader.added(end - begin);
-    PacketView packet;
+    model::PacketView packet;
     for (std::size_t expected = (begin + size - 1) / size; (expected + 1) * size <= end; ++expected) {
       ASSERT_TRUE(reader.next(packet)) << "start " << i;
       ASSERT_EQ(packet.header.sequence, expected) << "start " << i;
@@ -317,9 +317,9 @@ TEST(PacketStreamReader, TenThousandStarts) {
   EXPECT_EQ(counters.bad, 0U);
 }
 
-PacketHeader header_of(std::uint64_t sequence, std::uint32_t lost, int stream = 0,
-                       std::uint8_t kind = spec::kKindMoments) {
-  PacketHeader header = moments_header(sequence);
+model::PacketHeader header_of(std::uint64_t sequence, std::uint32_t lost, int stream = 0,
+                              std::uint8_t kind = spec::kKindMoments) {
+  model::PacketHeader header = moments_header(sequence);
   header.lost = lost;
   header.stream = static_cast<std::uint8_t>(stream);
   header.kind = kind;
@@ -327,16 +327,16 @@ PacketHeader header_of(std::uint64_t sequence, std::uint32_t lost, int stream = 
 }
 
 TEST(PacketTally, NothingIsKnownBeforeTheFirst) {
-  Counters counters;
-  PacketTally tally(counters);
+  driver::Counters counters;
+  driver::PacketTally tally(counters);
   EXPECT_TRUE(tally.accept(header_of(1000, 77)));
   EXPECT_TRUE(tally.accept(header_of(1001, 77)));
-  EXPECT_EQ(counters, Counters{});
+  EXPECT_EQ(counters, driver::Counters{});
 }
 
 TEST(PacketTally, LossesAndGapsOfEachStreamAndKind) {
-  Counters counters;
-  PacketTally tally(counters);
+  driver::Counters counters;
+  driver::PacketTally tally(counters);
   for (int stream : {0, 255}) {
     tally.accept(header_of(0, 0, stream));
     tally.accept(header_of(0, 5, stream, spec::kKindImage));
@@ -351,8 +351,8 @@ TEST(PacketTally, LossesAndGapsOfEachStreamAndKind) {
 }
 
 TEST(PacketTally, LostWraps) {
-  Counters counters;
-  PacketTally tally(counters);
+  driver::Counters counters;
+  driver::PacketTally tally(counters);
   tally.accept(header_of(10, 0xFFFFFFFE));
   tally.accept(header_of(15, 3));
   EXPECT_EQ(counters.lost_board, 5U);
@@ -360,8 +360,8 @@ TEST(PacketTally, LostWraps) {
 }
 
 TEST(PacketTally, DoubledPacket) {
-  Counters counters;
-  PacketTally tally(counters);
+  driver::Counters counters;
+  driver::PacketTally tally(counters);
   EXPECT_TRUE(tally.accept(header_of(10, 0)));
   EXPECT_FALSE(tally.accept(header_of(10, 0)));
   EXPECT_TRUE(tally.accept(header_of(11, 0)));
@@ -370,9 +370,9 @@ TEST(PacketTally, DoubledPacket) {
 }
 
 TEST(PacketTally, LinesOfAFrameAreNoRepetition) {
-  Counters counters;
-  PacketTally tally(counters);
-  PacketHeader header = header_of(10, 0, 0, spec::kKindImage);
+  driver::Counters counters;
+  driver::PacketTally tally(counters);
+  model::PacketHeader header = header_of(10, 0, 0, spec::kKindImage);
   for (std::uint16_t line = 1; line <= 96; ++line) {
     header.first_line = line;
     EXPECT_TRUE(tally.accept(header));
@@ -384,8 +384,8 @@ TEST(PacketTally, LinesOfAFrameAreNoRepetition) {
 }
 
 TEST(PacketTally, Restart) {
-  Counters counters;
-  PacketTally tally(counters);
+  driver::Counters counters;
+  driver::PacketTally tally(counters);
   tally.accept(header_of(100, 9));
   tally.accept(header_of(100, 3, 0, spec::kKindImage));
   EXPECT_TRUE(tally.accept(header_of(2, 1)));  // 0 and 1 never came; one of them was lost on the board
@@ -398,20 +398,20 @@ TEST(PacketTally, Restart) {
 
 // The reader was away for longer than the board's first life, and the board's new sequence is ahead of the old one.
 TEST(PacketTally, RestartBehindTheReadersBack) {
-  Counters counters;
-  PacketTally tally(counters);
+  driver::Counters counters;
+  driver::PacketTally tally(counters);
   tally.accept(header_of(5, 900));
-  PacketHeader header = header_of(50, 2);
+  model::PacketHeader header = header_of(50, 2);
   tally.accept(header);
   EXPECT_EQ(counters.restarts, 1U);
   EXPECT_EQ(counters.lost_board, 2U);
 }
 
 TEST(PacketTally, SameSequenceAtAnotherTimeIsARestart) {
-  Counters counters;
-  PacketTally tally(counters);
+  driver::Counters counters;
+  driver::PacketTally tally(counters);
   tally.accept(header_of(0, 0));
-  PacketHeader header = header_of(0, 0);
+  model::PacketHeader header = header_of(0, 0);
   header.time_stamp += 5;
   EXPECT_TRUE(tally.accept(header));
   EXPECT_EQ(counters.restarts, 1U);
@@ -419,21 +419,22 @@ TEST(PacketTally, SameSequenceAtAnotherTimeIsARestart) {
 }
 
 TEST(Counters, EachHasOneNameOfItsOwn) {
-  Counters counters;
+  driver::Counters counters;
   std::set<std::string> keys;
   std::set<std::string> labels;
-  for (const CounterName& name : kCounterNames) {
+  for (const driver::CounterName& name : driver::kCounterNames) {
     ++(counters.*name.field);
     keys.insert(name.key);
     labels.insert(name.label);
-    EXPECT_EQ(&name_of(name.field), &name);
+    EXPECT_EQ(&driver::name_of(name.field), &name);
   }
-  EXPECT_EQ(keys.size(), kCounterNames.size());
-  EXPECT_EQ(labels.size(), kCounterNames.size());
-  EXPECT_EQ(counters, (Counters{1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1}));
-  EXPECT_EQ(counters_text({.lost_board = 3, .missing = 4}, {&Counters::missing, &Counters::lost_board}),
+  EXPECT_EQ(keys.size(), driver::kCounterNames.size());
+  EXPECT_EQ(labels.size(), driver::kCounterNames.size());
+  EXPECT_EQ(counters, (driver::Counters{1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1}));
+  EXPECT_EQ(driver::counters_text({.lost_board = 3, .missing = 4},
+                                  {&driver::Counters::missing, &driver::Counters::lost_board}),
             "missing frames 4, lost on the board 3");
-  EXPECT_THROW(name_of(nullptr), std::invalid_argument);
+  EXPECT_THROW(driver::name_of(nullptr), std::invalid_argument);
 }
 
 }  // namespace

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "model/packet.h"
+#include "selfproj/model/packet.h"
 #include "tests/support/random_cases.h"
 
 namespace selfproj::test {
@@ -15,8 +15,8 @@ namespace selfproj::test {
 using Bytes = std::vector<std::uint8_t>;
 
 // The header of frame `sequence` of a board that ran without a loss at 15,120 clocks a frame.
-inline PacketHeader moments_header(std::uint64_t sequence, int columns = 16) {
-  PacketHeader header;
+inline model::PacketHeader moments_header(std::uint64_t sequence, int columns = 16) {
+  model::PacketHeader header;
   header.kind = spec::kKindMoments;
   header.sequence = sequence;
   header.time_stamp = 1000 + 15120 * sequence;
@@ -27,10 +27,11 @@ inline PacketHeader moments_header(std::uint64_t sequence, int columns = 16) {
 }
 
 // Its packet, with a payload that is unique to this sequence.
-inline Bytes moments_packet(const PacketHeader& header, std::uint32_t status = 0) {
+inline Bytes moments_packet(const model::PacketHeader& header, std::uint32_t status = 0) {
   Bytes packet;
-  append_packet(header, Random(header.sequence + 1).bytes(moments_payload_bytes(Mode::grey_over, header.columns)),
-                status, packet);
+  model::append_packet(
+      header, Random(header.sequence + 1).bytes(model::moments_payload_bytes(model::Mode::grey_over, header.columns)),
+      status, packet);
   return packet;
 }
 inline Bytes moments_packet(std::uint64_t sequence, int columns = 16) {
@@ -48,7 +49,7 @@ inline Bytes moments_stream(std::uint64_t first, int count, int columns = 16) {
 }
 
 // Whether the packet equals, to the last byte, what moments_packet makes of its header.
-inline bool is_intact(const PacketView& packet) {
+inline bool is_intact(const model::PacketView& packet) {
   const Bytes right = Random(packet.header.sequence + 1).bytes(packet.payload.size());
   return packet.payload.size() == packet.header.payload_size &&
          std::equal(right.begin(), right.end(), packet.payload.begin());

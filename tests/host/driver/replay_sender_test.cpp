@@ -19,30 +19,32 @@
 namespace selfproj::test {
 namespace {
 
-constexpr VideoBuild kBuild = {.sources = 0b111, .replay = {.columns = 512, .rows = 127}};
+constexpr model::VideoBuild kBuild = {.sources = 0b111, .replay = {.columns = 512, .rows = 127}};
 
-std::unique_ptr<RegisterPort> port_of(const ReplayBoard& board) {
-  return make_etherbone_port(board.etherbone_place(), {.patience = std::chrono::milliseconds(200)});
+std::unique_ptr<driver::RegisterPort> port_of(const ReplayBoard& board) {
+  return driver::make_etherbone_port(board.etherbone_place(), {.patience = std::chrono::milliseconds(200)});
 }
 
-ReplayFrame random_frame(Random& random, int columns, int rows) {
-  ReplayFrame frame{.columns = columns, .rows = rows};
+model::ReplayFrame random_frame(Random& random, int columns, int rows) {
+  model::ReplayFrame frame{.columns = columns, .rows = rows};
   frame.pixels = random.bytes(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
   return frame;
 }
 
-ImageView view(const ReplayFrame& frame) { return {frame.pixels.data(), frame.rows, frame.columns, frame.columns}; }
+model::ImageView view(const model::ReplayFrame& frame) {
+  return {frame.pixels.data(), frame.rows, frame.columns, frame.columns};
+}
 
 // Every frame arrives once, as it was sent, and in order, whatever the network does.
 TEST(ReplaySender, EveryFrameThroughABadNetwork) {
   for (const int percent : {0, 10}) {
     Random random(1);
     ReplayBoard board(kBuild, percent, 7);
-    const std::unique_ptr<RegisterPort> port = port_of(board);
-    EXPECT_EQ(port->write(spec::kRegControl, 1), Written::applied);
-    std::vector<ReplayFrame> sent;
+    const std::unique_ptr<driver::RegisterPort> port = port_of(board);
+    EXPECT_EQ(port->write(spec::kRegControl, 1), driver::Written::applied);
+    std::vector<model::ReplayFrame> sent;
     for (int session = 0; session < 2; ++session) {
-      ReplaySender sender(*port, "127.0.0.3", {.port = board.replay_port()});
+      driver::ReplaySender sender(*port, "127.0.0.3", {.port = board.replay_port()});
       for (int i = 0; i < 25; ++i) {
         sent.push_back(random_frame(random, 4 * random.between(1, 128), random.between(1, 127)));
         sender.send(view(sent.back()));
@@ -63,15 +65,15 @@ TEST(ReplaySender, Errors) {
   Random random(1);
   {
     const ReplayBoard none({}, 0, 1);
-    const std::unique_ptr<RegisterPort> port = port_of(none);
-    EXPECT_NE(error_of([&] { const ReplaySender sender(*port, "127.0.0.3"); }).find("this board has no replay"),
+    const std::unique_ptr<driver::RegisterPort> port = port_of(none);
+    EXPECT_NE(error_of([&] { const driver::ReplaySender sender(*port, "127.0.0.3"); }).find("this board has no replay"),
               std::string::npos);
-    EXPECT_NE(error_of([&] { set_video_source(*port, spec::kSourceReplay); }).find("the board refuses"),
+    EXPECT_NE(error_of([&] { driver::set_video_source(*port, spec::kSourceReplay); }).find("the board refuses"),
               std::string::npos);
   }
   const ReplayBoard board(kBuild, 0, 1);
-  const std::unique_ptr<RegisterPort> port = port_of(board);
-  ReplaySender sender(*port, "127.0.0.3", {.port = board.replay_port(), .tries = 3});
+  const std::unique_ptr<driver::RegisterPort> port = port_of(board);
+  driver::ReplaySender sender(*port, "127.0.0.3", {.port = board.replay_port(), .tries = 3});
   EXPECT_NE(error_of([&] { sender.send(view(random_frame(random, 516, 4))); }).find("the largest has 512 x 127"),
             std::string::npos);
   EXPECT_NE(error_of([&] { sender.send(view(random_frame(random, 6, 4))); }).find("no multiple of 4"),

@@ -11,9 +11,9 @@
 #include <string>
 #include <vector>
 
-#include "host/driver/device.h"
 #include "host/driver/ring_memory.h"
 #include "host/driver/ring_writer.h"
+#include "selfproj/driver/device.h"
 #include "tests/host/driver/packets.h"
 
 namespace selfproj::test {
@@ -23,16 +23,18 @@ inline constexpr std::uint32_t kSlots = 16;
 // Gives every test its own ring name, and removes the ring at the end.
 class Ring : public ::testing::Test {
  protected:
-  void SetUp() override { remove_ring(name_); }
-  void TearDown() override { remove_ring(name_); }
+  void SetUp() override { driver::remove_ring(name_); }
+  void TearDown() override { driver::remove_ring(name_); }
 
-  std::unique_ptr<Device> open_ring(DeviceOptions options = {}) const { return open_device("ring:" + name_, options); }
+  std::unique_ptr<driver::Device> open_ring(driver::DeviceOptions options = {}) const {
+    return driver::open_device("ring:" + name_, options);
+  }
 
   // A reader that accepts the board's absence.
-  [[nodiscard]] std::unique_ptr<Device> open_patient() const { return open_ring({.wait_for_board = true}); }
+  [[nodiscard]] std::unique_ptr<driver::Device> open_patient() const { return open_ring({.wait_for_board = true}); }
 
-  [[nodiscard]] RingInfo info() const {
-    for (const RingInfo& ring : list_rings()) {
+  [[nodiscard]] driver::RingInfo info() const {
+    for (const driver::RingInfo& ring : driver::list_rings()) {
       if (ring.name == name_) {
         return ring;
       }
@@ -43,17 +45,17 @@ class Ring : public ::testing::Test {
   std::string name_ = "test-" + std::to_string(getpid());
 };
 
-inline void write(RingWriter& writer, std::uint64_t first, int count) {
+inline void write(driver::RingWriter& writer, std::uint64_t first, int count) {
   for (int i = 0; i < count; ++i) {
     writer.write(moments_packet(first + static_cast<std::uint64_t>(i)));
   }
 }
 
 // Reads all packets that are there now.
-inline std::vector<std::uint64_t> read(Device& device) {
+inline std::vector<std::uint64_t> read(driver::Device& device) {
   std::vector<std::uint64_t> sequences;
-  PacketView packet;
-  while (device.next(packet, std::chrono::nanoseconds(0)) == Next::packet) {
+  model::PacketView packet;
+  while (device.next(packet, std::chrono::nanoseconds(0)) == driver::Next::packet) {
     EXPECT_TRUE(is_intact(packet));
     sequences.push_back(packet.header.sequence);
     device.release();

@@ -20,10 +20,10 @@
 #include <thread>
 #include <vector>
 
-#include "host/driver/device.h"
 #include "host/driver/ring_memory.h"
 #include "host/driver/ring_writer.h"
-#include "host/files/user_error.h"
+#include "selfproj/driver/device.h"
+#include "selfproj/files/user_error.h"
 #include "tests/host/driver/packets.h"
 #include "tests/host/driver/ring_fixture.h"
 
@@ -35,31 +35,31 @@ using std::chrono::nanoseconds;
 using std::chrono::seconds;
 
 TEST_F(Ring, PacketsInOrderManyTimesRound) {
-  RingWriter writer(name_, kSlots);
+  driver::RingWriter writer(name_, kSlots);
   const auto device = open_ring();
   for (std::uint64_t i = 0; i < 100; ++i) {
     write(writer, 10 * i, 10);
     EXPECT_EQ(read(*device), range(10 * i, 10 * i + 9));
   }
-  EXPECT_EQ(device->counters(), (Counters{.delivered = 1000}));
+  EXPECT_EQ(device->counters(), (driver::Counters{.delivered = 1000}));
 }
 
 TEST_F(Ring, LargestPacket) {
-  RingWriter writer(name_, kSlots);
+  driver::RingWriter writer(name_, kSlots);
   const auto device = open_ring();
   for (std::uint64_t i = 0; i < 3 * kSlots; ++i) {
     ASSERT_TRUE(writer.write(moments_packet(i, spec::kMaxColumns)));
     EXPECT_EQ(read(*device), range(i, i));
   }
-  EXPECT_THROW(writer.write(Bytes(kLargestPacketBytes + 1)), std::invalid_argument);
+  EXPECT_THROW(writer.write(Bytes(model::kLargestPacketBytes + 1)), std::invalid_argument);
 }
 
 TEST_F(Ring, HeldPacketIsNotOverwritten) {
-  RingWriter writer(name_, kSlots);
+  driver::RingWriter writer(name_, kSlots);
   const auto device = open_ring();
   write(writer, 0, 1);
-  PacketView packet;
-  ASSERT_EQ(device->next(packet, nanoseconds(0)), Next::packet);
+  model::PacketView packet;
+  ASSERT_EQ(device->next(packet, nanoseconds(0)), driver::Next::packet);
   write(writer, 1, 100);
   EXPECT_TRUE(is_intact(packet));
   EXPECT_EQ(packet.header.sequence, 0U);
@@ -69,7 +69,7 @@ TEST_F(Ring, HeldPacketIsNotOverwritten) {
 }
 
 TEST_F(Ring, ReaderSlowerThanBoard) {
-  RingWriter writer(name_, kSlots);
+  driver::RingWriter writer(name_, kSlots);
   const auto device = open_ring();
   write(writer, 0, kSlots + 5);
   EXPECT_EQ(writer.lost(), 5U);
@@ -78,51 +78,51 @@ TEST_F(Ring, ReaderSlowerThanBoard) {
   EXPECT_EQ(device->counters().missing, 0U) << "no later packet yet";
   write(writer, kSlots + 5, 3);
   EXPECT_EQ(read(*device), range(kSlots + 5, kSlots + 7));
-  EXPECT_EQ(device->counters(), (Counters{.delivered = kSlots + 3, .lost_ring = 5, .missing = 5}));
+  EXPECT_EQ(device->counters(), (driver::Counters{.delivered = kSlots + 3, .lost_ring = 5, .missing = 5}));
 }
 
 TEST_F(Ring, BoardRestarted) {
   const auto reader_first = open_patient();
   EXPECT_TRUE(read(*reader_first).empty());
   {
-    RingWriter writer(name_, kSlots);
+    driver::RingWriter writer(name_, kSlots);
     write(writer, 0, 5);
   }
-  PacketView packet;
-  ASSERT_EQ(reader_first->next(packet, seconds(10)), Next::packet) << "finds the ring";
+  model::PacketView packet;
+  ASSERT_EQ(reader_first->next(packet, seconds(10)), driver::Next::packet) << "finds the ring";
   EXPECT_EQ(read(*reader_first), range(1, 4));
   {
-    RingWriter writer(name_, kSlots);
+    driver::RingWriter writer(name_, kSlots);
     write(writer, 0, 3);
     EXPECT_EQ(info().board_crashes, 0U);
   }
   EXPECT_EQ(read(*reader_first), range(0, 2));
-  EXPECT_EQ(reader_first->counters(), (Counters{.delivered = 8, .restarts = 1, .reattached = 1}));
+  EXPECT_EQ(reader_first->counters(), (driver::Counters{.delivered = 8, .restarts = 1, .reattached = 1}));
   EXPECT_EQ(info().boards, 2U);
 }
 
 TEST_F(Ring, EndWhenTheBoardHasGone) {
-  auto writer = std::make_unique<RingWriter>(name_, kSlots);
+  auto writer = std::make_unique<driver::RingWriter>(name_, kSlots);
   const auto device = open_ring();
   write(*writer, 0, 3);
-  PacketView packet;
+  model::PacketView packet;
   EXPECT_EQ(read(*device), range(0, 2));
-  EXPECT_EQ(device->next(packet, milliseconds(60)), Next::timeout);
+  EXPECT_EQ(device->next(packet, milliseconds(60)), driver::Next::timeout);
   write(*writer, 3, 2);
   writer.reset();
   EXPECT_EQ(read(*device), range(3, 4)) << "what is left comes first";
-  EXPECT_EQ(device->next(packet, seconds(10)), Next::end);
+  EXPECT_EQ(device->next(packet, seconds(10)), driver::Next::end);
 }
 
 TEST_F(Ring, RemovedAndMadeAgain) {
-  RingWriter writer(name_, kSlots);
+  driver::RingWriter writer(name_, kSlots);
   const auto device = open_patient();
   write(writer, 0, 3);
-  ASSERT_TRUE(remove_ring(name_));
-  EXPECT_FALSE(remove_ring(name_));
+  ASSERT_TRUE(driver::remove_ring(name_));
+  EXPECT_FALSE(driver::remove_ring(name_));
   EXPECT_EQ(read(*device), range(0, 2)) << "what was in it is not lost";
-  PacketView packet;
-  EXPECT_EQ(device->next(packet, milliseconds(120)), Next::timeout);
+  model::PacketView packet;
+  EXPECT_EQ(device->next(packet, milliseconds(120)), driver::Next::timeout);
   write(writer, 3, 2);
   EXPECT_EQ(read(*device), range(3, 4)) << "as long as the writer writes there, the reader reads there";
   write(writer, 5, 1);
@@ -130,7 +130,7 @@ TEST_F(Ring, RemovedAndMadeAgain) {
   EXPECT_FALSE(writer.renew_if_removed());
   write(writer, 10, 2);
   EXPECT_EQ(read(*device), range(5, 5)) << "first the old ring";
-  ASSERT_EQ(device->next(packet, seconds(10)), Next::packet);
+  ASSERT_EQ(device->next(packet, seconds(10)), driver::Next::packet);
   EXPECT_EQ(packet.header.sequence, 10U);
   EXPECT_EQ(device->counters().reattached, 1U);
   EXPECT_EQ(device->counters().missing, 4U);
@@ -138,13 +138,13 @@ TEST_F(Ring, RemovedAndMadeAgain) {
 
 TEST_F(Ring, ReplacedByOneOfAnotherSize) {
   const auto device = open_patient();
-  { RingWriter(name_, 16).write(moments_packet(0)); }
-  PacketView packet;
-  ASSERT_EQ(device->next(packet, seconds(10)), Next::packet);
+  { driver::RingWriter(name_, 16).write(moments_packet(0)); }
+  model::PacketView packet;
+  ASSERT_EQ(device->next(packet, seconds(10)), driver::Next::packet);
   device->release();
-  RingWriter writer(name_, 64);
+  driver::RingWriter writer(name_, 64);
   writer.write(moments_packet(1));
-  ASSERT_EQ(device->next(packet, seconds(10)), Next::packet);
+  ASSERT_EQ(device->next(packet, seconds(10)), driver::Next::packet);
   EXPECT_EQ(packet.header.sequence, 1U);
   EXPECT_EQ(device->counters().reattached, 1U);
 }
@@ -171,11 +171,11 @@ void run_and_kill(const Work& work) {
 }
 
 TEST_F(Ring, ReaderCrashed) {
-  RingWriter writer(name_, kSlots);
+  driver::RingWriter writer(name_, kSlots);
   write(writer, 0, 5);
   run_and_kill([&] {
     const auto device = open_ring().release();  // as a crash leaves it: never closed
-    PacketView packet;
+    model::PacketView packet;
     device->next(packet, nanoseconds(0));
     device->release();
     device->next(packet, nanoseconds(0));  // held
@@ -191,40 +191,40 @@ TEST_F(Ring, ReaderCrashed) {
 
 // Losses while nobody reads are counted, and the next reader reports them.
 TEST_F(Ring, LossesWhileThereIsNoReaderAreCountedByTheNext) {
-  RingWriter writer(name_, kSlots);
+  driver::RingWriter writer(name_, kSlots);
   { const auto device = open_ring(); }
   write(writer, 0, kSlots + 7);
   const auto device = open_ring();
   EXPECT_EQ(read(*device), range(0, kSlots - 1));
   write(writer, kSlots + 7, 1);
   EXPECT_EQ(read(*device), range(kSlots + 7, kSlots + 7));
-  EXPECT_EQ(device->counters(), (Counters{.delivered = kSlots + 1, .lost_ring = 7, .missing = 7}));
+  EXPECT_EQ(device->counters(), (driver::Counters{.delivered = kSlots + 1, .lost_ring = 7, .missing = 7}));
 }
 
 TEST_F(Ring, BoardCrashed) {
   const auto device = open_patient();
   run_and_kill([&] {
-    auto* writer = new RingWriter(name_, kSlots);
+    auto* writer = new driver::RingWriter(name_, kSlots);
     write(*writer, 0, 5);
     // In the middle of a packet.
     const auto place = writer->claim();
     std::fill_n(place.begin(), 100, std::uint8_t{0xFF});
   });
-  PacketView packet;
-  ASSERT_EQ(device->next(packet, seconds(10)), Next::packet);
+  model::PacketView packet;
+  ASSERT_EQ(device->next(packet, seconds(10)), driver::Next::packet);
   device->release();
   EXPECT_EQ(read(*device), range(1, 4));
   EXPECT_FALSE(info().board);
   EXPECT_EQ(info().board_crashes, 1U);
-  RingWriter writer(name_, kSlots);
+  driver::RingWriter writer(name_, kSlots);
   write(writer, 0, 2);
   EXPECT_EQ(read(*device), range(0, 1));
-  EXPECT_EQ(device->counters(), (Counters{.delivered = 7, .restarts = 1, .reattached = 1}));
+  EXPECT_EQ(device->counters(), (driver::Counters{.delivered = 7, .restarts = 1, .reattached = 1}));
   EXPECT_EQ(info().board_crashes, 1U);
 }
 
 TEST_F(Ring, DiscardBacklog) {
-  RingWriter writer(name_, kSlots);
+  driver::RingWriter writer(name_, kSlots);
   write(writer, 0, 5);
   const auto device = open_ring({.discard_backlog = true});
   EXPECT_TRUE(read(*device).empty());
@@ -233,10 +233,10 @@ TEST_F(Ring, DiscardBacklog) {
 }
 
 TEST_F(Ring, DamagedSlots) {
-  RingWriter writer(name_, kSlots);
+  driver::RingWriter writer(name_, kSlots);
   const auto device = open_ring();
-  ring::Memory memory;
-  ASSERT_EQ(memory.attach(ring::shared_name(name_).c_str()), ring::Memory::Found::ring);
+  driver::ring::Memory memory;
+  ASSERT_EQ(memory.attach(driver::ring::shared_name(name_).c_str()), driver::ring::Memory::Found::ring);
   write(writer, 0, 8);
   memory.packet(1)[70] ^= 1;          // the packet
   memory.slot(3).number += kSlots;    // its number
@@ -253,8 +253,8 @@ TEST_F(Ring, DamagedSlots) {
 
 TEST_F(Ring, OneWriterOneReader) {
   EXPECT_THROW(open_ring(), UserError) << "no ring";
-  RingWriter writer(name_, kSlots);
-  EXPECT_THROW(RingWriter(name_, kSlots), UserError);
+  driver::RingWriter writer(name_, kSlots);
+  EXPECT_THROW(driver::RingWriter(name_, kSlots), UserError);
   const auto device = open_ring();
   EXPECT_THROW(open_ring(), UserError);
   EXPECT_TRUE(info().board);
@@ -265,35 +265,35 @@ TEST_F(Ring, OneWriterOneReader) {
 
 TEST_F(Ring, BadNamesAndSizes) {
   for (const char* name : {"", "a/b", "..//x", "a b"}) {
-    EXPECT_THROW(RingWriter(name, kSlots), UserError) << name;
-    EXPECT_THROW(open_device(std::string("ring:") + name), UserError) << name;
+    EXPECT_THROW(driver::RingWriter(name, kSlots), UserError) << name;
+    EXPECT_THROW(driver::open_device(std::string("ring:") + name), UserError) << name;
   }
   for (const std::uint32_t slots : {0U, 3U, 131072U}) {
-    EXPECT_THROW(RingWriter(name_, slots), UserError) << slots;
+    EXPECT_THROW(driver::RingWriter(name_, slots), UserError) << slots;
   }
 }
 
 TEST_F(Ring, OfAnotherLayout) {
-  const std::string shared = ring::shared_name(name_);
-  { RingWriter writer(name_, kSlots); }
+  const std::string shared = driver::ring::shared_name(name_);
+  { driver::RingWriter writer(name_, kSlots); }
   {
-    ring::Memory memory;
+    driver::ring::Memory memory;
     memory.attach(shared.c_str());
     memory.header().spec_hash ^= 1;
   }
   EXPECT_THROW(open_ring(), UserError);
   EXPECT_NE(info().problem, "");
-  RingWriter writer(name_, kSlots);  // replaces it
+  driver::RingWriter writer(name_, kSlots);  // replaces it
   EXPECT_EQ(info().problem, "");
 }
 
 TEST_F(Ring, InterruptedWhileItWasMade) {
-  const int descriptor = shm_open(ring::shared_name(name_).c_str(), O_RDWR | O_CREAT, 0600);
+  const int descriptor = shm_open(driver::ring::shared_name(name_).c_str(), O_RDWR | O_CREAT, 0600);
   ASSERT_EQ(ftruncate(descriptor, 5000), 0);
   close(descriptor);
   EXPECT_THROW(open_ring(), UserError);
   EXPECT_EQ(info().problem, "not complete");
-  RingWriter writer(name_, kSlots);
+  driver::RingWriter writer(name_, kSlots);
   EXPECT_NO_THROW(open_ring());
 }
 
@@ -303,14 +303,14 @@ TEST_F(Ring, NoRoomForIt) {
   const rlimit small{100000, before.rlim_max};
   signal(SIGXFSZ, SIG_IGN);
   ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &small), 0);
-  EXPECT_THROW(RingWriter(name_, 1024), UserError);
+  EXPECT_THROW(driver::RingWriter(name_, 1024), UserError);
   ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &before), 0);
   EXPECT_EQ(info().name, "") << "nothing half made is left";
 }
 
 class RingDamage : public Ring {
  protected:
-  [[nodiscard]] std::string shared() const { return ring::shared_name(name_); }
+  [[nodiscard]] std::string shared() const { return driver::ring::shared_name(name_); }
   // What is removed before a reader has seen it, nobody can count.
   [[nodiscard]] bool a_reader_sees_it() const {
     for (int i = 0; i < 2000 && !info().reader; ++i) {
@@ -324,12 +324,12 @@ class RingDamage : public Ring {
 // A reader sees a board as long as there is one: also while the board makes the ring again, which takes time.
 TEST_F(RingDamage, RenewedUnderAReaderThatEndsWithTheBoard) {
   constexpr std::uint32_t kManySlots = 4096;
-  auto writer = std::make_unique<RingWriter>(name_, kManySlots);
+  auto writer = std::make_unique<driver::RingWriter>(name_, kManySlots);
   const auto device = open_ring();
-  Counters counters;
+  driver::Counters counters;
   std::thread reader([&] {
-    PacketView packet;
-    while (device->next(packet, milliseconds(50)) != Next::end) {
+    model::PacketView packet;
+    while (device->next(packet, milliseconds(50)) != driver::Next::end) {
     }
     counters = device->counters();
   });
@@ -338,7 +338,7 @@ TEST_F(RingDamage, RenewedUnderAReaderThatEndsWithTheBoard) {
     write(*writer, sent, 100);
     sent += 100;
     EXPECT_TRUE(a_reader_sees_it());
-    remove_ring(name_);
+    driver::remove_ring(name_);
     std::this_thread::sleep_for(milliseconds(60));
     EXPECT_TRUE(writer->renew_if_removed());
   }
@@ -359,23 +359,23 @@ TEST_F(RingDamage, OpenedWhileABoardMakesIt) {
   lock.l_len = 1;
   ASSERT_EQ(fcntl(file, F_OFD_SETLK, &lock), 0);
   const auto device = open_ring();
-  PacketView packet;
-  EXPECT_EQ(device->next(packet, milliseconds(100)), Next::timeout);
+  model::PacketView packet;
+  EXPECT_EQ(device->next(packet, milliseconds(100)), driver::Next::timeout);
   EXPECT_EQ(info().problem, "a board is making it");
   close(file);
-  EXPECT_EQ(device->next(packet, seconds(10)), Next::end) << "the making was interrupted";
+  EXPECT_EQ(device->next(packet, seconds(10)), driver::Next::end) << "the making was interrupted";
 }
 
 // 10 + 54 of 1000 are read by two readers; what is lost is counted by one of them.
 TEST_F(RingDamage, LossesAreCountedOnce) {
-  RingWriter writer(name_, 64);
+  driver::RingWriter writer(name_, 64);
   write(writer, 0, 1000);
   std::uint64_t delivered = 0;
   std::uint64_t lost = 0;
   const auto read_some = [&](std::uint64_t most) {
     const auto device = open_ring();
-    PacketView packet;
-    for (std::uint64_t i = 0; i < most && device->next(packet, nanoseconds(0)) == Next::packet; ++i) {
+    model::PacketView packet;
+    for (std::uint64_t i = 0; i < most && device->next(packet, nanoseconds(0)) == driver::Next::packet; ++i) {
       device->release();
     }
     delivered += device->counters().delivered;
@@ -395,7 +395,7 @@ TEST_F(RingDamage, LossesAreCountedOnce) {
 
 // What a reader did not report, because it was killed, the next one does.
 TEST_F(RingDamage, LossesOfAKilledReaderAreNotForgotten) {
-  RingWriter writer(name_, kSlots);
+  driver::RingWriter writer(name_, kSlots);
   write(writer, 0, kSlots + 7);
   const pid_t child = fork();
   if (child == 0) {
@@ -411,10 +411,10 @@ TEST_F(RingDamage, LossesOfAKilledReaderAreNotForgotten) {
 
 // Counts that cannot be, found when a reader begins: it says so, and goes on with what comes.
 TEST_F(RingDamage, DamagedCountsAtTheBeginning) {
-  RingWriter writer(name_, kSlots);
+  driver::RingWriter writer(name_, kSlots);
   write(writer, 0, 5);
-  ring::Memory memory;
-  ASSERT_EQ(memory.attach(shared().c_str()), ring::Memory::Found::ring);
+  driver::ring::Memory memory;
+  ASSERT_EQ(memory.attach(shared().c_str()), driver::ring::Memory::Found::ring);
   memory.header().read.store(1000);
   const auto device = open_ring();
   EXPECT_TRUE(read(*device).empty());
@@ -425,10 +425,10 @@ TEST_F(RingDamage, DamagedCountsAtTheBeginning) {
 }
 
 TEST_F(RingDamage, ALossThatCannotBe) {
-  RingWriter writer(name_, kSlots);
+  driver::RingWriter writer(name_, kSlots);
   const auto device = open_ring();
-  ring::Memory memory;
-  ASSERT_EQ(memory.attach(shared().c_str()), ring::Memory::Found::ring);
+  driver::ring::Memory memory;
+  ASSERT_EQ(memory.attach(shared().c_str()), driver::ring::Memory::Found::ring);
   memory.header().lost.store(UINT64_MAX);
   EXPECT_EQ(device->counters().lost_ring, 0U);
   EXPECT_EQ(device->counters().bad, 1U);
@@ -437,29 +437,29 @@ TEST_F(RingDamage, ALossThatCannotBe) {
 // The same frame number and time from another writer is another frame.
 TEST_F(RingDamage, TheFirstPacketOfANewBoardIsNoRepetition) {
   const auto device = open_patient();
-  { RingWriter(name_, kSlots).write(moments_packet(0)); }
-  PacketView packet;
-  ASSERT_EQ(device->next(packet, seconds(10)), Next::packet);
+  { driver::RingWriter(name_, kSlots).write(moments_packet(0)); }
+  model::PacketView packet;
+  ASSERT_EQ(device->next(packet, seconds(10)), driver::Next::packet);
   device->release();
-  RingWriter writer(name_, kSlots);
+  driver::RingWriter writer(name_, kSlots);
   write(writer, 0, 2);
   EXPECT_EQ(read(*device), range(0, 1));
-  EXPECT_EQ(device->counters(), (Counters{.delivered = 3, .restarts = 1, .reattached = 1}));
+  EXPECT_EQ(device->counters(), (driver::Counters{.delivered = 3, .restarts = 1, .reattached = 1}));
 }
 
 // A ring that fits but cannot be mapped stays what it is, with what is in it.
 TEST_F(RingDamage, WithoutAddressSpaceNothingIsDestroyed) {
-  { write(*std::make_unique<RingWriter>(name_, kSlots), 0, 10); }
+  { write(*std::make_unique<driver::RingWriter>(name_, kSlots), 0, 10); }
   const pid_t child = fork();
   if (child == 0) {
     // room for half a ring beside what this process has already: the sanitizers need a little more for themselves
     std::uint64_t pages = 0;
     std::ifstream("/proc/self/statm") >> pages;
     const auto has = pages * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
-    const rlimit little{has + ring::ring_bytes(kSlots) / 2, RLIM_INFINITY};
+    const rlimit little{has + driver::ring::ring_bytes(kSlots) / 2, RLIM_INFINITY};
     setrlimit(RLIMIT_AS, &little);
     try {
-      const RingWriter writer(name_, kSlots);
+      const driver::RingWriter writer(name_, kSlots);
     } catch (const UserError&) {
       _exit(0);
     }
@@ -473,8 +473,8 @@ TEST_F(RingDamage, WithoutAddressSpaceNothingIsDestroyed) {
 
 // Another process makes the file shorter under both: no signal, and what is lost is counted.
 TEST_F(RingDamage, MadeShorterUnderBoth) {
-  for (const off_t size : {off_t{0}, off_t{100}, static_cast<off_t>(ring::ring_bytes(kSlots / 2))}) {
-    RingWriter writer(name_, kSlots);
+  for (const off_t size : {off_t{0}, off_t{100}, static_cast<off_t>(driver::ring::ring_bytes(kSlots / 2))}) {
+    driver::RingWriter writer(name_, kSlots);
     const auto device = open_patient();
     write(writer, 0, 4);
     EXPECT_EQ(read(*device), range(0, 3));
@@ -485,19 +485,19 @@ TEST_F(RingDamage, MadeShorterUnderBoth) {
     write(writer, 10, 2);
     EXPECT_TRUE(writer.renew_if_removed());
     write(writer, 12, 3);
-    PacketView packet;
+    model::PacketView packet;
     std::uint64_t last = 0;
     const auto end = std::chrono::steady_clock::now() + seconds(10);
     while (last != 14 && std::chrono::steady_clock::now() < end) {
-      if (device->next(packet, milliseconds(50)) == Next::packet) {
+      if (device->next(packet, milliseconds(50)) == driver::Next::packet) {
         last = packet.header.sequence;
       }
     }
     EXPECT_EQ(last, 14U) << size;
-    const Counters counters = device->counters();
+    const driver::Counters counters = device->counters();
     EXPECT_GE(counters.delivered + counters.lost_ring, 15U) << size;
     EXPECT_GT(counters.bad + counters.lost_ring, 0U) << size;
-    remove_ring(name_);
+    driver::remove_ring(name_);
   }
 }
 
@@ -518,13 +518,13 @@ TEST_F(RingDamage, AnotherOnesRingCannotBeReplaced) {
   if (geteuid() != 0) {
     GTEST_SKIP() << "only root can give a ring to someone else";
   }
-  { RingWriter writer(name_, 2 * kSlots); }
+  { driver::RingWriter writer(name_, 2 * kSlots); }
   const int file = open_file();
   ASSERT_EQ(fchmod(file, 0666), 0);
   close(file);
   EXPECT_EQ(status_as_nobody([&] {
               try {
-                const RingWriter writer(name_, kSlots);
+                const driver::RingWriter writer(name_, kSlots);
               } catch (const UserError& error) {
                 return std::string(error.what()).find("which cannot be replaced: ") != std::string::npos ? 0 : 1;
               }
@@ -539,7 +539,7 @@ TEST_F(RingDamage, AReaderNeedsTheRightToWrite) {
   if (geteuid() != 0) {
     GTEST_SKIP() << "only root can give a ring to someone else";
   }
-  const RingWriter writer(name_, kSlots);
+  const driver::RingWriter writer(name_, kSlots);
   const int file = open_file();
   ASSERT_EQ(fchmod(file, 0644), 0);
   close(file);

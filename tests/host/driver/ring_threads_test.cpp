@@ -7,8 +7,8 @@
 #include <memory>
 #include <thread>
 
-#include "host/driver/device.h"
 #include "host/driver/ring_writer.h"
+#include "selfproj/driver/device.h"
 #include "tests/host/driver/packets.h"
 #include "tests/host/driver/ring_fixture.h"
 #include "tests/support/allocations.h"
@@ -25,8 +25,8 @@ using RingThreads = Ring;
 // Writer and reader run in parallel at full speed, with each way of waiting. With back pressure nothing may be lost.
 TEST_F(RingThreads, TwoThreads) {
   constexpr std::uint64_t kCount = 3000;
-  for (const Wait wait : {Wait::polling, Wait::blocking, Wait::polling_then_blocking}) {
-    RingWriter writer(name_, kSlots);
+  for (const driver::Wait wait : {driver::Wait::polling, driver::Wait::blocking, driver::Wait::polling_then_blocking}) {
+    driver::RingWriter writer(name_, kSlots);
     const auto device = open_ring({.wait = wait});
     std::thread board([&] {
       for (std::uint64_t i = 0; i < kCount; ++i) {
@@ -36,15 +36,15 @@ TEST_F(RingThreads, TwoThreads) {
         writer.write(moments_packet(i));
       }
     });
-    PacketView packet;
+    model::PacketView packet;
     std::uint64_t expected = 0;
-    while (expected < kCount && device->next(packet, seconds(10)) == Next::packet) {
+    while (expected < kCount && device->next(packet, seconds(10)) == driver::Next::packet) {
       ASSERT_EQ(packet.header.sequence, expected++);
       ASSERT_TRUE(is_intact(packet));
       device->release();
     }
     board.join();
-    EXPECT_EQ(device->counters(), (Counters{.delivered = kCount}));
+    EXPECT_EQ(device->counters(), (driver::Counters{.delivered = kCount}));
   }
 }
 
@@ -53,7 +53,7 @@ TEST_F(RingThreads, TwoThreadsWithLosses) {
   constexpr std::uint64_t kCount = 50000;
   const auto device = open_patient();
   std::thread board([&] {
-    RingWriter writer(name_, kSlots);
+    driver::RingWriter writer(name_, kSlots);
     for (std::uint64_t i = 0; i < kCount; ++i) {
       writer.write(moments_packet(i, 4));
     }
@@ -61,10 +61,10 @@ TEST_F(RingThreads, TwoThreadsWithLosses) {
       std::this_thread::sleep_for(milliseconds(1));
     }
   });
-  PacketView packet;
+  model::PacketView packet;
   Random random(1);
   std::uint64_t last = 0;
-  while (last < kCount && device->next(packet, seconds(10)) == Next::packet) {
+  while (last < kCount && device->next(packet, seconds(10)) == driver::Next::packet) {
     ASSERT_TRUE(is_intact(packet));
     last = packet.header.sequence;
     if (random.chance(2)) {
@@ -72,7 +72,7 @@ TEST_F(RingThreads, TwoThreadsWithLosses) {
     }
   }
   board.join();
-  const Counters counters = device->counters();
+  const driver::Counters counters = device->counters();
   EXPECT_EQ(counters.bad, 0U);
   EXPECT_LE(counters.delivered + counters.missing, kCount + 1);
   EXPECT_EQ(counters.delivered + counters.lost_ring, kCount + 1 + (counters.lost_ring - counters.missing));
@@ -81,8 +81,8 @@ TEST_F(RingThreads, TwoThreadsWithLosses) {
 // A reader and a board come and go 10^4 times. Everything that was written is read whole and in order.
 TEST_F(RingThreads, TenThousandStartsAndStops) {
   Random random(1);
-  auto writer = std::make_unique<RingWriter>(name_, kSlots);
-  PacketView packet;
+  auto writer = std::make_unique<driver::RingWriter>(name_, kSlots);
+  model::PacketView packet;
   std::uint64_t written = 0;
   std::uint64_t expected = 0;
   for (int i = 0; i < 10000; ++i) {
@@ -91,11 +91,11 @@ TEST_F(RingThreads, TenThousandStartsAndStops) {
     written += static_cast<std::uint64_t>(count);
     if (random.chance(20)) {
       writer.reset();
-      writer = std::make_unique<RingWriter>(name_, kSlots);
+      writer = std::make_unique<driver::RingWriter>(name_, kSlots);
     }
     const auto device = open_ring();
     for (int reads = random.between(written - expected > 10 ? 5 : 0, 6);
-         reads > 0 && device->next(packet, nanoseconds(0)) == Next::packet; --reads) {
+         reads > 0 && device->next(packet, nanoseconds(0)) == driver::Next::packet; --reads) {
       ASSERT_TRUE(is_intact(packet));
       ASSERT_EQ(packet.header.sequence, expected++) << "start " << i;
       if (random.chance(50)) {
@@ -110,7 +110,7 @@ TEST_F(RingThreads, TenThousandStartsAndStops) {
 
 // The same while the board goes on writing in its own time.
 TEST_F(RingThreads, ReadersComeAndGoWhileTheBoardWrites) {
-  RingWriter writer(name_, kSlots);
+  driver::RingWriter writer(name_, kSlots);
   std::atomic<bool> stop{false};
   std::thread board([&] {
     for (std::uint64_t i = 0; !stop; ++i) {
@@ -118,10 +118,10 @@ TEST_F(RingThreads, ReadersComeAndGoWhileTheBoardWrites) {
     }
   });
   std::uint64_t next_sequence = 0;
-  PacketView packet;
+  model::PacketView packet;
   for (int i = 0; i < 300; ++i) {
     const auto device = open_ring({.discard_backlog = i % 2 == 0});
-    for (int k = 0; k < 3 && device->next(packet, seconds(10)) == Next::packet; ++k) {
+    for (int k = 0; k < 3 && device->next(packet, seconds(10)) == driver::Next::packet; ++k) {
       EXPECT_TRUE(is_intact(packet));
       EXPECT_GE(packet.header.sequence, next_sequence);
       next_sequence = packet.header.sequence + 1;
@@ -136,11 +136,11 @@ TEST_F(RingThreads, ReadersComeAndGoWhileTheBoardWrites) {
 }
 
 TEST_F(RingThreads, AllocatesNothingAfterTheStart) {
-  RingWriter writer(name_, kSlots);
+  driver::RingWriter writer(name_, kSlots);
   const auto device = open_patient();
   const Bytes one = moments_packet(0);
   const Bytes two = moments_packet(1);
-  PacketView packet;
+  model::PacketView packet;
   const std::uint64_t before = allocations();
   for (int i = 0; i < 1000; ++i) {
     writer.write(one);

@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "host/driver/datagram_assembler.h"
-#include "host/driver/device.h"
-#include "host/files/user_error.h"
 #include "model/datagram.h"
+#include "selfproj/driver/device.h"
+#include "selfproj/files/user_error.h"
 #include "sim/board/udp_sender.h"
 #include "tests/host/driver/packets.h"
 #include "tests/support/datagram_network.h"
@@ -24,7 +24,7 @@ namespace {
 using std::chrono::milliseconds;
 
 // The datagrams of packets first..first + count - 1, which are of different sizes, and of the idle sender at the end.
-std::vector<Bytes> cut_up(DatagramCutter& cutter, std::uint64_t first, int count) {
+std::vector<Bytes> cut_up(model::DatagramCutter& cutter, std::uint64_t first, int count) {
   std::vector<Bytes> datagrams;
   const auto keep = [&](std::span<const std::uint8_t> datagram) {
     datagrams.emplace_back(datagram.begin(), datagram.end());
@@ -40,9 +40,9 @@ std::vector<Bytes> cut_up(DatagramCutter& cutter, std::uint64_t first, int count
 }
 
 // Gives the datagrams to the assembler. All packets given must be intact, in order, and given once.
-std::vector<std::uint64_t> assemble(DatagramAssembler& assembler, const std::vector<Bytes>& datagrams) {
+std::vector<std::uint64_t> assemble(driver::DatagramAssembler& assembler, const std::vector<Bytes>& datagrams) {
   std::vector<std::uint64_t> sequences;
-  PacketView packet;
+  model::PacketView packet;
   const auto drain = [&] {
     while (assembler.next(packet)) {
       EXPECT_TRUE(is_intact(packet));
@@ -62,12 +62,12 @@ std::vector<std::uint64_t> assemble(DatagramAssembler& assembler, const std::vec
 }
 
 TEST(Datagrams, GoodNetwork) {
-  for (const std::size_t size : {kDatagramBytes, kJumboDatagramBytes}) {
-    Counters counters;
-    DatagramAssembler assembler(counters);
-    DatagramCutter cutter(7, size);
+  for (const std::size_t size : {model::kDatagramBytes, model::kJumboDatagramBytes}) {
+    driver::Counters counters;
+    driver::DatagramAssembler assembler(counters);
+    model::DatagramCutter cutter(7, size);
     EXPECT_EQ(assemble(assembler, cut_up(cutter, 0, 300)).size(), 300U);
-    EXPECT_EQ(counters, Counters{});
+    EXPECT_EQ(counters, driver::Counters{});
   }
 }
 
@@ -80,11 +80,11 @@ TEST(Datagrams, DeliveredAndCountedIsSent) {
                         .doubled = kind == 1 || kind > 3 ? 1 : 0,
                         .reordered = kind == 2 || kind > 3 ? (kind == 5 ? 20 : 1) : 0,
                         .cut = kind == 3 || kind > 3 ? 1 : 0};
-    DatagramCutter cutter(static_cast<std::uint16_t>(seed));
+    model::DatagramCutter cutter(static_cast<std::uint16_t>(seed));
     const std::vector<Bytes> sent = cut_up(cutter, 0, 400);
     const Network network(sent, faults, random);
-    Counters counters;
-    DatagramAssembler assembler(counters);
+    driver::Counters counters;
+    driver::DatagramAssembler assembler(counters);
     const std::vector<std::uint64_t> got = assemble(assembler, network.datagrams);
     EXPECT_EQ(got.size() + counters.lost_network, 400U);
     EXPECT_EQ(counters.bad, 0U);
@@ -97,15 +97,15 @@ TEST(Datagrams, DeliveredAndCountedIsSent) {
 }
 
 TEST(Datagrams, NumbersWrapAndAReaderComesLate) {
-  Counters counters;
-  DatagramAssembler assembler(counters);
-  DatagramCutter cutter(9);
+  driver::Counters counters;
+  driver::DatagramAssembler assembler(counters);
+  model::DatagramCutter cutter(9);
   std::vector<Bytes> sent = cut_up(cutter, 0, 20);
   for (Bytes& datagram : sent) {  // as after 2^32 - 9 packets
-    DatagramHeader header = *read_datagram_header(datagram);
+    model::DatagramHeader header = *model::read_datagram_header(datagram);
     header.sequence -= 20;
     header.packet -= 9;
-    write_datagram_header(header, datagram.data());
+    model::write_datagram_header(header, datagram.data());
   }
   sent.erase(sent.begin() + 1, sent.begin() + 3);  // begins in packet 1, which has three pieces
   sent.erase(sent.begin());
@@ -118,11 +118,11 @@ TEST(Datagrams, NumbersWrapAndAReaderComesLate) {
 // and lost are all of them.
 void expect_all_accounted(std::uint32_t datagrams, std::uint32_t packets, std::uint64_t count) {
   SCOPED_TRACE("from datagram " + std::to_string(datagrams) + ", packet " + std::to_string(packets));
-  Counters counters;
-  DatagramAssembler assembler(counters);
-  DatagramCutter cutter(5, kDatagramBytes, datagrams, packets);
+  driver::Counters counters;
+  driver::DatagramAssembler assembler(counters);
+  model::DatagramCutter cutter(5, model::kDatagramBytes, datagrams, packets);
   const Bytes bytes = moments_packet(1, 16);
-  PacketView packet;
+  model::PacketView packet;
   std::uint64_t delivered = 0;
   std::uint64_t i = 0;
   const auto add = [&](std::span<const std::uint8_t> datagram) {
@@ -198,19 +198,19 @@ TEST(Datagrams, AFalseDatagramChangesNothing) {
           SCOPED_TRACE(testing::Message()
                        << "session +" << kind.session << ", datagram +" << kind.sequence << ", packet +" << kind.packet
                        << ", from " << first << ", at " << place << ", " << count << " times");
-          DatagramCutter cutter(7, kDatagramBytes, static_cast<std::uint32_t>(2 * first),
-                                static_cast<std::uint32_t>(first));
+          model::DatagramCutter cutter(7, model::kDatagramBytes, static_cast<std::uint32_t>(2 * first),
+                                       static_cast<std::uint32_t>(first));
           std::vector<Bytes> all = cut_up(cutter, 0, 300);
-          DatagramHeader header = *read_datagram_header(all[place]);
+          model::DatagramHeader header = *model::read_datagram_header(all[place]);
           header.session = static_cast<std::uint16_t>(header.session + kind.session);
           header.sequence += kind.sequence;
           header.packet += kind.packet;
           Bytes wrong = all[place];
-          write_datagram_header(header, wrong.data());
+          model::write_datagram_header(header, wrong.data());
           wrong.back() ^= 1U;  // it is no packet of the board
           all.insert(all.begin() + static_cast<std::ptrdiff_t>(place), count, wrong);
-          Counters counters;
-          DatagramAssembler assembler(counters);
+          driver::Counters counters;
+          driver::DatagramAssembler assembler(counters);
           const std::vector<std::uint64_t> got = assemble(assembler, all);
           EXPECT_EQ(got.size(), 300U);
           EXPECT_EQ(counters.lost_network, 0U);
@@ -227,20 +227,20 @@ TEST(Datagrams, AMisledReceiverReturns) {
   constexpr std::uint32_t kHalf = std::uint32_t{1} << 31U;
   for (const False& kind : {False{.sequence = kHalf - 1000, .packet = kHalf - 1000}, False{.session = 9},
                             False{.session = 9, .sequence = 90, .packet = 1'000'000}}) {
-    DatagramCutter cutter(7, kDatagramBytes, 200'000, 100'000);
+    model::DatagramCutter cutter(7, model::kDatagramBytes, 200'000, 100'000);
     std::vector<Bytes> all = cut_up(cutter, 0, 600);
     std::vector<Bytes> wrong(all.begin() + 400, all.begin() + 440);
     for (Bytes& datagram : wrong) {
-      DatagramHeader header = *read_datagram_header(datagram);
+      model::DatagramHeader header = *model::read_datagram_header(datagram);
       header.session = static_cast<std::uint16_t>(header.session + kind.session);
       header.sequence += kind.sequence;
       header.packet += kind.packet;
       header.offset = header.offset == 0 && header.length != 0 ? 1024 : header.offset;  // never whole
-      write_datagram_header(header, datagram.data());
+      model::write_datagram_header(header, datagram.data());
     }
     all.insert(all.begin() + 500, wrong.begin(), wrong.end());
-    Counters counters;
-    DatagramAssembler assembler(counters);
+    driver::Counters counters;
+    driver::DatagramAssembler assembler(counters);
     const std::vector<std::uint64_t> got = assemble(assembler, all);
     EXPECT_GE(got.size(), 598U);
     EXPECT_EQ(got.back(), 599U);
@@ -251,25 +251,25 @@ TEST(Datagrams, AMisledReceiverReturns) {
 // The network was away: for any time, in one session or over the start of the next one.
 TEST(Datagrams, Interruptions) {
   for (const std::uint32_t away : {70U, 1'300U, 1'000'000U, 1'000'000'000U}) {
-    DatagramCutter before(7, kDatagramBytes, 40'000, 20'000);
+    model::DatagramCutter before(7, model::kDatagramBytes, 40'000, 20'000);
     std::vector<Bytes> all = cut_up(before, 0, 300);
-    DatagramCutter after(7, kDatagramBytes, before.datagrams() + 2 * away, 20'300 + away);
+    model::DatagramCutter after(7, model::kDatagramBytes, before.datagrams() + 2 * away, 20'300 + away);
     const std::vector<Bytes> more = cut_up(after, 300, 300);
     all.insert(all.end(), more.begin(), more.end());
-    Counters counters;
-    DatagramAssembler assembler(counters);
+    driver::Counters counters;
+    driver::DatagramAssembler assembler(counters);
     EXPECT_EQ(assemble(assembler, all).size(), 600U);
     EXPECT_EQ(counters.lost_network, away);
     EXPECT_EQ(counters.datagrams_lost, 2 * std::uint64_t{away});
   }
   for (const std::size_t lost : {std::size_t{3}, std::size_t{900}, std::size_t{1'500}, std::size_t{2'500}}) {
-    DatagramCutter first(7);
+    model::DatagramCutter first(7);
     std::vector<Bytes> all = cut_up(first, 0, 10);
-    DatagramCutter second(8);
+    model::DatagramCutter second(8);
     const std::vector<Bytes> more = cut_up(second, 100, 1'500);
     all.insert(all.end(), more.begin() + static_cast<std::ptrdiff_t>(lost), more.end());
-    Counters counters;
-    DatagramAssembler assembler(counters);
+    driver::Counters counters;
+    driver::DatagramAssembler assembler(counters);
     EXPECT_EQ(assemble(assembler, all).size() + counters.lost_network, 1'510U) << lost;
     EXPECT_EQ(counters.datagrams_lost, lost);
   }
@@ -277,13 +277,13 @@ TEST(Datagrams, Interruptions) {
 
 // A sender that was restarted can draw the session that it had.
 TEST(Datagrams, ARestartInTheSameSession) {
-  DatagramCutter first(7, kDatagramBytes, 200'000, 100'000);
+  model::DatagramCutter first(7, model::kDatagramBytes, 200'000, 100'000);
   std::vector<Bytes> all = cut_up(first, 0, 100);
-  DatagramCutter second(7);
+  model::DatagramCutter second(7);
   const std::vector<Bytes> more = cut_up(second, 1'000, 500);
   all.insert(all.end(), more.begin(), more.end());
-  Counters counters;
-  DatagramAssembler assembler(counters);
+  driver::Counters counters;
+  driver::DatagramAssembler assembler(counters);
   EXPECT_EQ(assemble(assembler, all).size() + counters.lost_network, 600U);
   EXPECT_EQ(counters.reattached, 1U);
   EXPECT_LE(counters.lost_network, 64U);
@@ -292,23 +292,23 @@ TEST(Datagrams, ARestartInTheSameSession) {
 // A frame of Ethernet can be too short for the header alone.
 TEST(Datagrams, WithoutAPieceTheyMayBeFilledUp) {
   Bytes idle;
-  DatagramCutter(1).idle(
+  model::DatagramCutter(1).idle(
       [&](std::span<const std::uint8_t> datagram) { idle.assign(datagram.begin(), datagram.end()); });
   for (const std::size_t filling : {std::size_t{0}, std::size_t{4}, std::size_t{16}, std::size_t{17}}) {
     Bytes datagram = idle;
     datagram.resize(idle.size() + filling);
-    EXPECT_EQ(read_datagram_header(datagram).has_value(), filling <= 16) << filling;
+    EXPECT_EQ(model::read_datagram_header(datagram).has_value(), filling <= 16) << filling;
   }
 }
 
 TEST(Datagrams, NewSessionAndALateOneOfTheOld) {
-  Counters counters;
-  DatagramAssembler assembler(counters);
-  DatagramCutter first(1);
+  driver::Counters counters;
+  driver::DatagramAssembler assembler(counters);
+  model::DatagramCutter first(1);
   std::vector<Bytes> all = cut_up(first, 0, 9);
   all.resize(all.size() - 4);  // it was cut off in its last packet
   const Bytes late = all.back();
-  DatagramCutter second(2);
+  model::DatagramCutter second(2);
   const std::vector<Bytes> more = cut_up(second, 100, 10);
   all.insert(all.end(), more.begin(), more.end());
   all.insert(all.end() - 5, late);
@@ -325,9 +325,9 @@ TEST(Datagrams, RandomBytes) {
   for (const std::uint64_t seed : seeds(4)) {
     SCOPED_TRACE(how_to_repeat(seed));
     Random random(seed);
-    Counters counters;
-    DatagramAssembler assembler(counters);
-    DatagramCutter cutter(3);
+    driver::Counters counters;
+    driver::DatagramAssembler assembler(counters);
+    model::DatagramCutter cutter(3);
     std::vector<Bytes> all = cut_up(cutter, 0, 100);
     for (Bytes& datagram : all) {
       for (int flips = random.between(0, 3); flips > 0; --flips) {
@@ -340,7 +340,7 @@ TEST(Datagrams, RandomBytes) {
         datagram = random.bytes(static_cast<std::size_t>(random.between(0, 3000)));
       }
     }
-    PacketView packet;
+    model::PacketView packet;
     for (const Bytes& datagram : all) {
       int steps = 0;
       do {
@@ -361,17 +361,17 @@ class UdpDevice : public ::testing::Test {
  protected:
   void SetUp() override {
     port_ = std::to_string(kFirstPort + getpid() % kFirstPort);
-    device_ = open_device("udp:127.0.0.2:" + port_);
+    device_ = driver::open_device("udp:127.0.0.2:" + port_);
   }
 
-  [[nodiscard]] UdpSender board(const std::string& from = "127.0.0.2") const {
+  [[nodiscard]] sim::UdpSender board(const std::string& from = "127.0.0.2") const {
     return {"127.0.0.1:" + port_, from, false};
   }
 
   std::uint64_t read(std::uint64_t most) {
-    PacketView packet;
+    model::PacketView packet;
     std::uint64_t count = 0;
-    while (count < most && device_->next(packet, milliseconds(300)) == Next::packet) {
+    while (count < most && device_->next(packet, milliseconds(300)) == driver::Next::packet) {
       EXPECT_TRUE(is_intact(packet));
       device_->release();
       ++count;
@@ -380,12 +380,12 @@ class UdpDevice : public ::testing::Test {
   }
 
   std::string port_;
-  std::unique_ptr<Device> device_;
+  std::unique_ptr<driver::Device> device_;
 };
 
 TEST_F(UdpDevice, PacketsOfOneBoardOnly) {
-  UdpSender sender = board();
-  UdpSender stranger = board("127.0.0.3");
+  sim::UdpSender sender = board();
+  sim::UdpSender stranger = board("127.0.0.3");
   for (std::uint64_t i = 0; i < 50; ++i) {
     sender.send(moments_packet(i, 512));
     stranger.send(moments_packet(1000 + i, 512));
@@ -393,30 +393,30 @@ TEST_F(UdpDevice, PacketsOfOneBoardOnly) {
   sender.finish();
   stranger.finish();
   EXPECT_EQ(read(1000), 50U);
-  EXPECT_EQ(device_->counters(), (Counters{.delivered = 50}));
+  EXPECT_EQ(device_->counters(), (driver::Counters{.delivered = 50}));
   EXPECT_EQ(device_->uri(), "udp:127.0.0.2:" + port_);
 }
 
 TEST_F(UdpDevice, UnpluggedAndBack) {
   {
-    UdpSender sender = board();
+    sim::UdpSender sender = board();
     for (std::uint64_t i = 0; i < 20; ++i) {
       sender.send(moments_packet(i, 512));
     }
     EXPECT_EQ(read(20), 20U);
   }
   EXPECT_EQ(read(1), 0U);  // nothing comes, and that is no end
-  UdpSender sender = board();
+  sim::UdpSender sender = board();
   for (std::uint64_t i = 30; i < 50; ++i) {
     sender.send(moments_packet(i, 512));
   }
   EXPECT_EQ(read(20), 20U);
-  EXPECT_EQ(device_->counters(), (Counters{.delivered = 40, .missing = 10, .reattached = 1}));
+  EXPECT_EQ(device_->counters(), (driver::Counters{.delivered = 40, .missing = 10, .reattached = 1}));
 }
 
 // The socket's buffer is full: what did not fit is known, and what comes later is whole.
 TEST_F(UdpDevice, ASlowReader) {
-  UdpSender sender = board();
+  sim::UdpSender sender = board();
   std::uint64_t sent = 0;
   for (; sent < 6000; ++sent) {
     sender.send(moments_packet(sent, 2048));
@@ -426,7 +426,7 @@ TEST_F(UdpDevice, ASlowReader) {
     sender.send(moments_packet(sent++, 512));
   }
   EXPECT_EQ(read(100), 10U);
-  const Counters counters = device_->counters();
+  const driver::Counters counters = device_->counters();
   EXPECT_EQ(first + 10 + counters.lost_network, sent);
   EXPECT_EQ(counters.datagrams_overflow, counters.datagrams_lost);
   EXPECT_GT(counters.datagrams_overflow, 0U);
@@ -435,7 +435,7 @@ TEST_F(UdpDevice, ASlowReader) {
 // It would wait for ever.
 TEST_F(UdpDevice, APortThatAnotherProgramHas) {
   try {
-    static_cast<void>(open_device("udp:127.0.0.2:" + port_));
+    static_cast<void>(driver::open_device("udp:127.0.0.2:" + port_));
     FAIL();
   } catch (const UserError& error) {
     EXPECT_NE(std::string(error.what()).find("another program receives at UDP port " + port_), std::string::npos);
@@ -445,7 +445,7 @@ TEST_F(UdpDevice, APortThatAnotherProgramHas) {
 TEST(UdpPlace, WhatIsNoPlace) {
   const auto error = [](const std::string& uri) {
     try {
-      open_device(uri);
+      driver::open_device(uri);
     } catch (const UserError& problem) {
       return std::string(problem.what());
     }

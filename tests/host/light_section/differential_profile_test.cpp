@@ -1,5 +1,5 @@
 // Tests the profile of a frame: known points become columns and centroids, and must come back.
-#include "host/light_section/differential_profile.h"
+#include "selfproj/light_section/differential_profile.h"
 
 #include <gtest/gtest.h>
 
@@ -9,9 +9,9 @@
 #include <stdexcept>
 #include <vector>
 
-#include "host/light_section/reference.h"
-#include "host/rig/rig.h"
-#include "model/packet.h"
+#include "selfproj/light_section/reference.h"
+#include "selfproj/model/packet.h"
+#include "selfproj/rig/rig.h"
 #include "tests/host/structured_light/pinhole.h"
 #include "tests/support/random_cases.h"
 
@@ -20,8 +20,8 @@ namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 
-Rig random_rig(Random& random) {
-  Rig rig = load_rig("light-section");
+rig::Rig random_rig(Random& random) {
+  rig::Rig rig = rig::load_rig("light-section");
   rig.camera.columns = 4 * random.between(1, 300);
   rig.camera.rows = random.between(10, 512);
   rig.projector.x_mm = uniform(random, 50, 500);
@@ -34,7 +34,7 @@ Rig random_rig(Random& random) {
 
 // Moments whose centroid is `centroid` to 2e-6 rows, as fine as 18 bits of M0 allow.
 struct Columns {
-  Moments moments;
+  model::Moments moments;
   explicit Columns(int count) { moments.resize(count); }
   void set(int column, double centroid, std::uint32_t n = 6) {
     const auto i = static_cast<std::size_t>(column);
@@ -45,20 +45,20 @@ struct Columns {
 };
 
 // x of the light plane θ at depth z.
-double x_of_plane(const Rig& rig, double tan_theta, double z) {
+double x_of_plane(const rig::Rig& rig, double tan_theta, double z) {
   return rig.projector.x_mm - (z - rig.projector.z_mm) * tan_theta;
 }
 
 // The row, from 1, of the point (x, 0, z) by the pinhole.
-double row_from_one(const Rig& rig, double x, double z) { return camera_sees(rig.camera, {x, 0, z}).row + 1; }
+double row_from_one(const rig::Rig& rig, double x, double z) { return camera_sees(rig.camera, {x, 0, z}).row + 1; }
 
 TEST(DifferentialProfile, PointsComeBack) {
   for (const std::uint64_t seed : seeds(200)) {
     SCOPED_TRACE(how_to_repeat(seed));
     Random random(seed);
-    const Rig rig = random_rig(random);
+    const rig::Rig rig = random_rig(random);
     const int columns = rig.camera.columns;
-    ReferenceProfile reference;
+    light_section::ReferenceProfile reference;
     reference.resize(columns);
     Columns seen(columns);
     std::vector<Point3> points;
@@ -84,12 +84,12 @@ TEST(DifferentialProfile, PointsComeBack) {
       points.push_back({x_of_plane(rig, reference.tan_theta[k], z), z * tan_beta, z});
       met.push_back({x_r, z_r * tan_beta, z_r});
     }
-    Profile profile;
+    light_section::Profile profile;
     profile.resize(columns);
-    DifferentialProfiler(rig, reference).profile(seen.moments.view(), profile.view());
+    light_section::DifferentialProfiler(rig, reference).profile(seen.moments.view(), profile.view());
     for (int i = 0; i < columns; ++i) {
       const auto k = static_cast<std::size_t>(i);
-      ASSERT_EQ(profile.validity[k], static_cast<std::uint8_t>(Validity::valid)) << "column " << i;
+      ASSERT_EQ(profile.validity[k], static_cast<std::uint8_t>(light_section::Validity::valid)) << "column " << i;
       // Floats at 1300 have steps of 1.2e-4; one row is worth at most 2.6 mm here, of which M0 gives 2e-6.
       constexpr double kShape = 1e-3;
       ASSERT_NEAR(profile.x[k], points[k].x, kShape);
@@ -105,19 +105,19 @@ TEST(DifferentialProfile, PointsComeBack) {
 }
 
 // Rig A with the plane as its reference.
-ReferenceProfile plane_reference(const Rig& rig) {
-  return reference_of_curve(rig,
-                            curve_of_heights(rig, std::vector<double>(static_cast<std::size_t>(rig.camera.columns))));
+light_section::ReferenceProfile plane_reference(const rig::Rig& rig) {
+  return light_section::reference_of_curve(
+      rig, light_section::curve_of_heights(rig, std::vector<double>(static_cast<std::size_t>(rig.camera.columns))));
 }
 
 TEST(DifferentialProfile, NearerToTheCameraIsNegative) {
-  const Rig rig = load_rig("light-section");
-  const DifferentialProfiler profiler(rig, plane_reference(rig));
+  const rig::Rig rig = rig::load_rig("light-section");
+  const light_section::DifferentialProfiler profiler(rig, plane_reference(rig));
   Columns seen(rig.camera.columns);
   for (int i = 0; i < rig.camera.columns; ++i) {
     seen.set(i, i % 2 == 0 ? 48.5 : 51.5);
   }
-  Profile profile;
+  light_section::Profile profile;
   profile.resize(rig.camera.columns);
   profiler.profile(seen.moments.view(), profile.view());
   for (int i = 0; i < rig.camera.columns; i += 2) {
@@ -133,8 +133,8 @@ TEST(DifferentialProfile, NearerToTheCameraIsNegative) {
 }
 
 TEST(DifferentialProfile, StraightLineMeasuresTheSame) {
-  const Rig rig = [] {
-    Rig r = load_rig("light-section");
+  const rig::Rig rig = [] {
+    rig::Rig r = rig::load_rig("light-section");
     r.camera.rows = 600;  // the straight line moves
     return r;
   }();
@@ -160,7 +160,7 @@ TEST(DifferentialProfile, StraightLineMeasuresTheSame) {
       const double own = rig.projector.x_mm / (z_r - rig.projector.z_mm);
       with_pattern.set(i, row_from_one(rig, x_of_plane(rig, own, z.back()), z.back()));
     }
-    ReferenceProfile self_projected;
+    light_section::ReferenceProfile self_projected;
     self_projected.resize(columns);
     for (int i = 0; i < columns; ++i) {
       const auto k = static_cast<std::size_t>(i);
@@ -168,12 +168,12 @@ TEST(DifferentialProfile, StraightLineMeasuresTheSame) {
       self_projected.tan_theta[k] = rig.projector.x_mm / (self_projected.z_mm[k] - rig.projector.z_mm);
       self_projected.valid[k] = 1;
     }
-    Profile a;
-    Profile b;
+    light_section::Profile a;
+    light_section::Profile b;
     a.resize(columns);
     b.resize(columns);
-    DifferentialProfiler(rig, self_projected).profile(with_pattern.moments.view(), a.view());
-    DifferentialProfiler(rig, reference_of_straight_line(rig, line, line_on_reference))
+    light_section::DifferentialProfiler(rig, self_projected).profile(with_pattern.moments.view(), a.view());
+    light_section::DifferentialProfiler(rig, light_section::reference_of_straight_line(rig, line, line_on_reference))
         .profile(with_line.moments.view(), b.view());
     for (int i = 0; i < columns; ++i) {
       const auto k = static_cast<std::size_t>(i);
@@ -188,11 +188,11 @@ TEST(DifferentialProfile, StraightLineMeasuresTheSame) {
 }
 
 TEST(DifferentialProfile, SaysWhyAColumnHasNoPoint) {
-  Rig rig = load_rig("light-section");
+  rig::Rig rig = rig::load_rig("light-section");
   rig.measure.min_lit_px = 3;
   rig.measure.max_lit_px = 9;
   rig.camera.columns = 8;
-  ReferenceProfile reference = plane_reference(rig);
+  light_section::ReferenceProfile reference = plane_reference(rig);
   reference.valid[4] = 0;
   reference.valid[5] = 0;
   Columns seen(8);
@@ -203,11 +203,11 @@ TEST(DifferentialProfile, SaysWhyAColumnHasNoPoint) {
   seen.moments.m0[0] = 0;
   seen.moments.m1[0] = 0;
   seen.moments.m0[5] = 0;
-  Profile profile;
+  light_section::Profile profile;
   profile.resize(8);
-  DifferentialProfiler(rig, reference).profile(seen.moments.view(), profile.view());
-  using enum Validity;
-  const Validity right[] = {unlit, too_few, too_few, too_wide, no_reference, unlit, valid, valid};
+  light_section::DifferentialProfiler(rig, reference).profile(seen.moments.view(), profile.view());
+  using enum light_section::Validity;
+  const light_section::Validity right[] = {unlit, too_few, too_few, too_wide, no_reference, unlit, valid, valid};
   for (std::size_t i = 0; i < 8; ++i) {
     EXPECT_EQ(profile.validity[i], static_cast<std::uint8_t>(right[i])) << i;
     for (const auto* values :
@@ -218,22 +218,22 @@ TEST(DifferentialProfile, SaysWhyAColumnHasNoPoint) {
 }
 
 TEST(DifferentialProfile, OutOfRangeWhereTriangulationFails) {
-  Rig rig = load_rig("light-section");
+  rig::Rig rig = rig::load_rig("light-section");
   rig.camera.columns = 4;
   rig.camera.rows = 1023;
   rig.camera.pixel_pitch_mm = 0.1;  // ±45.6 degrees
   rig.measure.max_z_per_line_mm = 1e6;
-  const ReferenceProfile reference = plane_reference(rig);
+  const light_section::ReferenceProfile reference = plane_reference(rig);
   const double limit = 512 + rig.projector.x_mm / rig.projector.z_mm * 500;  // z0 tan α = x0
   Columns seen(4);
   seen.set(0, limit - 0.1);
   seen.set(1, limit + 0.1);
   seen.set(2, 512 - 500 * reference.tan_theta[2] + 1);  // the ray is parallel to the light plane at tan α = -tan θ
   seen.set(3, 512 - 500 * reference.tan_theta[2] - 1);
-  Profile profile;
+  light_section::Profile profile;
   profile.resize(4);
-  DifferentialProfiler(rig, reference).profile(seen.moments.view(), profile.view());
-  const auto bad = static_cast<std::uint8_t>(Validity::out_of_range);
+  light_section::DifferentialProfiler(rig, reference).profile(seen.moments.view(), profile.view());
+  const auto bad = static_cast<std::uint8_t>(light_section::Validity::out_of_range);
   EXPECT_EQ(profile.validity, (std::vector<std::uint8_t>{0, bad, 0, bad}));
 
   // The change of z from one projector line to the next.
@@ -249,7 +249,7 @@ TEST(DifferentialProfile, OutOfRangeWhereTriangulationFails) {
     seen.set(0, row);
     for (const double share : {0.999, 1.001}) {
       rig.measure.max_z_per_line_mm = share * worth / 0.02;
-      DifferentialProfiler(rig, reference).profile(seen.moments.view(), profile.view());
+      light_section::DifferentialProfiler(rig, reference).profile(seen.moments.view(), profile.view());
       EXPECT_EQ(profile.validity[0], share > 1 ? 0 : bad) << "row " << row;
     }
   }
@@ -259,7 +259,8 @@ TEST(DifferentialProfile, OutOfRangeWhereTriangulationFails) {
 struct Plain {
   double c, x, y, z, dx, dy, dz;
 };
-Plain plain_profile(const Rig& rig, const ReferenceProfile& r, std::size_t i, double m0, double m1) {
+Plain plain_profile(const rig::Rig& rig, const light_section::ReferenceProfile& r, std::size_t i, double m0,
+                    double m1) {
   Plain p{};
   p.c = m1 / m0;
   const double a = rig.camera.pixel_pitch_mm / rig.camera.focal_length_mm;
@@ -281,11 +282,11 @@ TEST(DifferentialProfile, PayloadsOfAllModesAgainstDoublePrecision) {
   for (const std::uint64_t seed : seeds(60)) {
     SCOPED_TRACE(how_to_repeat(seed));
     Random random(seed);
-    Rig rig = load_rig("light-section");
+    rig::Rig rig = rig::load_rig("light-section");
     rig.camera.columns = 4 * random.between(1, 300);
     rig.measure.max_z_per_line_mm = 1e6;
     const auto columns = static_cast<std::size_t>(rig.camera.columns);
-    ReferenceProfile reference = plane_reference(rig);
+    light_section::ReferenceProfile reference = plane_reference(rig);
     for (std::size_t i = 0; i < columns; ++i) {
       if (random.chance(50)) {
         reference.offset_px[i] = uniform(random, -40, 40);
@@ -294,20 +295,20 @@ TEST(DifferentialProfile, PayloadsOfAllModesAgainstDoublePrecision) {
         reference.tan_theta[i] = uniform(random, 0.4, 0.8);
       }
     }
-    const DifferentialProfiler profiler(rig, reference);
+    const light_section::DifferentialProfiler profiler(rig, reference);
     std::vector<std::uint8_t> image = random.bytes(static_cast<std::size_t>(rig.camera.rows) * columns);
     for (std::uint8_t& pixel : image) {
       pixel = random.chance(90) ? std::uint8_t{0} : pixel;
     }
-    for (const Mode mode : {Mode::binary, Mode::grey, Mode::grey_over}) {
-      Moments moments;
+    for (const model::Mode mode : {model::Mode::binary, model::Mode::grey, model::Mode::grey_over}) {
+      model::Moments moments;
       moments.resize(rig.camera.columns);
-      column_moments({image.data(), rig.camera.rows, rig.camera.columns, rig.camera.columns}, mode,
-                     rig.measure.threshold, moments.view());
-      std::vector<std::uint8_t> payload(moments_payload_bytes(mode, rig.camera.columns));
-      pack_moments(mode, rig.camera.columns, moments.view(), payload.data());
-      Profile profile;
-      Profile again;
+      model::column_moments({image.data(), rig.camera.rows, rig.camera.columns, rig.camera.columns}, mode,
+                            rig.measure.threshold, moments.view());
+      std::vector<std::uint8_t> payload(model::moments_payload_bytes(mode, rig.camera.columns));
+      model::pack_moments(mode, rig.camera.columns, moments.view(), payload.data());
+      light_section::Profile profile;
+      light_section::Profile again;
       profile.resize(rig.camera.columns);
       again.resize(rig.camera.columns);
       profiler.profile(mode, payload.data(), profile.view());
@@ -318,18 +319,18 @@ TEST(DifferentialProfile, PayloadsOfAllModesAgainstDoublePrecision) {
         const double c = n == 0 ? 0 : static_cast<double>(moments.m1[i]) / moments.m0[i];
         const double first = c - 0.5 * n - 1.5;  // 0 where the line leaves just the first row free
         const double last = rig.camera.rows - 0.5 - c - 0.5 * n;
-        if (n > 0 && mode != Mode::binary && std::min(std::abs(first), std::abs(last)) < 1e-5) {
+        if (n > 0 && mode != model::Mode::binary && std::min(std::abs(first), std::abs(last)) < 1e-5) {
           continue;  // floats may decide either way
         }
-        const Validity right = n == 0                       ? Validity::unlit
-                               : n < rig.measure.min_lit_px ? Validity::too_few
-                               : n > rig.measure.max_lit_px ? Validity::too_wide
-                               : first < 0 || last < 0      ? Validity::cut_off
-                               : reference.valid[i] == 0    ? Validity::no_reference
-                                                            : Validity::valid;
+        const light_section::Validity right = n == 0                       ? light_section::Validity::unlit
+                                              : n < rig.measure.min_lit_px ? light_section::Validity::too_few
+                                              : n > rig.measure.max_lit_px ? light_section::Validity::too_wide
+                                              : first < 0 || last < 0      ? light_section::Validity::cut_off
+                                              : reference.valid[i] == 0    ? light_section::Validity::no_reference
+                                                                           : light_section::Validity::valid;
         ASSERT_EQ(profile.validity[i], static_cast<std::uint8_t>(right)) << i;
         ASSERT_EQ(again.validity[i], profile.validity[i]);
-        if (right != Validity::valid) {
+        if (right != light_section::Validity::valid) {
           continue;
         }
         ++valid;
@@ -358,12 +359,12 @@ TEST(DifferentialProfile, LinesCutOffByTheBorder) {
   constexpr int kRows = 40;
   constexpr int kBeyond = 30;  // rows of the larger image above and below
   constexpr int kColumns = 64;
-  Rig rig = load_rig("light-section");
+  rig::Rig rig = rig::load_rig("light-section");
   rig.camera.rows = kRows;
   rig.camera.columns = kColumns;
   rig.measure.min_lit_px = 1;
-  const DifferentialProfiler profiler(rig, plane_reference(rig));
-  for (const Mode mode : {Mode::binary, Mode::grey, Mode::grey_over}) {
+  const light_section::DifferentialProfiler profiler(rig, plane_reference(rig));
+  for (const model::Mode mode : {model::Mode::binary, model::Mode::grey, model::Mode::grey_over}) {
     int valid = 0;
     int cut_off = 0;
     for (const std::uint64_t seed : seeds(100)) {
@@ -382,15 +383,15 @@ TEST(DifferentialProfile, LinesCutOffByTheBorder) {
               static_cast<std::uint8_t>(std::clamp(value, 0.0, 255.0));
         }
       }
-      Moments whole;
-      Moments seen;
+      model::Moments whole;
+      model::Moments seen;
       whole.resize(kColumns);
       seen.resize(kColumns);
-      column_moments({large.data(), kRows + 2 * kBeyond, kColumns, kColumns}, mode, rig.measure.threshold,
-                     whole.view());
+      model::column_moments({large.data(), kRows + 2 * kBeyond, kColumns, kColumns}, mode, rig.measure.threshold,
+                            whole.view());
       const std::uint8_t* image = large.data() + kBeyond * kColumns;
-      column_moments({image, kRows, kColumns, kColumns}, mode, rig.measure.threshold, seen.view());
-      Profile profile;
+      model::column_moments({image, kRows, kColumns, kColumns}, mode, rig.measure.threshold, seen.view());
+      light_section::Profile profile;
       profile.resize(kColumns);
       profiler.profile(seen.view(), profile.view());
       for (std::size_t c = 0; c < kColumns; ++c) {
@@ -399,7 +400,7 @@ TEST(DifferentialProfile, LinesCutOffByTheBorder) {
         };
         const bool touches = lit(0) || lit(kRows - 1);
         const bool nearly = lit(1) || lit(kRows - 2);
-        if (profile.validity[c] == static_cast<std::uint8_t>(Validity::valid)) {
+        if (profile.validity[c] == static_cast<std::uint8_t>(light_section::Validity::valid)) {
           ++valid;
           ASSERT_FALSE(touches) << "column " << c;
           ASSERT_EQ(seen.n[c], whole.n[c]) << "column " << c;  // nothing is missing, and so the centroid is right
@@ -407,8 +408,8 @@ TEST(DifferentialProfile, LinesCutOffByTheBorder) {
                       static_cast<double>(whole.m1[c]) / whole.m0[c] - kBeyond, 1e-4);
         } else if (seen.n[c] > 0) {
           ++cut_off;
-          ASSERT_EQ(profile.validity[c], static_cast<std::uint8_t>(Validity::cut_off)) << "column " << c;
-          ASSERT_TRUE(touches || (nearly && mode != Mode::binary)) << "column " << c;
+          ASSERT_EQ(profile.validity[c], static_cast<std::uint8_t>(light_section::Validity::cut_off)) << "column " << c;
+          ASSERT_TRUE(touches || (nearly && mode != model::Mode::binary)) << "column " << c;
         }
       }
     }
@@ -418,10 +419,10 @@ TEST(DifferentialProfile, LinesCutOffByTheBorder) {
 }
 
 TEST(DifferentialProfile, ReferenceOfAnotherWidthIsRefused) {
-  const Rig rig = load_rig("light-section");
-  ReferenceProfile reference;
+  const rig::Rig rig = rig::load_rig("light-section");
+  light_section::ReferenceProfile reference;
   reference.resize(rig.camera.columns - 1);
-  EXPECT_THROW(DifferentialProfiler(rig, reference), std::invalid_argument);
+  EXPECT_THROW(light_section::DifferentialProfiler(rig, reference), std::invalid_argument);
 }
 
 }  // namespace

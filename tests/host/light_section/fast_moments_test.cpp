@@ -1,6 +1,6 @@
 // Compares the fast column moments and strongest runs with the models. Integer sums are exact, so no test here has a
 // tolerance.
-#include "host/light_section/fast_moments.h"
+#include "selfproj/light_section/fast_moments.h"
 
 #include <gtest/gtest.h>
 
@@ -11,8 +11,8 @@
 #include <utility>
 #include <vector>
 
-#include "model/column_moments.h"
-#include "model/column_runs.h"
+#include "selfproj/model/column_moments.h"
+#include "selfproj/model/column_runs.h"
 #include "tests/support/moments_refusals.h"
 #include "tests/support/random_cases.h"
 #include "tests/support/random_runs.h"
@@ -20,7 +20,7 @@
 namespace selfproj::test {
 namespace {
 
-constexpr std::array kModes = {Mode::binary, Mode::grey, Mode::grey_over};
+constexpr std::array kModes = {model::Mode::binary, model::Mode::grey, model::Mode::grey_over};
 
 // A value beyond the columns of output arrays, which must still be there afterwards.
 constexpr std::uint32_t kUntouched = 0xDEADBEEF;
@@ -37,14 +37,14 @@ class FastMoments : public ::testing::Test {
   }
 
   // The fast moments. Checks that nothing is written beyond the columns.
-  static Moments moments_of(const ImageView& image, Mode mode, int threshold) {
+  static model::Moments moments_of(const model::ImageView& image, model::Mode mode, int threshold) {
     constexpr int kGuard = 64;
-    Moments moments;
+    model::Moments moments;
     moments.resize(image.columns + kGuard);
     for (auto* values : {&moments.m0, &moments.m1, &moments.n}) {
       std::fill(values->begin(), values->end(), kUntouched);
     }
-    fast_column_moments(image, mode, threshold, moments.view());
+    light_section::fast_column_moments(image, mode, threshold, moments.view());
     for (const auto* values : {&moments.m0, &moments.m1, &moments.n}) {
       EXPECT_TRUE(std::all_of(values->end() - kGuard, values->end(), [](std::uint32_t v) { return v == kUntouched; }));
     }
@@ -52,17 +52,17 @@ class FastMoments : public ::testing::Test {
     return moments;
   }
 
-  static void expect_right(const ImageView& image, Mode mode, int threshold) {
-    Moments right;
+  static void expect_right(const model::ImageView& image, model::Mode mode, int threshold) {
+    model::Moments right;
     right.resize(image.columns);
-    column_moments(image, mode, threshold, right.view());
+    model::column_moments(image, mode, threshold, right.view());
     ASSERT_TRUE(moments_of(image, mode, threshold) == right)
         << "rows " << image.rows << ", columns " << image.columns << ", stride " << image.stride << ", mode "
         << static_cast<int>(mode) << ", threshold " << threshold;
   }
 };
 
-ImageView view_of(const std::vector<std::uint8_t>& pixels, int rows, int columns) {
+model::ImageView view_of(const std::vector<std::uint8_t>& pixels, int rows, int columns) {
   return {pixels.data(), rows, columns, columns};
 }
 
@@ -77,7 +77,7 @@ TEST_F(FastMoments, EqualImagesOfEverySize) {
     for (const int columns : kColumnEdges) {
       for (const int value : {0, 100, 101, 255}) {
         const std::vector<std::uint8_t> pixels(area(rows, columns), static_cast<std::uint8_t>(value));
-        for (const Mode mode : kModes) {
+        for (const model::Mode mode : kModes) {
           expect_right(view_of(pixels, rows, columns), mode, 100);
           if (HasFatalFailure()) {
             return;
@@ -98,7 +98,7 @@ TEST_F(FastMoments, OnePixelEverywhere) {
       for (int column = 0; column < columns; ++column) {
         std::uint8_t& pixel = pixels[area(row, columns) + static_cast<std::size_t>(column)];
         pixel = kValue;
-        const Mode mode = kModes[static_cast<std::size_t>(row + column) % kModes.size()];
+        const model::Mode mode = kModes[static_cast<std::size_t>(row + column) % kModes.size()];
         expect_right(view_of(pixels, rows, columns), mode, kThreshold);
         if (HasFatalFailure()) {
           FAIL() << "row " << row << ", column " << column;
@@ -118,7 +118,7 @@ TEST_F(FastMoments, EveryValueAndThreshold) {
     pixels.push_back(static_cast<std::uint8_t>(i));
   }
   for (int threshold = 0; threshold <= 255; ++threshold) {
-    for (const Mode mode : kModes) {
+    for (const model::Mode mode : kModes) {
       expect_right(view_of(pixels, kRows, kColumns), mode, threshold);
     }
   }
@@ -127,7 +127,7 @@ TEST_F(FastMoments, EveryValueAndThreshold) {
 // The largest image, as bright as can be: the largest sums of all.
 TEST_F(FastMoments, LargestSums) {
   const std::vector<std::uint8_t> pixels(area(spec::kMaxRows, spec::kMaxColumns), 255);
-  for (const Mode mode : kModes) {
+  for (const model::Mode mode : kModes) {
     for (const int threshold : {0, 254, 255}) {
       expect_right(view_of(pixels, spec::kMaxRows, spec::kMaxColumns), mode, threshold);
     }
@@ -141,12 +141,12 @@ TEST_F(FastMoments, StridesAndAlignments) {
   for (int offset = 0; offset < 64; ++offset) {
     for (const int columns : {1, 4, 64, 130, 516}) {
       for (const int stride : {columns, columns + 1, 640, 700}) {
-        for (const Mode mode : kModes) {
+        for (const model::Mode mode : kModes) {
           expect_right({pixels.data() + offset, kRows, columns, stride}, mode, 128);
         }
       }
-      expect_right({pixels.data() + offset + (kRows - 1) * 700, kRows, columns, -700}, Mode::grey, 60);
-      expect_right({pixels.data() + offset, kRows, columns, 0}, Mode::grey_over, 60);
+      expect_right({pixels.data() + offset + (kRows - 1) * 700, kRows, columns, -700}, model::Mode::grey, 60);
+      expect_right({pixels.data() + offset, kRows, columns, 0}, model::Mode::grey_over, 60);
     }
   }
 }
@@ -155,7 +155,7 @@ TEST_F(FastMoments, StridesAndAlignments) {
 TEST_F(FastMoments, ReadsNothingBeyondTheImage) {
   for (const int columns : kColumnEdges) {
     const std::vector<std::uint8_t> pixels(area(9, 2000) + static_cast<std::size_t>(columns), 77);
-    for (const Mode mode : kModes) {
+    for (const model::Mode mode : kModes) {
       expect_right({pixels.data(), 10, columns, 2000}, mode, 76);
     }
   }
@@ -174,7 +174,7 @@ TEST_F(FastMoments, RandomImages) {
         pixel |= 0xC0;
       }
     }
-    for (const Mode mode : kModes) {
+    for (const model::Mode mode : kModes) {
       expect_right({pixels.data(), rows, columns, stride}, mode, random.chance(50) ? random.between(0, 255) : 0);
       if (HasFatalFailure()) {
         return;
@@ -183,17 +183,17 @@ TEST_F(FastMoments, RandomImages) {
   }
 }
 
-TEST_F(FastMoments, RefusesWhatIsOutOfRange) { expect_refusals_of_moments(fast_column_moments); }
+TEST_F(FastMoments, RefusesWhatIsOutOfRange) { expect_refusals_of_moments(light_section::fast_column_moments); }
 
 class FastRuns : public FastMoments {};
 
-void expect_right_runs(const ImageView& image, const Measure& measure) {
-  Runs right;
-  Runs found;
+void expect_right_runs(const model::ImageView& image, const model::Measure& measure) {
+  model::Runs right;
+  model::Runs found;
   right.resize(measure.select, image.columns);
   found.resize(measure.select, image.columns);
-  measure_columns(image, measure, right.view());
-  fast_measure_columns(image, measure, found.view());
+  model::measure_columns(image, measure, right.view());
+  light_section::fast_measure_columns(image, measure, found.view());
   ASSERT_TRUE(found == right) << image.columns << " x " << image.rows << ", mode " << static_cast<int>(measure.mode)
                               << ", threshold " << measure.threshold << ", gap " << measure.gap << ", rows "
                               << measure.window.first << ".." << measure.window.last;
@@ -204,7 +204,7 @@ TEST_F(FastRuns, RandomImages) {
     SCOPED_TRACE(how_to_repeat(seed));
     RandomRuns random(seed);
     expect_right_runs(random.image, random.measure);
-    random.measure.select = Select::all;
+    random.measure.select = model::Select::all;
     expect_right_runs(random.image, random.measure);
     if (HasFatalFailure()) {
       return;
@@ -233,10 +233,10 @@ TEST_F(FastRuns, LinesWithAFewHotPixels) {
         at(random.between(0, rows - 1), column) = 255;
       }
     }
-    Measure measure{.mode = static_cast<Mode>(random.between(0, 2)),
-                    .threshold = random.between(0, 100),
-                    .select = Select::strongest,
-                    .gap = random.between(0, kMaxGap)};
+    model::Measure measure{.mode = static_cast<model::Mode>(random.between(0, 2)),
+                           .threshold = random.between(0, 100),
+                           .select = model::Select::strongest,
+                           .gap = random.between(0, model::kMaxGap)};
     expect_right_runs({pixels.data(), rows, columns, columns}, measure);
     measure.window = {random.between(0, rows), random.between(0, rows)};
     expect_right_runs({pixels.data(), rows, columns, columns}, measure);
@@ -254,17 +254,19 @@ TEST_F(FastRuns, ManyRuns) {
       pixels[row * 300 + column] = static_cast<std::uint8_t>(100 + column % 7);
     }
   }
-  for (int gap = 0; gap <= kMaxGap; ++gap) {
-    expect_right_runs({pixels.data(), spec::kMaxRows, 300, 300},
-                      {.mode = Mode::grey_over, .threshold = 50, .select = Select::strongest, .gap = gap});
+  for (int gap = 0; gap <= model::kMaxGap; ++gap) {
+    expect_right_runs(
+        {pixels.data(), spec::kMaxRows, 300, 300},
+        {.mode = model::Mode::grey_over, .threshold = 50, .select = model::Select::strongest, .gap = gap});
   }
 }
 
 TEST_F(FastRuns, RefusesWhatTheModelRefuses) {
   std::vector<std::uint8_t> small(8);
-  expect_refusals_of_moments([&](const ImageView& image, Mode mode, int threshold, const MomentsView& out) {
-    fast_column_runs(image, {.mode = mode, .threshold = threshold, .select = Select::strongest},
-                     {out, small.data(), small.data()});
+  expect_refusals_of_moments([&](const model::ImageView& image, model::Mode mode, int threshold,
+                                 const model::MomentsView& out) {
+    light_section::fast_column_runs(image, {.mode = mode, .threshold = threshold, .select = model::Select::strongest},
+                                    {out, small.data(), small.data()});
   });
 }
 

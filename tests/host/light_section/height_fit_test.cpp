@@ -12,12 +12,12 @@
 #include <string>
 #include <vector>
 
-#include "host/files/user_error.h"
-#include "host/rig/optics.h"
-#include "host/rig/rig.h"
+#include "selfproj/files/user_error.h"
+#include "selfproj/rig/optics.h"
+#include "selfproj/rig/rig.h"
 #include "tests/host/light_section/lens_world.h"
 
-namespace selfproj {
+namespace selfproj::test {
 namespace {
 
 using test::Distortion;
@@ -28,7 +28,7 @@ constexpr double kNoise = 0.02;  // rows
 // A perturbed rig, and a belt that leans against its camera by some degrees (along rows, along columns).
 struct HiddenRig {
   explicit HiddenRig(const Distortion& distortion)
-      : believed(load_rig("light-section")), world(test::distorted_calibration(believed, distortion)) {
+      : believed(rig::load_rig("light-section")), world(test::distorted_calibration(believed, distortion)) {
     const cv::Matx33d lean = test::turned({0.4, -0.3, 0});
     normal = lean * cv::Vec3d(0, 0, 1);
   }
@@ -43,10 +43,10 @@ struct HiddenRig {
 
   // What every fourth column sees of the lines of a sweep on a surface, in these columns.
   void sweep(const std::function<double(double, double)>& surface, int first, int last,
-             std::vector<LineSighting>& seen) const {
+             std::vector<light_section::LineSighting>& seen) const {
     std::mt19937 engine(7);
     std::normal_distribution<double> noise(0, kNoise);
-    for (const int line : sweep_lines(believed, 16)) {
+    for (const int line : light_section::sweep_lines(believed, 16)) {
       for (int c = first; c < last; c += 5) {
         const cv::Vec3d at = world.lit_point(c, surface, [line](double) { return line; });
         const double row = world.camera(at)[1];
@@ -56,13 +56,13 @@ struct HiddenRig {
       }
     }
   }
-  [[nodiscard]] HeightPosition position(double height, double bow = 0) const {
-    HeightPosition position{"at " + std::to_string(height), height, {}};
+  [[nodiscard]] light_section::HeightPosition position(double height, double bow = 0) const {
+    light_section::HeightPosition position{"at " + std::to_string(height), height, {}};
     sweep(plate(height, bow), 0, believed.camera.columns, position.seen);
     return position;
   }
 
-  Rig believed;
+  rig::Rig believed;
   LensWorld world;
   cv::Vec3d normal;
 };
@@ -72,13 +72,13 @@ const Distortion kCase[] = {
     {.k1 = -0.1, .k2 = -0.05, .p1 = -0.001, .p2 = 0.002, .turn = {-0.5, 0.5, -0.5}, .move = {-5, 5, -5}}};
 
 // The greatest error of the heights of single, noiseless places of a plate.
-double greatest_error(const HiddenRig& hidden, const Rig& rig, double height) {
-  const RigOptics optics(rig);
+double greatest_error(const HiddenRig& hidden, const rig::Rig& rig, double height) {
+  const rig::RigOptics optics(rig);
   double greatest = 0;
   for (int line = 150; line < 400; line += 25) {
     for (int c = 3; c < rig.camera.columns; c += 23) {
       const cv::Vec3d at = hidden.world.lit_point(c, hidden.plate(height), [line](double) { return line; });
-      const CameraPlace place{hidden.world.camera(at)[1], static_cast<double>(c)};
+      const rig::CameraPlace place{hidden.world.camera(at)[1], static_cast<double>(c)};
       if (place.row > 2 && place.row < rig.camera.rows - 3) {
         const std::optional<double> z = optics.meet(*optics.ray(place), {static_cast<double>(line), 0, 255.5});
         EXPECT_TRUE(z);
@@ -90,9 +90,10 @@ double greatest_error(const HiddenRig& hidden, const Rig& rig, double height) {
   return greatest;
 }
 
-std::string error_of(const Rig& rig, const std::vector<HeightPosition>& positions, const HeightSettings& settings) {
+std::string height_error_of(const rig::Rig& rig, const std::vector<light_section::HeightPosition>& positions,
+                            const light_section::HeightSettings& settings) {
   try {
-    fit_heights(rig, positions, settings);
+    light_section::fit_heights(rig, positions, settings);
     return "none";
   } catch (const UserError& error) {
     return error.what();
@@ -104,11 +105,11 @@ std::string error_of(const Rig& rig, const std::vector<HeightPosition>& position
 TEST(HeightFit, RemovesWhatTheGeometryLeavesOfAHiddenRig) {
   for (const Distortion& distortion : kCase) {
     const HiddenRig hidden(distortion);
-    std::vector<HeightPosition> positions;
+    std::vector<light_section::HeightPosition> positions;
     for (const double height : {0.0, 10.0, 20.0, 30.0, 40.0}) {
       positions.push_back(hidden.position(height));
     }
-    const HeightFit fit = fit_heights(hidden.believed, positions, {});
+    const light_section::HeightFit fit = light_section::fit_heights(hidden.believed, positions, {});
     for (const double height : {0.0, 5.0, 17.0, 33.0, 40.0}) {
       EXPECT_LT(greatest_error(hidden, fit.rig, height), 0.01) << height;
     }
@@ -119,25 +120,25 @@ TEST(HeightFit, RemovesWhatTheGeometryLeavesOfAHiddenRig) {
     EXPECT_GE(fit.open_by_tolerance_mm, 0.005);
     EXPECT_LT(fit.open_by_tolerance_mm, 0.02);
     EXPECT_LT(fit.open_by_noise_mm, 0.01);
-    EXPECT_EQ(to_yaml(parse_rig(to_yaml(fit.rig), "rig")), to_yaml(fit.rig));
+    EXPECT_EQ(rig::to_yaml(rig::parse_rig(rig::to_yaml(fit.rig), "rig")), rig::to_yaml(fit.rig));
     // A check of the finished rig finds nothing; that of a rig with 0.02 degrees more of tilt does.
-    const std::vector<HeightPosition> between = {hidden.position(15)};
-    EXPECT_LT(std::abs(check_heights(fit.rig, between, {}).front().mean_mm), 0.01);
-    Rig wrong = fit.rig;
+    const std::vector<light_section::HeightPosition> between = {hidden.position(15)};
+    EXPECT_LT(std::abs(light_section::check_heights(fit.rig, between, {}).front().mean_mm), 0.01);
+    rig::Rig wrong = fit.rig;
     wrong.projector.tilt_rad += 0.02 * 3.14159 / 180;
-    EXPECT_GT(std::abs(check_heights(wrong, between, {}).front().mean_mm), 0.2);
+    EXPECT_GT(std::abs(light_section::check_heights(wrong, between, {}).front().mean_mm), 0.2);
   }
 }
 
 // With the lenses known, the belt's normal is found, too.
 TEST(HeightFit, FindsTheBeltOfACalibratedRig) {
   const HiddenRig hidden(kCase[0]);
-  const Rig rig = rig_of(test::distorted_calibration(hidden.believed, kCase[0]), hidden.believed);
-  std::vector<HeightPosition> positions;
+  const rig::Rig rig = rig::rig_of(test::distorted_calibration(hidden.believed, kCase[0]), hidden.believed);
+  std::vector<light_section::HeightPosition> positions;
   for (const double height : {0.0, 20.0, 40.0}) {
     positions.push_back(hidden.position(height));
   }
-  const HeightFit fit = fit_heights(rig, positions, {});
+  const light_section::HeightFit fit = light_section::fit_heights(rig, positions, {});
   ASSERT_TRUE(fit.rig.belt_pose);
   const auto& n = fit.rig.belt_pose->normal;
   EXPECT_GT(hidden.normal.dot({n[0], n[1], n[2]}), std::cos(0.02 * 3.14159 / 180));
@@ -150,14 +151,14 @@ TEST(HeightFit, FindsTheBeltOfACalibratedRig) {
 // The corrections would take up a factor that all heights have in common.
 TEST(HeightFit, HeightsAllWrongByOneFactorAreRefused) {
   const HiddenRig hidden(kCase[0]);
-  const Rig calibrated = rig_of(test::distorted_calibration(hidden.believed, kCase[0]), hidden.believed);
-  const auto error = [&](const Rig& rig, double factor) {
-    std::vector<HeightPosition> positions;
+  const rig::Rig calibrated = rig::rig_of(test::distorted_calibration(hidden.believed, kCase[0]), hidden.believed);
+  const auto error = [&](const rig::Rig& rig, double factor) {
+    std::vector<light_section::HeightPosition> positions;
     for (const double height : {0.0, 20.0, 40.0}) {
       positions.push_back(hidden.position(height));
       positions.back().height_mm *= factor;
     }
-    return error_of(rig, positions, {});
+    return height_error_of(rig, positions, {});
   };
   EXPECT_EQ(error(hidden.believed, 1), "none");
   EXPECT_EQ(error(hidden.believed, 1.34).rfind("check: heights: the rig sees 0.7", 0), 0U)
@@ -171,19 +172,20 @@ TEST(HeightFit, HeightsAllWrongByOneFactorAreRefused) {
 TEST(HeightFit, BlockOfStepsDoesTheSame) {
   const HiddenRig hidden(kCase[0]);
   const std::vector<double> steps = {0, 21, 30, 39};
-  std::vector<HeightPosition> positions;
+  std::vector<light_section::HeightPosition> positions;
   for (std::size_t move = 0; move < steps.size(); ++move) {
-    HeightPosition position{"block " + std::to_string(move), 0, {}};
+    light_section::HeightPosition position{"block " + std::to_string(move), 0, {}};
     for (std::size_t k = 0; k < steps.size(); ++k) {
       const auto column = static_cast<int>(128 * ((k + move) % steps.size()));
       hidden.sweep(hidden.plate(steps[k]), column, column + 128, position.seen);
     }
-    std::stable_sort(position.seen.begin(), position.seen.end(), [](const LineSighting& a, const LineSighting& b) {
-      return std::pair(a.line, a.column) < std::pair(b.line, b.column);
-    });
+    std::stable_sort(position.seen.begin(), position.seen.end(),
+                     [](const light_section::LineSighting& a, const light_section::LineSighting& b) {
+                       return std::pair(a.line, a.column) < std::pair(b.line, b.column);
+                     });
     positions.push_back(position);
   }
-  const HeightFit fit = fit_heights(hidden.believed, positions, {.steps_mm = steps});
+  const light_section::HeightFit fit = light_section::fit_heights(hidden.believed, positions, {.steps_mm = steps});
   for (const double height : {0.0, 10.0, 33.0}) {
     EXPECT_LT(greatest_error(hidden, fit.rig, height), 0.015) << height;
   }
@@ -192,69 +194,73 @@ TEST(HeightFit, BlockOfStepsDoesTheSame) {
 // The corrections follow a plate that is off in part, so that the greatest error may be at a neighbour.
 TEST(HeightFit, ThePlateThatIsOffIsNamed) {
   const HiddenRig hidden(kCase[0]);
-  std::vector<HeightPosition> good;
+  std::vector<light_section::HeightPosition> good;
   for (const double height : {0.0, 10.0, 20.0, 30.0}) {
     good.push_back(hidden.position(height));
   }
   for (const std::size_t k : {0U, 3U}) {
-    std::vector<HeightPosition> positions = good;
-    const HeightPosition bent = hidden.position(good[k].height_mm, 0.3);
+    std::vector<light_section::HeightPosition> positions = good;
+    const light_section::HeightPosition bent = hidden.position(good[k].height_mm, 0.3);
     positions[k].seen = bent.seen;
-    EXPECT_EQ(error_of(hidden.believed, positions, {}).rfind(good[k].name + ": is not flat, or not at its height", 0),
-              0U)
-        << error_of(hidden.believed, positions, {});
-    const HeightPosition higher = hidden.position(good[k].height_mm + 0.3);
+    EXPECT_EQ(
+        height_error_of(hidden.believed, positions, {}).rfind(good[k].name + ": is not flat, or not at its height", 0),
+        0U)
+        << height_error_of(hidden.believed, positions, {});
+    const light_section::HeightPosition higher = hidden.position(good[k].height_mm + 0.3);
     positions[k].seen = higher.seen;
-    EXPECT_EQ(error_of(hidden.believed, positions, {}).rfind(good[k].name + ": is not flat, or not at its height", 0),
-              0U)
-        << error_of(hidden.believed, positions, {});
+    EXPECT_EQ(
+        height_error_of(hidden.believed, positions, {}).rfind(good[k].name + ": is not flat, or not at its height", 0),
+        0U)
+        << height_error_of(hidden.believed, positions, {});
   }
 }
 
 TEST(HeightFit, ThreePlatesDoNotTellWhichOfThemIsOff) {
   const HiddenRig hidden(kCase[0]);
-  std::vector<HeightPosition> positions;
+  std::vector<light_section::HeightPosition> positions;
   for (const double height : {0.0, 10.0, 20.0}) {
     positions.push_back(hidden.position(height, height == 10 ? 0.3 : 0));
     positions.back().name = "at" + std::to_string(static_cast<int>(height));
   }
   EXPECT_EQ(
-      error_of(hidden.believed, positions, {}),
+      height_error_of(hidden.believed, positions, {}),
       "heights: one position is not flat, or not at its height: at0 or at10 or at20; 0.01 mm of flatness and 0.005 "
       "mm of tolerance are allowed");
 }
 
 TEST(HeightFit, BadInputIsOneLine) {
   const HiddenRig hidden(kCase[1]);
-  std::vector<HeightPosition> positions;
+  std::vector<light_section::HeightPosition> positions;
   for (const double height : {0.0, 10.0, 20.0, 30.0}) {
     positions.push_back(hidden.position(height));
   }
-  const Rig& rig = hidden.believed;
-  EXPECT_EQ(error_of(rig, {positions[0], positions[1]}, {}),
+  const rig::Rig& rig = hidden.believed;
+  EXPECT_EQ(height_error_of(rig, {positions[0], positions[1]}, {}),
             "heights: 2 are too few; 3 or more are needed, 5 are good");
-  std::vector<HeightPosition> exchanged = positions;
+  std::vector<light_section::HeightPosition> exchanged = positions;
   std::swap(exchanged[1].seen, exchanged[2].seen);
-  EXPECT_NE(error_of(rig, exchanged, {}).find("are the heights in the order of the folders?"), std::string::npos);
-  std::vector<HeightPosition> bent = positions;
+  EXPECT_NE(height_error_of(rig, exchanged, {}).find("are the heights in the order of the folders?"),
+            std::string::npos);
+  std::vector<light_section::HeightPosition> bent = positions;
   bent[2] = hidden.position(20, 0.3);
   bent[1] = hidden.position(10, -0.3);
-  EXPECT_EQ(error_of(rig, bent, {}),
+  EXPECT_EQ(height_error_of(rig, bent, {}),
             "heights: more than one position is not flat, or not at its height; 0.01 mm of flatness and 0.005 mm of "
             "tolerance are allowed");
-  std::vector<HeightPosition> dark = positions;
+  std::vector<light_section::HeightPosition> dark = positions;
   dark[3].seen.resize(10);
-  EXPECT_NE(error_of(rig, dark, {}).find("the line was found in 10 places only"), std::string::npos);
+  EXPECT_NE(height_error_of(rig, dark, {}).find("the line was found in 10 places only"), std::string::npos);
   // One place of the block shows each column at one height only.
-  std::vector<HeightPosition> one = {HeightPosition{"block", 0, {}}};
+  std::vector<light_section::HeightPosition> one = {light_section::HeightPosition{"block", 0, {}}};
   for (int k = 0; k < 4; ++k) {
     hidden.sweep(hidden.plate(10.0 * k), 128 * k, 128 * k + 128, one[0].seen);
   }
-  std::stable_sort(one[0].seen.begin(), one[0].seen.end(), [](const LineSighting& a, const LineSighting& b) {
-    return std::pair(a.line, a.column) < std::pair(b.line, b.column);
-  });
-  EXPECT_NE(error_of(rig, one, {.steps_mm = {0, 10, 20, 30}}), "none");
+  std::stable_sort(one[0].seen.begin(), one[0].seen.end(),
+                   [](const light_section::LineSighting& a, const light_section::LineSighting& b) {
+                     return std::pair(a.line, a.column) < std::pair(b.line, b.column);
+                   });
+  EXPECT_NE(height_error_of(rig, one, {.steps_mm = {0, 10, 20, 30}}), "none");
 }
 
 }  // namespace
-}  // namespace selfproj
+}  // namespace selfproj::test

@@ -9,19 +9,19 @@
 #include <string>
 #include <vector>
 
-#include "host/files/user_error.h"
-#include "host/light_section/differential_profile.h"
 #include "host/light_section/pattern.h"
-#include "host/light_section/reference.h"
-#include "host/light_section/reference_file.h"
 #include "host/light_section/scan.h"
-#include "host/rig/calibration.h"
 #include "host/rig/geometry.h"
-#include "host/rig/rig.h"
+#include "selfproj/files/user_error.h"
+#include "selfproj/light_section/differential_profile.h"
+#include "selfproj/light_section/reference.h"
+#include "selfproj/light_section/reference_file.h"
+#include "selfproj/rig/calibration.h"
+#include "selfproj/rig/rig.h"
 #include "tests/host/light_section/lens_world.h"
 #include "tests/support/error_of.h"
 
-namespace selfproj {
+namespace selfproj::test {
 namespace {
 
 using test::between;
@@ -35,13 +35,13 @@ const Distortion kDistortions[] = {
     {.k1 = 0.08, .k2 = 0.01, .p1 = 0.001, .p2 = -0.001, .turn = {0.5, -0.5, 0.5}, .move = {5, -5, 5}},
     {.k1 = -0.08, .k2 = -0.02, .p1 = -0.001, .p2 = 0.002, .turn = {-0.5, 0.5, -2}, .move = {-5, 5, 5}}};
 
-std::vector<double> level(const Rig& rig, double height) {
+std::vector<double> level(const rig::Rig& rig, double height) {
   return std::vector<double>(static_cast<std::size_t>(rig.camera.columns), height);
 }
 
 // The moments of thin lines of 5 rows with these centroids (from 1; NaN: none).
-Moments moments_of(const std::vector<double>& centroids) {
-  Moments moments;
+model::Moments moments_of(const std::vector<double>& centroids) {
+  model::Moments moments;
   moments.resize(static_cast<int>(centroids.size()));
   for (std::size_t i = 0; i < centroids.size(); ++i) {
     const bool lit = !std::isnan(centroids[i]);
@@ -55,13 +55,13 @@ Moments moments_of(const std::vector<double>& centroids) {
 // The points that each kEvery-th column sees, in the rig's axes (x along rows), and the profile of their rows.
 struct Seen {
   std::vector<cv::Vec3d> points;
-  Profile profile;
+  light_section::Profile profile;
 };
 
-Seen measure(const Rig& rig, const ReferenceProfile& reference, const LensWorld& world,
+Seen measure(const rig::Rig& rig, const light_section::ReferenceProfile& reference, const LensWorld& world,
              const std::function<double(double, double)>& surface, const std::function<double(double)>& line) {
   Seen seen;
-  std::vector<double> centroids = level(rig, kUnknown);
+  std::vector<double> centroids = level(rig, rig::kUnknown);
   seen.points.resize(centroids.size());
   for (std::size_t i = 0; i < centroids.size(); i += kEvery) {
     if (reference.valid[i] == 0) {
@@ -71,24 +71,24 @@ Seen measure(const Rig& rig, const ReferenceProfile& reference, const LensWorld&
     centroids[i] = world.camera(at)[1] + 1;
     seen.points[i] = {at[1], at[0], at[2]};
   }
-  const Moments moments = moments_of(centroids);
-  Moments copy = moments;
+  const model::Moments moments = moments_of(centroids);
+  model::Moments copy = moments;
   seen.profile.resize(rig.camera.columns);
-  DifferentialProfiler(rig, reference).profile(copy.view(), seen.profile.view());
+  light_section::DifferentialProfiler(rig, reference).profile(copy.view(), seen.profile.view());
   return seen;
 }
 
 TEST(LensSection, ProfilesOfAPlaneAreTrueThroughBothLenses) {
-  const Rig ideal = load_rig("light-section");
+  const rig::Rig ideal = rig::load_rig("light-section");
   for (const Distortion& distortion : kDistortions) {
-    const Calibration calibration = test::distorted_calibration(ideal, distortion);
-    const Rig rig = rig_of(calibration, ideal);
+    const rig::Calibration calibration = test::distorted_calibration(ideal, distortion);
+    const rig::Rig rig = rig::rig_of(calibration, ideal);
     const LensWorld world(calibration);
-    const ReferenceCurve curve = curve_of_heights(rig, level(rig, 0));
-    const ReferenceProfile reference = reference_of_curve(rig, curve);
+    const light_section::ReferenceCurve curve = light_section::curve_of_heights(rig, level(rig, 0));
+    const light_section::ReferenceProfile reference = light_section::reference_of_curve(rig, curve);
     ASSERT_GT(reference.valid_columns(), rig.camera.columns * 8 / 10);  // the projector is turned away from a few
-    const auto line = between(pattern_of_curve(rig, curve));
-    const DifferentialProfiler profiler(rig, reference);
+    const auto line = between(light_section::pattern_of_curve(rig, curve));
+    const light_section::DifferentialProfiler profiler(rig, reference);
     ASSERT_NE(profiler.curves(), nullptr);
     EXPECT_LE(profiler.curves()->fit_error_mm(), 0.001);
     int points = 0;
@@ -110,7 +110,7 @@ TEST(LensSection, ProfilesOfAPlaneAreTrueThroughBothLenses) {
       if (height == 0) {  // self-projection: the line is on the middle row
         for (std::size_t i = 0; i < seen.points.size(); i += kEvery) {
           if (!std::isnan(seen.profile.centroid[i])) {
-            ASSERT_NEAR(seen.profile.centroid[i], middle_row(rig.camera), 0.002) << i;
+            ASSERT_NEAR(seen.profile.centroid[i], rig::middle_row(rig.camera), 0.002) << i;
           }
         }
       }
@@ -122,14 +122,14 @@ TEST(LensSection, ProfilesOfAPlaneAreTrueThroughBothLenses) {
 // A slanted part on a slanted reference: here the light varies along y, and a column off the reference sees light that
 // was drawn for its neighbours.
 TEST(LensSection, SlantedPartsAreTrue) {
-  const Rig ideal = load_rig("light-section");
-  const Calibration calibration = test::distorted_calibration(ideal, kDistortions[0]);
-  const Rig rig = rig_of(calibration, ideal);
+  const rig::Rig ideal = rig::load_rig("light-section");
+  const rig::Calibration calibration = test::distorted_calibration(ideal, kDistortions[0]);
+  const rig::Rig rig = rig::rig_of(calibration, ideal);
   const LensWorld world(calibration);
   const auto height = [](double y) { return 10 + 0.3 * y; };
-  const ReferenceCurve curve{{-100, 100}, {rig.plane_z_mm - height(-100), rig.plane_z_mm - height(100)}};
-  const ReferenceProfile reference = reference_of_curve(rig, curve);
-  const auto line = between(pattern_of_curve(rig, curve));
+  const light_section::ReferenceCurve curve{{-100, 100}, {rig.plane_z_mm - height(-100), rig.plane_z_mm - height(100)}};
+  const light_section::ReferenceProfile reference = light_section::reference_of_curve(rig, curve);
+  const auto line = between(light_section::pattern_of_curve(rig, curve));
   const auto part = [&](double y, double /*x*/) { return rig.plane_z_mm - height(y) - 1.5; };
   const Seen seen = measure(rig, reference, world, part, line);
   for (std::size_t i = 0; i < seen.points.size(); i += kEvery) {
@@ -143,17 +143,18 @@ TEST(LensSection, SlantedPartsAreTrue) {
 }
 
 TEST(LensSection, LasersPlaneOfAnyOrientationIsFollowed) {
-  const Rig ideal = load_rig("light-section");
-  Calibration calibration = test::distorted_calibration(ideal, kDistortions[1]);
-  Rig rig = rig_of(calibration, ideal);
+  const rig::Rig ideal = rig::load_rig("light-section");
+  rig::Calibration calibration = test::distorted_calibration(ideal, kDistortions[1]);
+  rig::Rig rig = rig::rig_of(calibration, ideal);
   const cv::Vec3d normal = cv::normalize(cv::Vec3d(0.05, 0.85, 0.5));  // in the calibration's axes
   const double distance = normal.dot({0, 0, rig.plane_z_mm});
-  rig.light_plane = RigLightPlane{{normal[0], normal[1], normal[2]}, distance};
-  rig = parse_rig(to_yaml(rig), "rig.yaml");
+  rig.light_plane = rig::RigLightPlane{{normal[0], normal[1], normal[2]}, distance};
+  rig = rig::parse_rig(rig::to_yaml(rig), "rig.yaml");
   const LensWorld world(calibration);
-  const ReferenceProfile reference = reference_of_curve(rig, curve_of_heights(rig, level(rig, 0)));
+  const light_section::ReferenceProfile reference =
+      light_section::reference_of_curve(rig, light_section::curve_of_heights(rig, level(rig, 0)));
   ASSERT_GT(reference.valid_columns(), rig.camera.columns * 9 / 10);
-  const DifferentialProfiler profiler(rig, reference);
+  const light_section::DifferentialProfiler profiler(rig, reference);
   int points = 0;
   for (const double height : {0.0, 4.0}) {
     for (int c = 0; c < rig.camera.columns; c += kEvery) {
@@ -167,10 +168,10 @@ TEST(LensSection, LasersPlaneOfAnyOrientationIsFollowed) {
         const double slope = (world.camera(at(x + 1e-4))[0] - world.camera(at(x))[0]) / 1e-4;
         x -= (world.camera(at(x))[0] - c) / slope;
       }
-      std::vector<double> centroids = level(rig, kUnknown);
+      std::vector<double> centroids = level(rig, rig::kUnknown);
       centroids[static_cast<std::size_t>(c)] = world.camera(at(x))[1] + 1;
-      Moments moments = moments_of(centroids);
-      Profile profile;
+      model::Moments moments = moments_of(centroids);
+      light_section::Profile profile;
       profile.resize(rig.camera.columns);
       profiler.profile(moments.view(), profile.view());
       const auto i = static_cast<std::size_t>(c);
@@ -190,14 +191,14 @@ TEST(LensSection, LasersPlaneOfAnyOrientationIsFollowed) {
 // Images of a sweep, each drawn with lines of equal light in five rows about the true row.
 TEST(LensSection, ScanFindsTheReferenceThroughTheLenses) {
   constexpr int kStep = 8;
-  const Rig ideal = load_rig("light-section");
-  const Calibration calibration = test::distorted_calibration(ideal, kDistortions[0]);
-  Rig rig = rig_of(calibration, ideal);
-  rig.measure.mode = Mode::grey;
+  const rig::Rig ideal = rig::load_rig("light-section");
+  const rig::Calibration calibration = test::distorted_calibration(ideal, kDistortions[0]);
+  rig::Rig rig = rig::rig_of(calibration, ideal);
+  rig.measure.mode = model::Mode::grey;
   const LensWorld world(calibration);
   const auto surface = [&](double y, double /*x*/) { return rig.plane_z_mm - 15 - 0.1 * y; };
-  LineScan scan(rig, kStep);
-  for (const int line : sweep_lines(rig, kStep)) {
+  light_section::LineScan scan(rig, kStep);
+  for (const int line : light_section::sweep_lines(rig, kStep)) {
     std::vector<std::uint8_t> pixels(rig.camera.pixels(), 0);
     for (int c = 0; c < rig.camera.columns; c += kEvery) {
       const double row = world.camera(world.lit_point(c, surface, [&](double) { return line; }))[1];
@@ -208,7 +209,7 @@ TEST(LensSection, ScanFindsTheReferenceThroughTheLenses) {
     }
     scan.add(line, {pixels.data(), rig.camera.rows, rig.camera.columns, rig.camera.columns});
   }
-  const ReferenceProfile found = scan.reference();
+  const light_section::ReferenceProfile found = scan.reference();
   EXPECT_EQ(found.valid_columns(), rig.camera.columns / kEvery);
   for (int c = 0; c < rig.camera.columns; c += kEvery) {
     const auto i = static_cast<std::size_t>(c);
@@ -216,28 +217,28 @@ TEST(LensSection, ScanFindsTheReferenceThroughTheLenses) {
     // What the middle row sees: search along the column for the line that lights it.
     double line = found.line[i];
     const cv::Vec3d at = world.lit_point(c, surface, [&](double) { return line; });
-    ASSERT_NEAR(world.camera(at)[1] + 1, middle_row(rig.camera), 0.05) << c;  // of 8 bits
+    ASSERT_NEAR(world.camera(at)[1] + 1, rig::middle_row(rig.camera), 0.05) << c;  // of 8 bits
     ASSERT_NEAR(found.z_mm[i], at[2], 0.02) << c;
   }
 }
 
 // A rig whose tilt is 0.02 degrees wrong: its residual is taken out, and the reference itself has no difference.
 TEST(LensSection, ResidualIsTakenOut) {
-  const Rig ideal = load_rig("light-section");
-  const Calibration real = test::distorted_calibration(ideal, kDistortions[0]);
+  const rig::Rig ideal = rig::load_rig("light-section");
+  const rig::Calibration real = test::distorted_calibration(ideal, kDistortions[0]);
   Distortion wrong = kDistortions[0];
   wrong.turn[0] += 0.02;
-  const Rig rig = rig_of(test::distorted_calibration(ideal, wrong), ideal);
+  const rig::Rig rig = rig::rig_of(test::distorted_calibration(ideal, wrong), ideal);
   const LensWorld world(real);
-  const ReferenceCurve curve = curve_of_heights(rig, level(rig, 0));
-  const auto line = between(pattern_of_curve(rig, curve));
+  const light_section::ReferenceCurve curve = light_section::curve_of_heights(rig, level(rig, 0));
+  const auto line = between(light_section::pattern_of_curve(rig, curve));
   const auto plane = [&](double, double) { return rig.plane_z_mm; };
   std::vector<double> centroids;
   for (int c = 0; c < rig.camera.columns; ++c) {
     centroids.push_back(world.camera(world.lit_point(c, plane, line))[1] + 1);
   }
-  const ReferenceProfile reference = reference_of_curve(rig, curve);
-  const ReferenceProfile corrected = without_residual(rig, reference, centroids);
+  const light_section::ReferenceProfile reference = light_section::reference_of_curve(rig, curve);
+  const light_section::ReferenceProfile corrected = light_section::without_residual(rig, reference, centroids);
   const Seen before = measure(rig, reference, world, plane, line);
   const Seen after = measure(rig, corrected, world, plane, line);
   for (std::size_t i = 0; i < after.points.size(); i += kEvery) {
@@ -250,39 +251,41 @@ TEST(LensSection, ResidualIsTakenOut) {
 }
 
 TEST(LensSection, ReferenceFileIsReadBackAndKeptApart) {
-  const Rig ideal = load_rig("light-section");
-  const Rig rig = rig_of(test::distorted_calibration(ideal, kDistortions[0]), ideal);
+  const rig::Rig ideal = rig::load_rig("light-section");
+  const rig::Rig rig = rig::rig_of(test::distorted_calibration(ideal, kDistortions[0]), ideal);
   std::vector<double> heights = level(rig, 0);
-  heights[7] = kUnknown;
-  const ReferenceProfile reference = reference_of_curve(rig, curve_of_heights(rig, heights));
-  const std::string text = reference_csv(rig, reference);
-  const ReferenceProfile read = parse_reference_csv(rig, text, "r.csv");
-  EXPECT_EQ(reference_csv(rig, read), text);
+  heights[7] = rig::kUnknown;
+  const light_section::ReferenceProfile reference =
+      light_section::reference_of_curve(rig, light_section::curve_of_heights(rig, heights));
+  const std::string text = light_section::reference_csv(rig, reference);
+  const light_section::ReferenceProfile read = light_section::parse_reference_csv(rig, text, "r.csv");
+  EXPECT_EQ(light_section::reference_csv(rig, read), text);
   EXPECT_EQ(read.valid, reference.valid);
   EXPECT_EQ(read.valid[7], 0);
-  const auto message = [&](const Rig& other) {
-    return test::error_of([&] { parse_reference_csv(other, text, "r.csv"); });
+  const auto message = [&](const rig::Rig& other) {
+    return test::error_of([&] { light_section::parse_reference_csv(other, text, "r.csv"); });
   };
   EXPECT_EQ(message(ideal), "r.csv: was made for another rig: one with lenses, a laser or corrected heights");
-  Rig other = rig;
+  rig::Rig other = rig;
   other.calibration->projector.k1 += 0.001;
   EXPECT_EQ(message(other), "r.csv: was made for another rig: projector_lens.k1 is 0.08 there and 0.081 here");
 }
 
 // Curves that no polynomial of the kernel follows are refused.
 TEST(LensSection, CurvesThatCannotBeFittedAreRefused) {
-  Rig ideal = load_rig("light-section");
+  rig::Rig ideal = rig::load_rig("light-section");
   ideal.camera.rows = 1200;
   ideal.camera.columns = 16;
   ideal.camera.focal_length_mm = 6;
   ideal.measure.max_z_per_line_mm = 1000;
-  Calibration calibration = test::distorted_calibration(ideal, {.k1 = 0.3, .k2 = 0.4});
+  rig::Calibration calibration = test::distorted_calibration(ideal, {.k1 = 0.3, .k2 = 0.4});
   calibration.camera_rows = ideal.camera.rows;
-  const Rig rig = rig_of(calibration, ideal);
-  const ReferenceProfile reference = reference_of_curve(rig, curve_of_heights(rig, level(rig, 0)));
-  const std::string error = test::error_of([&] { const DifferentialProfiler profiler(rig, reference); });
+  const rig::Rig rig = rig::rig_of(calibration, ideal);
+  const light_section::ReferenceProfile reference =
+      light_section::reference_of_curve(rig, light_section::curve_of_heights(rig, level(rig, 0)));
+  const std::string error = test::error_of([&] { const light_section::DifferentialProfiler profiler(rig, reference); });
   EXPECT_NE(error.find("0.001 mm is allowed"), std::string::npos) << error;
 }
 
 }  // namespace
-}  // namespace selfproj
+}  // namespace selfproj::test

@@ -10,8 +10,8 @@
 #include <span>
 #include <vector>
 
-#include "host/rig/calibration.h"
-#include "host/rig/rig.h"
+#include "selfproj/rig/calibration.h"
+#include "selfproj/rig/rig.h"
 #include "tests/host/rig/random_lens.h"
 
 namespace selfproj::test {
@@ -39,9 +39,9 @@ inline cv::Matx33d turned(const cv::Vec3d& degrees) {
 }
 
 // The full model of a rig, changed.
-inline Calibration distorted_calibration(const Rig& rig, const Distortion& d) {
-  Calibration c = calibration_of(rig);
-  for (Lens* lens : {&c.camera, &c.projector}) {
+inline rig::Calibration distorted_calibration(const rig::Rig& rig, const Distortion& d) {
+  rig::Calibration c = rig::calibration_of(rig);
+  for (rig::Lens* lens : {&c.camera, &c.projector}) {
     lens->k = {d.k1, d.k2, d.p1, d.p2, 0, 0, 0, 0};
   }
   c.rotation = turned(d.turn) * c.rotation;
@@ -52,7 +52,7 @@ inline Calibration distorted_calibration(const Rig& rig, const Distortion& d) {
 // Axes are those of the calibration: x along columns, y along rows.
 class LensWorld {
  public:
-  explicit LensWorld(const Calibration& calibration) : c_(calibration) {}
+  explicit LensWorld(const rig::Calibration& calibration) : c_(calibration) {}
 
   // (column, row) and (column, line).
   [[nodiscard]] cv::Vec2d camera(const cv::Vec3d& x) const { return pixel(c_.camera, x); }
@@ -85,12 +85,12 @@ class LensWorld {
   }
 
  private:
-  static cv::Vec2d pixel(const Lens& lens, const cv::Vec3d& x) {
+  static cv::Vec2d pixel(const rig::Lens& lens, const cv::Vec3d& x) {
     const auto [column, row] = distorted(lens, x[0] / x[2], x[1] / x[2]);
     return {column, row};
   }
 
-  Calibration c_;
+  rig::Calibration c_;
 };
 
 // The pattern of a whole image as a function: linear between the columns.

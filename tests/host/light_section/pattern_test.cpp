@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "host/rig/rig.h"
+#include "selfproj/rig/rig.h"
 #include "tests/support/random_cases.h"
 
 namespace selfproj::test {
@@ -18,7 +18,7 @@ struct Line {
   double light = 0;
   double center = 0;
 };
-Line line_in(const FloatImage& pattern, int column) {
+Line line_in(const images::FloatImage& pattern, int column) {
   Line line;
   for (int r = 0; r < pattern.rows; ++r) {
     line.light += static_cast<double>(pattern.row(r)[column]);
@@ -32,14 +32,14 @@ TEST(Pattern, CenterAndLightDoNotDependOnTheFraction) {
   for (const std::uint64_t seed : seeds(20)) {
     SCOPED_TRACE(how_to_repeat(seed));
     Random random(seed);
-    Rig rig = load_rig("light-section");
+    rig::Rig rig = rig::load_rig("light-section");
     const bool whole = random.chance(50);
     rig.measure.line_width_px = whole ? random.between(1, 9) : 1 + random.between(0, 800) / 100.0;
     std::vector<double> lines;
     for (int i = 0; i < rig.projector.columns; ++i) {
       lines.push_back(random.between(10000, 500000) / 1000.0);
     }
-    const FloatImage pattern = draw_pattern(rig, lines);
+    const images::FloatImage pattern = light_section::draw_pattern(rig, lines);
     ASSERT_EQ(pattern.rows, rig.projector.lines);
     for (int i = 0; i < rig.projector.columns; ++i) {
       const Line line = line_in(pattern, i);
@@ -52,12 +52,12 @@ TEST(Pattern, CenterAndLightDoNotDependOnTheFraction) {
 }
 
 TEST(Pattern, GapsAreDarkAndEdgesAreCut) {
-  Rig rig = load_rig("light-section");
+  rig::Rig rig = rig::load_rig("light-section");
   rig.projector.lines = 8;
   rig.projector.columns = 4;
   rig.measure.line_width_px = 3;
   const std::vector<double> lines = {0, std::numeric_limits<double>::quiet_NaN(), 7.5, 100};
-  const FloatImage pattern = draw_pattern(rig, lines);
+  const images::FloatImage pattern = light_section::draw_pattern(rig, lines);
   EXPECT_EQ(pattern.row(0)[0], 1);
   EXPECT_EQ(pattern.row(1)[0], 1);
   EXPECT_EQ(pattern.row(2)[0], 0);
@@ -68,7 +68,7 @@ TEST(Pattern, GapsAreDarkAndEdgesAreCut) {
     EXPECT_EQ(pattern.row(r)[1], 0);
     EXPECT_EQ(pattern.row(r)[3], 0);
   }
-  EXPECT_THROW(draw_pattern(rig, std::vector<double>(3)), std::invalid_argument);
+  EXPECT_THROW(light_section::draw_pattern(rig, std::vector<double>(3)), std::invalid_argument);
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // Tests references as files: what is written is read back, and every fault of a file gives a one-line error.
-#include "host/light_section/reference_file.h"
+#include "selfproj/light_section/reference_file.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "host/files/user_error.h"
+#include "selfproj/files/user_error.h"
 #include "tests/cli/program.h"
 #include "tests/support/error_of.h"
 
@@ -21,8 +21,8 @@ constexpr double kUnmeasured = std::numeric_limits<double>::quiet_NaN();
 bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
 // A reference with odd numbers and gaps.
-ReferenceProfile some_reference(const Rig& rig) {
-  ReferenceProfile reference;
+light_section::ReferenceProfile some_reference(const rig::Rig& rig) {
+  light_section::ReferenceProfile reference;
   reference.resize(rig.camera.columns);
   for (std::size_t i = 0; i < reference.valid.size(); ++i) {
     const auto k = static_cast<double>(i);
@@ -36,9 +36,10 @@ ReferenceProfile some_reference(const Rig& rig) {
 }
 
 TEST(ReferenceFile, ComesBackToTheLastBit) {
-  const Rig rig = load_rig("light-section");
-  const ReferenceProfile reference = some_reference(rig);
-  const ReferenceProfile read = parse_reference_csv(rig, reference_csv(rig, reference), "r.csv");
+  const rig::Rig rig = rig::load_rig("light-section");
+  const light_section::ReferenceProfile reference = some_reference(rig);
+  const light_section::ReferenceProfile read =
+      light_section::parse_reference_csv(rig, light_section::reference_csv(rig, reference), "r.csv");
   ASSERT_EQ(read.valid, reference.valid);
   for (std::size_t i = 0; i < read.valid.size(); ++i) {
     if (read.valid[i] != 0) {
@@ -50,14 +51,17 @@ TEST(ReferenceFile, ComesBackToTheLastBit) {
     }
   }
   // It is also accepted for the rig that went through its own YAML.
-  EXPECT_NO_THROW(parse_reference_csv(parse_rig(to_yaml(rig), "y"), reference_csv(rig, reference), "r.csv"));
+  EXPECT_NO_THROW(light_section::parse_reference_csv(rig::parse_rig(rig::to_yaml(rig), "y"),
+                                                     light_section::reference_csv(rig, reference), "r.csv"));
 }
 
 TEST(ReferenceFile, AnotherRigIsRefused) {
-  const Rig rig = load_rig("light-section");
-  const std::string text = reference_csv(rig, some_reference(rig));
-  const auto message = [&](const Rig& other) { return error_of([&] { parse_reference_csv(other, text, "r.csv"); }); };
-  Rig other = rig;
+  const rig::Rig rig = rig::load_rig("light-section");
+  const std::string text = light_section::reference_csv(rig, some_reference(rig));
+  const auto message = [&](const rig::Rig& other) {
+    return error_of([&] { light_section::parse_reference_csv(other, text, "r.csv"); });
+  };
+  rig::Rig other = rig;
   other.camera.focal_length_mm = 35;
   EXPECT_EQ(message(other), "r.csv: was made for another rig: camera.focal_length_mm is 50 there and 35 here");
   other = rig;
@@ -72,10 +76,10 @@ TEST(ReferenceFile, AnotherRigIsRefused) {
 }
 
 TEST(ReferenceFile, DamageIsSeen) {
-  const Rig rig = load_rig("light-section");
-  const std::string text = reference_csv(rig, some_reference(rig));
+  const rig::Rig rig = rig::load_rig("light-section");
+  const std::string text = light_section::reference_csv(rig, some_reference(rig));
   const auto message = [&](const std::string& damaged) {
-    return error_of([&] { parse_reference_csv(rig, damaged, "r.csv"); });
+    return error_of([&] { light_section::parse_reference_csv(rig, damaged, "r.csv"); });
   };
   EXPECT_EQ(message(text), "none");
   EXPECT_EQ(message(""), "r.csv: is not a reference; `selfproj pattern` writes references");
@@ -114,31 +118,35 @@ TEST(ReferenceFile, DamageIsSeen) {
 }
 
 TEST(ReferenceFile, FoldersAndPatterns) {
-  const Rig rig = load_rig("light-section");
+  const rig::Rig rig = rig::load_rig("light-section");
   const ScratchFolder folder;
   const std::string path = folder.path().string();
-  EXPECT_TRUE(contains(error_of([&] { load_reference(rig, path); }), "reference.csv: No such file"));
-  write_text(folder / "reference.csv", reference_csv(rig, some_reference(rig)));
-  EXPECT_EQ(load_reference(rig, path).valid, some_reference(rig).valid);
-  EXPECT_EQ(load_reference(rig, path + "/reference.csv").valid, some_reference(rig).valid);
-  FloatImage pattern(rig.projector.lines, rig.projector.columns, 0.25F);
-  write_float_tiff(folder / "pattern.tiff", pattern);
-  EXPECT_EQ(load_pattern(rig, path), pattern);
+  EXPECT_TRUE(contains(error_of([&] { light_section::load_reference(rig, path); }), "reference.csv: No such file"));
+  write_text(folder / "reference.csv", light_section::reference_csv(rig, some_reference(rig)));
+  EXPECT_EQ(light_section::load_reference(rig, path).valid, some_reference(rig).valid);
+  EXPECT_EQ(light_section::load_reference(rig, path + "/reference.csv").valid, some_reference(rig).valid);
+  images::FloatImage pattern(rig.projector.lines, rig.projector.columns, 0.25F);
+  images::write_float_tiff(folder / "pattern.tiff", pattern);
+  EXPECT_EQ(light_section::load_pattern(rig, path), pattern);
   pattern.row(3)[4] = 1.5F;
-  write_float_tiff(folder / "pattern.tiff", pattern);
-  EXPECT_TRUE(contains(error_of([&] { load_pattern(rig, path); }), "outside 0 to 1"));
-  write_float_tiff(folder / "pattern.tiff", FloatImage(3, 4));
-  EXPECT_TRUE(contains(error_of([&] { load_pattern(rig, path); }), "has 3 x 4 pixels; the rig's projector has 512"));
+  images::write_float_tiff(folder / "pattern.tiff", pattern);
+  EXPECT_TRUE(contains(error_of([&] { light_section::load_pattern(rig, path); }), "outside 0 to 1"));
+  images::write_float_tiff(folder / "pattern.tiff", images::FloatImage(3, 4));
+  EXPECT_TRUE(contains(error_of([&] { light_section::load_pattern(rig, path); }),
+                       "has 3 x 4 pixels; the rig's projector has 512"));
 }
 
 TEST(CurveFile, Csv) {
-  const ReferenceCurve curve = parse_curve_csv("y_mm,z_mm\r\n-1.5,1100\n0,\n0, 1e3\n2,1000.5", "c.csv");
+  const light_section::ReferenceCurve curve =
+      light_section::parse_curve_csv("y_mm,z_mm\r\n-1.5,1100\n0,\n0, 1e3\n2,1000.5", "c.csv");
   EXPECT_EQ(curve.y_mm, (std::vector<double>{-1.5, 0, 0, 2}));
   EXPECT_EQ(curve.z_mm[0], 1100);
   EXPECT_TRUE(std::isnan(curve.z_mm[1]));
   EXPECT_EQ(curve.z_mm[2], 1000);
   EXPECT_EQ(curve.z_mm[3], 1000.5);
-  const auto message = [](const std::string& text) { return error_of([&] { parse_curve_csv(text, "c.csv"); }); };
+  const auto message = [](const std::string& text) {
+    return error_of([&] { light_section::parse_curve_csv(text, "c.csv"); });
+  };
   EXPECT_EQ(message("y,z\n"), "c.csv: line 1: y_mm,z_mm is expected");
   EXPECT_EQ(message(""), "c.csv: line 1: y_mm,z_mm is expected");
   EXPECT_EQ(message("y_mm,z_mm\n0,1000\n"), "c.csv: has fewer than two points");
@@ -153,27 +161,28 @@ TEST(CurveFile, Csv) {
 }
 
 TEST(CurveFile, HeightsOfFrames) {
-  const Rig rig = load_rig("light-section");
+  const rig::Rig rig = rig::load_rig("light-section");
   const ScratchFolder folder;
   const std::string file = (folder / "h.tiff").string();
-  FloatImage heights(3, 512);
+  images::FloatImage heights(3, 512);
   for (int c = 0; c < 512; ++c) {
     heights.row(0)[c] = 1;
     heights.row(1)[c] = 30;
     heights.row(2)[c] = 2;
   }
   heights.row(2)[5] = std::numeric_limits<float>::quiet_NaN();
-  write_float_tiff(file, heights);
-  EXPECT_EQ(load_curve(rig, file, {}).z_mm[4], 1165);  // the median
-  EXPECT_EQ(load_curve(rig, file, 2).z_mm[4], 1137);
-  EXPECT_TRUE(std::isnan(load_curve(rig, file, 3).z_mm[5]));
-  EXPECT_NEAR(load_curve(rig, file, 3).y_mm[0], -255.5 * 0.01 / 50 * 1165, 1e-9);
-  EXPECT_TRUE(contains(error_of([&] { load_curve(rig, file, 4); }), "has no frame 4; it has 3"));
-  write_float_tiff(file, FloatImage(1, 500));
-  EXPECT_TRUE(contains(error_of([&] { load_curve(rig, file, {}); }), "has 500 columns; the rig's camera has 512"));
-  EXPECT_TRUE(
-      contains(error_of([&] { load_curve(rig, (folder / "none.csv").string(), {}); }), "none.csv: No such file"));
-  EXPECT_TRUE(contains(error_of([&] { load_curve(rig, folder.path().string(), {}); }), "is a folder"));
+  images::write_float_tiff(file, heights);
+  EXPECT_EQ(light_section::load_curve(rig, file, {}).z_mm[4], 1165);  // the median
+  EXPECT_EQ(light_section::load_curve(rig, file, 2).z_mm[4], 1137);
+  EXPECT_TRUE(std::isnan(light_section::load_curve(rig, file, 3).z_mm[5]));
+  EXPECT_NEAR(light_section::load_curve(rig, file, 3).y_mm[0], -255.5 * 0.01 / 50 * 1165, 1e-9);
+  EXPECT_TRUE(contains(error_of([&] { light_section::load_curve(rig, file, 4); }), "has no frame 4; it has 3"));
+  images::write_float_tiff(file, images::FloatImage(1, 500));
+  EXPECT_TRUE(contains(error_of([&] { light_section::load_curve(rig, file, {}); }),
+                       "has 500 columns; the rig's camera has 512"));
+  EXPECT_TRUE(contains(error_of([&] { light_section::load_curve(rig, (folder / "none.csv").string(), {}); }),
+                       "none.csv: No such file"));
+  EXPECT_TRUE(contains(error_of([&] { light_section::load_curve(rig, folder.path().string(), {}); }), "is a folder"));
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // Compares references and the pattern of (3.9) with pinholes by vectors.
-#include "host/light_section/reference.h"
+#include "selfproj/light_section/reference.h"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "host/rig/geometry.h"
-#include "host/rig/rig.h"
+#include "selfproj/rig/rig.h"
 #include "tests/host/structured_light/pinhole.h"
 #include "tests/support/random_cases.h"
 
@@ -24,7 +24,7 @@ TEST(Geometry, TiltedProjectorAgainstVectors) {
   for (const std::uint64_t seed : seeds(1000)) {
     SCOPED_TRACE(how_to_repeat(seed));
     Random random(seed);
-    RigProjector projector = load_rig("light-section").projector;
+    rig::RigProjector projector = rig::load_rig("light-section").projector;
     projector.x_mm = uniform(random, 50, 500);
     projector.z_mm = uniform(random, -300, 700);
     projector.tilt_rad = uniform(random, -40, 40) * std::numbers::pi / 180;
@@ -32,30 +32,30 @@ TEST(Geometry, TiltedProjectorAgainstVectors) {
     projector.center_yp_mm = uniform(random, -5, 5);
     const Point3 point{0, uniform(random, -100, 100), uniform(random, 900, 1300)};
     const Pixel pixel = projector_lights(projector, point);
-    EXPECT_NEAR(line_on_middle(projector, point.z), pixel.row, 1e-9);
-    EXPECT_NEAR(projector_column_on_middle(projector, point.y, point.z), pixel.column, 1e-9);
+    EXPECT_NEAR(rig::line_on_middle(projector, point.z), pixel.row, 1e-9);
+    EXPECT_NEAR(rig::projector_column_on_middle(projector, point.y, point.z), pixel.column, 1e-9);
     const double theta = projector.x_mm / (point.z - projector.z_mm);  // (3.8)
-    EXPECT_NEAR(tan_theta(projector, pixel.row), theta, 1e-12);
-    EXPECT_NEAR(line_of(projector, theta), pixel.row, 1e-8);
+    EXPECT_NEAR(rig::tan_theta(projector, pixel.row), theta, 1e-12);
+    EXPECT_NEAR(rig::line_of(projector, theta), pixel.row, 1e-8);
   }
 }
 
 TEST(Geometry, CameraAgainstVectors) {
-  const RigCamera camera = load_rig("light-section").camera;
+  const rig::RigCamera camera = rig::load_rig("light-section").camera;
   const Point3 point{7, -31, 1100};
   const Pixel pixel = camera_sees(camera, point);
-  EXPECT_NEAR(tan_alpha(camera, pixel.row + 1), point.x / point.z, 1e-15);
-  EXPECT_NEAR(tan_beta(camera, pixel.column), point.y / point.z, 1e-15);
-  EXPECT_NEAR(centroid_of(camera, point.x / point.z), pixel.row + 1, 1e-12);
-  EXPECT_NEAR(column_of(camera, point.y / point.z), pixel.column, 1e-12);
-  EXPECT_EQ(middle_row(camera), 48.5);  // (3.3)
+  EXPECT_NEAR(rig::tan_alpha(camera, pixel.row + 1), point.x / point.z, 1e-15);
+  EXPECT_NEAR(rig::tan_beta(camera, pixel.column), point.y / point.z, 1e-15);
+  EXPECT_NEAR(rig::centroid_of(camera, point.x / point.z), pixel.row + 1, 1e-12);
+  EXPECT_NEAR(rig::column_of(camera, point.y / point.z), pixel.column, 1e-12);
+  EXPECT_EQ(rig::middle_row(camera), 48.5);  // (3.3)
 }
 
 // z of a smooth hill over y, and a curve of its samples.
 double hill(double y) { return 1167 - 11.8 * (1 + std::cos(std::numbers::pi * std::clamp(y / 50, -1.0, 1.0))); }
 
-ReferenceCurve hill_curve() {
-  ReferenceCurve curve;
+light_section::ReferenceCurve hill_curve() {
+  light_section::ReferenceCurve curve;
   for (double y = -70; y <= 70; y += 0.05) {
     curve.y_mm.push_back(y);
     curve.z_mm.push_back(hill(y));
@@ -64,23 +64,23 @@ ReferenceCurve hill_curve() {
 }
 
 TEST(Reference, OfAHill) {
-  const Rig rig = load_rig("light-section");
-  const ReferenceProfile reference = reference_of_curve(rig, hill_curve());
+  const rig::Rig rig = rig::load_rig("light-section");
+  const light_section::ReferenceProfile reference = light_section::reference_of_curve(rig, hill_curve());
   EXPECT_EQ(reference.valid_columns(), 512);
   for (int i = 0; i < 512; ++i) {
     const auto k = static_cast<std::size_t>(i);
-    const double y = reference.z_mm[k] * tan_beta(rig.camera, i);
+    const double y = reference.z_mm[k] * rig::tan_beta(rig.camera, i);
     ASSERT_NEAR(reference.z_mm[k], hill(y), 2e-5) << i;  // the curve's own sagitta: 0.05² / 8 · 0.047
-    ASSERT_NEAR(reference.tan_theta[k], tan_theta(rig.projector, line_on_middle(rig.projector, reference.z_mm[k])),
-                1e-12);
+    ASSERT_NEAR(reference.tan_theta[k],
+                rig::tan_theta(rig.projector, rig::line_on_middle(rig.projector, reference.z_mm[k])), 1e-12);
     ASSERT_EQ(reference.offset_px[k], 0);
   }
 }
 
 // Each point of the pattern lights the point (0, y, z) of the hill.
 TEST(Reference, PatternLightsTheHillAtTheMiddleRow) {
-  const Rig rig = load_rig("light-section");
-  const std::vector<double> lines = pattern_of_curve(rig, hill_curve());
+  const rig::Rig rig = rig::load_rig("light-section");
+  const std::vector<double> lines = light_section::pattern_of_curve(rig, hill_curve());
   ASSERT_EQ(lines.size(), 512U);
   int lit = 0;
   for (std::size_t i = 0; i < lines.size(); ++i) {
@@ -88,7 +88,7 @@ TEST(Reference, PatternLightsTheHillAtTheMiddleRow) {
       continue;
     }
     ++lit;
-    const double z = rig.projector.x_mm / tan_theta(rig.projector, lines[i]) + rig.projector.z_mm;
+    const double z = rig.projector.x_mm / rig::tan_theta(rig.projector, lines[i]) + rig.projector.z_mm;
     // The y at which the projector's column meets the surface.
     double low = -70;
     double high = 70;
@@ -102,9 +102,10 @@ TEST(Reference, PatternLightsTheHillAtTheMiddleRow) {
 }
 
 TEST(Reference, CurveOfAReferenceIsTheReferenceAgain) {
-  const Rig rig = load_rig("light-section");
-  const ReferenceProfile reference = reference_of_curve(rig, hill_curve());
-  const ReferenceProfile again = reference_of_curve(rig, curve_of_reference(rig, reference));
+  const rig::Rig rig = rig::load_rig("light-section");
+  const light_section::ReferenceProfile reference = light_section::reference_of_curve(rig, hill_curve());
+  const light_section::ReferenceProfile again =
+      light_section::reference_of_curve(rig, light_section::curve_of_reference(rig, reference));
   EXPECT_EQ(again.valid_columns(), 512);
   for (std::size_t i = 0; i < again.valid.size(); ++i) {
     ASSERT_NEAR(again.z_mm[i], reference.z_mm[i], 1e-6);
@@ -113,15 +114,16 @@ TEST(Reference, CurveOfAReferenceIsTheReferenceAgain) {
 
 // A block of 30 mm between y = -20 and 20, and a gap in the plane beside it.
 TEST(Reference, StepsShadowsAndGapsAreDark) {
-  const Rig rig = load_rig("light-section");
-  ReferenceCurve curve{{-70, -20, -20, 20, 20, 30, 32, 70}, {1167, 1167, 1137, 1137, 1167, 1167, 1167, 1167}};
+  const rig::Rig rig = rig::load_rig("light-section");
+  light_section::ReferenceCurve curve{{-70, -20, -20, 20, 20, 30, 32, 70},
+                                      {1167, 1167, 1137, 1137, 1167, 1167, 1167, 1167}};
   curve.z_mm[5] = kNan;  // nothing between 20 and 32
-  const ReferenceProfile reference = reference_of_curve(rig, curve);
+  const light_section::ReferenceProfile reference = light_section::reference_of_curve(rig, curve);
   const double block = 20 / 1137.0;                                // tan β where the block ends
   const double shadow = 20 * (1167. - 579) / (1137 - 579) / 1167;  // and where the projector's shadow does
   for (int i = 0; i < 512; ++i) {
     const auto k = static_cast<std::size_t>(i);
-    const double beta = tan_beta(rig.camera, i);
+    const double beta = rig::tan_beta(rig.camera, i);
     if (std::abs(beta) < block) {
       ASSERT_NEAR(reference.z_mm[k], 1137, 1e-9) << i;
     } else if (beta < -shadow || beta > 32 / 1167.) {
@@ -132,11 +134,11 @@ TEST(Reference, StepsShadowsAndGapsAreDark) {
     }
   }
   // The pattern has two levels and nothing between them.
-  const double low = line_on_middle(rig.projector, 1167);
-  const double high = line_on_middle(rig.projector, 1137);
+  const double low = rig::line_on_middle(rig.projector, 1167);
+  const double high = rig::line_on_middle(rig.projector, 1137);
   int dark = 0;
   int on_block = 0;
-  for (const double line : pattern_of_curve(rig, curve)) {
+  for (const double line : light_section::pattern_of_curve(rig, curve)) {
     if (std::isnan(line)) {
       ++dark;
       continue;
@@ -150,28 +152,29 @@ TEST(Reference, StepsShadowsAndGapsAreDark) {
 }
 
 TEST(Reference, OutsideTheProjectorsImageIsInvalid) {
-  Rig rig = load_rig("light-section");
+  rig::Rig rig = rig::load_rig("light-section");
   rig.projector.columns = 256;  // of half the width
   const std::vector<double> flat(512, 0);
-  const ReferenceProfile reference = reference_of_curve(rig, curve_of_heights(rig, flat));
+  const light_section::ReferenceProfile reference =
+      light_section::reference_of_curve(rig, light_section::curve_of_heights(rig, flat));
   for (int i = 0; i < 512; ++i) {
-    const Pixel pixel = projector_lights(rig.projector, {0, 1167 * tan_beta(rig.camera, i), 1167});
+    const Pixel pixel = projector_lights(rig.projector, {0, 1167 * rig::tan_beta(rig.camera, i), 1167});
     ASSERT_EQ(reference.valid[static_cast<std::size_t>(i)] != 0, pixel.column >= -0.5 && pixel.column <= 255.5) << i;
   }
-  rig = load_rig("light-section");
+  rig = rig::load_rig("light-section");
   rig.plane_z_mm = 2000;  // its line is beyond the last one
-  EXPECT_EQ(reference_of_curve(rig, curve_of_heights(rig, flat)).valid_columns(), 0);
-  for (const double line : pattern_of_curve(rig, curve_of_heights(rig, flat))) {
+  EXPECT_EQ(light_section::reference_of_curve(rig, light_section::curve_of_heights(rig, flat)).valid_columns(), 0);
+  for (const double line : light_section::pattern_of_curve(rig, light_section::curve_of_heights(rig, flat))) {
     ASSERT_TRUE(std::isnan(line));
   }
 }
 
 TEST(Reference, ResidualMovesTheLightPlaneAndNotTheReference) {
-  const Rig rig = load_rig("light-section");
-  const ReferenceProfile reference = reference_of_curve(rig, hill_curve());
+  const rig::Rig rig = rig::load_rig("light-section");
+  const light_section::ReferenceProfile reference = light_section::reference_of_curve(rig, hill_curve());
   std::vector<double> centroid(512, 48.5 + 0.25);
   centroid[7] = kNan;
-  const ReferenceProfile corrected = without_residual(rig, reference, centroid);
+  const light_section::ReferenceProfile corrected = light_section::without_residual(rig, reference, centroid);
   EXPECT_EQ(corrected.valid[7], 0);
   EXPECT_EQ(corrected.valid_columns(), 511);
   EXPECT_EQ(corrected.z_mm[8], reference.z_mm[8]);
@@ -182,14 +185,16 @@ TEST(Reference, ResidualMovesTheLightPlaneAndNotTheReference) {
 }
 
 TEST(Reference, StraightLine) {
-  const Rig rig = load_rig("light-section");
-  const double line = line_on_middle(rig.projector, 1167);
-  const ReferenceProfile reference = reference_of_straight_line(rig, line, std::vector<double>(512, 48.5));
+  const rig::Rig rig = rig::load_rig("light-section");
+  const double line = rig::line_on_middle(rig.projector, 1167);
+  const light_section::ReferenceProfile reference =
+      light_section::reference_of_straight_line(rig, line, std::vector<double>(512, 48.5));
   for (const double z : reference.z_mm) {
     ASSERT_NEAR(z, 1167, 1e-9);
   }
-  EXPECT_THROW(reference_of_straight_line(rig, line, std::vector<double>(511, 48.5)), std::invalid_argument);
-  EXPECT_THROW(curve_of_heights(rig, std::vector<double>(513)), std::invalid_argument);
+  EXPECT_THROW(light_section::reference_of_straight_line(rig, line, std::vector<double>(511, 48.5)),
+               std::invalid_argument);
+  EXPECT_THROW(light_section::curve_of_heights(rig, std::vector<double>(513)), std::invalid_argument);
 }
 
 }  // namespace

@@ -10,16 +10,16 @@
 #include <stdexcept>
 #include <vector>
 
-#include "host/light_section/reference.h"
 #include "host/rig/geometry.h"
-#include "host/rig/rig.h"
+#include "selfproj/light_section/reference.h"
+#include "selfproj/rig/rig.h"
 #include "tests/host/structured_light/pinhole.h"
 
 namespace selfproj::test {
 namespace {
 
 // z of each camera column: a slope, a wave, a step.
-std::vector<double> surface(const Rig& rig) {
+std::vector<double> surface(const rig::Rig& rig) {
   std::vector<double> z;
   for (int i = 0; i < rig.camera.columns; ++i) {
     z.push_back(1160 - 0.05 * i + 3 * std::sin(i / 20.0) - (i > 300 ? 12 : 0));
@@ -28,7 +28,7 @@ std::vector<double> surface(const Rig& rig) {
 }
 
 // Adds a line of light, Gaussian across, at the row (from 0) `center` of a column.
-void draw(Image& image, int column, double center, double peak) {
+void draw(images::Image& image, int column, double center, double peak) {
   for (int r = 0; r < image.rows; ++r) {
     const double light = peak * std::exp(-0.5 * (r - center) * (r - center) / (1.6 * 1.6));
     std::uint8_t& pixel = image.pixels[static_cast<std::size_t>(r * image.columns + column)];
@@ -37,10 +37,10 @@ void draw(Image& image, int column, double center, double peak) {
 }
 
 // The camera's view of a straight line on the surface: (3.4) solved for the row.
-Image view_of(const Rig& rig, const std::vector<double>& z, double line) {
-  Image image{rig.camera.rows, rig.camera.columns, {}};
+images::Image view_of(const rig::Rig& rig, const std::vector<double>& z, double line) {
+  images::Image image{rig.camera.rows, rig.camera.columns, {}};
   image.pixels.assign(static_cast<std::size_t>(image.rows * image.columns), 5);
-  const double theta = tan_theta(rig.projector, line);
+  const double theta = rig::tan_theta(rig.projector, line);
   for (int i = 0; i < image.columns; ++i) {
     const double depth = z[static_cast<std::size_t>(i)];
     const double x = rig.projector.x_mm - (depth - rig.projector.z_mm) * theta;
@@ -49,22 +49,22 @@ Image view_of(const Rig& rig, const std::vector<double>& z, double line) {
   return image;
 }
 
-void expect_found(const Rig& rig, const std::vector<double>& z, const ReferenceProfile& found) {
+void expect_found(const rig::Rig& rig, const std::vector<double>& z, const light_section::ReferenceProfile& found) {
   ASSERT_EQ(found.valid_columns(), rig.camera.columns);
   for (std::size_t i = 0; i < z.size(); ++i) {
     // Rounding to whole grey values moves the centroid by some thousandths of a row.
-    ASSERT_NEAR(line_of(rig.projector, found.tan_theta[i]), line_on_middle(rig.projector, z[i]), 0.02) << i;
+    ASSERT_NEAR(rig::line_of(rig.projector, found.tan_theta[i]), rig::line_on_middle(rig.projector, z[i]), 0.02) << i;
     ASSERT_NEAR(found.z_mm[i], z[i], 0.02 * 0.42) << i;
     ASSERT_EQ(found.offset_px[i], 0);
   }
 }
 
 TEST(LineScan, FindsTheLightPlaneOfEachColumn) {
-  const Rig rig = load_rig("light-section");
+  const rig::Rig rig = rig::load_rig("light-section");
   const std::vector<double> z = surface(rig);
   for (const int every : {1, 4}) {
-    LineScan scan(rig, every);
-    std::vector<int> lines = sweep_lines(rig, every);
+    light_section::LineScan scan(rig, every);
+    std::vector<int> lines = light_section::sweep_lines(rig, every);
     EXPECT_EQ(lines.size(), every == 1 ? 508U : 127U);  // a line of width 5 is whole on 2..509
     std::reverse(lines.begin(), lines.end());           // in any order
     for (const int line : lines) {
@@ -75,33 +75,33 @@ TEST(LineScan, FindsTheLightPlaneOfEachColumn) {
 }
 
 TEST(LineScan, TheBrighterOfTwoCrossingsCounts) {
-  const Rig rig = load_rig("light-section");
+  const rig::Rig rig = rig::load_rig("light-section");
   const std::vector<double> z = surface(rig);
-  LineScan scan(rig);
-  for (const int line : sweep_lines(rig)) {
-    Image image = view_of(rig, z, line);
+  light_section::LineScan scan(rig);
+  for (const int line : light_section::sweep_lines(rig)) {
+    images::Image image = view_of(rig, z, line);
     // A faint copy of the line 60 lines before and after it.
     for (const int ghost : {-60, 60}) {
-      const Image other = view_of(rig, z, line + ghost);
+      const images::Image other = view_of(rig, z, line + ghost);
       for (std::size_t k = 0; k < image.pixels.size(); ++k) {
         image.pixels[k] = static_cast<std::uint8_t>(std::max<int>(image.pixels[k], other.pixels[k] / 3));
       }
     }
     scan.add(line, image.view());
   }
-  const ReferenceProfile found = scan.reference();
+  const light_section::ReferenceProfile found = scan.reference();
   for (std::size_t i = 0; i < z.size(); ++i) {
-    ASSERT_NEAR(line_of(rig.projector, found.tan_theta[i]), line_on_middle(rig.projector, z[i]), 0.05) << i;
+    ASSERT_NEAR(rig::line_of(rig.projector, found.tan_theta[i]), rig::line_on_middle(rig.projector, z[i]), 0.05) << i;
   }
 }
 
 TEST(LineScan, WhereNoLineCrossesThereIsNoReference) {
-  const Rig rig = load_rig("light-section");
+  const rig::Rig rig = rig::load_rig("light-section");
   const std::vector<double> z = surface(rig);
-  LineScan scan(rig);
-  const int from = static_cast<int>(line_on_middle(rig.projector, z[0])) + 1;  // on one side only of column 0
-  for (const int line : sweep_lines(rig)) {
-    Image image = view_of(rig, z, line);
+  light_section::LineScan scan(rig);
+  const int from = static_cast<int>(rig::line_on_middle(rig.projector, z[0])) + 1;  // on one side only of column 0
+  for (const int line : light_section::sweep_lines(rig)) {
+    images::Image image = view_of(rig, z, line);
     for (int r = 0; r < image.rows; ++r) {
       image.pixels[static_cast<std::size_t>(r * image.columns + 7)] = 5;    // nothing at all in column 7
       image.pixels[static_cast<std::size_t>(r * image.columns + 9)] = 200;  // too much in column 9
@@ -110,7 +110,7 @@ TEST(LineScan, WhereNoLineCrossesThereIsNoReference) {
       scan.add(line, image.view());
     }
   }
-  const ReferenceProfile found = scan.reference();
+  const light_section::ReferenceProfile found = scan.reference();
   EXPECT_EQ(found.valid[0], 0);
   EXPECT_EQ(found.valid[7], 0);
   EXPECT_EQ(found.valid[9], 0);
@@ -119,34 +119,35 @@ TEST(LineScan, WhereNoLineCrossesThereIsNoReference) {
 }
 
 TEST(LineScan, AnyShowAndTake) {
-  const Rig rig = load_rig("light-section");
+  const rig::Rig rig = rig::load_rig("light-section");
   const std::vector<double> z = surface(rig);
   // The line is recognized from the pattern alone.
-  const ReferenceProfile found = scan_reference(rig, [&](const FloatImage& pattern) {
-    double light = 0;
-    double sum = 0;
-    for (int r = 0; r < pattern.rows; ++r) {
-      light += static_cast<double>(pattern.row(r)[11]);
-      sum += r * static_cast<double>(pattern.row(r)[11]);
-    }
-    return view_of(rig, z, sum / light);
-  });
+  const light_section::ReferenceProfile found =
+      light_section::scan_reference(rig, [&](const images::FloatImage& pattern) {
+        double light = 0;
+        double sum = 0;
+        for (int r = 0; r < pattern.rows; ++r) {
+          light += static_cast<double>(pattern.row(r)[11]);
+          sum += r * static_cast<double>(pattern.row(r)[11]);
+        }
+        return view_of(rig, z, sum / light);
+      });
   expect_found(rig, z, found);
 }
 
 TEST(LineScan, ImagesOfAnotherSizeAreRefused) {
-  const Rig rig = load_rig("light-section");
+  const rig::Rig rig = rig::load_rig("light-section");
   const std::vector<std::uint8_t> pixels(100);
-  const ImageView image{pixels.data(), 10, 10, 10};
-  EXPECT_THROW(LineScan(rig).add(0, image), std::invalid_argument);
-  EXPECT_THROW(CentroidMean(rig).add(image), std::invalid_argument);
+  const model::ImageView image{pixels.data(), 10, 10, 10};
+  EXPECT_THROW(light_section::LineScan(rig).add(0, image), std::invalid_argument);
+  EXPECT_THROW(light_section::CentroidMean(rig).add(image), std::invalid_argument);
 }
 
 TEST(CentroidMean, IsTheMeanOfGoodColumns) {
-  const Rig rig = load_rig("light-section");
-  CentroidMean mean(rig);
+  const rig::Rig rig = rig::load_rig("light-section");
+  light_section::CentroidMean mean(rig);
   for (int k = 0; k < 4; ++k) {
-    Image image{rig.camera.rows, rig.camera.columns, {}};
+    images::Image image{rig.camera.rows, rig.camera.columns, {}};
     image.pixels.assign(static_cast<std::size_t>(image.rows * image.columns), 5);
     draw(image, 0, 47 + k, 180);  // rows from 0: 48, 49, 50, 51
     if (k < 2) {

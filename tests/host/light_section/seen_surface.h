@@ -10,8 +10,8 @@
 #include <limits>
 #include <optional>
 
-#include "host/rig/rig.h"
 #include "host/structured_light/point_scan.h"
+#include "selfproj/rig/rig.h"
 #include "tests/host/structured_light/pinhole.h"
 
 namespace selfproj::test {
@@ -24,8 +24,8 @@ inline Surface plane_at(double z) {
 }
 
 // The rig `scanner` with pixels of camera and projector `factor` times as large, and fewer of them.
-inline Rig coarse_scanner(int factor) {
-  Rig rig = load_rig("scanner");
+inline rig::Rig coarse_scanner(int factor) {
+  rig::Rig rig = rig::load_rig("scanner");
   rig.camera.rows /= factor;
   rig.camera.columns /= factor;
   rig.camera.pixel_pitch_mm *= factor;
@@ -36,14 +36,14 @@ inline Rig coarse_scanner(int factor) {
   return rig;
 }
 
-inline Point3 on_ray(const RigCamera& camera, double row, double column, double z) {
+inline Point3 on_ray(const rig::RigCamera& camera, double row, double column, double z) {
   const double scale = z * camera.pixel_pitch_mm / camera.focal_length_mm;
   return {(row - 0.5 * (camera.rows - 1)) * scale, (column - 0.5 * (camera.columns - 1)) * scale, z};
 }
 
 // The first point of the surface on the ray of a camera pixel, between z = near and z = far, found by steps of `step`
 // mm of z and bisection; none if the ray does not meet it.
-inline std::optional<Point3> seen_point(const RigCamera& camera, double row, double column, const Surface& surface,
+inline std::optional<Point3> seen_point(const rig::RigCamera& camera, double row, double column, const Surface& surface,
                                         double near, double far, double step) {
   const auto below = [&](double z) {
     const Point3 p = on_ray(camera, row, column, z);
@@ -65,7 +65,7 @@ inline std::optional<Point3> seen_point(const RigCamera& camera, double row, dou
 }
 
 // Whether the surface lies between the point and the projector.
-inline bool in_shadow(const RigProjector& projector, const Point3& p, const Surface& surface) {
+inline bool in_shadow(const rig::RigProjector& projector, const Point3& p, const Surface& surface) {
   constexpr int kSteps = 400;
   for (int i = 1; i < kSteps; ++i) {
     const double t = static_cast<double>(i) / kSteps;
@@ -77,16 +77,16 @@ inline bool in_shadow(const RigProjector& projector, const Point3& p, const Surf
   return false;
 }
 
-inline bool within(const RigProjector& projector, const Pixel& p) {
+inline bool within(const rig::RigProjector& projector, const Pixel& p) {
   return p.row >= -0.5 && p.row < projector.lines - 0.5 && p.column >= -0.5 && p.column < projector.columns - 0.5;
 }
 
 // X_R of the surface without error; NaN where no light falls.
-inline ProjectorPoints points_of(const Rig& rig, const Surface& surface, double near = 400, double far = 620,
-                                 double step = 5) {
+inline structured_light::ProjectorPoints points_of(const rig::Rig& rig, const Surface& surface, double near = 400,
+                                                   double far = 620, double step = 5) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
-  ProjectorPoints points{FloatImage(rig.camera.rows, rig.camera.columns, nan),
-                         FloatImage(rig.camera.rows, rig.camera.columns, nan)};
+  structured_light::ProjectorPoints points{images::FloatImage(rig.camera.rows, rig.camera.columns, nan),
+                                           images::FloatImage(rig.camera.rows, rig.camera.columns, nan)};
   for (int r = 0; r < rig.camera.rows; ++r) {
     for (int c = 0; c < rig.camera.columns; ++c) {
       const auto p = seen_point(rig.camera, r, c, surface, near, far, step);

@@ -12,12 +12,12 @@
 #include <vector>
 
 #include "host/images/image_files.h"
-#include "host/light_section/differential_profile.h"
 #include "host/light_section/pattern.h"
-#include "host/light_section/reference.h"
 #include "host/light_section/scan.h"
 #include "host/rig/geometry.h"
-#include "host/rig/rig.h"
+#include "selfproj/light_section/differential_profile.h"
+#include "selfproj/light_section/reference.h"
+#include "selfproj/rig/rig.h"
 #include "sim/scene/renderer.h"
 #include "sim/scene/scene.h"
 #include "sim/scene/scenes.h"
@@ -26,8 +26,8 @@ namespace selfproj::test {
 namespace {
 
 // The section of the part that the camera sees in the middle frame.
-ReferenceCurve section_of(const Rig& rig, const Scene& scene) {
-  ReferenceCurve curve;
+light_section::ReferenceCurve section_of(const rig::Rig& rig, const sim::Scene& scene) {
+  light_section::ReferenceCurve curve;
   const int middle = scene.frames() / 2;
   const double time = middle / rig.camera.frame_rate_hz;
   for (double y = -85; y <= 85; y += 0.05) {
@@ -37,17 +37,18 @@ ReferenceCurve section_of(const Rig& rig, const Scene& scene) {
   return curve;
 }
 
-Image image_of(const Rig& rig, const LineRenderer& renderer, int frame) {
-  Image image{rig.camera.rows, rig.camera.columns, {}};
+images::Image image_of(const rig::Rig& rig, const sim::LineRenderer& renderer, int frame) {
+  images::Image image{rig.camera.rows, rig.camera.columns, {}};
   image.pixels.resize(static_cast<std::size_t>(image.rows) * static_cast<std::size_t>(image.columns));
   renderer.render(frame, image.pixels);
   return image;
 }
 
 // The position of the line on a part: the mean of a few frames in its middle.
-std::vector<double> seen_on(const Rig& rig, const Scene& part, const FloatImage& pattern, int frames) {
-  CentroidMean mean(rig);
-  const LineRenderer renderer(rig, part, pattern);
+std::vector<double> seen_on(const rig::Rig& rig, const sim::Scene& part, const images::FloatImage& pattern,
+                            int frames) {
+  light_section::CentroidMean mean(rig);
+  const sim::LineRenderer renderer(rig, part, pattern);
   for (int i = 0; i < frames; ++i) {
     mean.add(image_of(rig, renderer, part.frames() / 2 - frames / 2 + i).view());
   }
@@ -69,7 +70,7 @@ struct Errors {
 };
 
 // Whether the surface jumps within 3 camera pixels.
-bool near_step(const LineRenderer& renderer, int frame, double x, double y, double pixel) {
+bool near_step(const sim::LineRenderer& renderer, int frame, double x, double y, double pixel) {
   constexpr double kStep = 0.5;  // mm a pixel; the steepest slope of the mountain has 0.17
   for (int i = -3; i <= 3; ++i) {
     for (int j = -3; j <= 3; ++j) {
@@ -83,18 +84,18 @@ bool near_step(const LineRenderer& renderer, int frame, double x, double y, doub
   return false;
 }
 
-Errors measure(const Rig& rig, const Scene& part, const FloatImage& pattern, const ReferenceProfile& reference,
-               const std::vector<int>& frames) {
-  const LineRenderer renderer(rig, part, pattern);
-  const DifferentialProfiler profiler(rig, reference);
-  Moments moments;
+Errors measure(const rig::Rig& rig, const sim::Scene& part, const images::FloatImage& pattern,
+               const light_section::ReferenceProfile& reference, const std::vector<int>& frames) {
+  const sim::LineRenderer renderer(rig, part, pattern);
+  const light_section::DifferentialProfiler profiler(rig, reference);
+  model::Moments moments;
   moments.resize(rig.camera.columns);
-  Profile profile;
+  light_section::Profile profile;
   profile.resize(rig.camera.columns);
   Errors errors;
   for (const int frame : frames) {
-    const Image image = image_of(rig, renderer, frame);
-    column_moments(image.view(), rig.measure.mode, rig.measure.threshold, moments.view());
+    const images::Image image = image_of(rig, renderer, frame);
+    model::column_moments(image.view(), rig.measure.mode, rig.measure.threshold, moments.view());
     profiler.profile(moments.view(), profile.view());
     for (std::size_t i = 0; i < profile.validity.size(); ++i) {
       if (profile.validity[i] != 0) {
@@ -139,8 +140,8 @@ std::vector<int> frames_between(int first, int last, int step) {
 
 // The threshold is well above everything except the line.
 TEST(SelfProjection, ThresholdIsSevenDeviationsOverTheAmbientLight) {
-  const Rig rig = load_rig("light-section");
-  const RigImaging& light = rig.imaging;
+  const rig::Rig rig = rig::load_rig("light-section");
+  const rig::RigImaging& light = rig.imaging;
   EXPECT_LE(light.ambient, 10);
   const double rounding = 1 / std::sqrt(12.0);
   const double deviation = std::sqrt((light.ambient - light.dark) / light.electrons_per_grey +
@@ -149,12 +150,13 @@ TEST(SelfProjection, ThresholdIsSevenDeviationsOverTheAmbientLight) {
 }
 
 TEST(SelfProjection, MountainStaysInThreeRowsAndWithinATenthOfAMillimetre) {
-  const Rig rig = load_rig("light-section");
-  const std::unique_ptr<Scene> part = make_scene("mountain", rig);
-  const ReferenceCurve curve = section_of(rig, *part);
-  const ReferenceProfile reference = reference_of_curve(rig, curve);
+  const rig::Rig rig = rig::load_rig("light-section");
+  const std::unique_ptr<sim::Scene> part = sim::make_scene("mountain", rig);
+  const light_section::ReferenceCurve curve = section_of(rig, *part);
+  const light_section::ReferenceProfile reference = light_section::reference_of_curve(rig, curve);
   const Errors errors =
-      measure(rig, *part, draw_pattern(rig, pattern_of_curve(rig, curve)), reference, frames_between(600, 800, 40));
+      measure(rig, *part, light_section::draw_pattern(rig, light_section::pattern_of_curve(rig, curve)), reference,
+              frames_between(600, 800, 40));
   RecordProperty("range", std::to_string(errors.range()));
   EXPECT_EQ(errors.points, 6 * 512);
   EXPECT_GE(errors.least_peak, 120);
@@ -163,9 +165,10 @@ TEST(SelfProjection, MountainStaysInThreeRowsAndWithinATenthOfAMillimetre) {
   EXPECT_LE(errors.rms(), 0.03);
 
   // A straight line halfway up the mountain gives the same heights, but needs many more rows of the image.
-  const double line = line_on_middle(rig.projector, rig.plane_z_mm - 12);
-  const FloatImage straight = draw_straight_line(rig, line);
-  const ReferenceProfile straight_reference = reference_of_straight_line(rig, line, seen_on(rig, *part, straight, 8));
+  const double line = rig::line_on_middle(rig.projector, rig.plane_z_mm - 12);
+  const images::FloatImage straight = light_section::draw_straight_line(rig, line);
+  const light_section::ReferenceProfile straight_reference =
+      light_section::reference_of_straight_line(rig, line, seen_on(rig, *part, straight, 8));
   const Errors conventional = measure(rig, *part, straight, straight_reference, frames_between(600, 800, 40));
   EXPECT_EQ(conventional.points, 6 * 512);
   EXPECT_GE(conventional.range(), 60);
@@ -173,13 +176,13 @@ TEST(SelfProjection, MountainStaysInThreeRowsAndWithinATenthOfAMillimetre) {
 }
 
 TEST(SelfProjection, MarksOfAMillimetreOnStairs) {
-  const Rig rig = load_rig("light-section");
-  const std::unique_ptr<Scene> good = make_scene("stairs", rig);
-  const std::unique_ptr<Scene> part = make_scene("stairs-marked", rig);
-  const ReferenceCurve curve = section_of(rig, *good);
-  const ReferenceProfile reference = reference_of_curve(rig, curve);
-  Errors errors =
-      measure(rig, *part, draw_pattern(rig, pattern_of_curve(rig, curve)), reference, frames_between(600, 800, 20));
+  const rig::Rig rig = rig::load_rig("light-section");
+  const std::unique_ptr<sim::Scene> good = sim::make_scene("stairs", rig);
+  const std::unique_ptr<sim::Scene> part = sim::make_scene("stairs-marked", rig);
+  const light_section::ReferenceCurve curve = section_of(rig, *good);
+  const light_section::ReferenceProfile reference = light_section::reference_of_curve(rig, curve);
+  Errors errors = measure(rig, *part, light_section::draw_pattern(rig, light_section::pattern_of_curve(rig, curve)),
+                          reference, frames_between(600, 800, 20));
   EXPECT_GT(errors.points, 11 * 300);  // of 11 * 512; many lie near the edges of the marks
   EXPECT_GT(errors.points + errors.left_out, 11 * 490);
   EXPECT_LE(errors.largest, 0.10);
@@ -198,25 +201,27 @@ TEST(SelfProjection, MarksOfAMillimetreOnStairs) {
 
 // The pattern is made from a scan of the part itself. The scan shows only every fourth line, to save time.
 TEST(SelfProjection, ScanOfTheMountain) {
-  const Rig rig = load_rig("light-section");
-  const std::unique_ptr<Scene> part = make_scene("mountain", rig);
-  LineRenderer renderer(rig, *part, FloatImage(rig.projector.lines, rig.projector.columns));
-  const ReferenceProfile reference = scan_reference(
+  const rig::Rig rig = rig::load_rig("light-section");
+  const std::unique_ptr<sim::Scene> part = sim::make_scene("mountain", rig);
+  sim::LineRenderer renderer(rig, *part, images::FloatImage(rig.projector.lines, rig.projector.columns));
+  const light_section::ReferenceProfile reference = light_section::scan_reference(
       rig,
-      [&](const FloatImage& pattern) {
+      [&](const images::FloatImage& pattern) {
         renderer.set_pattern(pattern);
         return image_of(rig, renderer, part->frames() / 2);
       },
       4);
   ASSERT_EQ(reference.valid_columns(), 512);
-  const ReferenceProfile given = reference_of_curve(rig, section_of(rig, *part));
+  const light_section::ReferenceProfile given = light_section::reference_of_curve(rig, section_of(rig, *part));
   double square = 0;
   for (std::size_t i = 0; i < 512; ++i) {
-    const double lines = line_of(rig.projector, reference.tan_theta[i]) - line_of(rig.projector, given.tan_theta[i]);
+    const double lines =
+        rig::line_of(rig.projector, reference.tan_theta[i]) - rig::line_of(rig.projector, given.tan_theta[i]);
     square += lines * lines;
   }
   EXPECT_LE(std::sqrt(square / 512), 0.02);
-  const FloatImage pattern = draw_pattern(rig, pattern_of_curve(rig, curve_of_reference(rig, reference)));
+  const images::FloatImage pattern = light_section::draw_pattern(
+      rig, light_section::pattern_of_curve(rig, light_section::curve_of_reference(rig, reference)));
   const Errors errors = measure(rig, *part, pattern, reference, frames_between(600, 800, 100));
   EXPECT_LE(errors.range(), 3);
   EXPECT_LE(errors.largest, 0.10);
@@ -225,22 +230,23 @@ TEST(SelfProjection, ScanOfTheMountain) {
 
 // The real projector is turned by 0.02 degrees against the rig. Once the residual is removed, the error is gone.
 TEST(SelfProjection, ResidualTakesOutAWrongRig) {
-  const Rig rig = load_rig("light-section");
-  Rig actual = rig;
+  const rig::Rig rig = rig::load_rig("light-section");
+  rig::Rig actual = rig;
   actual.projector.tilt_rad += 0.02 * 3.14159265358979323846 / 180;
-  const std::unique_ptr<Scene> part = make_scene("mountain", rig);
-  const ReferenceCurve curve = section_of(rig, *part);
-  const ReferenceProfile reference = reference_of_curve(rig, curve);
-  const FloatImage pattern = draw_pattern(rig, pattern_of_curve(rig, curve));
-  const ReferenceProfile corrected = without_residual(rig, reference, seen_on(actual, *part, pattern, 16));
-  const auto error_with = [&](const ReferenceProfile& used) {
-    const LineRenderer renderer(actual, *part, pattern);
-    Moments moments;
+  const std::unique_ptr<sim::Scene> part = sim::make_scene("mountain", rig);
+  const light_section::ReferenceCurve curve = section_of(rig, *part);
+  const light_section::ReferenceProfile reference = light_section::reference_of_curve(rig, curve);
+  const images::FloatImage pattern = light_section::draw_pattern(rig, light_section::pattern_of_curve(rig, curve));
+  const light_section::ReferenceProfile corrected =
+      light_section::without_residual(rig, reference, seen_on(actual, *part, pattern, 16));
+  const auto error_with = [&](const light_section::ReferenceProfile& used) {
+    const sim::LineRenderer renderer(actual, *part, pattern);
+    model::Moments moments;
     moments.resize(512);
-    Profile profile;
+    light_section::Profile profile;
     profile.resize(512);
-    column_moments(image_of(rig, renderer, 650).view(), rig.measure.mode, rig.measure.threshold, moments.view());
-    DifferentialProfiler(rig, used).profile(moments.view(), profile.view());
+    model::column_moments(image_of(rig, renderer, 650).view(), rig.measure.mode, rig.measure.threshold, moments.view());
+    light_section::DifferentialProfiler(rig, used).profile(moments.view(), profile.view());
     double largest = 0;
     for (const float dz : profile.dz) {
       largest = std::max(largest, std::abs(static_cast<double>(dz)));

@@ -8,19 +8,19 @@
 #include <cstdint>
 #include <vector>
 
-#include "host/light_section/differential_profile.h"
-#include "host/light_section/reference.h"
-#include "host/light_section/strip_moments.h"
-#include "host/rig/rig.h"
-#include "model/column_runs.h"
-#include "model/packet_payload.h"
+#include "selfproj/light_section/differential_profile.h"
+#include "selfproj/light_section/reference.h"
+#include "selfproj/light_section/strip_moments.h"
+#include "selfproj/model/column_runs.h"
+#include "selfproj/model/packet_payload.h"
+#include "selfproj/rig/rig.h"
 
 namespace selfproj::test {
 namespace {
 
 // Images of a line of the built-in rig, 6 rows wide at its half, peak 180 over a background of 5, somewhere else
 // between two rows in each column.
-class StrongestRun : public ::testing::TestWithParam<Mode> {
+class StrongestRun : public ::testing::TestWithParam<model::Mode> {
  protected:
   StrongestRun() {
     rig_.measure.mode = GetParam();
@@ -46,24 +46,25 @@ class StrongestRun : public ::testing::TestWithParam<Mode> {
   }
 
   // The profile by way of a packet's payload.
-  Profile profile(Select select) {
+  light_section::Profile profile(model::Select select) {
     const int columns = rig_.camera.columns;
-    const Measure measure{.mode = GetParam(), .threshold = rig_.measure.threshold, .select = select, .gap = 1};
-    Runs runs;
+    const model::Measure measure{.mode = GetParam(), .threshold = rig_.measure.threshold, .select = select, .gap = 1};
+    model::Runs runs;
     runs.resize(select, columns);
-    measure_columns({pixels_.data(), rig_.camera.rows, columns, columns}, measure, runs.view());
-    std::vector<std::uint8_t> payload(moments_payload_bytes(measure.mode, columns));
-    pack_columns(select, measure.mode, columns, runs.view(), payload.data());
+    model::measure_columns({pixels_.data(), rig_.camera.rows, columns, columns}, measure, runs.view());
+    std::vector<std::uint8_t> payload(model::moments_payload_bytes(measure.mode, columns));
+    model::pack_columns(select, measure.mode, columns, runs.view(), payload.data());
     const double far = rig_.plane_z_mm;
-    const ReferenceProfile reference = reference_of_curve(rig_, {{-far, far}, {far, far}});
-    Profile out;
+    const light_section::ReferenceProfile reference =
+        light_section::reference_of_curve(rig_, {{-far, far}, {far, far}});
+    light_section::Profile out;
     out.resize(columns);
-    DifferentialProfiler(rig_, reference).profile(select, measure.mode, payload.data(), out.view());
+    light_section::DifferentialProfiler(rig_, reference).profile(select, measure.mode, payload.data(), out.view());
     return out;
   }
 
   // The largest difference in height from `clean`, in mm, of columns that are valid in both.
-  static double largest_error(const Profile& found, const Profile& clean) {
+  static double largest_error(const light_section::Profile& found, const light_section::Profile& clean) {
     double largest = 0;
     for (std::size_t i = 0; i < clean.z.size(); ++i) {
       if (found.validity[i] == 0 && clean.validity[i] == 0) {
@@ -73,40 +74,42 @@ class StrongestRun : public ::testing::TestWithParam<Mode> {
     return largest;
   }
 
-  static std::ptrdiff_t count(const Profile& found, Validity validity) {
+  static std::ptrdiff_t count(const light_section::Profile& found, light_section::Validity validity) {
     return std::count(found.validity.begin(), found.validity.end(), static_cast<std::uint8_t>(validity));
   }
 
   static constexpr double kPeak = 180;
-  Rig rig_ = load_rig("light-section");
+  rig::Rig rig_ = rig::load_rig("light-section");
   std::vector<std::uint8_t> pixels_;
 };
 
 TEST_P(StrongestRun, HotPixelThirtyRowsOff) {
-  const Profile clean = profile(Select::all);
-  ASSERT_EQ(count(clean, Validity::valid), rig_.camera.columns);
-  EXPECT_EQ(profile(Select::strongest).z, clean.z);
+  const light_section::Profile clean = profile(model::Select::all);
+  ASSERT_EQ(count(clean, light_section::Validity::valid), rig_.camera.columns);
+  EXPECT_EQ(profile(model::Select::strongest).z, clean.z);
   for (int column = 0; column < rig_.camera.columns; ++column) {
     at(std::min(rig_.camera.rows - 2, 70 + column % 7), column) = 255;
   }
-  EXPECT_GT(largest_error(profile(Select::all), clean), 0.5);
-  const Profile found = profile(Select::strongest);
+  EXPECT_GT(largest_error(profile(model::Select::all), clean), 0.5);
+  const light_section::Profile found = profile(model::Select::strongest);
   EXPECT_LE(largest_error(found, clean), 0.05);
-  EXPECT_EQ(count(found, Validity::valid) + count(found, Validity::ambiguous), rig_.camera.columns);
-  EXPECT_GT(count(found, Validity::valid), rig_.camera.columns / 2) << "marking everything is no answer";
+  EXPECT_EQ(count(found, light_section::Validity::valid) + count(found, light_section::Validity::ambiguous),
+            rig_.camera.columns);
+  EXPECT_GT(count(found, light_section::Validity::valid), rig_.camera.columns / 2) << "marking everything is no answer";
 }
 
 TEST_P(StrongestRun, ReflectionOfThirtyPercentFifteenRowsOff) {
-  const Profile clean = profile(Select::all);
+  const light_section::Profile clean = profile(model::Select::all);
   for (int column = 0; column < rig_.camera.columns; ++column) {
     add_line(column, 15, 0.3 * kPeak);
   }
-  EXPECT_GT(largest_error(profile(Select::all), clean), 0.5);
-  const Profile found = profile(Select::strongest);
+  EXPECT_GT(largest_error(profile(model::Select::all), clean), 0.5);
+  const light_section::Profile found = profile(model::Select::strongest);
   EXPECT_LE(largest_error(found, clean), 0.05);
-  EXPECT_EQ(count(found, Validity::valid) + count(found, Validity::ambiguous), rig_.camera.columns);
-  if (GetParam() != Mode::binary) {  // where the width counts, not the light, the reflection is half as strong
-    EXPECT_EQ(count(found, Validity::valid), rig_.camera.columns);
+  EXPECT_EQ(count(found, light_section::Validity::valid) + count(found, light_section::Validity::ambiguous),
+            rig_.camera.columns);
+  if (GetParam() != model::Mode::binary) {  // where the width counts, not the light, the reflection is half as strong
+    EXPECT_EQ(count(found, light_section::Validity::valid), rig_.camera.columns);
   }
 }
 
@@ -115,20 +118,21 @@ TEST_P(StrongestRun, AmbiguousFromTheRigsShare) {
   for (int column = 0; column < rig_.camera.columns; ++column) {
     add_line(column, 15, 0.6 * kPeak);
   }
-  rig_.measure.runs = RigRuns{.gap_rows = 1, .ambiguous_from = 1.0 / 16};
-  EXPECT_EQ(count(profile(Select::strongest), Validity::ambiguous), rig_.camera.columns);
-  EXPECT_EQ(count(profile(Select::all), Validity::ambiguous), 0);
+  rig_.measure.runs = rig::RigRuns{.gap_rows = 1, .ambiguous_from = 1.0 / 16};
+  EXPECT_EQ(count(profile(model::Select::strongest), light_section::Validity::ambiguous), rig_.camera.columns);
+  EXPECT_EQ(count(profile(model::Select::all), light_section::Validity::ambiguous), 0);
   rig_.measure.runs->ambiguous_from = 2;
-  EXPECT_EQ(count(profile(Select::strongest), Validity::ambiguous), 0);
+  EXPECT_EQ(count(profile(model::Select::strongest), light_section::Validity::ambiguous), 0);
 }
 
-INSTANTIATE_TEST_SUITE_P(Modes, StrongestRun, ::testing::Values(Mode::binary, Mode::grey, Mode::grey_over));
+INSTANTIATE_TEST_SUITE_P(Modes, StrongestRun,
+                         ::testing::Values(model::Mode::binary, model::Mode::grey, model::Mode::grey_over));
 
 TEST(BinarySecond, WhatIsOpenCountsAgainstTheColumn) {
-  EXPECT_EQ(max_of_binary_second(1, 0), 0);
-  EXPECT_EQ(max_of_binary_second(2, 0), 7);
-  EXPECT_EQ(max_of_binary_second(3, 0), 7);
-  EXPECT_EQ(max_of_binary_second(2, 8), 16);
+  EXPECT_EQ(light_section::max_of_binary_second(1, 0), 0);
+  EXPECT_EQ(light_section::max_of_binary_second(2, 0), 7);
+  EXPECT_EQ(light_section::max_of_binary_second(3, 0), 7);
+  EXPECT_EQ(light_section::max_of_binary_second(2, 8), 16);
 }
 
 }  // namespace

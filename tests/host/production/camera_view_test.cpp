@@ -11,15 +11,15 @@
 #include <vector>
 
 #include "host/images/image_files.h"
-#include "host/rig/rig.h"
-#include "model/packet.h"
-#include "model/packet_payload.h"
+#include "selfproj/model/packet.h"
+#include "selfproj/model/packet_payload.h"
+#include "selfproj/rig/rig.h"
 
 namespace selfproj::test {
 namespace {
 
-RigMeasure measure() {
-  RigMeasure result;
+rig::RigMeasure measure() {
+  rig::RigMeasure result;
   result.threshold = 40;
   result.min_lit_px = 2;
   result.max_lit_px = 20;
@@ -27,8 +27,8 @@ RigMeasure measure() {
 }
 
 // A line of this peak in row 20 + column / 8 of the columns from `first` on, 5 rows wide, before grey 10.
-Image line_image(int peak, int first = 0) {
-  Image image{64, 96, std::vector<std::uint8_t>(std::size_t{64} * 96, 10)};
+images::Image line_image(int peak, int first = 0) {
+  images::Image image{64, 96, std::vector<std::uint8_t>(std::size_t{64} * 96, 10)};
   for (int c = first; c < image.columns; ++c) {
     const int middle = 20 + c / 8;
     for (int r = middle - 2; r <= middle + 2; ++r) {
@@ -39,13 +39,13 @@ Image line_image(int peak, int first = 0) {
   return image;
 }
 
-ExposureFigures figures_of(const Image& image) {
-  return exposure_figures(image.view(), line_in_image(image.view(), measure()), measure());
+production::ExposureFigures figures_of(const images::Image& image) {
+  return production::exposure_figures(image.view(), production::line_in_image(image.view(), measure()), measure());
 }
 
 TEST(CameraView, FindsTheLineWhereItIs) {
-  const Image image = line_image(200, 16);
-  const std::vector<float> line = line_in_image(image.view(), measure());
+  const images::Image image = line_image(200, 16);
+  const std::vector<float> line = production::line_in_image(image.view(), measure());
   ASSERT_EQ(line.size(), 96U);
   for (std::size_t c = 0; c < line.size(); ++c) {
     if (c < 16) {
@@ -57,33 +57,33 @@ TEST(CameraView, FindsTheLineWhereItIs) {
 }
 
 TEST(CameraView, FiguresOfTheExposureOfALine) {
-  const ExposureFigures right = figures_of(line_image(200, 12));
+  const production::ExposureFigures right = figures_of(line_image(200, 12));
   EXPECT_TRUE(right.good) << right.advice;
   EXPECT_EQ(right.bright_grey, 200);
   EXPECT_EQ(right.saturated, 0);
   EXPECT_DOUBLE_EQ(right.dark, 12.0 / 96);
 
-  const ExposureFigures bright = figures_of(line_image(255));
+  const production::ExposureFigures bright = figures_of(line_image(255));
   EXPECT_FALSE(bright.good);
   EXPECT_EQ(bright.saturated, 1);
   EXPECT_EQ(bright.advice, "too bright: 100.0 % of the line is saturated; shorten the exposure");
 
-  const ExposureFigures dim = figures_of(line_image(120));
+  const production::ExposureFigures dim = figures_of(line_image(120));
   EXPECT_FALSE(dim.good);
   EXPECT_EQ(dim.advice, "too dark: its brightest places have grey value 120; lengthen the exposure");
 
-  const ExposureFigures none = figures_of(line_image(200, 60));
+  const production::ExposureFigures none = figures_of(line_image(200, 60));
   EXPECT_FALSE(none.good);
   EXPECT_NE(none.advice.find("62 % of the columns have no line"), std::string::npos) << none.advice;
 }
 
 TEST(CameraView, FiguresOfTheExposureOfAScanner) {
   const auto striped = [](std::uint8_t bright) {
-    Image image{64, 64, std::vector<std::uint8_t>(std::size_t{64} * 64, 8)};
+    images::Image image{64, 64, std::vector<std::uint8_t>(std::size_t{64} * 64, 8)};
     std::fill(image.pixels.begin(), image.pixels.begin() + 64 * 32, bright);
-    return exposure_figures(image.view(), {}, measure());
+    return production::exposure_figures(image.view(), {}, measure());
   };
-  const ExposureFigures right = striped(180);
+  const production::ExposureFigures right = striped(180);
   EXPECT_TRUE(right.good) << right.advice;
   EXPECT_DOUBLE_EQ(right.dark, 0.5);
   EXPECT_EQ(right.bright_grey, 180);
@@ -95,18 +95,18 @@ TEST(CameraView, FiguresOfTheExposureOfAScanner) {
 TEST(CameraView, TakesWholeImagesWhileSomebodyWatches) {
   bool watched = false;
   std::vector<std::uint64_t> taken;
-  CameraView view;
+  production::CameraView view;
   const auto send = [&](std::uint64_t sequence, int without = -1) {
     for (int row = 0; row < 4; ++row) {
-      PacketHeader header;
+      model::PacketHeader header;
       header.kind = spec::kKindImage;
       header.sequence = sequence;
       header.rows = 4;
       header.columns = 16;
       header.first_line = static_cast<std::uint16_t>(row + 1);
       header.lines = 1;
-      std::vector<std::uint8_t> payload(image_line_payload_bytes(16), static_cast<std::uint8_t>(row));
-      PacketView packet;
+      std::vector<std::uint8_t> payload(model::image_line_payload_bytes(16), static_cast<std::uint8_t>(row));
+      model::PacketView packet;
       packet.header = header;
       packet.payload = payload;
       if (row != without && view.add(packet, watched)) {

@@ -17,9 +17,9 @@
 #include "host/production/height_map.h"
 #include "host/production/learn.h"
 #include "host/production/tolerance.h"
-#include "host/rig/rig.h"
-#include "model/packet.h"
-#include "model/pixel_clock.h"
+#include "selfproj/model/packet.h"
+#include "selfproj/model/pixel_clock.h"
+#include "selfproj/rig/rig.h"
 #include "tests/support/error_of.h"
 
 namespace selfproj::test {
@@ -31,11 +31,11 @@ constexpr double kPlane = 550;
 // z of the surface at a place (x, y), mm.
 using Surface = std::function<double(double, double)>;
 
-Rig small_scanner(PartCut cut = PartCut::image) {
-  Rig rig = load_rig("scanner");
+rig::Rig small_scanner(rig::PartCut cut = rig::PartCut::image) {
+  rig::Rig rig = rig::load_rig("scanner");
   rig.camera.rows = 96;
   rig.camera.columns = 128;  // 117 mm wide on the plane
-  rig.parts = RigParts{.cut = cut, .grid_mm = 1, .pause_s = 0.02};
+  rig.parts = rig::RigParts{.cut = cut, .grid_mm = 1, .pause_s = 0.02};
   return rig;
 }
 
@@ -43,10 +43,10 @@ Rig small_scanner(PartCut cut = PartCut::image) {
 double step(double /*x*/, double y) { return y > 10 ? kPlane - 30 : kPlane; }
 
 // What the camera sees, by fixed-point iteration along each ray; the surfaces here are level but at their walls.
-FloatImage depth_of(const Rig& rig, const Surface& surface, double noise, std::uint64_t seed) {
+images::FloatImage depth_of(const rig::Rig& rig, const Surface& surface, double noise, std::uint64_t seed) {
   std::mt19937_64 random(seed);
   std::normal_distribution<double> error(0, noise);
-  FloatImage depth(rig.camera.rows, rig.camera.columns);
+  images::FloatImage depth(rig.camera.rows, rig.camera.columns);
   const double scale = rig.camera.pixel_pitch_mm / rig.camera.focal_length_mm;
   for (int r = 0; r < depth.rows; ++r) {
     for (int c = 0; c < depth.columns; ++c) {
@@ -62,40 +62,40 @@ FloatImage depth_of(const Rig& rig, const Surface& surface, double noise, std::u
   return depth;
 }
 
-PacketHeader header_of(std::uint64_t sequence, double seconds) {
-  PacketHeader header;
+model::PacketHeader header_of(std::uint64_t sequence, double seconds) {
+  model::PacketHeader header;
   header.sequence = sequence;
-  header.time_stamp = static_cast<std::uint64_t>(seconds * kDefaultPixelClockHz);
+  header.time_stamp = static_cast<std::uint64_t>(seconds * model::kDefaultPixelClockHz);
   return header;
 }
 
 class DepthParts : public ::testing::Test {
  protected:
-  DepthParts() : rig_(small_scanner()), reference_(DepthGrid(rig_).cells(depth_of(rig_, step, 0, 1))) {}
+  DepthParts() : rig_(small_scanner()), reference_(production::DepthGrid(rig_).cells(depth_of(rig_, step, 0, 1))) {}
 
-  CutPart part(const Surface& surface, std::uint64_t seed) {
-    DepthCutter cutter(rig_, kPatterns);
+  production::CutPart part(const Surface& surface, std::uint64_t seed) {
+    production::DepthCutter cutter(rig_, kPatterns);
     return cutter.add(header_of(2 * kPatterns - 1, 1), depth_of(rig_, surface, 0.3, seed), 5).value();
   }
 
-  Tolerance learned() {
-    Learner learner(rig_, reference_, {.min_defect_mm2 = 9, .edge_mm = 3});
+  production::Tolerance learned() {
+    production::Learner learner(rig_, reference_, {.min_defect_mm2 = 9, .edge_mm = 3});
     for (std::uint64_t i = 0; i < 8; ++i) {
       learner.add(part(step, i));
     }
     return learner.learn("good");
   }
 
-  Rig rig_;
-  HeightCells reference_;
+  rig::Rig rig_;
+  production::HeightCells reference_;
 };
 
 TEST_F(DepthParts, MapsAreEvenAndTrue) {
-  const CutPart cut = part(step, 1);
+  const production::CutPart cut = part(step, 1);
   EXPECT_EQ(cut.first, 8U);
   EXPECT_EQ(cut.last, 15U);
   EXPECT_EQ(cut.last_ns, 5);
-  const MapGrid& grid = cut.cells.grid;
+  const production::MapGrid& grid = cut.cells.grid;
   EXPECT_EQ(grid.pitch_mm, 1);
   const double pixel = kPlane * rig_.camera.pixel_pitch_mm / rig_.camera.focal_length_mm;
   int there = 0;
@@ -114,11 +114,11 @@ TEST_F(DepthParts, MapsAreEvenAndTrue) {
 }
 
 TEST_F(DepthParts, LearnsARegionForEachSurface) {
-  const Tolerance tolerance = learned();
+  const production::Tolerance tolerance = learned();
   EXPECT_FALSE(tolerance.by_edges);
   ASSERT_EQ(tolerance.regions.size(), 2U);
-  EXPECT_EQ(parse_tolerance(to_yaml(tolerance), "text").regions.size(), 2U);
-  for (const ToleranceRegion& region : tolerance.regions) {
+  EXPECT_EQ(production::parse_tolerance(production::to_yaml(tolerance), "text").regions.size(), 2U);
+  for (const production::ToleranceRegion& region : tolerance.regions) {
     double left = 1e9;
     double right = -1e9;
     for (std::size_t i = 1; i < region.corners_mm.size(); i += 2) {
@@ -136,20 +136,20 @@ TEST_F(DepthParts, LearnsARegionForEachSurface) {
 }
 
 TEST_F(DepthParts, FindsWhatIsPlanted) {
-  const Tolerance tolerance = learned();
-  const Classifier classifier(rig_, reference_, tolerance, "tolerance");
-  PlacedMaps maps;
+  const production::Tolerance tolerance = learned();
+  const production::Classifier classifier(rig_, reference_, tolerance, "tolerance");
+  production::PlacedMaps maps;
   for (std::uint64_t seed = 100; seed < 110; ++seed) {
-    const PartResult good = classifier.classify(part(step, seed), maps);
-    EXPECT_EQ(good.verdict, Verdict::good) << good.reason;
+    const production::PartResult good = classifier.classify(part(step, seed), maps);
+    EXPECT_EQ(good.verdict, production::Verdict::good) << good.reason;
   }
   // A dent of 6 mm, 3 mm deep, on the plane at (20, -30).
   const Surface dented = [](double x, double y) { return step(x, y) + (std::hypot(x - 20, y + 30) < 6 ? 3 : 0); };
-  const PartResult bad = classifier.classify(part(dented, 7), maps);
-  ASSERT_EQ(bad.verdict, Verdict::bad) << bad.reason;
+  const production::PartResult bad = classifier.classify(part(dented, 7), maps);
+  ASSERT_EQ(bad.verdict, production::Verdict::bad) << bad.reason;
   ASSERT_EQ(bad.defects.size(), 1U);
-  const Defect& dent = bad.defects.front();
-  const double along = 20 + 0.5 * DepthGrid(rig_).length_mm();
+  const production::Defect& dent = bad.defects.front();
+  const double along = 20 + 0.5 * production::DepthGrid(rig_).length_mm();
   EXPECT_NEAR(dent.along_mm, along, 1);
   EXPECT_NEAR(dent.across_mm, -30, 1);
   EXPECT_NEAR(dent.size_across_mm, 12, 2);
@@ -158,19 +158,19 @@ TEST_F(DepthParts, FindsWhatIsPlanted) {
                   static_cast<int>(std::lround(maps.grid.row_of(along))))[std::lround(maps.grid.column_of(-30))],
               -3, 1.5);
   // A part of which the camera sees too little.
-  CutPart hidden = part(step, 8);
+  production::CutPart hidden = part(step, 8);
   for (int r = 20; r < 60; ++r) {
-    std::fill_n(hidden.cells.height.row(r), 40, kNoValue);
+    std::fill_n(hidden.cells.height.row(r), 40, images::kNoValue);
   }
-  const PartResult unknown = classifier.classify(hidden, maps);
-  EXPECT_EQ(unknown.verdict, Verdict::inconclusive);
+  const production::PartResult unknown = classifier.classify(hidden, maps);
+  EXPECT_EQ(unknown.verdict, production::Verdict::inconclusive);
   EXPECT_NE(unknown.reason.find("are missing"), std::string::npos) << unknown.reason;
 }
 
 TEST_F(DepthParts, RefusesOtherTolerancesAndRigs) {
-  Tolerance tolerance = learned();
+  production::Tolerance tolerance = learned();
   const auto refused = [&] {
-    return error_of([&] { const Classifier classifier(rig_, reference_, tolerance, "file"); });
+    return error_of([&] { const production::Classifier classifier(rig_, reference_, tolerance, "file"); });
   };
   EXPECT_EQ(refused(), "none");
   tolerance.by_edges = true;
@@ -184,14 +184,14 @@ TEST_F(DepthParts, RefusesOtherTolerancesAndRigs) {
   tolerance.right_mm += 30;
   EXPECT_NE(refused().find("file: its part is"), std::string::npos) << refused();
   rig_.parts->grid_mm = 0.5;
-  EXPECT_NE(error_of([&] { const DepthGrid grid(rig_); }).find("parts.grid_mm is 0.5"), std::string::npos);
+  EXPECT_NE(error_of([&] { const production::DepthGrid grid(rig_); }).find("parts.grid_mm is 0.5"), std::string::npos);
 }
 
 TEST(DepthCutter, APauseEndsAPartThatIsTheMeanOfItsImages) {
-  const Rig rig = small_scanner(PartCut::trigger);
-  std::vector<CutPart> parts;
-  DepthCutter cutter(rig, kPatterns);
-  const auto keep = [&](std::optional<CutPart> part) {
+  const rig::Rig rig = small_scanner(rig::PartCut::trigger);
+  std::vector<production::CutPart> parts;
+  production::DepthCutter cutter(rig, kPatterns);
+  const auto keep = [&](std::optional<production::CutPart> part) {
     if (part) {
       parts.push_back(std::move(*part));
     }
@@ -200,9 +200,9 @@ TEST(DepthCutter, APauseEndsAPartThatIsTheMeanOfItsImages) {
   double seconds = 0;
   const auto show = [&](int images, double z, double hole = 0) {
     for (int i = 0; i < images; ++i, sequence += 2, seconds += 0.002) {
-      FloatImage depth(rig.camera.rows, rig.camera.columns, static_cast<float>(z + (i % 2 == 0 ? 1 : -1)));
+      images::FloatImage depth(rig.camera.rows, rig.camera.columns, static_cast<float>(z + (i % 2 == 0 ? 1 : -1)));
       if (i >= hole) {
-        depth.row(40)[50] = kNoValue;
+        depth.row(40)[50] = images::kNoValue;
       }
       keep(cutter.add(header_of(sequence, seconds), depth, 1000 + static_cast<std::int64_t>(sequence)));
     }
@@ -226,20 +226,20 @@ TEST(DepthCutter, APauseEndsAPartThatIsTheMeanOfItsImages) {
   // Four pairs of the third part are left out, and 6 images remain.
   EXPECT_EQ(parts[1].last + 1 - parts[1].first, kPatterns + 2 * 5U);
   for (const auto& [part, height] : {std::pair(&parts[0], 10.0), std::pair(&parts[1], 20.0)}) {
-    const FloatImage& map = part->cells.height;
+    const images::FloatImage& map = part->cells.height;
     EXPECT_NEAR(map.row(map.rows / 2)[map.columns / 2], height, 1e-3);
   }
 }
 
 // Frames that are lost take time, too, and are no pause.
 TEST(DepthCutter, LostImagesAreNoPause) {
-  const Rig rig = small_scanner(PartCut::trigger);
-  DepthCutter cutter(rig, kPatterns);
-  const FloatImage depth(rig.camera.rows, rig.camera.columns, 540);
+  const rig::Rig rig = small_scanner(rig::PartCut::trigger);
+  production::DepthCutter cutter(rig, kPatterns);
+  const images::FloatImage depth(rig.camera.rows, rig.camera.columns, 540);
   for (std::uint64_t sequence = 7; sequence < 400; sequence += sequence == 107 ? 102 : 2) {
     EXPECT_FALSE(cutter.add(header_of(sequence, static_cast<double>(sequence) * 0.001), depth, 0));
   }
-  const std::optional<CutPart> part = cutter.finish();
+  const std::optional<production::CutPart> part = cutter.finish();
   ASSERT_TRUE(part);
   EXPECT_EQ(part->missing, 100U);
 }

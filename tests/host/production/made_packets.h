@@ -10,11 +10,11 @@
 #include <string>
 #include <vector>
 
-#include "host/light_section/reference.h"
 #include "host/rig/geometry.h"
-#include "host/rig/rig.h"
-#include "model/column_moments.h"
-#include "model/packet.h"
+#include "selfproj/light_section/reference.h"
+#include "selfproj/model/column_moments.h"
+#include "selfproj/model/packet.h"
+#include "selfproj/rig/rig.h"
 #include "tests/host/production/made_parts.h"
 
 namespace selfproj::test {
@@ -23,11 +23,11 @@ namespace selfproj::test {
 // are some millimetres, so that the line stays in the image; `noise` is that of the centroids, in rows.
 class MadePackets {
  public:
-  MadePackets(const Rig& rig, std::uint64_t seed) : rig_(rig), random_(seed) {
+  MadePackets(const rig::Rig& rig, std::uint64_t seed) : rig_(rig), random_(seed) {
     const std::vector<double> heights(static_cast<std::size_t>(rig.camera.columns), 0.0);
-    reference_ = reference_of_curve(rig, curve_of_heights(rig, heights));
+    reference_ = light_section::reference_of_curve(rig, light_section::curve_of_heights(rig, heights));
     moments_.resize(rig.camera.columns);
-    payload_.resize(moments_payload_bytes(rig.measure.mode, rig.camera.columns));
+    payload_.resize(model::moments_payload_bytes(rig.measure.mode, rig.camera.columns));
   }
 
   double step_mm = 0.1;
@@ -58,10 +58,11 @@ class MadePackets {
       // the height is that of the top there.
       double tan = alpha(i, 0);
       double guess = part.height(0.5 * part.length, 0);
-      bool seen = std::isnan(part.seen(along, rig_.plane_z_mm * tan_beta(rig_.camera, column)));  // else a side of it
+      bool seen =
+          std::isnan(part.seen(along, rig_.plane_z_mm * rig::tan_beta(rig_.camera, column)));  // else a side of it
       for (int round = 0; round < 4; ++round) {
         const double z = rig_.plane_z_mm - guess;
-        const double top = part.seen(along - z * alpha(i, guess), z * tan_beta(rig_.camera, column));
+        const double top = part.seen(along - z * alpha(i, guess), z * rig::tan_beta(rig_.camera, column));
         if (std::isnan(top)) {
           break;
         }
@@ -69,14 +70,14 @@ class MadePackets {
         tan = alpha(i, top);
         seen = true;
       }
-      const double row = centroid_of(rig_.camera, tan) + normal(random_);
+      const double row = rig::centroid_of(rig_.camera, tan) + normal(random_);
       constexpr double kLight = 200'000;
       seen = seen && row > 4 && row < rig_.camera.rows - 3;
       moments_.m0[i] = seen ? static_cast<std::uint32_t>(kLight) : 0;
       moments_.m1[i] = seen ? static_cast<std::uint32_t>(std::lround(kLight * row)) : 0;
       moments_.n[i] = seen ? 5 : 0;
     }
-    PacketHeader header;
+    model::PacketHeader header;
     header.kind = spec::kKindMoments;
     header.sequence = sequence_;
     header.time_stamp = 15120 * sequence_;
@@ -85,23 +86,23 @@ class MadePackets {
     header.rows = static_cast<std::uint16_t>(rig_.camera.rows);
     header.mode = static_cast<std::uint8_t>(rig_.measure.mode);
     header.threshold = static_cast<std::uint8_t>(rig_.measure.threshold);
-    pack_moments(rig_.measure.mode, rig_.camera.columns, moments_.view(), payload_.data());
-    append_packet(header, payload_, 0, bytes);
+    model::pack_moments(rig_.measure.mode, rig_.camera.columns, moments_.view(), payload_.data());
+    model::append_packet(header, payload_, 0, bytes);
     ++sequence_;
   }
 
-  Rig rig_;
+  rig::Rig rig_;
   std::mt19937_64 random_;
-  ReferenceProfile reference_;
-  Moments moments_;
+  light_section::ReferenceProfile reference_;
+  model::Moments moments_;
   std::vector<std::uint8_t> payload_;
   double belt_ = 50;
   std::uint64_t sequence_ = 0;
 };
 
 // The rig of such parts, which are 8 mm high.
-inline Rig rig_of_made_packets() {
-  Rig rig = rig_with_parts();
+inline rig::Rig rig_of_made_packets() {
+  rig::Rig rig = rig_with_parts();
   rig.name = "made";
   rig.parts->above_mm = 4;
   return rig;

@@ -12,24 +12,24 @@
 #include <utility>
 #include <vector>
 
-#include "host/light_section/profile.h"
 #include "host/production/cutter.h"
-#include "host/rig/rig.h"
-#include "model/packet.h"
+#include "selfproj/light_section/profile.h"
+#include "selfproj/model/packet.h"
+#include "selfproj/rig/rig.h"
 
 namespace selfproj::test {
 
-inline Rig rig_with_parts() {
-  Rig rig = load_rig("light-section");
-  rig.parts = RigParts{.cut = PartCut::profile,
-                       .by_encoder = true,
-                       .grid_mm = 0.25,
-                       .above_mm = 5,
-                       .min_width_mm = 2,
-                       .gap_mm = 3,
-                       .pause_s = 0.005,
-                       .min_length_mm = 5,
-                       .length_mm = 60};
+inline rig::Rig rig_with_parts() {
+  rig::Rig rig = rig::load_rig("light-section");
+  rig.parts = rig::RigParts{.cut = rig::PartCut::profile,
+                            .by_encoder = true,
+                            .grid_mm = 0.25,
+                            .above_mm = 5,
+                            .min_width_mm = 2,
+                            .gap_mm = 3,
+                            .pause_s = 0.005,
+                            .min_length_mm = 5,
+                            .length_mm = 60};
   return rig;
 }
 
@@ -57,23 +57,23 @@ struct MadePart {
 
 // The parts that a cutter made of what is sent to it.
 struct Cut {
-  explicit Cut(const Rig& rig) : cutter(rig) {}
+  explicit Cut(const rig::Rig& rig) : cutter(rig) {}
 
-  void add(std::optional<CutPart> part) {
+  void add(std::optional<production::CutPart> part) {
     if (part) {
       parts.push_back(std::move(*part));
     }
   }
   void finish() { add(cutter.finish()); }
 
-  std::vector<CutPart> parts;
-  ProfileCutter cutter;
+  std::vector<production::CutPart> parts;
+  production::ProfileCutter cutter;
 };
 
 // Sends frames of a belt to a cutter.
 class MadeBelt {
  public:
-  MadeBelt(const Rig& rig, std::uint64_t seed) : rig_(rig), random_(seed) { profile_.resize(rig.camera.columns); }
+  MadeBelt(const rig::Rig& rig, std::uint64_t seed) : rig_(rig), random_(seed) { profile_.resize(rig.camera.columns); }
 
   double step_mm = 0.1;
   double jitter = 0;           // a step is up to this share longer or shorter
@@ -110,9 +110,10 @@ class MadeBelt {
       profile_.x[at] = 0;
       profile_.y[at] = static_cast<float>(y);
       profile_.z[at] = static_cast<float>(rig_.plane_z_mm - h - (noise > 0 ? noise * normal(random_) : 0));
-      profile_.validity[at] = static_cast<std::uint8_t>(there ? Validity::valid : Validity::unlit);
+      profile_.validity[at] =
+          static_cast<std::uint8_t>(there ? light_section::Validity::valid : light_section::Validity::unlit);
     }
-    PacketHeader header;
+    model::PacketHeader header;
     header.sequence = sequence;
     header.time_stamp = sequence * clocks + pause_;
     header.encoder = static_cast<std::uint32_t>(std::llround(belt_mm / rig_.conveyor.encoder_mm_per_count));
@@ -124,9 +125,9 @@ class MadeBelt {
   void pause(double seconds) { pause_ += static_cast<std::uint64_t>(seconds * rig_.pixel_clock_hz()); }
 
  private:
-  Rig rig_;
+  rig::Rig rig_;
   std::mt19937_64 random_;
-  Profile profile_;
+  light_section::Profile profile_;
   std::uint64_t pause_ = 0;
 };
 

@@ -10,8 +10,6 @@
 #include <utility>
 #include <vector>
 
-#include "host/light_section/differential_profile.h"
-#include "host/light_section/reference.h"
 #include "host/production/classifier.h"
 #include "host/production/cutter.h"
 #include "host/production/learn.h"
@@ -19,6 +17,8 @@
 #include "host/production/part_result.h"
 #include "host/production/placement.h"
 #include "host/production/tolerance.h"
+#include "selfproj/light_section/differential_profile.h"
+#include "selfproj/light_section/reference.h"
 #include "tests/host/production/made_parts.h"
 #include "tests/support/error_of.h"
 
@@ -28,10 +28,10 @@ namespace {
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 // A box 20 mm high, y from -20 to 20, as a reference that covers all of it.
-SectionReference box_section(const Rig& rig) {
-  const ReferenceCurve curve{{-60, -20, -20, 20, 20, 60}, {1167, 1167, 1147, 1147, 1167, 1167}};
-  const ReferenceProfile reference = reference_of_curve(rig, curve);
-  return section_of(rig, reference, DifferentialProfiler(rig, reference));
+production::SectionReference box_section(const rig::Rig& rig) {
+  const light_section::ReferenceCurve curve{{-60, -20, -20, 20, 20, 60}, {1167, 1167, 1147, 1147, 1167, 1167}};
+  const light_section::ReferenceProfile reference = light_section::reference_of_curve(rig, curve);
+  return production::section_of(rig, reference, light_section::DifferentialProfiler(rig, reference));
 }
 
 TEST(Parts, AreCutByTheProfile) {
@@ -52,10 +52,10 @@ TEST(Parts, AreCutByTheProfile) {
   EXPECT_TRUE(cut.parts[2].too_long);
   EXPECT_FALSE(cut.parts[3].too_long);  // the rest of it
   EXPECT_NEAR(cut.parts[2].length_mm + cut.parts[3].length_mm, 100, 1);
-  for (const CutPart& part : cut.parts) {
+  for (const production::CutPart& part : cut.parts) {
     EXPECT_FALSE(part.restarted);
     // Whatever the belt did, the map is even and full: every cell inside has its height.
-    const MapGrid& grid = part.cells.grid;
+    const production::MapGrid& grid = part.cells.grid;
     const int middle = grid.columns / 2;
     int there = 0;
     for (int r = 0; r < grid.rows; ++r) {
@@ -83,8 +83,8 @@ TEST(Parts, CornersThatComeBeforeThePartIsWideEnoughAreInItsMap) {
 }
 
 TEST(Parts, AreCutByDistanceAndByTrigger) {
-  Rig rig = rig_with_parts();
-  rig.parts->cut = PartCut::distance;
+  rig::Rig rig = rig_with_parts();
+  rig.parts->cut = rig::PartCut::distance;
   rig.parts->length_mm = 25;
   Cut cut(rig);
   MadeBelt belt(rig, 1);
@@ -97,7 +97,7 @@ TEST(Parts, AreCutByDistanceAndByTrigger) {
     EXPECT_FALSE(cut.parts[i].too_long);
   }
 
-  rig.parts->cut = PartCut::trigger;
+  rig.parts->cut = rig::PartCut::trigger;
   rig.parts->by_encoder = false;  // speed and time stamps
   Cut triggered(rig);
   MadeBelt other(rig, 1);
@@ -137,7 +137,7 @@ TEST(Parts, LostFramesAndRestartsAreTold) {
 }
 
 TEST(Parts, ArePlacedByTheirEdges) {
-  const Outline outline{30.0, -20.0, 20.0};
+  const production::Outline outline{30.0, -20.0, 20.0};
   for (const double turn : {-3.0, -0.4, 0.0, 1.5}) {
     for (const double across : {-1.3, 0.1, 2.0}) {
       SCOPED_TRACE(std::to_string(turn) + " degrees, " + std::to_string(across) + " mm");
@@ -150,7 +150,7 @@ TEST(Parts, ArePlacedByTheirEdges) {
       belt.pass(cut, {.length = 30, .height = height, .across = across, .turn_deg = turn});
       belt.bare(cut, 5);
       ASSERT_EQ(cut.parts.size(), 1U);
-      const auto placed = place_by_edges(edges_of(cut.parts[0].cells, 5), outline);
+      const auto placed = production::place_by_edges(production::edges_of(cut.parts[0].cells, 5), outline);
       ASSERT_TRUE(placed);
       EXPECT_EQ(placed->edges, "leading trailing left right");
       // A side edge that is turned by less than a camera column over its length looks straight.
@@ -159,8 +159,8 @@ TEST(Parts, ArePlacedByTheirEdges) {
       EXPECT_NEAR(*placed->length_mm, 30, 0.15);
       EXPECT_NEAR(*placed->width_mm, 40, 0.3);
       EXPECT_LT(placed->residual_mm, 0.2);
-      const MapGrid grid = placed_grid(0.25, 30, -20, 20);
-      const FloatImage map = placed_heights(cut.parts[0].cells, *placed, grid);
+      const production::MapGrid grid = production::placed_grid(0.25, 30, -20, 20);
+      const images::FloatImage map = production::placed_heights(cut.parts[0].cells, *placed, grid);
       double along = 0, beside = 0, count = 0;
       for (int r = 0; r < grid.rows; ++r) {
         for (int c = 0; c < grid.columns; ++c) {
@@ -179,8 +179,8 @@ TEST(Parts, ArePlacedByTheirEdges) {
 // The part of the reference, learned from good ones.
 class Classified : public ::testing::Test {
  protected:
-  static Tolerance learned(const Rig& rig, int parts, std::uint64_t seed) {
-    Learner learner(rig, box_section(rig), {});
+  static production::Tolerance learned(const rig::Rig& rig, int parts, std::uint64_t seed) {
+    production::Learner learner(rig, box_section(rig), {});
     Cut cut(rig);
     MadeBelt belt(rig, seed);
     std::mt19937_64 random(seed);
@@ -189,25 +189,25 @@ class Classified : public ::testing::Test {
       belt.pass(cut, {.length = 30, .across = any(random), .turn_deg = any(random), .noise = 0.03});
     }
     belt.bare(cut, 5);
-    for (CutPart& part : cut.parts) {
+    for (production::CutPart& part : cut.parts) {
       learner.add(std::move(part));
     }
     return learner.learn("good");
   }
 
-  PartResult classify(const MadePart& part) {
+  production::PartResult classify(const MadePart& part) {
     Cut cut(rig_);
     MadeBelt belt(rig_, 99);
     belt.pass(cut, part);
     belt.bare(cut, 5);
     EXPECT_EQ(cut.parts.size(), 1U);
-    return cut.parts.size() == 1 ? classifier_.classify(cut.parts[0], maps_) : PartResult{};
+    return cut.parts.size() == 1 ? classifier_.classify(cut.parts[0], maps_) : production::PartResult{};
   }
 
-  Rig rig_ = rig_with_parts();
-  Tolerance tolerance_ = learned(rig_, 12, 5);
-  Classifier classifier_{rig_, box_section(rig_), tolerance_, "t.yaml"};
-  PlacedMaps maps_;
+  rig::Rig rig_ = rig_with_parts();
+  production::Tolerance tolerance_ = learned(rig_, 12, 5);
+  production::Classifier classifier_{rig_, box_section(rig_), tolerance_, "t.yaml"};
+  production::PlacedMaps maps_;
 };
 
 TEST_F(Classified, GoodPartsAreOk) {
@@ -217,8 +217,8 @@ TEST_F(Classified, GoodPartsAreOk) {
   EXPECT_LT(tolerance_.regions[0].high_mm, 0.12);
   EXPECT_GT(tolerance_.regions[0].low_mm, -0.12);
   for (const double turn : {-0.9, 0.0, 0.7}) {
-    const PartResult result = classify({.length = 30, .across = turn, .turn_deg = turn, .noise = 0.03});
-    EXPECT_EQ(result.verdict, Verdict::good) << result.reason;
+    const production::PartResult result = classify({.length = 30, .across = turn, .turn_deg = turn, .noise = 0.03});
+    EXPECT_EQ(result.verdict, production::Verdict::good) << result.reason;
     EXPECT_TRUE(result.defects.empty());
     EXPECT_NEAR(result.regions.at(0).mean_mm, 0, 0.01);
   }
@@ -231,16 +231,17 @@ TEST_F(Classified, DefectsAreFoundWithPlaceSizeAndDepth) {
     }
     return std::abs(v - 20) < 2 && std::abs(w - 12) < 1 ? 20.4 : 20.0;
   };
-  const PartResult result = classify({.length = 30, .height = height, .across = 0.8, .turn_deg = -0.9, .noise = 0.02});
-  EXPECT_EQ(result.verdict, Verdict::bad);
+  const production::PartResult result =
+      classify({.length = 30, .height = height, .across = 0.8, .turn_deg = -0.9, .noise = 0.02});
+  EXPECT_EQ(result.verdict, production::Verdict::bad);
   ASSERT_EQ(result.defects.size(), 2U);
-  const Defect& bump = result.defects[0];
+  const production::Defect& bump = result.defects[0];
   EXPECT_NEAR(bump.along_mm, 20, 0.2);
   EXPECT_NEAR(bump.across_mm, 12, 0.25);
   EXPECT_NEAR(bump.area_mm2, 8, 2.5);
   EXPECT_NEAR(bump.size_along_mm, 4, 0.6);
   EXPECT_NEAR(bump.depth_mm, 0.4, 0.06);
-  const Defect& dent = result.defects[1];
+  const production::Defect& dent = result.defects[1];
   EXPECT_NEAR(dent.along_mm, 8, 0.2);
   EXPECT_NEAR(dent.across_mm, -10, 0.25);
   EXPECT_NEAR(dent.area_mm2, 2.25 * std::numbers::pi, 2.5);
@@ -249,23 +250,23 @@ TEST_F(Classified, DefectsAreFoundWithPlaceSizeAndDepth) {
 }
 
 TEST_F(Classified, WhatCannotBeSeenCannotBeTold) {
-  const PartResult holes =
+  const production::PartResult holes =
       classify({.length = 30, .height = [](double v, double w) { return v > 10 && v < 14 && w > 0 ? kNone : 20.0; }});
-  EXPECT_EQ(holes.verdict, Verdict::inconclusive);
+  EXPECT_EQ(holes.verdict, production::Verdict::inconclusive);
   EXPECT_NE(holes.reason.find("of region 'surface 1' are missing"), std::string::npos) << holes.reason;
-  const PartResult shifted = classify({.length = 30, .across = 4});
-  EXPECT_EQ(shifted.verdict, Verdict::inconclusive);
+  const production::PartResult shifted = classify({.length = 30, .across = 4});
+  EXPECT_EQ(shifted.verdict, production::Verdict::inconclusive);
   EXPECT_EQ(shifted.reason.rfind("is shifted across by ", 0), 0U) << shifted.reason;
-  const PartResult turned = classify({.length = 30, .turn_deg = 5});
+  const production::PartResult turned = classify({.length = 30, .turn_deg = 5});
   EXPECT_EQ(turned.reason.rfind("is turned by ", 0), 0U) << turned.reason;
-  const PartResult short_one = classify({.length = 25});
+  const production::PartResult short_one = classify({.length = 25});
   EXPECT_EQ(short_one.reason.rfind("its edges do not fit by ", 0), 0U) << short_one.reason;
-  EXPECT_EQ(short_one.verdict, Verdict::inconclusive);
+  EXPECT_EQ(short_one.verdict, production::Verdict::inconclusive);
 }
 
 TEST_F(Classified, ToleranceIsReadBackAndItsFaultsAreNamed) {
-  const std::string yaml = to_yaml(tolerance_);
-  EXPECT_EQ(to_yaml(parse_tolerance(yaml, "t.yaml")), yaml);
+  const std::string yaml = production::to_yaml(tolerance_);
+  EXPECT_EQ(production::to_yaml(production::parse_tolerance(yaml, "t.yaml")), yaml);
   // Keys of earlier files.
   std::string old = yaml;
   for (const auto& [key, before] :
@@ -274,13 +275,13 @@ TEST_F(Classified, ToleranceIsReadBackAndItsFaultsAreNamed) {
         std::pair{"max_missing", "most_missing"}}) {
     old.replace(old.find(key), std::string(key).size(), before);
   }
-  EXPECT_EQ(to_yaml(parse_tolerance(old, "t.yaml")), yaml);
+  EXPECT_EQ(production::to_yaml(production::parse_tolerance(old, "t.yaml")), yaml);
   const auto with = [&](const std::string& from, const std::string& to) {
     std::string text = yaml;
     const std::size_t at = text.find(from);
     EXPECT_NE(at, std::string::npos) << from;
     text.replace(at, text.find('\n', at) - at, to);
-    return error_of([&] { parse_tolerance(text, "t.yaml"); });
+    return error_of([&] { production::parse_tolerance(text, "t.yaml"); });
   };
   EXPECT_NE(with("length_mm: ", "length_mm: -3").find("part.length_mm is -3"), std::string::npos);
   EXPECT_NE(with("corners_mm: ", "corners_mm: [0, 0, 300, 0, 0, 10]")
@@ -290,19 +291,24 @@ TEST_F(Classified, ToleranceIsReadBackAndItsFaultsAreNamed) {
   EXPECT_NE(with("corners_mm: ", "corners_mm: [0, 0, 5]").find("three corners"), std::string::npos);
   EXPECT_NE(with("low_mm: ", "low_mm: 7").find("high_mm must be greater"), std::string::npos);
   EXPECT_NE(with("max_missing: ", "max_mising: 0").find("unknown key"), std::string::npos);
-  EXPECT_NE(error_of([] { parse_tolerance("part: 3", "t.yaml"); }).find("regions must be a list"), std::string::npos);
-  EXPECT_EQ(error_of([] { parse_tolerance("[1]", "t.yaml"); }),
+  EXPECT_NE(error_of([] { production::parse_tolerance("part: 3", "t.yaml"); }).find("regions must be a list"),
+            std::string::npos);
+  EXPECT_EQ(error_of([] { production::parse_tolerance("[1]", "t.yaml"); }),
             "t.yaml: is not a tolerance; keys and values are expected");
 
-  const ReferenceProfile plane = reference_of_curve(rig_, {{-60, 60}, {rig_.plane_z_mm, rig_.plane_z_mm}});
-  const SectionReference other = section_of(rig_, plane, DifferentialProfiler(rig_, plane));
-  EXPECT_NE(error_of([&] { Classifier(rig_, other, tolerance_, "t.yaml"); }).find("t.yaml: is for another part: at "),
+  const light_section::ReferenceProfile plane =
+      light_section::reference_of_curve(rig_, {{-60, 60}, {rig_.plane_z_mm, rig_.plane_z_mm}});
+  const production::SectionReference other =
+      production::section_of(rig_, plane, light_section::DifferentialProfiler(rig_, plane));
+  EXPECT_NE(error_of([&] {
+              production::Classifier(rig_, other, tolerance_, "t.yaml");
+            }).find("t.yaml: is for another part: at "),
             std::string::npos);
   EXPECT_EQ(error_of([&] { learned(rig_, 3, 1); }), "good: 3 good parts came; at least 5 are needed");
 }
 
 TEST(Parts, FiguresOverParts) {
-  RunningFigures figures;
+  production::RunningFigures figures;
   for (int i = 0; i < 1000; ++i) {
     figures.add(1e6 + 0.5 * i + (i % 2 == 0 ? 1 : -1));
   }
@@ -312,18 +318,18 @@ TEST(Parts, FiguresOverParts) {
 }
 
 TEST(Parts, RigsSayHowTheyAreCut) {
-  const Rig rig = rig_with_parts();
-  const std::string yaml = to_yaml(rig);
-  EXPECT_EQ(to_yaml(parse_rig(yaml, "rig.yaml")), yaml);
+  const rig::Rig rig = rig_with_parts();
+  const std::string yaml = rig::to_yaml(rig);
+  EXPECT_EQ(rig::to_yaml(rig::parse_rig(yaml, "rig.yaml")), yaml);
   const auto error_with = [&](const std::string& from, const std::string& to) {
     std::string text = yaml;
     text.replace(text.find(from), from.size(), to);
-    return error_of([&] { ProfileCutter(parse_rig(text, "rig.yaml")); });
+    return error_of([&] { production::ProfileCutter(rig::parse_rig(text, "rig.yaml")); });
   };
   EXPECT_NE(error_with("cut: profile", "cut: time").find("parts.cut is 'time'"), std::string::npos);
   EXPECT_NE(error_with("grid_mm: 0.25", "grid_mm: 0.2").find("columns are 0.2334 mm apart"), std::string::npos);
   EXPECT_NE(error_with("  min_length_mm: 5", "  min_length_mm: 70").find("it must be greater"), std::string::npos);
-  EXPECT_NE(error_of([] { ProfileCutter(load_rig("light-section")); }).find("has no section `parts`"),
+  EXPECT_NE(error_of([] { production::ProfileCutter(rig::load_rig("light-section")); }).find("has no section `parts`"),
             std::string::npos);
 }
 

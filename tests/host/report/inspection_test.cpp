@@ -1,5 +1,5 @@
 // Writes a small inspection with known numbers, reads every file back and compares it.
-#include "host/light_section/inspection.h"
+#include "selfproj/light_section/inspection.h"
 
 #include <gtest/gtest.h>
 
@@ -20,12 +20,12 @@
 #include <vector>
 
 #include "host/files/output_folder.h"
-#include "host/files/user_error.h"
-#include "host/images/float_image.h"
 #include "host/report/inspection_output.h"
+#include "selfproj/files/user_error.h"
+#include "selfproj/images/float_image.h"
 #include "tests/cli/program.h"
 
-namespace selfproj {
+namespace selfproj::test {
 namespace {
 
 constexpr int kColumns = 8;
@@ -33,9 +33,9 @@ constexpr int kFrames = 6;
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 
 struct Sample {
-  PacketHeader header;
-  Moments moments;
-  Profile profile;
+  model::PacketHeader header;
+  model::Moments moments;
+  light_section::Profile profile;
 };
 
 // Frame i (from 0). Every number reveals its place. In each frame one column is invalid, each for another reason.
@@ -70,8 +70,8 @@ Sample sample(int i) {
   return s;
 }
 
-Inspection inspect(int frames = kFrames, const InspectionOptions& options = {}) {
-  Inspection inspection(load_rig("light-section"), kColumns, options);
+light_section::Inspection inspect(int frames = kFrames, const light_section::InspectionOptions& options = {}) {
+  light_section::Inspection inspection(rig::load_rig("light-section"), kColumns, options);
   for (int i = 0; i < frames; ++i) {
     Sample s = sample(i);
     inspection.add(s.header, s.moments.view(), s.profile.view());
@@ -79,8 +79,8 @@ Inspection inspect(int frames = kFrames, const InspectionOptions& options = {}) 
   return inspection;
 }
 
-CameraPicture camera_picture() {
-  CameraPicture camera;
+report::CameraPicture camera_picture() {
+  report::CameraPicture camera;
   camera.image.rows = 16;
   camera.image.columns = kColumns;
   camera.image.pixels.assign(16 * kColumns, 30);
@@ -105,14 +105,14 @@ std::vector<std::vector<std::string>> read_csv(const std::filesystem::path& file
 class WrittenInspection : public ::testing::Test {
  protected:
   void SetUp() override {
-    OutputFolder output(scratch_ / "out");
-    ReportParts parts;
+    files::OutputFolder output(scratch_ / "out");
+    report::ReportParts parts;
     parts.title = "A <test> & more";
     parts.counters = {{"lost_board", "lost on the board", std::int64_t{1234567}}};
     parts.settings = {{"scene", "scene", std::string("stairs")}, {"gain", "gain", 1.5, "dB"}};
     parts.tables = {{"Published and measured", {"what", "published", "measured"}, {{"step", "30.12", "30.01"}}}};
     parts.camera = camera_picture();
-    write_inspection(inspect(), output, parts);
+    report::write_inspection(inspect(), output, parts);
     output.commit();
   }
   [[nodiscard]] std::filesystem::path file(const std::string& name) const { return scratch_ / "out" / name; }
@@ -205,8 +205,8 @@ TEST_F(WrittenInspection, CloudIsCarriedBackByTheBelt) {
 }
 
 TEST_F(WrittenInspection, HeightAndDifferenceAreTowardsTheCamera) {
-  const FloatImage height = read_float_tiff(file("height.tiff"));
-  const FloatImage difference = read_float_tiff(file("difference.tiff"));
+  const images::FloatImage height = images::read_float_tiff(file("height.tiff"));
+  const images::FloatImage difference = images::read_float_tiff(file("difference.tiff"));
   ASSERT_EQ(height.rows, kFrames);
   ASSERT_EQ(height.columns, kColumns);
   ASSERT_EQ(difference.rows, kFrames);
@@ -251,7 +251,7 @@ TEST_F(WrittenInspection, SummaryCounts) {
   EXPECT_EQ(json["mode"], "grey-over");
   EXPECT_DOUBLE_EQ(json["height_mm"]["min"], 17);       // frame 1, column 1
   EXPECT_DOUBLE_EQ(json["difference_mm"]["max"], 0.5);  // column 1
-  EXPECT_EQ(parse_rig(json["rig"]["yaml"], "summary").camera.columns, 512);
+  EXPECT_EQ(rig::parse_rig(json["rig"]["yaml"], "summary").camera.columns, 512);
   EXPECT_EQ(json["tables"][0]["rows"][0][2], "30.01");
 }
 
@@ -276,18 +276,18 @@ TEST_F(WrittenInspection, ReportStandsAlone) {
 
 TEST(Inspection, ThePayloadSaysTheSameAsTheNumbers) {
   const test::ScratchFolder scratch;
-  Inspection inspection(load_rig("light-section"), kColumns, {.expected_frames = 2});
+  light_section::Inspection inspection(rig::load_rig("light-section"), kColumns, {.expected_frames = 2});
   for (int i = 0; i < kFrames; ++i) {
     Sample s = sample(i);
-    std::vector<std::uint8_t> payload(moments_payload_bytes(Mode::grey_over, kColumns));
-    pack_moments(Mode::grey_over, kColumns, s.moments.view(), payload.data());
+    std::vector<std::uint8_t> payload(model::moments_payload_bytes(model::Mode::grey_over, kColumns));
+    model::pack_moments(model::Mode::grey_over, kColumns, s.moments.view(), payload.data());
     inspection.add(s.header, payload, s.profile.view());
   }
-  OutputFolder by_payload(scratch / "a");
-  write_inspection(inspection, by_payload);
+  files::OutputFolder by_payload(scratch / "a");
+  report::write_inspection(inspection, by_payload);
   by_payload.commit();
-  OutputFolder by_numbers(scratch / "b");
-  write_inspection(inspect(), by_numbers);
+  files::OutputFolder by_numbers(scratch / "b");
+  report::write_inspection(inspect(), by_numbers);
   by_numbers.commit();
   for (const auto& entry : std::filesystem::directory_iterator(scratch / "a")) {
     EXPECT_EQ(test::read_text(entry.path()), test::read_text(scratch.path() / "b" / entry.path().filename()))
@@ -296,7 +296,7 @@ TEST(Inspection, ThePayloadSaysTheSameAsTheNumbers) {
 }
 
 TEST(Inspection, BeltByTimeWhereTheEncoderStands) {
-  Inspection inspection(load_rig("light-section"), kColumns);
+  light_section::Inspection inspection(rig::load_rig("light-section"), kColumns);
   for (int i = 0; i < kFrames; ++i) {
     Sample s = sample(i);
     s.header.encoder = 5;
@@ -313,7 +313,7 @@ TEST(Inspection, BeltByTimeWhereTheEncoderStands) {
 }
 
 TEST(Inspection, BeltMovesOnWhereTheBoardWasRestarted) {
-  Inspection inspection(load_rig("light-section"), kColumns);
+  light_section::Inspection inspection(rig::load_rig("light-section"), kColumns);
   for (const int i : {0, 1, 2, 0, 1}) {
     Sample s = sample(i);
     inspection.add(s.header, s.moments.view(), s.profile.view());
@@ -325,7 +325,7 @@ TEST(Inspection, BeltMovesOnWhereTheBoardWasRestarted) {
 }
 
 TEST(Inspection, CountsWhatItDoesNotKeep) {
-  const Inspection inspection = inspect(5, {.max_frames = 3});
+  const light_section::Inspection inspection = inspect(5, {.max_frames = 3});
   EXPECT_EQ(inspection.frames(), 3U);
   EXPECT_EQ(inspection.frames_not_kept(), 2U);
   EXPECT_EQ(inspection.height().rows, 3);
@@ -333,15 +333,16 @@ TEST(Inspection, CountsWhatItDoesNotKeep) {
 
 TEST(Inspection, OneFrameWithoutAPointIsWritten) {
   const test::ScratchFolder scratch;
-  Inspection inspection(load_rig("light-section"), kColumns);
+  light_section::Inspection inspection(rig::load_rig("light-section"), kColumns);
   Sample s = sample(0);
-  std::fill(s.profile.validity.begin(), s.profile.validity.end(), static_cast<std::uint8_t>(Validity::unlit));
+  std::fill(s.profile.validity.begin(), s.profile.validity.end(),
+            static_cast<std::uint8_t>(light_section::Validity::unlit));
   for (auto* values : {&s.profile.x, &s.profile.y, &s.profile.z, &s.profile.dx, &s.profile.dy, &s.profile.dz}) {
     std::fill(values->begin(), values->end(), kNone);
   }
   inspection.add(s.header, s.moments.view(), s.profile.view());
-  OutputFolder output(scratch / "out");
-  write_inspection(inspection, output);
+  files::OutputFolder output(scratch / "out");
+  report::write_inspection(inspection, output);
   output.commit();
   EXPECT_EQ(test::read_text(scratch.path() / "out" / "profile.csv"), "frame,column,x,y,z,dx,dy,dz\n");
   EXPECT_TRUE(nlohmann::json::parse(test::read_text(scratch.path() / "out" / "summary.json"))["height_mm"].is_null());
@@ -350,21 +351,21 @@ TEST(Inspection, OneFrameWithoutAPointIsWritten) {
 
 TEST(Inspection, WrongWidthsAndNothingAtAll) {
   const test::ScratchFolder scratch;
-  Inspection inspection(load_rig("light-section"), kColumns);
+  light_section::Inspection inspection(rig::load_rig("light-section"), kColumns);
   Sample s = sample(0);
   s.header.columns = 12;
   EXPECT_THROW(inspection.add(s.header, s.moments.view(), s.profile.view()), std::invalid_argument);
   s.header.columns = kColumns;
   const std::vector<std::uint8_t> payload(16);
   EXPECT_THROW(inspection.add(s.header, payload, s.profile.view()), std::invalid_argument);
-  EXPECT_THROW(Inspection(load_rig("light-section"), 0), std::invalid_argument);
+  EXPECT_THROW(light_section::Inspection(rig::load_rig("light-section"), 0), std::invalid_argument);
   EXPECT_EQ(inspection.frames(), 0U);
   {
-    OutputFolder output(scratch / "out");
-    EXPECT_THROW(write_inspection(inspection, output), UserError);
+    files::OutputFolder output(scratch / "out");
+    EXPECT_THROW(report::write_inspection(inspection, output), UserError);
   }
   EXPECT_TRUE(scratch.names().empty());
 }
 
 }  // namespace
-}  // namespace selfproj
+}  // namespace selfproj::test

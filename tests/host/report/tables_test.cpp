@@ -12,17 +12,17 @@
 
 #include "tests/support/random_cases.h"
 
-namespace selfproj {
+namespace selfproj::test {
 namespace {
 
 std::string fixed(double value) {
-  std::array<char, kMaxNumberText> text{};
-  return {text.data(), append_tenth_micrometres(text.data(), value)};
+  std::array<char, report::kMaxNumberText> text{};
+  return {text.data(), report::append_tenth_micrometres(text.data(), value)};
 }
 
 std::string integer(std::uint64_t value) {
-  std::array<char, kMaxNumberText> text{};
-  return {text.data(), append_integer(text.data(), value)};
+  std::array<char, report::kMaxNumberText> text{};
+  return {text.data(), report::append_integer(text.data(), value)};
 }
 
 TEST(NumberText, Integers) {
@@ -55,30 +55,30 @@ TEST(NumberText, TextIsTheNearest) {
 }
 
 TEST(NumberText, RoundNumbers) {
-  EXPECT_DOUBLE_EQ(round_up(1.0), 1.0);
-  EXPECT_DOUBLE_EQ(round_up(1.02), 1.5);
-  EXPECT_DOUBLE_EQ(round_up(0.071), 0.1);
-  EXPECT_DOUBLE_EQ(round_up(31), 50);
-  EXPECT_DOUBLE_EQ(round_down(29.9), 20);
-  EXPECT_DOUBLE_EQ(round_down(0.5), 0.5);
-  EXPECT_DOUBLE_EQ(round_down(1000), 1000);
-  EXPECT_DOUBLE_EQ(round_down(0.0199), 0.01);
+  EXPECT_DOUBLE_EQ(report::round_up(1.0), 1.0);
+  EXPECT_DOUBLE_EQ(report::round_up(1.02), 1.5);
+  EXPECT_DOUBLE_EQ(report::round_up(0.071), 0.1);
+  EXPECT_DOUBLE_EQ(report::round_up(31), 50);
+  EXPECT_DOUBLE_EQ(report::round_down(29.9), 20);
+  EXPECT_DOUBLE_EQ(report::round_down(0.5), 0.5);
+  EXPECT_DOUBLE_EQ(report::round_down(1000), 1000);
+  EXPECT_DOUBLE_EQ(report::round_down(0.0199), 0.01);
 }
 
 TEST(NumberText, Ticks) {
-  EXPECT_EQ(ticks(-1.5, 1.5, 6), (std::vector<double>{-1.5, -1, -0.5, 0, 0.5, 1, 1.5}));
-  EXPECT_EQ(ticks(-60.3, 58, 6), (std::vector<double>{-60, -40, -20, 0, 20, 40}));
-  EXPECT_TRUE(ticks(1, 1, 5).empty());
-  EXPECT_TRUE(ticks(2, 1, 5).empty());
+  EXPECT_EQ(report::ticks(-1.5, 1.5, 6), (std::vector<double>{-1.5, -1, -0.5, 0, 0.5, 1, 1.5}));
+  EXPECT_EQ(report::ticks(-60.3, 58, 6), (std::vector<double>{-60, -40, -20, 0, 20, 40}));
+  EXPECT_TRUE(report::ticks(1, 1, 5).empty());
+  EXPECT_TRUE(report::ticks(2, 1, 5).empty());
   for (const double span : {0.013, 0.3, 1.0, 7.7, 29.0, 431.0}) {
-    const std::vector<double> found = ticks(0, span, 5);
+    const std::vector<double> found = report::ticks(0, span, 5);
     EXPECT_GE(found.size(), 3U) << span;
     EXPECT_LE(found.size(), 6U) << span;
   }
-  EXPECT_EQ(tick_text(0.5, 0.5), "0.5");
-  EXPECT_EQ(tick_text(-20, 20), "-20");
-  EXPECT_EQ(tick_text(0.02, 0.01), "0.02");
+  EXPECT_EQ(report::tick_text(0.5, 0.5), "0.5");
+  EXPECT_EQ(report::tick_text(-20, 20), "-20");
+  EXPECT_EQ(report::tick_text(0.02, 0.01), "0.02");
 }
 
 }  // namespace
-}  // namespace selfproj
+}  // namespace selfproj::test

@@ -1,5 +1,5 @@
 // Tests lenses, rigs made from calibrations and the other way round.
-#include "host/rig/calibration.h"
+#include "selfproj/rig/calibration.h"
 
 #include <gtest/gtest.h>
 
@@ -12,16 +12,16 @@
 #include <string>
 #include <vector>
 
-#include "host/files/user_error.h"
-#include "host/rig/rig.h"
-#include "host/structured_light/lens_triangulation.h"
-#include "host/structured_light/triangulation.h"
+#include "selfproj/files/user_error.h"
+#include "selfproj/rig/rig.h"
+#include "selfproj/structured_light/lens_triangulation.h"
+#include "selfproj/structured_light/triangulation.h"
 #include "tests/host/rig/random_lens.h"
 #include "tests/host/structured_light/pinhole.h"
 #include "tests/support/error_of.h"
 #include "tests/support/random_cases.h"
 
-namespace selfproj {
+namespace selfproj::test {
 namespace {
 
 using test::distorted;
@@ -33,7 +33,7 @@ TEST(Lens, PixelAndRayAreEachOthersReverse) {
   for (const std::uint64_t seed : test::seeds(300)) {
     SCOPED_TRACE(test::how_to_repeat(seed));
     Random random(seed);
-    const Lens lens = random_lens(random, 1500, 1280, 800);
+    const rig::Lens lens = random_lens(random, 1500, 1280, 800);
     const double x = uniform(random, -0.4, 0.4);
     const double y = uniform(random, -0.25, 0.25);
     const auto [column, row] = distorted(lens, x, y);
@@ -54,16 +54,16 @@ TEST(Lens, PixelAndRayAreEachOthersReverse) {
 }
 
 TEST(Lens, HasNoRayBeyondItsFold) {
-  const Lens lens{1000, 1000, 500, 500, {-0.5, 0, 0, 0, 0, 0, 0, 0}};  // r (1 - r²/2) is 0.544 at most
+  const rig::Lens lens{1000, 1000, 500, 500, {-0.5, 0, 0, 0, 0, 0, 0, 0}};  // r (1 - r²/2) is 0.544 at most
   EXPECT_TRUE(lens.ray({1000, 500}).has_value());
   EXPECT_FALSE(lens.ray({1100, 500}).has_value());
 }
 
 // Rigs of both directions of counting.
-std::vector<Rig> rigs() {
-  std::vector<Rig> result;
-  for (const std::string& name : built_in_rigs()) {
-    Rig rig = load_rig(name);
+std::vector<rig::Rig> rigs() {
+  std::vector<rig::Rig> result;
+  for (const std::string& name : rig::built_in_rigs()) {
+    rig::Rig rig = rig::load_rig(name);
     rig.projector.center_yp_mm = 0.7;
     for (const int signs : {0, 1, 2, 3}) {
       result.push_back(rig);
@@ -75,8 +75,8 @@ std::vector<Rig> rigs() {
 }
 
 TEST(RigCalibration, MapsPointsAsTheRig) {
-  for (const Rig& rig : rigs()) {
-    const Calibration c = calibration_of(rig);
+  for (const rig::Rig& rig : rigs()) {
+    const rig::Calibration c = rig::calibration_of(rig);
     EXPECT_NEAR(cv::determinant(c.rotation), 1, 1e-12);
     for (const test::Point3 p : {test::Point3{5, -20, 500}, {-8, 31, 620}, {0, 0, 900}}) {
       const test::Pixel camera = test::camera_sees(rig.camera, p);
@@ -90,14 +90,14 @@ TEST(RigCalibration, MapsPointsAsTheRig) {
       EXPECT_NEAR(lit[0], projector.column, 1e-8);
       EXPECT_NEAR(lit[1], projector.row, 1e-8);
       // The matrices of (4.7).
-      for (const CodedAxis axis : {CodedAxis::columns, CodedAxis::rows}) {
-        const DepthMatrices m = depth_matrices(c, axis);
+      for (const rig::CodedAxis axis : {rig::CodedAxis::columns, rig::CodedAxis::rows}) {
+        const rig::DepthMatrices m = rig::depth_matrices(c, axis);
         const cv::Vec4d world(at[0], at[1], at[2], 1);
         const cv::Vec3d image = m.camera * world;
         EXPECT_NEAR(image[0] / image[2], camera.column, 1e-9);
         EXPECT_NEAR(image[1] / image[2], camera.row, 1e-9);
         const cv::Vec2d code = m.projector * world;
-        EXPECT_NEAR(code[0] / code[1], (axis == CodedAxis::rows ? projector.row : projector.column) + 0.5, 1e-8);
+        EXPECT_NEAR(code[0] / code[1], (axis == rig::CodedAxis::rows ? projector.row : projector.column) + 0.5, 1e-8);
       }
     }
   }
@@ -105,8 +105,8 @@ TEST(RigCalibration, MapsPointsAsTheRig) {
 
 // The rig is recovered for every way of counting lines and columns.
 TEST(RigCalibration, NearestRigOfARigIsItself) {
-  for (const Rig& rig : rigs()) {
-    Calibration c = calibration_of(rig);
+  for (const rig::Rig& rig : rigs()) {
+    rig::Calibration c = rig::calibration_of(rig);
     if (c.projector.fx < 0) {  // a projector that hangs upside down
       c.projector.fx *= -1;
       c.projector.fy *= -1;
@@ -114,11 +114,11 @@ TEST(RigCalibration, NearestRigOfARigIsItself) {
       c.rotation = half * c.rotation;
       c.translation = half * c.translation;
     }
-    Rig like = rig;
+    rig::Rig like = rig;
     like.projector.tilt_rad = 0;
     like.projector.x_mm = 1;
     like.camera.focal_length_mm = 1;
-    const Rig again = rig_of(c, like);
+    const rig::Rig again = rig::rig_of(c, like);
     EXPECT_NEAR(again.projector.x_mm, rig.projector.x_mm, 1e-9);
     EXPECT_NEAR(again.projector.z_mm, rig.projector.z_mm, 1e-9);
     EXPECT_NEAR(again.projector.tilt_rad, rig.projector.tilt_rad, 1e-12);
@@ -127,12 +127,12 @@ TEST(RigCalibration, NearestRigOfARigIsItself) {
     EXPECT_NEAR(again.projector.center_xp_mm, rig.projector.center_xp_mm, 1e-9);
     EXPECT_NEAR(again.projector.center_yp_mm, rig.projector.center_yp_mm, 1e-9);
     EXPECT_NEAR(again.camera.focal_length_mm, rig.camera.focal_length_mm, 1e-9);
-    EXPECT_LT(pinhole_error(again, rig.plane_z_mm), 1e-6);
+    EXPECT_LT(rig::pinhole_error(again, rig.plane_z_mm), 1e-6);
     // Through YAML, with its full model.
-    const Rig read = parse_rig(to_yaml(again), "rig.yaml");
+    const rig::Rig read = rig::parse_rig(rig::to_yaml(again), "rig.yaml");
     ASSERT_TRUE(read.calibration.has_value());
-    EXPECT_EQ(to_yaml(read), to_yaml(again));
-    const Calibration full = calibration_of(read);
+    EXPECT_EQ(rig::to_yaml(read), rig::to_yaml(again));
+    const rig::Calibration full = rig::calibration_of(read);
     EXPECT_LT(cv::norm(full.rotation - c.rotation), 1e-12);
     EXPECT_LT(cv::norm(full.translation - c.translation), 1e-9);
     EXPECT_EQ(full.projector.fy, c.projector.fy);
@@ -140,36 +140,36 @@ TEST(RigCalibration, NearestRigOfARigIsItself) {
 }
 
 TEST(RigCalibration, WhatARigCannotBe) {
-  const Rig rig = load_rig("scanner");
-  Calibration c = calibration_of(rig);
+  const rig::Rig rig = rig::load_rig("scanner");
+  rig::Calibration c = rig::calibration_of(rig);
   c.translation = c.rotation * cv::Vec3d(-200, -50, 0);  // beside the columns
-  EXPECT_THROW(rig_of(c, rig), std::invalid_argument);
-  c = calibration_of(rig);
+  EXPECT_THROW(rig::rig_of(c, rig), std::invalid_argument);
+  c = rig::calibration_of(rig);
   c.camera_rows = 0;
-  EXPECT_THROW(rig_of(c, rig), std::invalid_argument);
+  EXPECT_THROW(rig::rig_of(c, rig), std::invalid_argument);
   // Departures from the pinholes are reported.
-  c = calibration_of(rig);
+  c = rig::calibration_of(rig);
   c.camera.cy += 3;
-  EXPECT_GT(pinhole_error(rig_of(c, rig), 550), 1);
+  EXPECT_GT(rig::pinhole_error(rig::rig_of(c, rig), 550), 1);
 }
 
 TEST(RigCalibration, FullModelGivesTheRigsDepth) {
   for (const double sign : {1.0, -1.0}) {
-    Rig rig = load_rig("scanner");
+    rig::Rig rig = rig::load_rig("scanner");
     rig.camera.rows = 40;
     rig.camera.columns = 24;
     rig.camera.pixel_pitch_mm = 0.11;
     rig.projector.line_pitch_mm *= sign;
     constexpr int kBits = 8;
-    const PlaneTriangulation pinholes(rig, kBits);
-    LensSettings settings;
+    const structured_light::PlaneTriangulation pinholes(rig, kBits);
+    structured_light::LensSettings settings;
     settings.rows = rig.camera.rows;
     settings.columns = rig.camera.columns;
     settings.bits = kBits;
     settings.lines = rig.projector.lines;
     settings.limits.max_z_per_line_mm = rig.measure.max_z_per_line_mm;
     settings.rows_are_x = true;
-    const LensTriangulation full(calibration_of(rig), settings);
+    const structured_light::LensTriangulation full(rig::calibration_of(rig), settings);
     std::vector<std::uint16_t> codes(pinholes.pixels());
     std::vector<float> a(codes.size());
     std::vector<float> b(codes.size());
@@ -184,8 +184,8 @@ TEST(RigCalibration, FullModelGivesTheRigsDepth) {
         if (!std::isnan(a[i]) && !std::isnan(b[i])) {
           ++seen;
           ASSERT_NEAR(static_cast<double>(a[i]), static_cast<double>(b[i]), 5e-3);
-          const Point3f p = pinholes.point(i, a[i]);
-          const Point3f q = full.point(i, b[i]);
+          const structured_light::Point3f p = pinholes.point(i, a[i]);
+          const structured_light::Point3f q = full.point(i, b[i]);
           ASSERT_NEAR(static_cast<double>(p.x), static_cast<double>(q.x), 5e-3);
           ASSERT_NEAR(static_cast<double>(p.y), static_cast<double>(q.y), 5e-3);
         }
@@ -197,9 +197,11 @@ TEST(RigCalibration, FullModelGivesTheRigsDepth) {
 }
 
 TEST(RigCalibration, SectionsAreAllThereOrNone) {
-  const Rig rig = load_rig("scanner");
-  const std::string yaml = to_yaml(rig_of(calibration_of(rig), rig));
-  const auto error_of = [](const std::string& text) { return test::error_of([&] { parse_rig(text, "rig.yaml"); }); };
+  const rig::Rig rig = rig::load_rig("scanner");
+  const std::string yaml = rig::to_yaml(rig::rig_of(rig::calibration_of(rig), rig));
+  const auto error_of = [](const std::string& text) {
+    return test::error_of([&] { rig::parse_rig(text, "rig.yaml"); });
+  };
   EXPECT_EQ(error_of(yaml), "none");
   EXPECT_EQ(error_of(yaml.substr(0, yaml.find("projector_pose"))), "rig.yaml: projector_pose is missing");
   std::string zero = yaml;
@@ -215,4 +217,4 @@ TEST(RigCalibration, SectionsAreAllThereOrNone) {
 }
 
 }  // namespace
-}  // namespace selfproj
+}  // namespace selfproj::test

@@ -4,14 +4,14 @@
 
 #include <string>
 
-#include "host/rig/calibration_file.h"
+#include "selfproj/rig/calibration_file.h"
 #include "tests/support/error_of.h"
 
-namespace selfproj {
+namespace selfproj::test {
 namespace {
 
 std::string error_of_text(const std::string& text) {
-  return test::error_of([&] { check_calibration_text(text, "c.yaml"); });
+  return test::error_of([&] { rig::check_calibration_text(text, "c.yaml"); });
 }
 
 std::string repeated(const std::string& part, int times) {
@@ -68,4 +68,4 @@ TEST(CalibrationText, OneDocumentWithoutAliases) {
 }
 
 }  // namespace
-}  // namespace selfproj
+}  // namespace selfproj::test

@@ -6,13 +6,13 @@
 #include <cstddef>
 #include <utility>
 
-#include "host/rig/calibration.h"
+#include "selfproj/rig/calibration.h"
 #include "tests/support/random_cases.h"
 
 namespace selfproj::test {
 
 // Column and row of the ray (x, y, 1).
-inline std::pair<double, double> distorted(const Lens& lens, double x, double y) {
+inline std::pair<double, double> distorted(const rig::Lens& lens, double x, double y) {
   const auto& k = lens.k;
   const double r2 = x * x + y * y;
   const double q =
@@ -22,12 +22,12 @@ inline std::pair<double, double> distorted(const Lens& lens, double x, double y)
 }
 
 // A lens for an image of columns x rows, with its centre near the middle; `focal` is in pixels.
-inline Lens random_lens(Random& random, double focal, int columns, int rows) {
-  Lens lens{focal * uniform(random, 0.95, 1.05),
-            focal,
-            columns * uniform(random, 0.45, 0.55),
-            rows * uniform(random, 0.45, 0.55),
-            {}};
+inline rig::Lens random_lens(Random& random, double focal, int columns, int rows) {
+  rig::Lens lens{focal * uniform(random, 0.95, 1.05),
+                 focal,
+                 columns * uniform(random, 0.45, 0.55),
+                 rows * uniform(random, 0.45, 0.55),
+                 {}};
   const std::array<double, 8> reach{0.2, 0.15, 0.003, 0.003, 0.1, 0.05, 0.05, 0.02};
   for (std::size_t i = 0; i < reach.size(); ++i) {
     lens.k[i] = uniform(random, -reach[i], reach[i]);

@@ -1,6 +1,6 @@
 // Tests reading and writing of rigs, and the errors for wrong ones.
 
-#include "host/rig/rig.h"
+#include "selfproj/rig/rig.h"
 
 #include <gtest/gtest.h>
 
@@ -9,46 +9,46 @@
 #include <vector>
 
 #include "host/files/notes.h"
-#include "host/files/user_error.h"
+#include "selfproj/files/user_error.h"
 #include "tests/support/error_of.h"
 
-namespace selfproj {
+namespace selfproj::test {
 namespace {
 
 std::string with(const std::string& from, const std::string& to) {
-  std::string yaml = to_yaml(load_rig("light-section"));
+  std::string yaml = rig::to_yaml(rig::load_rig("light-section"));
   const std::size_t at = yaml.find(from);
   EXPECT_NE(at, std::string::npos) << from;
   return yaml.replace(at, from.size(), to);
 }
 
 std::string error_of(const std::string& yaml) {
-  return test::error_of([&] { parse_rig(yaml, "rig.yaml"); });
+  return test::error_of([&] { rig::parse_rig(yaml, "rig.yaml"); });
 }
 
 TEST(Rig, BuiltInOnesHaveTheValuesOfTheThesis) {
-  const Rig a = load_rig("light-section");
-  EXPECT_EQ(a.kind, RigKind::light_section);
+  const rig::Rig a = rig::load_rig("light-section");
+  EXPECT_EQ(a.kind, rig::RigKind::light_section);
   EXPECT_EQ(a.camera.rows, 96);
   EXPECT_EQ(a.camera.columns, 512);
   EXPECT_DOUBLE_EQ(a.camera.pixel_pitch_mm, 0.010);
   EXPECT_DOUBLE_EQ(a.projector.tilt_rad, 20 * std::numbers::pi / 180);
   EXPECT_DOUBLE_EQ(a.camera.exposure_s, 90e-6);
-  const Rig b = load_rig("scanner");
-  EXPECT_EQ(b.kind, RigKind::scanner);
+  const rig::Rig b = rig::load_rig("scanner");
+  EXPECT_EQ(b.kind, rig::RigKind::scanner);
   EXPECT_EQ(b.projector.lines, 768);
   EXPECT_DOUBLE_EQ(b.plane_z_mm, 550);
 }
 
 TEST(Rig, IsReadBackAsWritten) {
-  for (const std::string& name : built_in_rigs()) {
-    Rig rig = load_rig(name);
+  for (const std::string& name : rig::built_in_rigs()) {
+    rig::Rig rig = rig::load_rig(name);
     rig.camera.focal_length_mm = 1.0 / 3;
     rig.projector.tilt_rad = 0.1234567890123456;
     rig.name = "a: b # \"c\"";
-    const std::string yaml = to_yaml(rig);
-    const Rig read = parse_rig(yaml, "text");
-    EXPECT_EQ(to_yaml(read), yaml);
+    const std::string yaml = rig::to_yaml(rig);
+    const rig::Rig read = rig::parse_rig(yaml, "text");
+    EXPECT_EQ(rig::to_yaml(read), yaml);
     EXPECT_EQ(read.name, rig.name);
     EXPECT_EQ(read.camera.focal_length_mm, rig.camera.focal_length_mm);
     EXPECT_NEAR(read.projector.tilt_rad, rig.projector.tilt_rad, 1e-16);
@@ -57,17 +57,17 @@ TEST(Rig, IsReadBackAsWritten) {
 
 // The section is optional: without it the pixel clock is the default one, and no section is written.
 TEST(Rig, PixelClockIsThatOfTheBoard) {
-  for (const std::string& name : built_in_rigs()) {
-    const Rig rig = load_rig(name);
+  for (const std::string& name : rig::built_in_rigs()) {
+    const rig::Rig rig = rig::load_rig(name);
     EXPECT_FALSE(rig.board);
-    EXPECT_EQ(rig.pixel_clock_hz(), kDefaultPixelClockHz);
-    EXPECT_EQ(to_yaml(rig).find("board"), std::string::npos);
+    EXPECT_EQ(rig.pixel_clock_hz(), model::kDefaultPixelClockHz);
+    EXPECT_EQ(rig::to_yaml(rig).find("board"), std::string::npos);
   }
   const std::string yaml = with("measure:\n", "board:\n  pixel_clock_hz: 125000000\nmeasure:\n");
-  const Rig rig = parse_rig(yaml, "rig.yaml");
+  const rig::Rig rig = rig::parse_rig(yaml, "rig.yaml");
   EXPECT_EQ(rig.pixel_clock_hz(), 125e6);
-  EXPECT_EQ(to_yaml(rig), yaml);
-  EXPECT_EQ(parse_rig(to_yaml(rig), "text").pixel_clock_hz(), 125e6);
+  EXPECT_EQ(rig::to_yaml(rig), yaml);
+  EXPECT_EQ(rig::parse_rig(rig::to_yaml(rig), "text").pixel_clock_hz(), 125e6);
   const auto error_with = [](const std::string& section) {
     return error_of(with("measure:\n", section + "measure:\n"));
   };
@@ -101,14 +101,14 @@ TEST(Rig, ErrorsNameFileLineKeyAndReason) {
             "rig.yaml: imaging.dark is 9, imaging.ambient 8, imaging.white 200; each may be at most the next");
   EXPECT_EQ(error_of("just text"), "rig.yaml: is not a rig; keys and values are expected");
   EXPECT_EQ(error_of("a: [1"), "rig.yaml: line 1: end of sequence flow not found");
-  EXPECT_THROW(load_rig("no-such-rig"), UserError);
+  EXPECT_THROW(rig::load_rig("no-such-rig"), UserError);
 }
 
 // Each number of a rig as one that is hardly there, or larger than anything: it is refused, or means itself wherever
 // the rig is written again.
 TEST(Rig, EveryNumberAtItsLimits) {
-  for (const std::string& name : built_in_rigs()) {
-    const std::string yaml = to_yaml(load_rig(name));
+  for (const std::string& name : rig::built_in_rigs()) {
+    const std::string yaml = rig::to_yaml(rig::load_rig(name));
     int numbers = 0;
     std::size_t begin = 0;
     for (std::size_t end = yaml.find('\n'); end != std::string::npos; end = yaml.find('\n', begin)) {
@@ -124,8 +124,9 @@ TEST(Rig, EveryNumberAtItsLimits) {
                 << error;
             continue;
           }
-          const std::string again = to_yaml(parse_rig(other, "rig.yaml"));
-          EXPECT_EQ(to_yaml(parse_rig(again, "again")), again) << yaml.substr(begin, end - begin) << " " << value;
+          const std::string again = rig::to_yaml(rig::parse_rig(other, "rig.yaml"));
+          EXPECT_EQ(rig::to_yaml(rig::parse_rig(again, "again")), again)
+              << yaml.substr(begin, end - begin) << " " << value;
         }
       }
       begin = end + 1;
@@ -136,9 +137,9 @@ TEST(Rig, EveryNumberAtItsLimits) {
 
 // A whole number is decimal, and one document is read.
 TEST(Rig, OctalAndSecondDocument) {
-  EXPECT_EQ(parse_rig(with("  rows: 96", "  rows: 0120"), "text").camera.rows, 120);
+  EXPECT_EQ(rig::parse_rig(with("  rows: 96", "  rows: 0120"), "text").camera.rows, 120);
   EXPECT_NE(error_of(with("  rows: 96", "  rows: 0x10")), "none");
-  const std::string yaml = to_yaml(load_rig("light-section"));
+  const std::string yaml = rig::to_yaml(rig::load_rig("light-section"));
   EXPECT_NE(error_of(yaml + "---\n" + yaml).find("a second document begins"), std::string::npos);
   EXPECT_NE(error_of("a: &x [*x]\n").find("aliases"), std::string::npos);
   EXPECT_NE(error_of(std::string(500'000, '[')).find("nested too deeply"), std::string::npos);
@@ -146,14 +147,14 @@ TEST(Rig, OctalAndSecondDocument) {
 
 // A laser line takes the place of the projector.
 TEST(Rig, LaserLineIsReadBackAndChecked) {
-  Rig rig = load_rig("light-section");
+  rig::Rig rig = rig::load_rig("light-section");
   rig.calibration.emplace();
   rig.calibration->camera = {.fx_px = 5000, .fy_px = 5001, .cx_px = 255, .cy_px = 47, .k1 = -0.1};
-  rig.light_plane = RigLightPlane{{0, 0.8, 0.6}, 700};
-  const std::string yaml = to_yaml(rig);
+  rig.light_plane = rig::RigLightPlane{{0, 0.8, 0.6}, 700};
+  const std::string yaml = rig::to_yaml(rig);
   EXPECT_EQ(yaml.find("projector"), yaml.find("projector_blur_px")) << yaml;
-  const Rig read = parse_rig(yaml, "text");
-  EXPECT_EQ(to_yaml(read), yaml);
+  const rig::Rig read = rig::parse_rig(yaml, "text");
+  EXPECT_EQ(rig::to_yaml(read), yaml);
   ASSERT_TRUE(read.light_plane);
   EXPECT_EQ(read.light_plane->distance_mm, 700);
   EXPECT_EQ(read.calibration->camera.k1, -0.1);
@@ -171,11 +172,11 @@ TEST(Rig, LaserLineIsReadBackAndChecked) {
 }
 
 TEST(Rig, HeightsAreReadBackAndChecked) {
-  Rig rig = load_rig("light-section");
-  rig.heights = RigHeights{-1, 41, 1, 1, {0.5, -0.25, 1.0 / 3, 0}};
-  const std::string yaml = to_yaml(rig);
+  rig::Rig rig = rig::load_rig("light-section");
+  rig.heights = rig::RigHeights{-1, 41, 1, 1, {0.5, -0.25, 1.0 / 3, 0}};
+  const std::string yaml = rig::to_yaml(rig);
   EXPECT_NE(yaml.find("corrections_mm: [0.5, -0.25, 0.3333333333333333, 0]"), std::string::npos) << yaml;
-  EXPECT_EQ(to_yaml(parse_rig(yaml, "text")), yaml);
+  EXPECT_EQ(rig::to_yaml(rig::parse_rig(yaml, "text")), yaml);
   const auto changed = [&](const std::string& from, const std::string& to) {
     std::string text = yaml;
     return error_of(text.replace(text.find(from), from.size(), to));
@@ -188,26 +189,26 @@ TEST(Rig, HeightsAreReadBackAndChecked) {
 
 // Keys had other names in files of the version before.
 TEST(Rig, EarlierNamesOfKeysAreReadAndNoted) {
-  Rig rig = load_rig("light-section");
-  rig.heights = RigHeights{-1, 41, 0, 0, {0.5}};
-  const std::string yaml = to_yaml(rig);
+  rig::Rig rig = rig::load_rig("light-section");
+  rig.heights = rig::RigHeights{-1, 41, 0, 0, {0.5}};
+  const std::string yaml = rig::to_yaml(rig);
   std::string earlier = yaml;
   earlier.replace(earlier.find("min_mm: -1"), 6, "lowest_mm");
   earlier.replace(earlier.find("max_mm: 41"), 6, "highest_mm");
   std::vector<std::string> notes;
-  note_sink() = [&](const std::string& line) { notes.push_back(line); };
-  EXPECT_EQ(to_yaml(parse_rig(earlier, "rig.yaml")), yaml);
+  files::note_sink() = [&](const std::string& line) { notes.push_back(line); };
+  EXPECT_EQ(rig::to_yaml(rig::parse_rig(earlier, "rig.yaml")), yaml);
   ASSERT_EQ(notes.size(), 2U);
   EXPECT_EQ(notes[0].find("rig.yaml: line "), 0U);
   EXPECT_NE(notes[0].find("heights.lowest_mm: this key is now called min_mm"), std::string::npos) << notes[0];
   notes.clear();
-  EXPECT_EQ(to_yaml(parse_rig(yaml, "rig.yaml")), yaml);
+  EXPECT_EQ(rig::to_yaml(rig::parse_rig(yaml, "rig.yaml")), yaml);
   EXPECT_TRUE(notes.empty());
   EXPECT_NE(
       error_of(earlier.replace(earlier.find("lowest_mm: -1"), 13, "lowest_mm: x")).find("heights.lowest_mm is 'x'"),
       std::string::npos);
-  note_sink() = {};
+  files::note_sink() = {};
 }
 
 }  // namespace
-}  // namespace selfproj
+}  // namespace selfproj::test

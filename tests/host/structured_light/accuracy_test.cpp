@@ -6,22 +6,22 @@
 
 #include <cmath>
 
-#include "host/rig/rig.h"
+#include "selfproj/rig/rig.h"
 #include "tests/host/light_section/seen_surface.h"
 #include "tests/host/structured_light/pinhole.h"
 
-namespace selfproj {
+namespace selfproj::test {
 namespace {
 
 constexpr double kMiddle = 255.5;
 
 // The line that lights a point of a pixel's ray, by pinholes.
-double line_at(const Rig& rig, double row, double column, double z) {
+double line_at(const rig::Rig& rig, double row, double column, double z) {
   return test::projector_lights(rig.projector, test::on_ray(rig.camera, row, column, z)).row;
 }
 
 // z at which the pixel sees the line, by halving.
-double z_at(const Rig& rig, double row, double column, double line) {
+double z_at(const rig::Rig& rig, double row, double column, double line) {
   double low = 350;
   double high = 900;
   for (int i = 0; i < 80; ++i) {
@@ -32,14 +32,14 @@ double z_at(const Rig& rig, double row, double column, double line) {
 }
 
 TEST(Accuracy, TermsAreTheDerivativesOfTheGeometry) {
-  const Rig rig = load_rig("scanner");
+  const rig::Rig rig = rig::load_rig("scanner");
   constexpr double kStep = 1e-4;
   for (const double row : {100.0, kMiddle, 330.0}) {
     for (const double column : {60.0, kMiddle, 400.0}) {
       for (const double z : {440.0, 525.0, 550.0}) {
         const double line = line_at(rig, row, column, z);
-        const ErrorTerms terms =
-            error_terms(rig, {row, column, z}, kStep * rig.projector.line_pitch_mm, kStep * rig.camera.pixel_pitch_mm);
+        const structured_light::ErrorTerms terms = structured_light::error_terms(
+            rig, {row, column, z}, kStep * rig.projector.line_pitch_mm, kStep * rig.camera.pixel_pitch_mm);
         const auto difference = [&](double rows, double lines) {
           const auto at = [&](double sign) {
             const double r = row + sign * rows;
@@ -65,33 +65,34 @@ TEST(Accuracy, TermsAreTheDerivativesOfTheGeometry) {
 
 // B5: half a pixel of each, at the centre.
 TEST(Accuracy, DerivedFiguresOfTheThesis) {
-  const Rig rig = load_rig("scanner");
-  EXPECT_NEAR(half_pixel_error(rig, {kMiddle, kMiddle, 550}), 1.79, 0.005);
-  EXPECT_NEAR(half_pixel_error(rig, {kMiddle, kMiddle, 525}), 1.50, 0.005);
-  EXPECT_NEAR(half_pixel_error(rig, {kMiddle, kMiddle, 441}), 0.72, 0.005);
-  const DepthRange published = range_of_lines(rig, {kMiddle, kMiddle, 550}, 0, 48);  // B6
+  const rig::Rig rig = rig::load_rig("scanner");
+  EXPECT_NEAR(structured_light::half_pixel_error(rig, {kMiddle, kMiddle, 550}), 1.79, 0.005);
+  EXPECT_NEAR(structured_light::half_pixel_error(rig, {kMiddle, kMiddle, 525}), 1.50, 0.005);
+  EXPECT_NEAR(structured_light::half_pixel_error(rig, {kMiddle, kMiddle, 441}), 0.72, 0.005);
+  const structured_light::DepthRange published =
+      structured_light::range_of_lines(rig, {kMiddle, kMiddle, 550}, 0, 48);  // B6
   EXPECT_NEAR(published.low, 496.7, 0.05);
   EXPECT_NEAR(published.high, 550, 1e-9);
-  EXPECT_NEAR(range_of_lines(rig, {kMiddle, kMiddle, 550}, 0, 96).low, 461.3, 0.05);
+  EXPECT_NEAR(structured_light::range_of_lines(rig, {kMiddle, kMiddle, 550}, 0, 96).low, 461.3, 0.05);
 }
 
 TEST(Accuracy, ApproximationIsTheLimitOfSmallAngles) {
-  const Rig rig = load_rig("scanner");
+  const rig::Rig rig = rig::load_rig("scanner");
   // The light leaves along the projector's axis: θ = θ0, α = 0.
   const double z = rig.projector.z_mm + rig.projector.x_mm / std::tan(rig.projector.tilt_rad);
-  const ErrorTerms exact = error_terms(rig, {kMiddle, kMiddle, z}, 0.01, 0.01);
-  const ErrorTerms approximate = approximate_error(rig, 0.01, 0.01);
+  const structured_light::ErrorTerms exact = structured_light::error_terms(rig, {kMiddle, kMiddle, z}, 0.01, 0.01);
+  const structured_light::ErrorTerms approximate = structured_light::approximate_error(rig, 0.01, 0.01);
   EXPECT_NEAR(std::abs(exact.projector.z), approximate.projector.z, 1e-9);
   EXPECT_NEAR(exact.camera.z, approximate.camera.z, 1e-9);
 }
 
 // The window in cells on a plane: the light at its ends falls on the rows that bound the cells.
 TEST(Accuracy, RangeOfCellsEndsAtTheirEdges) {
-  const Rig rig = load_rig("scanner");
+  const rig::Rig rig = rig::load_rig("scanner");
   for (const double z : {550.0, 525.0, 441.0}) {
     for (const int e : {0, 8, 15}) {
       for (const double row : {200.0, 256.0, 301.0}) {
-        const DepthRange range = range_of_cells(rig, {row, kMiddle, z}, 2, 4, e);
+        const structured_light::DepthRange range = structured_light::range_of_cells(rig, {row, kMiddle, z}, 2, 4, e);
         // The row in which the camera would see the light on the plane.
         const auto row_on_plane = [&](double seen_z) {
           const double line = line_at(rig, row, kMiddle, seen_z);
@@ -114,4 +115,4 @@ TEST(Accuracy, RangeOfCellsEndsAtTheirEdges) {
 }
 
 }  // namespace
-}  // namespace selfproj
+}  // namespace selfproj::test

@@ -15,13 +15,13 @@
 #include <stdexcept>
 #include <vector>
 
-#include "host/rig/calibration.h"
-#include "host/rig/rig.h"
-#include "host/structured_light/triangulation.h"
-#include "model/column_moments.h"
-#include "model/gray_decoder.h"
+#include "selfproj/model/column_moments.h"
+#include "selfproj/model/gray_decoder.h"
+#include "selfproj/rig/calibration.h"
+#include "selfproj/rig/rig.h"
+#include "selfproj/structured_light/triangulation.h"
 
-namespace selfproj {
+namespace selfproj::test {
 namespace {
 
 constexpr int kSceneBits = 8;
@@ -32,9 +32,9 @@ class SeenBorders {
  public:
   // `contrast` is the greatest difference between the images of a pair, `noise` a standard deviation, in grey values.
   SeenBorders(const Surface& surface, double contrast, double noise)
-      : rig_(load_rig("scanner")), plane_(rig_, kSceneBits) {
+      : rig_(rig::load_rig("scanner")), plane_(rig_, kSceneBits) {
     const std::size_t pixels = plane_.pixels();
-    const auto matrix = depth_matrices(rig_, kSceneBits).projector;
+    const auto matrix = rig::depth_matrices(rig_, kSceneBits).projector;
     words.resize(pixels);
     whole.resize(pixels);
     borders.resize(pixels);
@@ -42,16 +42,16 @@ class SeenBorders {
     for (std::size_t i = 0; i < pixels; ++i) {
       double z = 520;
       for (int step = 0; step < 4; ++step) {
-        const Point3f p = plane_.point(i, static_cast<float>(z));
+        const structured_light::Point3f p = plane_.point(i, static_cast<float>(z));
         z = surface(static_cast<double>(p.x), static_cast<double>(p.y));
       }
-      const Point3f p = plane_.point(i, static_cast<float>(z));
+      const structured_light::Point3f p = plane_.point(i, static_cast<float>(z));
       const auto line = matrix * cv::Vec4d(static_cast<double>(p.x), static_cast<double>(p.y), z, 1);
       codes[i] = line(0) / line(1);
       const bool lit = codes[i] >= 1 && codes[i] < (1 << kSceneBits) - 1;
-      words[i] = lit ? static_cast<std::uint16_t>(static_cast<int>(codes[i]) | GrayDecoder::kMeasurable) : 0;
+      words[i] = lit ? static_cast<std::uint16_t>(static_cast<int>(codes[i]) | model::GrayDecoder::kMeasurable) : 0;
     }
-    CodeBorders at_borders(plane_, 5);
+    structured_light::CodeBorders at_borders(plane_, 5);
     std::mt19937_64 random(3);
     std::normal_distribution<double> grey(0, noise);
     std::vector<std::uint8_t> positive(pixels), negative(pixels);
@@ -73,7 +73,7 @@ class SeenBorders {
     double all = 0;
     for (std::size_t i = 0; i < depths.size(); ++i) {
       if (!std::isnan(depths[i])) {
-        const Point3f p = plane_.point(i, depths[i]);
+        const structured_light::Point3f p = plane_.point(i, depths[i]);
         const double s = shape(static_cast<double>(p.x), static_cast<double>(p.y));
         up += s * (level - static_cast<double>(depths[i]));
         all += s * s;
@@ -81,7 +81,7 @@ class SeenBorders {
     }
     return up / all;
   }
-  [[nodiscard]] Point3f point(std::size_t i, float z) const { return plane_.point(i, z); }
+  [[nodiscard]] structured_light::Point3f point(std::size_t i, float z) const { return plane_.point(i, z); }
 
   std::vector<std::uint16_t> words;
   std::vector<float> whole, borders;
@@ -95,12 +95,12 @@ class SeenBorders {
     const double share = place - before;
     return (1 - share) * sign(before) + share * sign(before + 1);
   }
-  [[nodiscard]] ImageView view(const std::vector<std::uint8_t>& image) const {
+  [[nodiscard]] model::ImageView view(const std::vector<std::uint8_t>& image) const {
     return {image.data(), rig_.camera.rows, rig_.camera.columns, rig_.camera.columns};
   }
 
-  Rig rig_;
-  PlaneTriangulation plane_;
+  rig::Rig rig_;
+  structured_light::PlaneTriangulation plane_;
 };
 
 TEST(CodeBorders, LieOnTheSurface) {
@@ -109,7 +109,7 @@ TEST(CodeBorders, LieOnTheSurface) {
   double squares = 0, whole_squares = 0, most = 0, count = 0, whole_count = 0;
   for (std::size_t i = 0; i < seen.borders.size(); ++i) {
     const auto error = [&](float z) {
-      const Point3f p = seen.point(i, z);
+      const structured_light::Point3f p = seen.point(i, z);
       return static_cast<double>(z) - leaning(static_cast<double>(p.x), static_cast<double>(p.y));
     };
     if (!std::isnan(seen.borders[i])) {
@@ -146,17 +146,17 @@ TEST(CodeBorders, NoneInNoise) {
 }
 
 TEST(CodeBorders, BadArguments) {
-  const PlaneTriangulation plane(load_rig("scanner"), kSceneBits);
-  EXPECT_THROW(CodeBorders(plane, 256), std::invalid_argument);
-  EXPECT_THROW(CodeBorders(plane, -1), std::invalid_argument);
-  CodeBorders borders(plane, 5);
+  const structured_light::PlaneTriangulation plane(rig::load_rig("scanner"), kSceneBits);
+  EXPECT_THROW(structured_light::CodeBorders(plane, 256), std::invalid_argument);
+  EXPECT_THROW(structured_light::CodeBorders(plane, -1), std::invalid_argument);
+  structured_light::CodeBorders borders(plane, 5);
   const std::vector<std::uint8_t> image(plane.pixels());
-  const ImageView whole{image.data(), plane.rows(), plane.columns(), plane.columns()};
-  const ImageView small{image.data(), plane.rows() - 1, plane.columns(), plane.columns()};
+  const model::ImageView whole{image.data(), plane.rows(), plane.columns(), plane.columns()};
+  const model::ImageView small{image.data(), plane.rows() - 1, plane.columns(), plane.columns()};
   EXPECT_THROW(borders.add_plane(kSceneBits, whole, whole), std::invalid_argument);
   EXPECT_THROW(borders.add_plane(0, whole, small), std::invalid_argument);
   EXPECT_NO_THROW(borders.add_plane(0, whole, whole));
 }
 
 }  // namespace
-}  // namespace selfproj
+}  // namespace selfproj::test

@@ -1,6 +1,6 @@
 // Compares the fast decoder and median with the models bit for bit. Integers are exact, so no test has a tolerance.
 
-#include "host/structured_light/fast_decoder.h"
+#include "selfproj/structured_light/fast_decoder.h"
 
 #include <gtest/gtest.h>
 
@@ -8,11 +8,11 @@
 #include <cstdint>
 #include <vector>
 
-#include "model/gray_decoder.h"
-#include "model/median3x3.h"
+#include "selfproj/model/gray_decoder.h"
+#include "selfproj/model/median3x3.h"
 #include "tests/support/random_cases.h"
 
-namespace selfproj {
+namespace selfproj::test {
 namespace {
 
 using test::Random;
@@ -32,16 +32,16 @@ TEST(FastGrayDecoder, EqualsTheModelOverRandomSequences) {
   for (const std::uint64_t seed : test::seeds(150)) {
     SCOPED_TRACE(test::how_to_repeat(seed));
     Random random(seed);
-    GraySettings settings;
+    model::GraySettings settings;
     settings.rows = random.between(1, 24);
     settings.columns = random.between(1, 300);
     settings.bits = random.between(1, 12);
     settings.threshold = random.chance(10) ? random.between(0, 255) : random.between(0, 20);
     const int stride = settings.columns + (random.chance(50) ? 0 : random.between(1, 70));
     const std::size_t size = static_cast<std::size_t>(stride) * static_cast<std::size_t>(settings.rows);
-    GrayDecoder model(settings);
-    FastGrayDecoder fast(settings);
-    FastMedian median(settings.columns + random.between(0, 5));
+    model::GrayDecoder model(settings);
+    structured_light::FastGrayDecoder fast(settings);
+    structured_light::FastMedian median(settings.columns + random.between(0, 5));
     const std::size_t words = static_cast<std::size_t>(settings.rows) * static_cast<std::size_t>(settings.columns);
     std::vector<std::uint16_t> expected(words), found(words), expected_median(words), found_median(words);
     std::vector<std::uint8_t> previous, current;
@@ -50,7 +50,7 @@ TEST(FastGrayDecoder, EqualsTheModelOverRandomSequences) {
     for (int frame = 0; frame < 6 * settings.bits + 8; ++frame) {
       previous = std::move(current);
       current = random_frame(random, size, spread);
-      const ImageView view{current.data(), settings.rows, settings.columns, stride};
+      const model::ImageView view{current.data(), settings.rows, settings.columns, stride};
       const bool good = !random.chance(2);
       if (random.chance(2)) {
         pattern = random.between(0, 2 * settings.bits);  // a frame is missing, or its index is wrong
@@ -63,9 +63,9 @@ TEST(FastGrayDecoder, EqualsTheModelOverRandomSequences) {
       ASSERT_EQ(fast.add_frame(view, pattern, good), due) << "frame " << frame;
       pattern = (pattern + 1) % (2 * settings.bits);
       if (due) {
-        code_words(fast.codes(), found.data());
+        structured_light::code_words(fast.codes(), found.data());
         ASSERT_EQ(found, expected) << "frame " << frame;
-        median3x3(expected.data(), settings.rows, settings.columns, expected_median.data());
+        model::median3x3(expected.data(), settings.rows, settings.columns, expected_median.data());
         median.filter(fast.codes(), found_median.data());
         ASSERT_EQ(found_median, expected_median) << "frame " << frame;
       }
@@ -94,7 +94,7 @@ TEST(FastMedian, EqualsTheModelOverRandomCodes) {
       ambiguous8[i] = static_cast<std::uint8_t>(flags);
       ambiguous16[i] = static_cast<std::uint16_t>(flags);
     }
-    CodeImageView image{rows, columns, bits, nullptr, nullptr, nullptr, nullptr};
+    structured_light::CodeImageView image{rows, columns, bits, nullptr, nullptr, nullptr, nullptr};
     if (bits <= 8) {
       image.codes8 = codes8.data();
       image.ambiguous8 = ambiguous8.data();
@@ -102,27 +102,27 @@ TEST(FastMedian, EqualsTheModelOverRandomCodes) {
       image.codes16 = codes16.data();
       image.ambiguous16 = ambiguous16.data();
     }
-    code_words(image, words.data());
-    median3x3(words.data(), rows, columns, expected.data());
-    FastMedian median(columns);
+    structured_light::code_words(image, words.data());
+    model::median3x3(words.data(), rows, columns, expected.data());
+    structured_light::FastMedian median(columns);
     median.filter(image, found.data());
     ASSERT_EQ(found, expected) << rows << " x " << columns << ", " << bits << " bits";
   }
 }
 
 TEST(FastGrayDecoder, RefusesWhatIsOutOfRange) {
-  EXPECT_THROW(FastGrayDecoder({0, 4, 8, 5}), std::invalid_argument);
-  EXPECT_THROW(FastGrayDecoder({4, 0, 8, 5}), std::invalid_argument);
-  EXPECT_THROW(FastGrayDecoder({4, 4, 0, 5}), std::invalid_argument);
-  EXPECT_THROW(FastGrayDecoder({4, 4, 13, 5}), std::invalid_argument);
-  EXPECT_THROW(FastGrayDecoder({4, 4, 8, 256}), std::invalid_argument);
-  EXPECT_THROW(FastGrayDecoder({4, 4, 8, -1}), std::invalid_argument);
-  EXPECT_THROW(FastMedian(0), std::invalid_argument);
-  FastGrayDecoder decoder({4, 4, 8, 5});
+  EXPECT_THROW(structured_light::FastGrayDecoder({0, 4, 8, 5}), std::invalid_argument);
+  EXPECT_THROW(structured_light::FastGrayDecoder({4, 0, 8, 5}), std::invalid_argument);
+  EXPECT_THROW(structured_light::FastGrayDecoder({4, 4, 0, 5}), std::invalid_argument);
+  EXPECT_THROW(structured_light::FastGrayDecoder({4, 4, 13, 5}), std::invalid_argument);
+  EXPECT_THROW(structured_light::FastGrayDecoder({4, 4, 8, 256}), std::invalid_argument);
+  EXPECT_THROW(structured_light::FastGrayDecoder({4, 4, 8, -1}), std::invalid_argument);
+  EXPECT_THROW(structured_light::FastMedian(0), std::invalid_argument);
+  structured_light::FastGrayDecoder decoder({4, 4, 8, 5});
   const std::vector<std::uint8_t> pixels(16);
   EXPECT_THROW(decoder.add_frame({pixels.data(), 2, 8, 8}, 0, true), std::invalid_argument);
   EXPECT_THROW(decoder.add_frame({nullptr, 4, 4, 4}, 0, true), std::invalid_argument);
 }
 
 }  // namespace
-}  // namespace selfproj
+}  // namespace selfproj::test

@@ -1,6 +1,6 @@
 // Compares the foreground with its definition, pixel by pixel.
 
-#include "host/structured_light/foreground.h"
+#include "selfproj/structured_light/foreground.h"
 
 #include <gtest/gtest.h>
 
@@ -10,12 +10,12 @@
 #include <stdexcept>
 #include <vector>
 
-#include "host/rig/rig.h"
-#include "host/structured_light/triangulation.h"
+#include "selfproj/rig/rig.h"
+#include "selfproj/structured_light/triangulation.h"
 #include "tests/host/structured_light/random_rig.h"
 #include "tests/support/random_cases.h"
 
-namespace selfproj {
+namespace selfproj::test {
 namespace {
 
 using test::Random;
@@ -26,8 +26,8 @@ TEST(Foreground, IsTheCentroidOfTheDifferingPoints) {
   for (const std::uint64_t seed : test::seeds(60)) {
     SCOPED_TRACE(test::how_to_repeat(seed));
     Random random(seed);
-    const Rig rig = random_rig(random);
-    const PlaneTriangulation triangulation(rig, 8);
+    const rig::Rig rig = random_rig(random);
+    const structured_light::PlaneTriangulation triangulation(rig, 8);
     const auto some = [&](float base) {
       std::vector<float> z(triangulation.pixels());
       for (float& value : z) {
@@ -44,14 +44,15 @@ TEST(Foreground, IsTheCentroidOfTheDifferingPoints) {
     double depth = 0;
     for (std::size_t i = 0; i < z.size(); ++i) {
       if (!std::isnan(z[i]) && !std::isnan(background[i]) && std::abs(z[i] - background[i]) > least) {
-        const Point3f point = triangulation.point(i, z[i]);
+        const structured_light::Point3f point = triangulation.point(i, z[i]);
         count += 1;
         x += static_cast<double>(point.x);
         y += static_cast<double>(point.y);
         depth += static_cast<double>(point.z);
       }
     }
-    const Foreground found = foreground_of(triangulation, z.data(), background.data(), least);
+    const structured_light::Foreground found =
+        structured_light::foreground_of(triangulation, z.data(), background.data(), least);
     ASSERT_EQ(found.pixels, static_cast<std::int64_t>(count));
     if (count == 0) {
       EXPECT_TRUE(std::isnan(found.x) && std::isnan(found.y) && std::isnan(found.z));
@@ -70,12 +71,12 @@ TEST(Foreground, SteadyFilterKeepsWhatStaysAndHasNeighbours) {
     Random random(seed);
     const int rows = random.between(1, 20);
     const int columns = random.between(1, 90);
-    SteadySettings settings;
+    structured_light::SteadySettings settings;
     settings.min_neighbours = random.between(0, 8);
     if (random.chance(70)) {
       settings.max_change_mm = static_cast<float>(uniform(random, 0, 12));
     }
-    SteadyFilter filter(rows, columns, settings);
+    structured_light::SteadyFilter filter(rows, columns, settings);
     EXPECT_EQ(filter.is_on(), settings.min_neighbours > 0 || std::isfinite(settings.max_change_mm));
     if (!filter.is_on()) {
       continue;
@@ -123,9 +124,9 @@ TEST(Foreground, SteadyFilterKeepsWhatStaysAndHasNeighbours) {
       before = z;
     }
   }
-  EXPECT_THROW(SteadyFilter(4, 4, {-1, 0}), std::invalid_argument);
-  EXPECT_THROW(SteadyFilter(4, 4, {1, 9}), std::invalid_argument);
+  EXPECT_THROW(structured_light::SteadyFilter(4, 4, {-1, 0}), std::invalid_argument);
+  EXPECT_THROW(structured_light::SteadyFilter(4, 4, {1, 9}), std::invalid_argument);
 }
 
 }  // namespace
-}  // namespace selfproj
+}  // namespace selfproj::test

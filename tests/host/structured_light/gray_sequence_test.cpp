@@ -1,6 +1,6 @@
 // Tests the sequence of Gray-code patterns: the code of every pixel, the order, and the patterns of real captures.
 
-#include "host/structured_light/gray_sequence.h"
+#include "selfproj/structured_light/gray_sequence.h"
 
 #include <gtest/gtest.h>
 
@@ -13,25 +13,25 @@
 #include <vector>
 
 #include "host/images/image_files.h"
-#include "host/structured_light/fast_decoder.h"
+#include "selfproj/structured_light/fast_decoder.h"
 #include "tests/support/random_cases.h"
 
-namespace selfproj {
+namespace selfproj::test {
 namespace {
 
 TEST(GraySequence, CountsBits) {
   for (const auto& [side, bits] :
        {std::pair{1, 1}, {2, 1}, {3, 2}, {4, 2}, {5, 3}, {768, 10}, {1024, 10}, {1025, 11}}) {
-    const GraySequence columns(side, 1);
+    const structured_light::GraySequence columns(side, 1);
     EXPECT_EQ(columns.column_bits(), bits) << side;
     EXPECT_EQ(columns.row_bits(), 1);
     EXPECT_EQ(columns.count(), 2 * bits + 4);
-    EXPECT_EQ(GraySequence(1, side).row_bits(), bits) << side;
+    EXPECT_EQ(structured_light::GraySequence(1, side).row_bits(), bits) << side;
   }
-  EXPECT_THROW(GraySequence(0, 4), std::invalid_argument);
-  EXPECT_THROW(GraySequence(4, GraySequence::kMaxSide + 1), std::invalid_argument);
-  EXPECT_THROW(static_cast<void>(GraySequence(4, 4).image(10)), std::out_of_range);
-  EXPECT_THROW(static_cast<void>(GraySequence(4, 4).image(-1)), std::out_of_range);
+  EXPECT_THROW(structured_light::GraySequence(0, 4), std::invalid_argument);
+  EXPECT_THROW(structured_light::GraySequence(4, structured_light::GraySequence::kMaxSide + 1), std::invalid_argument);
+  EXPECT_THROW(static_cast<void>(structured_light::GraySequence(4, 4).image(10)), std::out_of_range);
+  EXPECT_THROW(static_cast<void>(structured_light::GraySequence(4, 4).image(-1)), std::out_of_range);
 }
 
 // Decoding the projected images themselves gives the column and the row of each pixel.
@@ -39,12 +39,12 @@ TEST(GraySequence, DecodesToColumnAndRow) {
   for (const std::uint64_t seed : test::seeds(20)) {
     SCOPED_TRACE(test::how_to_repeat(seed));
     test::Random random(seed);
-    const GraySequence sequence(random.between(1, 200), random.between(1, 200));
+    const structured_light::GraySequence sequence(random.between(1, 200), random.between(1, 200));
     const std::size_t pixels = static_cast<std::size_t>(sequence.rows()) * static_cast<std::size_t>(sequence.columns());
     for (const bool rows : {false, true}) {
       const int bits = rows ? sequence.row_bits() : sequence.column_bits();
       const int first = rows ? sequence.first_of_rows() : 0;
-      FastGrayDecoder decoder({sequence.rows(), sequence.columns(), bits, 5});
+      structured_light::FastGrayDecoder decoder({sequence.rows(), sequence.columns(), bits, 5});
       std::vector<std::vector<std::uint8_t>> images;
       for (int i = 0; i < 2 * bits; ++i) {
         images.push_back(sequence.image(first + i));
@@ -54,7 +54,7 @@ TEST(GraySequence, DecodesToColumnAndRow) {
         decoder.add_frame({image.data(), sequence.rows(), sequence.columns(), sequence.columns()}, i);
       }
       std::vector<std::uint16_t> words(pixels);
-      unambiguous_code_words(decoder.codes(), words.data());
+      structured_light::unambiguous_code_words(decoder.codes(), words.data());
       std::size_t i = 0;
       for (int r = 0; r < sequence.rows(); ++r) {
         for (int c = 0; c < sequence.columns(); ++c, ++i) {
@@ -78,13 +78,14 @@ TEST(GraySequence, IsThatOfTheRealCaptures) {
   if (!fs::exists(folder)) {
     GTEST_SKIP() << "no " << folder;
   }
-  const GraySequence sequence(1024, 768);
-  const std::vector<std::string> files = files_of_folder(folder.string());
+  const structured_light::GraySequence sequence(1024, 768);
+  const std::vector<std::string> files = images::files_of_folder(folder.string());
   ASSERT_EQ(files.size(), static_cast<std::size_t>(sequence.count()));
   for (std::size_t i = 0; i < files.size(); ++i) {
-    EXPECT_EQ(read_image(files[i], Channel::grey).pixels, sequence.image(static_cast<int>(i))) << files[i];
+    EXPECT_EQ(images::read_image(files[i], images::Channel::grey).pixels, sequence.image(static_cast<int>(i)))
+        << files[i];
   }
 }
 
 }  // namespace
-}  // namespace selfproj
+}  // namespace selfproj::test

@@ -12,24 +12,24 @@
 #include <vector>
 
 #include "host/files/output_folder.h"
-#include "host/rig/calibration.h"
-#include "host/rig/rig.h"
 #include "host/structured_light/accuracy.h"
 #include "host/structured_light/match_table.h"
 #include "host/structured_light/self_reference.h"
 #include "host/structured_light/self_scanner.h"
-#include "model/gray_decoder.h"
+#include "selfproj/model/gray_decoder.h"
+#include "selfproj/rig/calibration.h"
+#include "selfproj/rig/rig.h"
 #include "tests/cli/program.h"
 #include "tests/host/light_section/lens_world.h"
 
-namespace selfproj {
+namespace selfproj::test {
 namespace {
 
 using test::LensWorld;
 
 // Rig B with a quarter of its pixels along each side.
-Rig coarse_rig() {
-  Rig rig = load_rig("scanner");
+rig::Rig coarse_rig() {
+  rig::Rig rig = rig::load_rig("scanner");
   rig.camera.rows /= 4;
   rig.camera.columns /= 4;
   rig.camera.pixel_pitch_mm *= 4;
@@ -45,7 +45,7 @@ struct Station {
   explicit Station(double k1)
       : ideal(coarse_rig()),
         calibration(test::distorted_calibration(ideal, {.k1 = k1, .turn = {0, 0, k1 == 0 ? 0.0 : 1.0}})),
-        rig(rig_of(calibration, ideal)),
+        rig(rig::rig_of(calibration, ideal)),
         world(calibration) {}
 
   // The point of the plane z that a camera pixel sees.
@@ -71,9 +71,9 @@ struct Station {
     return inside ? std::optional(lit) : std::nullopt;
   }
 
-  [[nodiscard]] SelfReference reference(double z) const {
-    ProjectorPoints points{FloatImage(rig.camera.rows, rig.camera.columns, kNoValue),
-                           FloatImage(rig.camera.rows, rig.camera.columns, kNoValue)};
+  [[nodiscard]] structured_light::SelfReference reference(double z) const {
+    structured_light::ProjectorPoints points{images::FloatImage(rig.camera.rows, rig.camera.columns, images::kNoValue),
+                                             images::FloatImage(rig.camera.rows, rig.camera.columns, images::kNoValue)};
     for (int r = 0; r < rig.camera.rows; ++r) {
       for (int c = 0; c < rig.camera.columns; ++c) {
         if (const auto lit = light(r, c, z)) {
@@ -82,13 +82,13 @@ struct Station {
         }
       }
     }
-    Stripes stripes;
-    return make_self_reference(rig, points, stripes);
+    structured_light::Stripes stripes;
+    return structured_light::make_self_reference(rig, points, stripes);
   }
 
-  Rig ideal;
-  Calibration calibration;
-  Rig rig;
+  rig::Rig ideal;
+  rig::Calibration calibration;
+  rig::Rig rig;
   LensWorld world;
 };
 
@@ -98,20 +98,21 @@ struct Measured {
 };
 
 // The depth of a plane at z under the patterns of the reference.
-Measured measure(const Station& setup, const SelfReference& reference, double z) {
-  const Rig& rig = setup.rig;
-  const MatchTable table(rig, reference, {.e = 4});
-  SelfScanner scanner(rig, reference, table, rig.measure.code_threshold);
+Measured measure(const Station& setup, const structured_light::SelfReference& reference, double z) {
+  const rig::Rig& rig = setup.rig;
+  const structured_light::MatchTable table(rig, reference, {.e = 4});
+  structured_light::SelfScanner scanner(rig, reference, table, rig.measure.code_threshold);
   std::vector<std::uint16_t> codes;
   for (int r = 0; r < rig.camera.rows; ++r) {
     for (int c = 0; c < rig.camera.columns; ++c) {
       const auto lit = setup.light(r, c, z);
       const int cell =
           lit ? reference.cell(static_cast<int>(std::lround((*lit)[1])), static_cast<int>(std::lround((*lit)[0])))
-              : kNoCell;
-      codes.push_back(cell == kNoCell ? 0
-                                      : static_cast<std::uint16_t>(code_of_cell(reference.stripes, cell) |
-                                                                   GrayDecoder::kMeasurable));
+              : structured_light::kNoCell;
+      codes.push_back(cell == structured_light::kNoCell
+                          ? 0
+                          : static_cast<std::uint16_t>(structured_light::code_of_cell(reference.stripes, cell) |
+                                                       model::GrayDecoder::kMeasurable));
     }
   }
   scanner.add_codes(codes.data());
@@ -135,7 +136,7 @@ TEST(LensMatch, PlanesAreAsTrueAsWithoutDistortion) {
   for (const double k1 : {0.0, 0.08, -0.08}) {
     const Station setup(k1);
     ASSERT_TRUE(k1 == 0 || !setup.rig.is_pinholes());
-    const SelfReference reference = setup.reference(setup.rig.plane_z_mm);
+    const structured_light::SelfReference reference = setup.reference(setup.rig.plane_z_mm);
     for (std::size_t i = 0; i < std::size(heights); ++i) {
       const Measured measured = measure(setup, reference, setup.rig.plane_z_mm - heights[i]);
       EXPECT_LT(measured.far, measured.points / 50) << k1;
@@ -154,9 +155,9 @@ TEST(LensMatch, PlanesAreAsTrueAsWithoutDistortion) {
 // The reference's own depth follows from measured places, and has no rounding.
 TEST(LensMatch, DepthOfTheReferenceIsExact) {
   const Station setup(-0.08);
-  const SelfReference reference = setup.reference(500);
-  const MatchTable table(setup.rig, reference, {});
-  const SelfScanner scanner(setup.rig, reference, table, 5);
+  const structured_light::SelfReference reference = setup.reference(500);
+  const structured_light::MatchTable table(setup.rig, reference, {});
+  const structured_light::SelfScanner scanner(setup.rig, reference, table, 5);
   int points = 0;
   for (const float depth : scanner.reference_depth().values) {
     if (!std::isnan(depth)) {
@@ -172,7 +173,7 @@ TEST(LensMatch, NothingIsExtrapolatedFar) {
   const test::ScratchFolder scratch;
   for (const double k1 : {0.08, -0.08, -0.3}) {  // the last one folds over inside the projector's image
     const Station setup(k1);
-    const SelfReference reference = setup.reference(setup.rig.plane_z_mm);
+    const structured_light::SelfReference reference = setup.reference(setup.rig.plane_z_mm);
     std::size_t without = 0;
     for (std::size_t i = 0; i < reference.row.values.size(); ++i) {
       ASSERT_EQ(std::isnan(reference.row.values[i]), std::isnan(reference.column.values[i]));
@@ -182,10 +183,10 @@ TEST(LensMatch, NothingIsExtrapolatedFar) {
     }
     EXPECT_EQ(without > 0, k1 == -0.3) << k1 << ": " << without;
     const std::string name = (scratch / ("reference" + std::to_string(k1))).string();
-    OutputFolder folder(name);
-    write_self_reference(setup.rig, reference, folder);
+    files::OutputFolder folder(name);
+    structured_light::write_self_reference(setup.rig, reference, folder);
     folder.commit();
-    const SelfReference read = read_self_reference(setup.rig, name);
+    const structured_light::SelfReference read = structured_light::read_self_reference(setup.rig, name);
     EXPECT_EQ(read.seen, reference.seen);
     EXPECT_EQ(read.cell(0, 0), reference.cell(0, 0));
     EXPECT_GT(measure(setup, read, setup.rig.plane_z_mm - 20).points, 5000);
@@ -194,28 +195,30 @@ TEST(LensMatch, NothingIsExtrapolatedFar) {
 
 // Error and range of a calibrated rig without distortion are those of the closed forms.
 TEST(LensMatch, AccuracyIsThatOfTheClosedFormsWithoutDistortion) {
-  const Rig rig = load_rig("scanner");
-  Rig calibrated = rig_of(calibration_of(rig), rig);
-  for (const CameraPoint& point : {CameraPoint{255.5, 255.5, 550}, CameraPoint{100, 400, 470}}) {
-    const ErrorTerms plain = error_terms(rig, point, 0.02, 0.005);
-    const ErrorTerms lens = error_terms(calibrated, point, 0.02, 0.005);
+  const rig::Rig rig = rig::load_rig("scanner");
+  rig::Rig calibrated = rig::rig_of(rig::calibration_of(rig), rig);
+  for (const structured_light::CameraPoint& point :
+       {structured_light::CameraPoint{255.5, 255.5, 550}, structured_light::CameraPoint{100, 400, 470}}) {
+    const structured_light::ErrorTerms plain = structured_light::error_terms(rig, point, 0.02, 0.005);
+    const structured_light::ErrorTerms lens = structured_light::error_terms(calibrated, point, 0.02, 0.005);
     for (const auto& [a, b] : {std::pair{plain.projector, lens.projector}, std::pair{plain.camera, lens.camera}}) {
       EXPECT_NEAR(b.x, a.x, 1e-3);
       EXPECT_NEAR(b.y, a.y, 1e-3);
       EXPECT_NEAR(b.z, a.z, 1e-3);
     }
-    const DepthRange lines = range_of_lines(rig, point, 20, 30);
-    const DepthRange lens_lines = range_of_lines(calibrated, point, 20, 30);
+    const structured_light::DepthRange lines = structured_light::range_of_lines(rig, point, 20, 30);
+    const structured_light::DepthRange lens_lines = structured_light::range_of_lines(calibrated, point, 20, 30);
     EXPECT_NEAR(lens_lines.low, lines.low, 1e-3);
     EXPECT_NEAR(lens_lines.high, lines.high, 1e-3);
-    const DepthRange cells = range_of_cells(rig, point, 2, 4, 8);
-    const DepthRange lens_cells = range_of_cells(calibrated, point, 2, 4, 8);
+    const structured_light::DepthRange cells = structured_light::range_of_cells(rig, point, 2, 4, 8);
+    const structured_light::DepthRange lens_cells = structured_light::range_of_cells(calibrated, point, 2, 4, 8);
     EXPECT_NEAR(lens_cells.low, cells.low, 1e-3);
     EXPECT_NEAR(lens_cells.high, cells.high, 1e-3);
   }
   calibrated.calibration->camera.k1 = 0.08;
-  EXPECT_NE(half_pixel_error(calibrated, {50, 50, 550}), half_pixel_error(rig, {50, 50, 550}));
+  EXPECT_NE(structured_light::half_pixel_error(calibrated, {50, 50, 550}),
+            structured_light::half_pixel_error(rig, {50, 50, 550}));
 }
 
 }  // namespace
-}  // namespace selfproj
+}  // namespace selfproj::test

@@ -1,6 +1,6 @@
 // Tests depth by the full lens model: projects points back through distortion written out, and compares with pinholes.
 
-#include "host/structured_light/lens_triangulation.h"
+#include "selfproj/structured_light/lens_triangulation.h"
 
 #include <gtest/gtest.h>
 
@@ -11,15 +11,15 @@
 #include <utility>
 #include <vector>
 
-#include "host/rig/calibration.h"
-#include "host/rig/calibration_file.h"
-#include "host/structured_light/triangulation.h"
+#include "selfproj/rig/calibration.h"
+#include "selfproj/rig/calibration_file.h"
+#include "selfproj/structured_light/triangulation.h"
 #include "tests/host/rig/random_lens.h"
 #include "tests/host/structured_light/pinhole.h"
 #include "tests/host/structured_light/random_rig.h"
 #include "tests/support/random_cases.h"
 
-namespace selfproj {
+namespace selfproj::test {
 namespace {
 
 using test::distorted;
@@ -30,8 +30,8 @@ using test::Random;
 using test::random_lens;
 using test::uniform;
 
-Calibration random_calibration(Random& random, int columns, int rows) {
-  Calibration c;
+rig::Calibration random_calibration(Random& random, int columns, int rows) {
+  rig::Calibration c;
   c.camera = random_lens(random, 1.3 * std::max(columns, rows), columns, rows);
   c.projector = random_lens(random, 1600, 1280, 800);
   const double a = uniform(random, 0.2, 0.4);
@@ -42,14 +42,14 @@ Calibration random_calibration(Random& random, int columns, int rows) {
   return c;
 }
 
-Calibration without_distortion(Calibration calibration) {
+rig::Calibration without_distortion(rig::Calibration calibration) {
   calibration.camera.k = {};
   calibration.projector.k = {};
   return calibration;
 }
 
 // The ray of a camera pixel, by fixed-point iteration: distortion is small against the focal length.
-Point3 camera_ray(const Lens& lens, double column, double row) {
+Point3 camera_ray(const rig::Lens& lens, double column, double row) {
   double x = (column - lens.cx) / lens.fx;
   double y = (row - lens.cy) / lens.fy;
   for (int i = 0; i < 200; ++i) {
@@ -60,7 +60,7 @@ Point3 camera_ray(const Lens& lens, double column, double row) {
   return {x, y, 1};
 }
 
-std::pair<double, double> projector_sees(const Calibration& c, const Point3& ray, double z) {
+std::pair<double, double> projector_sees(const rig::Calibration& c, const Point3& ray, double z) {
   const auto& r = c.rotation;
   const double x = z * (r(0, 0) * ray.x + r(0, 1) * ray.y + r(0, 2)) + c.translation[0];
   const double y = z * (r(1, 0) * ray.x + r(1, 1) * ray.y + r(1, 2)) + c.translation[1];
@@ -75,9 +75,10 @@ TEST(LensTriangulation, FindsTheDepthOfTheColumnOrOfBothCodes) {
     Random random(seed);
     const int rows = random.between(8, 24);
     const int columns = random.between(8, 32);
-    const Calibration calibration = random_calibration(random, columns, rows);
-    const LensSettings settings{.rows = rows, .columns = columns, .bits = kBits, .row_bits = kBits, .limits = {}};
-    const LensTriangulation triangulation(calibration, settings);
+    const rig::Calibration calibration = random_calibration(random, columns, rows);
+    const structured_light::LensSettings settings{
+        .rows = rows, .columns = columns, .bits = kBits, .row_bits = kBits, .limits = {}};
+    const structured_light::LensTriangulation triangulation(calibration, settings);
     std::vector<std::uint16_t> codes(triangulation.pixels()), row_codes(codes.size());
     std::vector<double> truth(codes.size());
     for (std::size_t i = 0; i < codes.size(); ++i) {
@@ -91,14 +92,14 @@ TEST(LensTriangulation, FindsTheDepthOfTheColumnOrOfBothCodes) {
       }
     }
     std::vector<float> z(codes.size()), both(codes.size()), residual(codes.size());
-    std::vector<PointState> states(codes.size());
+    std::vector<structured_light::PointState> states(codes.size());
     triangulation.depth(codes.data(), z.data());
     triangulation.depth_of_both(codes.data(), row_codes.data(), both.data(), states.data(), residual.data());
     std::size_t valid = 0;
     for (std::size_t i = 0; i < codes.size(); ++i) {
       if (codes[i] == 0) {
         ASSERT_TRUE(std::isnan(z[i]));
-        ASSERT_EQ(states[i], PointState::not_measurable);
+        ASSERT_EQ(states[i], structured_light::PointState::not_measurable);
         continue;
       }
       ++valid;
@@ -109,7 +110,7 @@ TEST(LensTriangulation, FindsTheDepthOfTheColumnOrOfBothCodes) {
       EXPECT_NEAR(projector_sees(calibration, ray, static_cast<double>(z[i])).first, codes[i] & 0xFFF, 1e-3);
       EXPECT_NEAR(static_cast<double>(z[i]), truth[i], 2.5);  // half a column
       // Both: no depth nearby has its image nearer to the pixel of the codes.
-      ASSERT_EQ(states[i], PointState::valid);
+      ASSERT_EQ(states[i], structured_light::PointState::valid);
       const auto way = [&](double depth) {
         const auto [column, row] = projector_sees(calibration, ray, depth);
         return std::hypot(column - (codes[i] & 0xFFF), row - (row_codes[i] & 0xFFF));
@@ -130,11 +131,12 @@ TEST(LensTriangulation, WithoutDistortionIsThePlanes) {
     Random random(seed);
     const int rows = random.between(2, 24);
     const int columns = random.between(2, 32);
-    const Calibration c = without_distortion(random_calibration(random, columns, rows));
+    const rig::Calibration c = without_distortion(random_calibration(random, columns, rows));
     const int bits = random.between(6, 11);
     const double lines = 1280;
-    DepthLimits limits{300, 2000, uniform(random, 1, 20)};
-    const LensTriangulation lens(c, {.rows = rows, .columns = columns, .bits = bits, .lines = lines, .limits = limits});
+    structured_light::DepthLimits limits{300, 2000, uniform(random, 1, 20)};
+    const structured_light::LensTriangulation lens(
+        c, {.rows = rows, .columns = columns, .bits = bits, .lines = lines, .limits = limits});
     const cv::Matx34d camera(c.camera.fx, 0, c.camera.cx, 0, 0, c.camera.fy, c.camera.cy, 0, 0, 0, 1, 0);
     cv::Matx<double, 2, 4> projector;
     const double scale = std::ldexp(1.0, bits) / lines;
@@ -143,7 +145,7 @@ TEST(LensTriangulation, WithoutDistortionIsThePlanes) {
       projector(0, k) = scale * (c.projector.fx * part(0) + (c.projector.cx + 0.5) * part(2));
       projector(1, k) = part(2);
     }
-    const PlaneTriangulation planes(rows, columns, bits, {camera, projector}, limits, scale);
+    const structured_light::PlaneTriangulation planes(rows, columns, bits, {camera, projector}, limits, scale);
     std::vector<std::uint16_t> codes(lens.pixels());
     for (std::uint16_t& code : codes) {
       code = static_cast<std::uint16_t>(random.between(0, (1 << bits) - 1) | kMeasurable);
@@ -166,10 +168,11 @@ TEST(LensTriangulation, WithoutDistortionIsThePlanes) {
 // Codes of projector columns that do not exist, and codes of the two axes that do not belong together.
 TEST(LensTriangulation, LeavesOutWhatBelongsToNoPoint) {
   Random random(1);
-  Calibration c = random_calibration(random, 16, 16);
+  rig::Calibration c = random_calibration(random, 16, 16);
   c.projector_columns = 1280;
   c.projector_rows = 800;
-  const LensTriangulation triangulation(c, {.rows = 16, .columns = 16, .bits = 11, .row_bits = 11, .limits = {}});
+  const structured_light::LensTriangulation triangulation(
+      c, {.rows = 16, .columns = 16, .bits = 11, .row_bits = 11, .limits = {}});
   const Point3 ray = camera_ray(c.camera, 8, 8);
   const auto [column, row] = projector_sees(c, ray, 700);
   const std::size_t pixel = 8 * 16 + 8;
@@ -181,17 +184,17 @@ TEST(LensTriangulation, LeavesOutWhatBelongsToNoPoint) {
     codes[pixel] = code;
     row_codes[pixel] = row_code;
     std::vector<float> z(256);
-    std::vector<PointState> states(256);
+    std::vector<structured_light::PointState> states(256);
     triangulation.depth_of_both(codes.data(), row_codes.data(), z.data(), states.data(), nullptr);
-    EXPECT_EQ(std::isnan(z[pixel]), states[pixel] != PointState::valid);
+    EXPECT_EQ(std::isnan(z[pixel]), states[pixel] != structured_light::PointState::valid);
     return states[pixel];
   };
-  EXPECT_EQ(state_of(word(column), word(row)), PointState::valid);
-  EXPECT_EQ(state_of(word(column), word(row + 20)), PointState::off_line);
-  EXPECT_EQ(state_of(word(1280), word(row)), PointState::no_line);
-  EXPECT_EQ(state_of(word(column), word(800)), PointState::no_line);
-  EXPECT_EQ(state_of(word(column), static_cast<std::uint16_t>(row)), PointState::not_measurable);
+  EXPECT_EQ(state_of(word(column), word(row)), structured_light::PointState::valid);
+  EXPECT_EQ(state_of(word(column), word(row + 20)), structured_light::PointState::off_line);
+  EXPECT_EQ(state_of(word(1280), word(row)), structured_light::PointState::no_line);
+  EXPECT_EQ(state_of(word(column), word(800)), structured_light::PointState::no_line);
+  EXPECT_EQ(state_of(word(column), static_cast<std::uint16_t>(row)), structured_light::PointState::not_measurable);
 }
 
 }  // namespace
-}  // namespace selfproj
+}  // namespace selfproj::test

@@ -13,13 +13,13 @@
 #include <utility>
 #include <vector>
 
-#include "host/rig/rig.h"
 #include "host/structured_light/self_reference.h"
-#include "model/gray_match.h"
+#include "selfproj/model/gray_match.h"
+#include "selfproj/rig/rig.h"
 #include "tests/host/light_section/seen_surface.h"
 #include "tests/host/structured_light/pinhole.h"
 
-namespace selfproj {
+namespace selfproj::test {
 namespace {
 
 using test::Pixel;
@@ -29,28 +29,31 @@ using test::Surface;
 // --- codes ---
 
 TEST(StripeCode, CyclicCountsAroundAndReflectedBack) {
-  for (int bits = 1; bits <= Stripes::kMaxBits; ++bits) {
+  for (int bits = 1; bits <= structured_light::Stripes::kMaxBits; ++bits) {
     const int codes = 1 << bits;
     for (int cell = -3 * codes; cell < 3 * codes; ++cell) {
       const int place = ((cell % codes) + codes) % codes;
       const int turn = (cell - place) / codes;
-      EXPECT_EQ(code_of_cell({bits, 2, StripeCode::cyclic}, cell), place);
-      EXPECT_EQ(code_of_cell({bits, 2, StripeCode::reflected}, cell), turn % 2 == 0 ? place : codes - 1 - place);
+      EXPECT_EQ(structured_light::code_of_cell({bits, 2, structured_light::StripeCode::cyclic}, cell), place);
+      EXPECT_EQ(structured_light::code_of_cell({bits, 2, structured_light::StripeCode::reflected}, cell),
+                turn % 2 == 0 ? place : codes - 1 - place);
     }
   }
 }
 
 // The equations themselves, in the middle of cells and at their ends.
 TEST(StripeCode, IsTheEquation) {
-  for (const StripeCode code : {StripeCode::cyclic, StripeCode::reflected}) {
-    const Stripes stripes{4, 2, code};
+  for (const structured_light::StripeCode code :
+       {structured_light::StripeCode::cyclic, structured_light::StripeCode::reflected}) {
+    const structured_light::Stripes stripes{4, 2, code};
     for (int cell = -50; cell < 50; ++cell) {
       for (int plane = 0; plane < stripes.bits; ++plane) {
         for (const double within : {0.001, 0.5, 0.999}) {
           const double u = (cell + within) / 16;
-          const double stripe =
-              plane == 0 && code == StripeCode::cyclic ? std::floor(2 * u) : std::floor(std::ldexp(u, plane) + 0.5);
-          EXPECT_EQ(is_light(stripes, cell, plane), std::fmod(std::abs(stripe), 2) == 1);
+          const double stripe = plane == 0 && code == structured_light::StripeCode::cyclic
+                                    ? std::floor(2 * u)
+                                    : std::floor(std::ldexp(u, plane) + 0.5);
+          EXPECT_EQ(structured_light::is_light(stripes, cell, plane), std::fmod(std::abs(stripe), 2) == 1);
         }
       }
     }
@@ -58,25 +61,29 @@ TEST(StripeCode, IsTheEquation) {
 }
 
 TEST(StripeCode, OneBitChangesFromCellToCell) {
-  for (const StripeCode code : {StripeCode::cyclic, StripeCode::reflected}) {
+  for (const structured_light::StripeCode code :
+       {structured_light::StripeCode::cyclic, structured_light::StripeCode::reflected}) {
     for (int cell = -40; cell < 40; ++cell) {
       int changes = 0;
       for (int plane = 0; plane < 4; ++plane) {
-        changes += is_light({4, 2, code}, cell, plane) != is_light({4, 2, code}, cell + 1, plane) ? 1 : 0;
+        changes += structured_light::is_light({4, 2, code}, cell, plane) !=
+                           structured_light::is_light({4, 2, code}, cell + 1, plane)
+                       ? 1
+                       : 0;
       }
       // Where the reflected code reverses, no bit changes: two cells have the same code.
-      EXPECT_EQ(changes, code == StripeCode::reflected && (cell + 1) % 16 == 0 ? 0 : 1) << cell;
+      EXPECT_EQ(changes, code == structured_light::StripeCode::reflected && (cell + 1) % 16 == 0 ? 0 : 1) << cell;
     }
   }
 }
 
 TEST(StripeCode, CellsLieAroundTheMiddle) {
-  EXPECT_EQ(cell_of_row(255.5, 512, 2), 0);
-  EXPECT_EQ(cell_of_row(256, 512, 2), 0);
-  EXPECT_EQ(cell_of_row(257, 512, 2), 0);
-  EXPECT_EQ(cell_of_row(258, 512, 2), 1);
-  EXPECT_EQ(cell_of_row(255, 512, 2), -1);
-  EXPECT_EQ(cell_of_row(253, 512, 2), -2);
+  EXPECT_EQ(structured_light::cell_of_row(255.5, 512, 2), 0);
+  EXPECT_EQ(structured_light::cell_of_row(256, 512, 2), 0);
+  EXPECT_EQ(structured_light::cell_of_row(257, 512, 2), 0);
+  EXPECT_EQ(structured_light::cell_of_row(258, 512, 2), 1);
+  EXPECT_EQ(structured_light::cell_of_row(255, 512, 2), -1);
+  EXPECT_EQ(structured_light::cell_of_row(253, 512, 2), -2);
 }
 
 // --- search ---
@@ -98,12 +105,12 @@ struct Outcome {
 // For the pixels that `take` selects: light from every quarter line along the epipolar line, if its cell is in the
 // window, must be matched to its origin. A match is right if the line of the light is in the matched run.
 template <class Take>
-Outcome try_all(const Rig& rig, const SelfReference& reference, const MatchSettings& settings, int every_column,
-                const Take& take) {
-  const MatchSearch search(rig, reference, settings);
-  const Stripes& stripes = reference.stripes;
+Outcome try_all(const rig::Rig& rig, const structured_light::SelfReference& reference,
+                const structured_light::MatchSettings& settings, int every_column, const Take& take) {
+  const structured_light::MatchSearch search(rig, reference, settings);
+  const structured_light::Stripes& stripes = reference.stripes;
   const int codes = 1 << stripes.bits;
-  std::vector<Match> matches;
+  std::vector<structured_light::Match> matches;
   Outcome outcome;
   for (int r = 0; r < rig.camera.rows; ++r) {
     for (int c = r % every_column; c < rig.camera.columns; c += every_column) {
@@ -128,7 +135,8 @@ Outcome try_all(const Rig& rig, const SelfReference& reference, const MatchSetti
         if (n < -settings.e || n >= codes - settings.e) {
           continue;
         }
-        const Match& match = matches[static_cast<std::size_t>(code_of_cell(stripes, cell))];
+        const structured_light::Match& match =
+            matches[static_cast<std::size_t>(structured_light::code_of_cell(stripes, cell))];
         // A line: the corner of a projector pixel that the search misses with its steps of a quarter line.
         const bool right = std::abs(match.line - lit.row) <= match.half_width + 1;
         (match.candidates == 0 ? outcome.missing : right ? outcome.right : outcome.wrong) += 1;
@@ -141,9 +149,10 @@ Outcome try_all(const Rig& rig, const SelfReference& reference, const MatchSetti
 constexpr auto kAll = [](int, int) { return true; };
 
 TEST(MatchSearch, CyclicAndCorrectedIsNeverWrongWhereTheReferenceHasNoSteps) {
-  const Rig rig = test::coarse_scanner(4);
+  const rig::Rig rig = test::coarse_scanner(4);
   for (const Surface& surface : {test::plane_at(550), slanted(), bump()}) {
-    const SelfReference reference = make_self_reference(rig, test::points_of(rig, surface), {4, 2, StripeCode::cyclic});
+    const structured_light::SelfReference reference = structured_light::make_self_reference(
+        rig, test::points_of(rig, surface), {4, 2, structured_light::StripeCode::cyclic});
     for (int e = 0; e < 16; ++e) {
       const Outcome outcome = try_all(rig, reference, {e}, 9, kAll);
       EXPECT_EQ(outcome.wrong, 0) << "e " << e;
@@ -155,9 +164,9 @@ TEST(MatchSearch, CyclicAndCorrectedIsNeverWrongWhereTheReferenceHasNoSteps) {
 }
 
 TEST(MatchSearch, ReflectedCodeIsWrongWhereTwoCellsShareACode) {
-  const Rig rig = test::coarse_scanner(4);
-  const SelfReference reference =
-      make_self_reference(rig, test::points_of(rig, test::plane_at(550)), {4, 2, StripeCode::reflected});
+  const rig::Rig rig = test::coarse_scanner(4);
+  const structured_light::SelfReference reference = structured_light::make_self_reference(
+      rig, test::points_of(rig, test::plane_at(550)), {4, 2, structured_light::StripeCode::reflected});
   const Outcome outcome = try_all(rig, reference, {8}, 3, kAll);
   const double share = static_cast<double>(outcome.wrong) / static_cast<double>(outcome.wrong + outcome.right);
   RecordProperty("wrong", std::to_string(share));
@@ -166,13 +175,14 @@ TEST(MatchSearch, ReflectedCodeIsWrongWhereTwoCellsShareACode) {
 
 // A step of 60 mm: two windows away from it no match is wrong. Nearer, light may come from the other side of the step.
 TEST(MatchSearch, StepsAreFeltNoFurtherThanAWindow) {
-  const Rig rig = test::coarse_scanner(2);
+  const rig::Rig rig = test::coarse_scanner(2);
   const auto block = [](double x, double y) { return std::abs(x) < 50 && std::abs(y - 15) < 45 ? 490.0 : 550.0; };
-  const ProjectorPoints points = test::points_of(rig, block);
-  const SelfReference reference = make_self_reference(rig, points, {4, 1, StripeCode::cyclic});
+  const structured_light::ProjectorPoints points = test::points_of(rig, block);
+  const structured_light::SelfReference reference =
+      structured_light::make_self_reference(rig, points, {4, 1, structured_light::StripeCode::cyclic});
   // Whether a step or an unlit pixel lies within this many pixels.
   const int reach = 16 * reference.stripes.width;
-  FloatImage jump(rig.camera.rows, rig.camera.columns);
+  images::FloatImage jump(rig.camera.rows, rig.camera.columns);
   for (int r = 1; r + 1 < jump.rows; ++r) {
     for (int c = 1; c + 1 < jump.columns; ++c) {
       const float here = points.line.row(r)[c];
@@ -203,17 +213,17 @@ TEST(MatchSearch, StepsAreFeltNoFurtherThanAWindow) {
 // The printed window of 48 lines does not hold 16 codes: some are missing, some occur twice. The window in cells holds
 // each code once, except where it leaves the projector's image.
 TEST(MatchTable, PrintedWindowMissesAndDoublesCodes) {
-  const Rig rig = test::coarse_scanner(4);
-  const SelfReference reference =
-      make_self_reference(rig, test::points_of(rig, test::plane_at(550)), {4, 2, StripeCode::cyclic});
-  const auto shares = [&](const MatchSettings& settings) {
-    const MatchSearch search(rig, reference, settings);
-    std::vector<Match> matches;
+  const rig::Rig rig = test::coarse_scanner(4);
+  const structured_light::SelfReference reference = structured_light::make_self_reference(
+      rig, test::points_of(rig, test::plane_at(550)), {4, 2, structured_light::StripeCode::cyclic});
+  const auto shares = [&](const structured_light::MatchSettings& settings) {
+    const structured_light::MatchSearch search(rig, reference, settings);
+    std::vector<structured_light::Match> matches;
     double missing = 0;
     double doubled = 0;
     for (int r = 48; r < 80; ++r) {  // all windows are whole
       search.find(r, 64, matches);
-      for (const Match& match : matches) {
+      for (const structured_light::Match& match : matches) {
         missing += match.candidates == 0 ? 1 : 0;
         doubled += match.candidates > 1 ? 1 : 0;
       }
@@ -231,11 +241,12 @@ TEST(MatchTable, PrintedWindowMissesAndDoublesCodes) {
 // On a plane that faces the camera, camera rows correspond to projector lines, so the direction of the search does not
 // matter. On a slanted plane it does.
 TEST(MatchTable, PrintedDirectionIsRightOnlyWithoutVariationAlongY) {
-  const Rig rig = test::coarse_scanner(4);
+  const rig::Rig rig = test::coarse_scanner(4);
   const auto difference = [&](const Surface& surface) {
-    const SelfReference reference = make_self_reference(rig, test::points_of(rig, surface), {4, 2, StripeCode::cyclic});
-    const MatchTable along_ray(rig, reference, {8});
-    const MatchTable along_xp(rig, reference, {.e = 8, .printed_direction = true});
+    const structured_light::SelfReference reference = structured_light::make_self_reference(
+        rig, test::points_of(rig, surface), {4, 2, structured_light::StripeCode::cyclic});
+    const structured_light::MatchTable along_ray(rig, reference, {8});
+    const structured_light::MatchTable along_xp(rig, reference, {.e = 8, .printed_direction = true});
     double sum = 0;
     int count = 0;
     for (int r = 20; r < 100; ++r) {
@@ -243,8 +254,8 @@ TEST(MatchTable, PrintedDirectionIsRightOnlyWithoutVariationAlongY) {
         for (int code = 0; code < 16; ++code) {
           const std::uint16_t a = along_ray.word(r, c, code);
           const std::uint16_t b = along_xp.word(r, c, code);
-          if (a != GrayMatch::kNone && b != GrayMatch::kNone) {
-            sum += std::abs(GrayMatch::line_of(a) - GrayMatch::line_of(b));
+          if (a != model::GrayMatch::kNone && b != model::GrayMatch::kNone) {
+            sum += std::abs(model::GrayMatch::line_of(a) - model::GrayMatch::line_of(b));
             ++count;
           }
         }
@@ -257,20 +268,22 @@ TEST(MatchTable, PrintedDirectionIsRightOnlyWithoutVariationAlongY) {
 }
 
 TEST(MatchTable, HasTheWordsOfTheSearch) {
-  Rig rig = test::coarse_scanner(8);
+  rig::Rig rig = test::coarse_scanner(8);
   rig.camera.columns = 63;  // odd: words go by pairs
-  const SelfReference reference = make_self_reference(rig, test::points_of(rig, bump()), {3, 1, StripeCode::cyclic});
-  const MatchTable table(rig, reference, {3});
-  const MatchSearch search(rig, reference, {3});
+  const structured_light::SelfReference reference = structured_light::make_self_reference(
+      rig, test::points_of(rig, bump()), {3, 1, structured_light::StripeCode::cyclic});
+  const structured_light::MatchTable table(rig, reference, {3});
+  const structured_light::MatchSearch search(rig, reference, {3});
   const std::vector<std::uint16_t> all = table.by_pixels();
-  std::vector<Match> matches;
+  std::vector<structured_light::Match> matches;
   std::size_t at = 0;
   for (int r = 0; r < rig.camera.rows; ++r) {
     for (int c = 0; c < rig.camera.columns; ++c) {
       search.find(r, c, matches);
       for (int code = 0; code < 8; ++code, ++at) {
-        const Match& match = matches[static_cast<std::size_t>(code)];
-        const std::uint16_t word = match.candidates > 0 ? GrayMatch::word_of(match.line) : GrayMatch::kNone;
+        const structured_light::Match& match = matches[static_cast<std::size_t>(code)];
+        const std::uint16_t word =
+            match.candidates > 0 ? model::GrayMatch::word_of(match.line) : model::GrayMatch::kNone;
         ASSERT_EQ(table.word(r, c, code), word);
         ASSERT_EQ(all[at], word);
       }
@@ -279,14 +292,14 @@ TEST(MatchTable, HasTheWordsOfTheSearch) {
 }
 
 TEST(MatchTable, RefusesWhatIsOutOfRange) {
-  const Rig rig = test::coarse_scanner(8);
-  const SelfReference reference =
-      make_self_reference(rig, test::points_of(rig, test::plane_at(550)), {4, 2, StripeCode::cyclic});
-  EXPECT_THROW(MatchTable(rig, reference, {-1}), std::invalid_argument);
-  EXPECT_THROW(MatchTable(rig, reference, {16}), std::invalid_argument);
-  EXPECT_THROW(MatchTable(rig, reference, {0, false, true, 0}), std::invalid_argument);
-  EXPECT_THROW(MatchTable(load_rig("scanner"), reference, {0}), std::invalid_argument);
+  const rig::Rig rig = test::coarse_scanner(8);
+  const structured_light::SelfReference reference = structured_light::make_self_reference(
+      rig, test::points_of(rig, test::plane_at(550)), {4, 2, structured_light::StripeCode::cyclic});
+  EXPECT_THROW(structured_light::MatchTable(rig, reference, {-1}), std::invalid_argument);
+  EXPECT_THROW(structured_light::MatchTable(rig, reference, {16}), std::invalid_argument);
+  EXPECT_THROW(structured_light::MatchTable(rig, reference, {0, false, true, 0}), std::invalid_argument);
+  EXPECT_THROW(structured_light::MatchTable(rig::load_rig("scanner"), reference, {0}), std::invalid_argument);
 }
 
 }  // namespace
-}  // namespace selfproj
+}  // namespace selfproj::test

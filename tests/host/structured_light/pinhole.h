@@ -1,11 +1,11 @@
-// Camera and projector as pinholes, by vectors and directly from the definitions of host/rig/rig.h.
+// Camera and projector as pinholes, by vectors and directly from the definitions of include/selfproj/rig/rig.h.
 // host/structured_light is tested against them.
 #ifndef SELFPROJ_TESTS_HOST_STRUCTURED_LIGHT_PINHOLE_H
 #define SELFPROJ_TESTS_HOST_STRUCTURED_LIGHT_PINHOLE_H
 
 #include <cmath>
 
-#include "host/rig/rig.h"
+#include "selfproj/rig/rig.h"
 
 namespace selfproj::test {
 
@@ -21,12 +21,12 @@ struct Pixel {
   double column;
 };
 
-inline Pixel camera_sees(const RigCamera& camera, const Point3& p) {
+inline Pixel camera_sees(const rig::RigCamera& camera, const Point3& p) {
   return {0.5 * (camera.rows - 1) + camera.focal_length_mm * p.x / p.z / camera.pixel_pitch_mm,
           0.5 * (camera.columns - 1) + camera.focal_length_mm * p.y / p.z / camera.pixel_pitch_mm};
 }
 
-inline Pixel projector_lights(const RigProjector& projector, const Point3& p) {
+inline Pixel projector_lights(const rig::RigProjector& projector, const Point3& p) {
   const double sine = std::sin(projector.tilt_rad);
   const double cosine = std::cos(projector.tilt_rad);
   const double x = p.x - projector.x_mm;

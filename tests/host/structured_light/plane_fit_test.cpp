@@ -12,16 +12,16 @@
 #include <stdexcept>
 #include <vector>
 
-#include "host/images/float_image.h"
-#include "host/rig/calibration.h"
-#include "host/rig/calibration_file.h"
-#include "host/rig/rig.h"
-#include "host/structured_light/lens_triangulation.h"
-#include "host/structured_light/triangulation.h"
+#include "selfproj/images/float_image.h"
+#include "selfproj/rig/calibration.h"
+#include "selfproj/rig/calibration_file.h"
+#include "selfproj/rig/rig.h"
+#include "selfproj/structured_light/lens_triangulation.h"
+#include "selfproj/structured_light/triangulation.h"
 #include "tests/host/structured_light/pinhole.h"
 #include "tests/host/structured_light/random_rig.h"
 
-namespace selfproj {
+namespace selfproj::test {
 namespace {
 
 using test::kMeasurable;
@@ -32,8 +32,8 @@ constexpr double kA = 0.11;
 constexpr double kB = -0.07;
 
 // A rig of few pixels, all of whose points count.
-Rig small_rig() {
-  Rig rig = load_rig("scanner");
+rig::Rig small_rig() {
+  rig::Rig rig = rig::load_rig("scanner");
   rig.camera.rows = 300;
   rig.camera.columns = 260;
   rig.measure.max_z_per_line_mm = 1e3;
@@ -41,7 +41,7 @@ Rig small_rig() {
 }
 
 // The point of the plane z = kZ0 + kA x + kB y on the ray of pixel i; rows run along x.
-test::Point3 on_plane(const Rig& rig, std::size_t i) {
+test::Point3 on_plane(const rig::Rig& rig, std::size_t i) {
   const auto columns = static_cast<std::size_t>(rig.camera.columns);
   const double scale = rig.camera.pixel_pitch_mm / rig.camera.focal_length_mm;
   const std::size_t row = i / columns;
@@ -57,8 +57,8 @@ std::uint16_t word(double place, int count) {
   return static_cast<std::uint16_t>(std::lround(place)) | kMeasurable;
 }
 
-void expect_plane(const Triangulation& triangulation, const FloatImage& depth) {
-  const PlaneFit fit = fit_plane(triangulation, depth);
+void expect_plane(const structured_light::Triangulation& triangulation, const images::FloatImage& depth) {
+  const structured_light::PlaneFit fit = structured_light::fit_plane(triangulation, depth);
   EXPECT_EQ(fit.points, triangulation.pixels());
   // Thousands of errors of about 0.5 mm; the rounding of neighbours is not fully independent.
   EXPECT_NEAR(fit.z0, kZ0, 0.02);
@@ -75,27 +75,27 @@ void expect_plane(const Triangulation& triangulation, const FloatImage& depth) {
 }
 
 TEST(PlaneFit, LinesRoundedToCodes) {
-  const Rig rig = small_rig();
-  const PlaneTriangulation triangulation(rig, kCodeBits, {}, 1 << kCodeBits);
+  const rig::Rig rig = small_rig();
+  const structured_light::PlaneTriangulation triangulation(rig, kCodeBits, {}, 1 << kCodeBits);
   std::vector<std::uint16_t> codes(triangulation.pixels());
   for (std::size_t i = 0; i < codes.size(); ++i) {
     const double first = 0.5 * (rig.projector.lines - (1 << kCodeBits));
     codes[i] = word(test::projector_lights(rig.projector, on_plane(rig, i)).row - first, 1 << kCodeBits);
   }
-  FloatImage depth(rig.camera.rows, rig.camera.columns);
+  images::FloatImage depth(rig.camera.rows, rig.camera.columns);
   triangulation.depth(codes.data(), depth.values.data());
   expect_plane(triangulation, depth);
 }
 
 TEST(PlaneFit, CodesOfBothAxes) {
-  const Rig rig = small_rig();
-  LensSettings settings;
+  const rig::Rig rig = small_rig();
+  structured_light::LensSettings settings;
   settings.rows = rig.camera.rows;
   settings.columns = rig.camera.columns;
   settings.bits = kCodeBits;
   settings.row_bits = kCodeBits;
   settings.rows_are_x = true;
-  const LensTriangulation triangulation(calibration_of(rig), settings);
+  const structured_light::LensTriangulation triangulation(rig::calibration_of(rig), settings);
   std::vector<std::uint16_t> lines(triangulation.pixels());
   std::vector<std::uint16_t> columns(triangulation.pixels());
   for (std::size_t i = 0; i < lines.size(); ++i) {
@@ -103,7 +103,7 @@ TEST(PlaneFit, CodesOfBothAxes) {
     lines[i] = word(lit.row, rig.projector.lines);
     columns[i] = word(lit.column, rig.projector.columns);
   }
-  FloatImage depth(rig.camera.rows, rig.camera.columns);
+  images::FloatImage depth(rig.camera.rows, rig.camera.columns);
   triangulation.depth_of_both(lines.data(), columns.data(), depth.values.data(), nullptr, nullptr);
   expect_plane(triangulation, depth);
 }
@@ -111,9 +111,9 @@ TEST(PlaneFit, CodesOfBothAxes) {
 // A board that fills two fifths of the image before a wall that leans otherwise, and points anywhere: the plane is that
 // of the board in its region, and that of the wall in the whole image.
 TEST(PlaneFit, MostPointsDecide) {
-  const Rig rig = small_rig();
-  const PlaneTriangulation triangulation(rig, kCodeBits);
-  FloatImage depth(rig.camera.rows, rig.camera.columns);
+  const rig::Rig rig = small_rig();
+  const structured_light::PlaneTriangulation triangulation(rig, kCodeBits);
+  images::FloatImage depth(rig.camera.rows, rig.camera.columns);
   for (std::size_t i = 0; i < depth.values.size(); ++i) {
     const std::size_t row = i / static_cast<std::size_t>(rig.camera.columns);
     const bool board = row >= 40 && row < 160;
@@ -122,29 +122,30 @@ TEST(PlaneFit, MostPointsDecide) {
                                          : board     ? on_plane(rig, i).z
                                                      : wall);
   }
-  const PlaneFit board = fit_plane(triangulation, depth, {30, 10, 140, 240});
+  const structured_light::PlaneFit board = structured_light::fit_plane(triangulation, depth, {30, 10, 140, 240});
   EXPECT_NEAR(board.z0, kZ0, 0.05);
   EXPECT_NEAR(board.a, kA, 1e-3);
   EXPECT_NEAR(board.b, kB, 1e-3);
   EXPECT_GT(board.left_out, 2000U);
   EXPECT_EQ(board.points + board.left_out, 140U * 240U);
-  const PlaneFit all = fit_plane(triangulation, depth);
+  const structured_light::PlaneFit all = structured_light::fit_plane(triangulation, depth);
   EXPECT_GT(all.z0, 690);
   EXPECT_LT(all.rms, 1);
-  EXPECT_THROW(fit_plane(triangulation, depth, {0, 0, rig.camera.rows + 1, 3}), std::invalid_argument);
-  EXPECT_THROW(fit_plane(triangulation, depth, {-1, 0, 3, 3}), std::invalid_argument);
+  EXPECT_THROW(structured_light::fit_plane(triangulation, depth, {0, 0, rig.camera.rows + 1, 3}),
+               std::invalid_argument);
+  EXPECT_THROW(structured_light::fit_plane(triangulation, depth, {-1, 0, 3, 3}), std::invalid_argument);
 }
 
 TEST(PlaneFit, ExactPointsLeaveNothing) {
-  const Rig rig = small_rig();
-  const PlaneTriangulation triangulation(rig, kCodeBits);
-  FloatImage depth(rig.camera.rows, rig.camera.columns);
+  const rig::Rig rig = small_rig();
+  const structured_light::PlaneTriangulation triangulation(rig, kCodeBits);
+  images::FloatImage depth(rig.camera.rows, rig.camera.columns);
   std::fill(depth.values.begin(), depth.values.end(), std::numeric_limits<float>::quiet_NaN());
   std::size_t points = 0;
   for (std::size_t i = 0; i < depth.values.size(); i += 7, ++points) {
     depth.values[i] = static_cast<float>(on_plane(rig, i).z);
   }
-  const PlaneFit fit = fit_plane(triangulation, depth);
+  const structured_light::PlaneFit fit = structured_light::fit_plane(triangulation, depth);
   EXPECT_EQ(fit.points, points);
   EXPECT_NEAR(fit.z0, kZ0, 1e-5);  // 32-bit depths are rounded to 6e-5 mm
   EXPECT_NEAR(fit.a, kA, 1e-7);
@@ -153,21 +154,21 @@ TEST(PlaneFit, ExactPointsLeaveNothing) {
 }
 
 TEST(PlaneFit, NoPlaneInTooFewPoints) {
-  const Rig rig = small_rig();
-  const PlaneTriangulation triangulation(rig, kCodeBits);
-  FloatImage depth(rig.camera.rows, rig.camera.columns);
+  const rig::Rig rig = small_rig();
+  const structured_light::PlaneTriangulation triangulation(rig, kCodeBits);
+  images::FloatImage depth(rig.camera.rows, rig.camera.columns);
   std::fill(depth.values.begin(), depth.values.end(), std::numeric_limits<float>::quiet_NaN());
-  EXPECT_EQ(fit_plane(triangulation, depth).points, 0U);
-  EXPECT_TRUE(std::isnan(fit_plane(triangulation, depth).z0));
+  EXPECT_EQ(structured_light::fit_plane(triangulation, depth).points, 0U);
+  EXPECT_TRUE(std::isnan(structured_light::fit_plane(triangulation, depth).z0));
   for (int r = 0; r < rig.camera.rows; ++r) {
     depth.row(r)[100] = 550;  // at one depth in one column: on a line
   }
-  const PlaneFit line = fit_plane(triangulation, depth);
+  const structured_light::PlaneFit line = structured_light::fit_plane(triangulation, depth);
   EXPECT_EQ(line.points, static_cast<std::size_t>(rig.camera.rows));
   EXPECT_TRUE(std::isnan(line.z0));
   EXPECT_TRUE(std::isnan(line.rms));
-  EXPECT_THROW(fit_plane(triangulation, FloatImage(3, 3)), std::invalid_argument);
+  EXPECT_THROW(structured_light::fit_plane(triangulation, images::FloatImage(3, 3)), std::invalid_argument);
 }
 
 }  // namespace
-}  // namespace selfproj
+}  // namespace selfproj::test

@@ -1,7 +1,7 @@
 // Tests that PLY files are read as they were written, and compares distances between clouds with those found by trying
 // all pairs of points.
 
-#include "host/structured_light/point_cloud.h"
+#include "selfproj/structured_light/point_cloud.h"
 
 #include <gtest/gtest.h>
 
@@ -13,19 +13,19 @@
 #include <utility>
 #include <vector>
 
-#include "host/files/user_error.h"
+#include "selfproj/files/user_error.h"
 #include "tests/cli/program.h"
 #include "tests/support/error_of.h"
 #include "tests/support/random_cases.h"
 
-namespace selfproj {
+namespace selfproj::test {
 namespace {
 
 using test::Random;
 
 // The coordinates have few different values, so that many of them are equal.
-std::vector<Point3f> random_points(Random& random, int count) {
-  std::vector<Point3f> points;
+std::vector<structured_light::Point3f> random_points(Random& random, int count) {
+  std::vector<structured_light::Point3f> points;
   const int spread = random.between(1, 60);
   const auto coordinate = [&] { return static_cast<float>(random.between(-spread, spread)) / 4; };
   for (int i = 0; i < count; ++i) {
@@ -34,9 +34,9 @@ std::vector<Point3f> random_points(Random& random, int count) {
   return points;
 }
 
-double nearest(const std::vector<Point3f>& points, const Point3f& point) {
+double nearest(const std::vector<structured_light::Point3f>& points, const structured_light::Point3f& point) {
   double best = std::numeric_limits<double>::infinity();
-  for (const Point3f& other : points) {
+  for (const structured_light::Point3f& other : points) {
     best = std::min(best, std::hypot(static_cast<double>(other.x - point.x), static_cast<double>(other.y - point.y),
                                      static_cast<double>(other.z - point.z)));
   }
@@ -47,9 +47,9 @@ TEST(NearestPoint, IsTheNearestOfAll) {
   for (const std::uint64_t seed : test::seeds(200)) {
     SCOPED_TRACE(test::how_to_repeat(seed));
     Random random(seed);
-    const std::vector<Point3f> points = random_points(random, random.between(0, 200));
-    const NearestPoint tree(points);
-    for (const Point3f& point : random_points(random, 30)) {
+    const std::vector<structured_light::Point3f> points = random_points(random, random.between(0, 200));
+    const structured_light::NearestPoint tree(points);
+    for (const structured_light::Point3f& point : random_points(random, 30)) {
       const double expected = nearest(points, point);
       if (std::isinf(expected)) {
         ASSERT_TRUE(std::isinf(tree.distance(point)));
@@ -61,27 +61,27 @@ TEST(NearestPoint, IsTheNearestOfAll) {
 }
 
 TEST(CompareClouds, CountsAndMedianAreThoseOfAllPairs) {
-  const std::vector<Point3f> ours{{0, 0, 0}, {0, 0, 2}, {0, 0, 7}};
-  const std::vector<Point3f> theirs{{0, 0, 0.5F}, {0, 0, 10}};
-  const CloudComparison found = compare_clouds(ours, theirs, 1.0);
+  const std::vector<structured_light::Point3f> ours{{0, 0, 0}, {0, 0, 2}, {0, 0, 7}};
+  const std::vector<structured_light::Point3f> theirs{{0, 0, 0.5F}, {0, 0, 10}};
+  const structured_light::CloudComparison found = structured_light::compare_clouds(ours, theirs, 1.0);
   EXPECT_EQ(found.ours, 3U);
   EXPECT_EQ(found.theirs, 2U);
   EXPECT_NEAR(found.median_mm, 1.5, 1e-6);  // 0.5, 1.5, 3
   EXPECT_NEAR(found.ours_within, 1.0 / 3, 1e-9);
   EXPECT_NEAR(found.theirs_within, 0.5, 1e-9);
-  EXPECT_TRUE(std::isnan(compare_clouds({}, theirs, 1.0).median_mm));
+  EXPECT_TRUE(std::isnan(structured_light::compare_clouds({}, theirs, 1.0).median_mm));
 }
 
 TEST(Ply, ReadsWhatItWrote) {
   const test::ScratchFolder folder;
   Random random(1);
-  const std::vector<Point3f> points = random_points(random, 50);
-  PlyText ply(points.size());
-  for (const Point3f& point : points) {
+  const std::vector<structured_light::Point3f> points = random_points(random, 50);
+  structured_light::PlyText ply(points.size());
+  for (const structured_light::Point3f& point : points) {
     ply.add(point, 1, 2, 3);
   }
   test::write_text(folder / "a.ply", ply.file("fifty"));
-  const std::vector<Point3f> found = read_ply((folder / "a.ply").string());
+  const std::vector<structured_light::Point3f> found = structured_light::read_ply((folder / "a.ply").string());
   ASSERT_EQ(found.size(), points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
     EXPECT_EQ(found[i].x, points[i].x);
@@ -92,7 +92,7 @@ TEST(Ply, ReadsWhatItWrote) {
 
 TEST(Ply, RefusesWhatItDoesNotUnderstand) {
   const test::ScratchFolder folder;
-  PlyText ply(1);
+  structured_light::PlyText ply(1);
   ply.add({1, 2, 3}, 1, 2, 3);
   const std::string good = ply.file("one");
   const auto replaced = [&good](const std::string& from, const std::string& to) {
@@ -112,10 +112,10 @@ TEST(Ply, RefusesWhatItDoesNotUnderstand) {
   };
   for (const auto& [text, reason] : cases) {
     test::write_text(folder / "a.ply", text);
-    const std::string error = test::error_of([&] { read_ply((folder / "a.ply").string()); });
+    const std::string error = test::error_of([&] { structured_light::read_ply((folder / "a.ply").string()); });
     EXPECT_NE(error.find(reason), std::string::npos) << error << " instead of: " << reason;
   }
 }
 
 }  // namespace
-}  // namespace selfproj
+}  // namespace selfproj::test

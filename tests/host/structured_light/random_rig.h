@@ -8,7 +8,7 @@
 #include <cstdlib>
 #include <utility>
 
-#include "host/rig/rig.h"
+#include "selfproj/rig/rig.h"
 #include "tests/host/rig/random_lens.h"
 #include "tests/support/random_cases.h"
 
@@ -24,8 +24,8 @@ inline std::pair<double, double> place_of(std::size_t i, int columns) {
 }
 
 // Rig B with another image size, focal length, projector and limit. The camera sees about the same field.
-inline Rig random_rig(Random& random) {
-  Rig rig = load_rig("scanner");
+inline rig::Rig random_rig(Random& random) {
+  rig::Rig rig = rig::load_rig("scanner");
   rig.camera.rows = random.between(1, 60);
   rig.camera.columns = random.between(1, 60);
   rig.camera.pixel_pitch_mm = 0.01 * 512 / std::max(rig.camera.rows, 20);

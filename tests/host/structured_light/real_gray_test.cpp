@@ -17,16 +17,16 @@
 #include "host/files/results_file.h"
 #include "host/images/image_files.h"
 #include "host/report/depth_output.h"
-#include "host/rig/calibration_file.h"
-#include "host/structured_light/fast_decoder.h"
-#include "host/structured_light/lens_triangulation.h"
-#include "host/structured_light/point_cloud.h"
+#include "selfproj/rig/calibration_file.h"
+#include "selfproj/structured_light/fast_decoder.h"
+#include "selfproj/structured_light/lens_triangulation.h"
+#include "selfproj/structured_light/point_cloud.h"
 
 #ifdef SELFPROJ_HAS_OPENCV_STRUCTURED_LIGHT
 #include <opencv2/structured_light/graycodepattern.hpp>
 #endif
 
-namespace selfproj {
+namespace selfproj::test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -54,40 +54,42 @@ TEST(RealGray, ShellLiesOnTheOwnersCloud) {
   const std::array<int, 2> thresholds{3, 5};
   const std::vector<std::string> files = files_in(folder / "scan_0020", ".jpg");
   ASSERT_EQ(files.size(), 4U * kBits);
-  const Calibration calibration = read_calibration((folder / "procam_2016_12_09.yaml").string());
-  const GraySettings settings{calibration.camera_rows, calibration.camera_columns, kBits, 0};
+  const rig::Calibration calibration = rig::read_calibration((folder / "procam_2016_12_09.yaml").string());
+  const model::GraySettings settings{calibration.camera_rows, calibration.camera_columns, kBits, 0};
   // [axis][threshold]
   std::array<std::array<std::vector<std::uint16_t>, 2>, 2> words;
   for (std::size_t axis = 0; axis < 2; ++axis) {
-    std::vector<FastGrayDecoder> decoders;
+    std::vector<structured_light::FastGrayDecoder> decoders;
     for (const int threshold : thresholds) {
-      GraySettings own = settings;
+      model::GraySettings own = settings;
       own.threshold = threshold;
       decoders.emplace_back(own);
     }
-    std::array<Image, 2> pair;
+    std::array<images::Image, 2> pair;
     for (int pattern = 0; pattern < 2 * kBits; ++pattern) {
-      Image& image = pair[static_cast<std::size_t>(pattern % 2)];
-      image = read_image(files[axis * 2 * kBits + static_cast<std::size_t>(pattern)], Channel::grey);
-      for (FastGrayDecoder& decoder : decoders) {
+      images::Image& image = pair[static_cast<std::size_t>(pattern % 2)];
+      image = images::read_image(files[axis * 2 * kBits + static_cast<std::size_t>(pattern)], images::Channel::grey);
+      for (structured_light::FastGrayDecoder& decoder : decoders) {
         decoder.add_frame(image.view(), pattern);
       }
     }
     for (std::size_t i = 0; i < thresholds.size(); ++i) {
       words[axis][i].resize(pair[0].pixels.size());
-      unambiguous_code_words(decoders[i].codes(), words[axis][i].data());
+      structured_light::unambiguous_code_words(decoders[i].codes(), words[axis][i].data());
     }
   }
-  std::vector<Point3f> theirs = read_ply((folder / "scan_0020_cloud.ply").string());
-  for (Point3f& point : theirs) {
+  std::vector<structured_light::Point3f> theirs = structured_light::read_ply((folder / "scan_0020_cloud.ply").string());
+  for (structured_light::Point3f& point : theirs) {
     point = {point.x, -point.y, -point.z};  // the owner's axes are OpenGL's
   }
-  const LensTriangulation triangulation(calibration, {settings.rows, settings.columns, kBits, kBits, 0, 0, 3, {}});
-  FloatImage depth(settings.rows, settings.columns);
+  const structured_light::LensTriangulation triangulation(calibration,
+                                                          {settings.rows, settings.columns, kBits, kBits, 0, 0, 3, {}});
+  images::FloatImage depth(settings.rows, settings.columns);
   nlohmann::ordered_json results;
   for (std::size_t i = 0; i < thresholds.size(); ++i) {
     triangulation.depth_of_both(words[0][i].data(), words[1][i].data(), depth.values.data(), nullptr, nullptr);
-    const CloudComparison found = compare_clouds(points_of(triangulation, depth), theirs, 1.0);
+    const structured_light::CloudComparison found =
+        structured_light::compare_clouds(report::points_of(triangulation, depth), theirs, 1.0);
     std::printf(
         "threshold %d, no ambiguous pair: %zu points, median distance to the owner's cloud %.3f mm, %.1f %% within 1 "
         "mm; "
@@ -102,8 +104,8 @@ TEST(RealGray, ShellLiesOnTheOwnersCloud) {
     EXPECT_GE(found.theirs_within, 0.95);
     EXPECT_GT(found.ours, 100000U);
   }
-  write_results("real_gray", "A shell from real captures, 11 bits an axis, no ambiguous pair, beside its owner's cloud",
-                results);
+  files::write_results(
+      "real_gray", "A shell from real captures, 11 bits an axis, no ambiguous pair, beside its owner's cloud", results);
 }
 
 #ifdef SELFPROJ_HAS_OPENCV_STRUCTURED_LIGHT
@@ -122,16 +124,16 @@ TEST(RealGray, ChessboardDecodesAsWithOpenCv) {
   ASSERT_GE(files.size(), 4U * kBits);
   for (const int lines : {1024, 768}) {
     SCOPED_TRACE(lines == 1024 ? "columns" : "rows");
-    std::vector<Image> images;
+    std::vector<images::Image> images;
     for (std::size_t i = 0; i < 2 * kBits; ++i) {
-      images.push_back(read_image(files[i + (lines == 1024 ? 0U : 2U * kBits)], std::nullopt));
+      images.push_back(images::read_image(files[i + (lines == 1024 ? 0U : 2U * kBits)], std::nullopt));
     }
     const int rows = images[0].rows;
     const int columns = images[0].columns;
-    FastGrayDecoder decoder({rows, columns, kBits, kThreshold});
+    structured_light::FastGrayDecoder decoder({rows, columns, kBits, kThreshold});
     std::vector<cv::Mat> mats;
     for (int i = 0; i < 2 * kBits; ++i) {
-      Image& image = images[static_cast<std::size_t>(i)];
+      images::Image& image = images[static_cast<std::size_t>(i)];
       decoder.add_frame(image.view(), i);
       mats.emplace_back(rows, columns, CV_8U, image.pixels.data());
     }
@@ -142,7 +144,7 @@ TEST(RealGray, ChessboardDecodesAsWithOpenCv) {
     peer->setWhiteThreshold(kThreshold + 1);  // it accepts a difference equal to its threshold, we do not
     peer->setBlackThreshold(0);
 
-    const CodeImageView codes = decoder.codes();
+    const structured_light::CodeImageView codes = decoder.codes();
     std::size_t equal = 0;
     std::size_t one = 0;
     std::size_t one_equal = 0;
@@ -190,4 +192,4 @@ TEST(RealGray, ChessboardDecodesAsWithOpenCv) {
 #endif
 
 }  // namespace
-}  // namespace selfproj
+}  // namespace selfproj::test

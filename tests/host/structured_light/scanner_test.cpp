@@ -1,6 +1,6 @@
 // Compares the scanner with its steps by the models: decoder, median, triangulation, foreground.
 
-#include "host/structured_light/scanner.h"
+#include "selfproj/structured_light/scanner.h"
 
 #include <gtest/gtest.h>
 
@@ -10,19 +10,19 @@
 #include <cstring>
 #include <vector>
 
-#include "host/rig/rig.h"
-#include "host/structured_light/triangulation.h"
-#include "model/gray_decoder.h"
-#include "model/median3x3.h"
+#include "selfproj/model/gray_decoder.h"
+#include "selfproj/model/median3x3.h"
+#include "selfproj/rig/rig.h"
+#include "selfproj/structured_light/triangulation.h"
 #include "tests/support/allocations.h"
 #include "tests/support/random_cases.h"
 
-namespace selfproj {
+namespace selfproj::test {
 namespace {
 
 using test::Random;
 
-bool same_bits(const FloatImage& a, const std::vector<float>& b) {
+bool same_bits(const images::FloatImage& a, const std::vector<float>& b) {
   return a.values.size() == b.size() && std::memcmp(a.values.data(), b.data(), b.size() * sizeof(float)) == 0;
 }
 
@@ -30,18 +30,19 @@ TEST(Scanner, EqualsItsStepsByTheModels) {
   for (const std::uint64_t seed : test::seeds(40)) {
     SCOPED_TRACE(test::how_to_repeat(seed));
     Random random(seed);
-    Rig rig = load_rig("scanner");
+    rig::Rig rig = rig::load_rig("scanner");
     rig.camera.rows = random.between(1, 40);
     rig.camera.columns = random.between(1, 40);
     const int bits = random.between(1, 10);
     const int threshold = random.between(0, 30);
-    const PlaneTriangulation triangulation(rig, bits);
+    const structured_light::PlaneTriangulation triangulation(rig, bits);
     const bool filter = random.chance(50);
-    const SteadySettings steady = random.chance(50) ? SteadySettings{} : SteadySettings{40, 1};
-    Scanner scanner(triangulation,
-                    {.threshold = threshold, .median = filter, .min_difference_mm = 2, .steady = steady});
-    SteadyFilter steady_filter(rig.camera.rows, rig.camera.columns, steady);
-    GrayDecoder decoder({rig.camera.rows, rig.camera.columns, bits, threshold});
+    const structured_light::SteadySettings steady =
+        random.chance(50) ? structured_light::SteadySettings{} : structured_light::SteadySettings{40, 1};
+    structured_light::Scanner scanner(
+        triangulation, {.threshold = threshold, .median = filter, .min_difference_mm = 2, .steady = steady});
+    structured_light::SteadyFilter steady_filter(rig.camera.rows, rig.camera.columns, steady);
+    model::GrayDecoder decoder({rig.camera.rows, rig.camera.columns, bits, threshold});
     const std::size_t count = triangulation.pixels();
     std::vector<std::uint16_t> codes(count), filtered(count);
     std::vector<float> z(count), background(count);
@@ -53,7 +54,7 @@ TEST(Scanner, EqualsItsStepsByTheModels) {
       pixels = random.bytes(count);
       const bool good = !random.chance(3);
       const int pattern = i % (2 * bits);
-      const ImageView view{pixels.data(), rig.camera.rows, rig.camera.columns, rig.camera.columns};
+      const model::ImageView view{pixels.data(), rig.camera.rows, rig.camera.columns, rig.camera.columns};
       const bool due = decoder.add_frame(view, pattern, good, codes.data());
       const std::uint64_t before = test::allocations();
       const bool found = scanner.add_frame(view, pattern, good);
@@ -64,7 +65,7 @@ TEST(Scanner, EqualsItsStepsByTheModels) {
       }
       ++images;
       if (filter) {
-        median3x3(codes.data(), rig.camera.rows, rig.camera.columns, filtered.data());
+        model::median3x3(codes.data(), rig.camera.rows, rig.camera.columns, filtered.data());
       } else {
         filtered = codes;
       }
@@ -77,9 +78,10 @@ TEST(Scanner, EqualsItsStepsByTheModels) {
           steady_filter.apply(z.data(), background.data(), 2);
           candidates = steady_filter.kept();
         }
-        const Foreground expected = foreground_of(triangulation, candidates, background.data(), 2);
+        const structured_light::Foreground expected =
+            structured_light::foreground_of(triangulation, candidates, background.data(), 2);
         ASSERT_EQ(scanner.foreground().pixels, expected.pixels);
-        FloatImage difference(rig.camera.rows, rig.camera.columns);
+        images::FloatImage difference(rig.camera.rows, rig.camera.columns);
         scanner.difference(difference);
         std::int64_t differing = 0;
         for (const float value : difference.values) {
@@ -101,9 +103,9 @@ TEST(Scanner, EqualsItsStepsByTheModels) {
 }
 
 TEST(Scanner, TakesCodesOfTheBoard) {
-  const Rig rig = load_rig("scanner");
-  const PlaneTriangulation triangulation(rig, 8);
-  Scanner scanner(triangulation, {});
+  const rig::Rig rig = rig::load_rig("scanner");
+  const structured_light::PlaneTriangulation triangulation(rig, 8);
+  structured_light::Scanner scanner(triangulation, {});
   Random random(1);
   std::vector<std::uint16_t> codes(triangulation.pixels());
   for (std::uint16_t& code : codes) {
@@ -117,15 +119,15 @@ TEST(Scanner, TakesCodesOfTheBoard) {
 
 // Strict: a pixel with one ambiguous pair has a code but no depth.
 TEST(Scanner, StrictLeavesOutPixelsWithOneAmbiguousPair) {
-  Rig rig = load_rig("scanner");
+  rig::Rig rig = rig::load_rig("scanner");
   rig.camera.rows = 1;
   rig.camera.columns = 3;
-  const PlaneTriangulation triangulation(rig, 3);
+  const structured_light::PlaneTriangulation triangulation(rig, 3);
   const std::vector<std::uint8_t> dark{50, 50, 50};
   const std::vector<std::uint8_t> one_equal{50, 90, 90};  // pixel 0 is ambiguous in the last plane
   const std::vector<std::uint8_t> two_equal{90, 90, 90};
   for (const bool strict : {false, true}) {
-    Scanner scanner(triangulation, {.median = false, .strict = strict});
+    structured_light::Scanner scanner(triangulation, {.median = false, .strict = strict});
     for (int pattern = 0; pattern < 6; ++pattern) {
       const auto& pixels = pattern % 2 == 1 ? dark : pattern == 4 ? one_equal : two_equal;
       scanner.add_frame({pixels.data(), 1, 3, 3}, pattern);
@@ -136,14 +138,14 @@ TEST(Scanner, StrictLeavesOutPixelsWithOneAmbiguousPair) {
 }
 
 TEST(Scanner, RefusesWhatIsOutOfRange) {
-  const Rig rig = load_rig("scanner");
-  const PlaneTriangulation triangulation(rig, 8);
-  EXPECT_THROW(Scanner(triangulation, {.threshold = 256}), std::invalid_argument);
-  EXPECT_THROW(Scanner(triangulation, {.min_difference_mm = -1}), std::invalid_argument);
-  EXPECT_THROW(Scanner(triangulation, {.median = true, .strict = true}), std::invalid_argument);
-  Scanner scanner(triangulation, {});
-  EXPECT_THROW(scanner.set_background(FloatImage(4, 4)), std::invalid_argument);
+  const rig::Rig rig = rig::load_rig("scanner");
+  const structured_light::PlaneTriangulation triangulation(rig, 8);
+  EXPECT_THROW(structured_light::Scanner(triangulation, {.threshold = 256}), std::invalid_argument);
+  EXPECT_THROW(structured_light::Scanner(triangulation, {.min_difference_mm = -1}), std::invalid_argument);
+  EXPECT_THROW(structured_light::Scanner(triangulation, {.median = true, .strict = true}), std::invalid_argument);
+  structured_light::Scanner scanner(triangulation, {});
+  EXPECT_THROW(scanner.set_background(images::FloatImage(4, 4)), std::invalid_argument);
 }
 
 }  // namespace
-}  // namespace selfproj
+}  // namespace selfproj::test

@@ -10,18 +10,18 @@
 #include <cstdint>
 #include <vector>
 
-#include "host/rig/rig.h"
 #include "host/structured_light/match_table.h"
 #include "host/structured_light/point_scan.h"
 #include "host/structured_light/self_reference.h"
-#include "model/gray_decoder.h"
-#include "model/gray_match.h"
+#include "selfproj/model/gray_decoder.h"
+#include "selfproj/model/gray_match.h"
+#include "selfproj/rig/rig.h"
 #include "tests/host/light_section/seen_surface.h"
 #include "tests/host/structured_light/pinhole.h"
 #include "tests/support/allocations.h"
 #include "tests/support/random_cases.h"
 
-namespace selfproj {
+namespace selfproj::test {
 namespace {
 
 using test::Random;
@@ -32,7 +32,7 @@ Surface round_bump() {
 }
 
 // The camera's image of the points under a pattern: light 200, dark 20.
-std::vector<std::uint8_t> picture(const ProjectorPoints& points, const FloatImage& pattern) {
+std::vector<std::uint8_t> picture(const structured_light::ProjectorPoints& points, const images::FloatImage& pattern) {
   std::vector<std::uint8_t> pixels;
   for (std::size_t i = 0; i < points.line.values.size(); ++i) {
     const bool seen = !std::isnan(points.line.values[i]);
@@ -45,9 +45,9 @@ std::vector<std::uint8_t> picture(const ProjectorPoints& points, const FloatImag
 }
 
 TEST(SelfReference, TurnsTheScanRound) {
-  const Rig rig = test::coarse_scanner(2);
-  const ProjectorPoints points = test::points_of(rig, round_bump());
-  const SelfReference reference = make_self_reference(rig, points, {});
+  const rig::Rig rig = test::coarse_scanner(2);
+  const structured_light::ProjectorPoints points = test::points_of(rig, round_bump());
+  const structured_light::SelfReference reference = structured_light::make_self_reference(rig, points, {});
   int seen = 0;
   for (int l = 0; l < rig.projector.lines; l += 3) {
     for (int c = 0; c < rig.projector.columns; c += 3) {
@@ -71,8 +71,9 @@ TEST(SelfReference, TurnsTheScanRound) {
 
 // A plane that faces the camera continues as the same plane where the camera does not see it.
 TEST(SelfReference, ContinuesAPlane) {
-  const Rig rig = test::coarse_scanner(4);
-  const SelfReference reference = make_self_reference(rig, test::points_of(rig, test::plane_at(550)), {});
+  const rig::Rig rig = test::coarse_scanner(4);
+  const structured_light::SelfReference reference =
+      structured_light::make_self_reference(rig, test::points_of(rig, test::plane_at(550)), {});
   int filled = 0;
   for (int l = 0; l < rig.projector.lines; ++l) {
     for (int c = 0; c < rig.projector.columns; ++c) {
@@ -92,18 +93,20 @@ TEST(SelfReference, ContinuesAPlane) {
 
 // Seen on the reference the stripes are straight: along rows, `width` rows a cell.
 TEST(SelfReference, PatternsAreStraightOnTheReference) {
-  const Rig rig = test::coarse_scanner(2);
-  const ProjectorPoints points = test::points_of(rig, round_bump());
-  for (const StripeCode code : {StripeCode::cyclic, StripeCode::reflected}) {
-    const SelfReference reference = make_self_reference(rig, points, {4, 4, code});
+  const rig::Rig rig = test::coarse_scanner(2);
+  const structured_light::ProjectorPoints points = test::points_of(rig, round_bump());
+  for (const structured_light::StripeCode code :
+       {structured_light::StripeCode::cyclic, structured_light::StripeCode::reflected}) {
+    const structured_light::SelfReference reference = structured_light::make_self_reference(rig, points, {4, 4, code});
     for (int index = 0; index < 8; ++index) {
-      const std::vector<std::uint8_t> seen = picture(points, self_projected_pattern(reference, index));
+      const std::vector<std::uint8_t> seen =
+          picture(points, structured_light::self_projected_pattern(reference, index));
       int wrong = 0;
       int count = 0;
       for (int r = 0; r < rig.camera.rows; ++r) {
         const double from_middle = r - 0.5 * (rig.camera.rows - 1);
         const int cell = static_cast<int>(std::floor(from_middle / 4));
-        const bool light = is_light(reference.stripes, cell, index / 2) == (index % 2 == 0);
+        const bool light = structured_light::is_light(reference.stripes, cell, index / 2) == (index % 2 == 0);
         for (int c = 0; c < rig.camera.columns; ++c) {
           const auto i = static_cast<std::size_t>(r * rig.camera.columns + c);
           if (reference.measurable(i)) {
@@ -119,23 +122,24 @@ TEST(SelfReference, PatternsAreStraightOnTheReference) {
 }
 
 TEST(SelfReference, RefusesWhatDoesNotFit) {
-  const Rig rig = test::coarse_scanner(8);
-  const ProjectorPoints points = test::points_of(rig, test::plane_at(550));
-  EXPECT_THROW(make_self_reference(rig, points, {0, 2}), std::invalid_argument);
-  EXPECT_THROW(make_self_reference(rig, points, {9, 2}), std::invalid_argument);
-  EXPECT_THROW(make_self_reference(rig, points, {4, 0}), std::invalid_argument);
-  EXPECT_THROW(make_self_reference(load_rig("scanner"), points, {}), std::invalid_argument);
-  ProjectorPoints none = points;
+  const rig::Rig rig = test::coarse_scanner(8);
+  const structured_light::ProjectorPoints points = test::points_of(rig, test::plane_at(550));
+  EXPECT_THROW(structured_light::make_self_reference(rig, points, {0, 2}), std::invalid_argument);
+  EXPECT_THROW(structured_light::make_self_reference(rig, points, {9, 2}), std::invalid_argument);
+  EXPECT_THROW(structured_light::make_self_reference(rig, points, {4, 0}), std::invalid_argument);
+  EXPECT_THROW(structured_light::make_self_reference(rig::load_rig("scanner"), points, {}), std::invalid_argument);
+  structured_light::ProjectorPoints none = points;
   std::fill(none.line.values.begin(), none.line.values.end(), std::nanf(""));
-  EXPECT_THROW(make_self_reference(rig, none, {}), std::invalid_argument);
-  EXPECT_THROW(self_projected_pattern(make_self_reference(rig, points, {}), 8), std::invalid_argument);
+  EXPECT_THROW(structured_light::make_self_reference(rig, none, {}), std::invalid_argument);
+  EXPECT_THROW(structured_light::self_projected_pattern(structured_light::make_self_reference(rig, points, {}), 8),
+               std::invalid_argument);
 }
 
 TEST(GrayPattern, IsTheEquationOverTheCodedLines) {
-  const Rig rig = load_rig("scanner");
+  const rig::Rig rig = rig::load_rig("scanner");
   for (const int bits : {4, 8}) {
     for (int index = 0; index < 2 * bits; ++index) {
-      const FloatImage pattern = gray_pattern(rig, bits, 512, index);
+      const images::FloatImage pattern = structured_light::gray_pattern(rig, bits, 512, index);
       for (int l = 0; l < 768; ++l) {
         bool light = false;
         if (l >= 128 && l < 640) {
@@ -155,19 +159,20 @@ TEST(SelfScanner, EqualsItsStepsByTheModels) {
   for (const std::uint64_t seed : test::seeds(12)) {
     SCOPED_TRACE(test::how_to_repeat(seed));
     Random random(seed);
-    Rig rig = test::coarse_scanner(8);
+    rig::Rig rig = test::coarse_scanner(8);
     rig.camera.columns = random.between(1, 64);
     rig.measure.max_z_per_line_mm = 40;
     const int bits = random.between(1, 6);
-    const SelfReference reference = make_self_reference(
+    const structured_light::SelfReference reference = structured_light::make_self_reference(
         rig, test::points_of(rig, round_bump()),
-        {bits, random.between(1, 3), random.chance(50) ? StripeCode::cyclic : StripeCode::reflected});
-    const MatchTable table(rig, reference, {random.between(0, (1 << bits) - 1)});
+        {bits, random.between(1, 3),
+         random.chance(50) ? structured_light::StripeCode::cyclic : structured_light::StripeCode::reflected});
+    const structured_light::MatchTable table(rig, reference, {random.between(0, (1 << bits) - 1)});
     const std::vector<std::uint16_t> words = table.by_pixels();
     const int threshold = random.between(0, 30);
-    SelfScanner scanner(rig, reference, table, threshold);
-    SelfScanner of_board(rig, reference, table, threshold);
-    GrayDecoder decoder({rig.camera.rows, rig.camera.columns, bits, threshold});
+    structured_light::SelfScanner scanner(rig, reference, table, threshold);
+    structured_light::SelfScanner of_board(rig, reference, table, threshold);
+    model::GrayDecoder decoder({rig.camera.rows, rig.camera.columns, bits, threshold});
     const auto count = static_cast<std::size_t>(rig.camera.rows * rig.camera.columns);
     std::vector<std::uint16_t> codes(count);
     std::vector<std::uint16_t> lines(count);
@@ -178,7 +183,7 @@ TEST(SelfScanner, EqualsItsStepsByTheModels) {
       auto& pixels = frames[static_cast<std::size_t>(i % 2)];
       pixels = random.bytes(count);
       const bool good = !random.chance(3);
-      const ImageView view{pixels.data(), rig.camera.rows, rig.camera.columns, rig.camera.columns};
+      const model::ImageView view{pixels.data(), rig.camera.rows, rig.camera.columns, rig.camera.columns};
       const bool due = decoder.add_frame(view, i % (2 * bits), good, codes.data());
       const std::uint64_t before = test::allocations();
       const bool found = scanner.add_frame(view, i % (2 * bits), good);
@@ -188,20 +193,20 @@ TEST(SelfScanner, EqualsItsStepsByTheModels) {
         continue;
       }
       ++images;
-      GrayMatch::look_up(codes.data(), count, bits, words.data(), lines.data());
+      model::GrayMatch::look_up(codes.data(), count, bits, words.data(), lines.data());
       of_board.add_codes(codes.data());
       for (std::size_t k = 0; k < count; ++k) {
         const float z = scanner.depth().values[k];
         const float board = of_board.depth().values[k];
         ASSERT_TRUE(z == board || (std::isnan(z) && std::isnan(board)));
-        if (lines[k] == GrayMatch::kNone) {
+        if (lines[k] == model::GrayMatch::kNone) {
           ASSERT_TRUE(std::isnan(z));
         } else if (!std::isnan(z)) {
           ++valid;
           const int r = static_cast<int>(k) / rig.camera.columns;
           const test::Point3 p =
               test::on_ray(rig.camera, r, static_cast<int>(k) % rig.camera.columns, static_cast<double>(z));
-          ASSERT_NEAR(test::projector_lights(rig.projector, p).row, GrayMatch::line_of(lines[k]), 2e-3);
+          ASSERT_NEAR(test::projector_lights(rig.projector, p).row, model::GrayMatch::line_of(lines[k]), 2e-3);
           const float difference = scanner.reference_depth().values[k] - z;
           ASSERT_TRUE(scanner.difference().values[k] == difference || std::isnan(difference));
         }
@@ -213,27 +218,27 @@ TEST(SelfScanner, EqualsItsStepsByTheModels) {
 
 // A reference of a bump and a part with something on it: heights are right to half a code's width.
 TEST(SelfScanner, MeasuresWhatIsOnTheReference) {
-  const Rig rig = load_rig("scanner");
-  Rig narrow = rig;
+  const rig::Rig rig = rig::load_rig("scanner");
+  rig::Rig narrow = rig;
   narrow.camera.columns = 64;  // the middle columns
   const Surface part = [](double x, double y) {
     return round_bump()(x, y) - (std::abs(x - 20) < 25 && std::abs(y) < 15 ? 9.0 : 0.0);
   };
-  const ProjectorPoints points = test::points_of(narrow, round_bump());
-  const SelfReference reference = make_self_reference(narrow, points, {});
-  const MatchTable table(narrow, reference, {8});
-  SelfScanner scanner(narrow, reference, table, 5);
-  const ProjectorPoints seen = test::points_of(narrow, part, 400, 620, 1);
+  const structured_light::ProjectorPoints points = test::points_of(narrow, round_bump());
+  const structured_light::SelfReference reference = structured_light::make_self_reference(narrow, points, {});
+  const structured_light::MatchTable table(narrow, reference, {8});
+  structured_light::SelfScanner scanner(narrow, reference, table, 5);
+  const structured_light::ProjectorPoints seen = test::points_of(narrow, part, 400, 620, 1);
   std::vector<std::vector<std::uint8_t>> images;
   for (int i = 0; i < 8; ++i) {
-    images.push_back(picture(seen, self_projected_pattern(reference, i)));
-    const ImageView view{images.back().data(), narrow.camera.rows, narrow.camera.columns, narrow.camera.columns};
+    images.push_back(picture(seen, structured_light::self_projected_pattern(reference, i)));
+    const model::ImageView view{images.back().data(), narrow.camera.rows, narrow.camera.columns, narrow.camera.columns};
     EXPECT_EQ(scanner.add_frame(view, i), i == 7);
   }
-  std::vector<PointState> states;
+  std::vector<structured_light::PointState> states;
   scanner.explain(states);
-  const MatchSearch search(narrow, reference, {8});
-  std::vector<Match> matches;
+  const structured_light::MatchSearch search(narrow, reference, {8});
+  std::vector<structured_light::Match> matches;
   double sum = 0;
   int on_part = 0;
   int compared = 0;
@@ -245,12 +250,12 @@ TEST(SelfScanner, MeasuresWhatIsOnTheReference) {
       if (std::isnan(z) || std::isnan(truth)) {
         continue;
       }
-      ASSERT_EQ(states[i], PointState::valid);
+      ASSERT_EQ(states[i], structured_light::PointState::valid);
       search.find(r, c, matches);
       const test::Point3 p = test::on_ray(narrow.camera, r, c, static_cast<double>(z));
       const double line = test::projector_lights(narrow.projector, p).row;
       double half_width = 0;
-      for (const Match& match : matches) {
+      for (const structured_light::Match& match : matches) {
         half_width = match.candidates > 0 && std::abs(match.line - line) < 0.1 ? match.half_width : half_width;
       }
       ASSERT_GT(half_width, 0);
@@ -271,12 +276,12 @@ TEST(SelfScanner, MeasuresWhatIsOnTheReference) {
 
 // A line of light, blurred and noisy, moved over both axes.
 TEST(LinePointScan, FindsThePointsOfASweep) {
-  const Rig rig = test::coarse_scanner(4);
-  const ProjectorPoints points = test::points_of(rig, round_bump());
+  const rig::Rig rig = test::coarse_scanner(4);
+  const structured_light::ProjectorPoints points = test::points_of(rig, round_bump());
   Random random(1);
-  LinePointScan scan(rig);
+  structured_light::LinePointScan scan(rig);
   const auto count = static_cast<std::size_t>(rig.camera.rows * rig.camera.columns);
-  const auto add = [&](const FloatImage& coordinate, int line) {
+  const auto add = [&](const images::FloatImage& coordinate, int line) {
     std::vector<std::uint8_t> pixels(count);
     for (std::size_t i = 0; i < count; ++i) {
       const double away = static_cast<double>(coordinate.values[i]) - line;
@@ -291,7 +296,7 @@ TEST(LinePointScan, FindsThePointsOfASweep) {
   for (int c = 0; c < rig.projector.columns; ++c) {
     add(points.column, c);
   }
-  const ProjectorPoints found = scan.points();
+  const structured_light::ProjectorPoints found = scan.points();
   double square = 0;
   int both = 0;
   int missing = 0;
@@ -316,7 +321,7 @@ TEST(LinePointScan, FindsThePointsOfASweep) {
 // A pixel that sees two places equally bright has no point.
 TEST(AxisScan, TwoPlacesAreNone) {
   for (const int other : {20, 90}) {
-    AxisScan scan(1, 1, 5);
+    structured_light::AxisScan scan(1, 1, 5);
     for (int l = 0; l < 100; ++l) {
       const std::uint8_t value = l == 50 ? 100 : l == 20 ? static_cast<std::uint8_t>(other) : 10;
       scan.add({&value, 1, 1, 1});
@@ -333,7 +338,8 @@ TEST(AxisScan, TwoPlacesAreNone) {
 TEST(CoordinatesOfCodes, AverageTheSteps) {
   Random random(3);
   for (const int lost : {0, 1, 2}) {
-    AmbiguousCodes codes{40, 40, 10, std::vector<std::uint16_t>(1600), std::vector<std::uint16_t>(1600)};
+    structured_light::AmbiguousCodes codes{40, 40, 10, std::vector<std::uint16_t>(1600),
+                                           std::vector<std::uint16_t>(1600)};
     const auto truth = [](int r, int c) { return 700 - 3.1 * r + 0.37 * c; };
     for (int r = 0; r < 40; ++r) {
       for (int c = 0; c < 40; ++c) {
@@ -350,7 +356,7 @@ TEST(CoordinatesOfCodes, AverageTheSteps) {
       }
     }
     codes.ambiguous[5] = 0x300;  // two planes ambiguous: no point
-    const FloatImage found = coordinates_of_codes(codes, 4, 2, 6);
+    const images::FloatImage found = structured_light::coordinates_of_codes(codes, 4, 2, 6);
     EXPECT_TRUE(std::isnan(found.values[5]));
     for (int r = 2; r < 38; ++r) {
       for (int c = 2; c < 38; ++c) {
@@ -361,4 +367,4 @@ TEST(CoordinatesOfCodes, AverageTheSteps) {
 }
 
 }  // namespace
-}  // namespace selfproj
+}  // namespace selfproj::test

@@ -1,6 +1,6 @@
 // Compares depth from codes with (4.7) solved in double precision, and with the pinholes of the rig.
 
-#include "host/structured_light/triangulation.h"
+#include "selfproj/structured_light/triangulation.h"
 
 #include <gtest/gtest.h>
 
@@ -13,14 +13,14 @@
 #include <stdexcept>
 #include <vector>
 
-#include "host/rig/calibration.h"
 #include "host/rig/geometry.h"
-#include "host/rig/rig.h"
+#include "selfproj/rig/calibration.h"
+#include "selfproj/rig/rig.h"
 #include "tests/host/structured_light/pinhole.h"
 #include "tests/host/structured_light/random_rig.h"
 #include "tests/support/random_cases.h"
 
-namespace selfproj {
+namespace selfproj::test {
 namespace {
 
 using test::kMeasurable;
@@ -31,7 +31,7 @@ using test::random_rig;
 using test::uniform;
 
 // The three linear equations of (4.7) for pixel (column, row) and C, by Cramer's rule.
-std::optional<Point3> solve(const DepthMatrices& m, double column, double row, double c) {
+std::optional<Point3> solve(const rig::DepthMatrices& m, double column, double row, double c) {
   std::array<std::array<double, 4>, 3> e{};
   for (int k = 0; k < 4; ++k) {
     const auto i = static_cast<std::size_t>(k);
@@ -51,10 +51,10 @@ std::optional<Point3> solve(const DepthMatrices& m, double column, double row, d
 }
 
 // H of (4.7) at a point.
-double camera_depth(const DepthMatrices& m, const Point3& p) {
+double camera_depth(const rig::DepthMatrices& m, const Point3& p) {
   return m.camera(2, 0) * p.x + m.camera(2, 1) * p.y + m.camera(2, 2) * p.z + m.camera(2, 3);
 }
-double projector_depth_of(const DepthMatrices& m, const Point3& p) {
+double projector_depth_of(const rig::DepthMatrices& m, const Point3& p) {
   return m.projector(1, 0) * p.x + m.projector(1, 1) * p.y + m.projector(1, 2) * p.z + m.projector(1, 3);
 }
 
@@ -65,8 +65,8 @@ struct Expected {
   double z = 0;
   double margin = 0;
 };
-Expected expected_depth(const DepthMatrices& m, const DepthLimits& limits, double codes_per_line, double column,
-                        double row, double c, int rows, int columns, int bits) {
+Expected expected_depth(const rig::DepthMatrices& m, const structured_light::DepthLimits& limits, double codes_per_line,
+                        double column, double row, double c, int rows, int columns, int bits) {
   const auto at = solve(m, column, row, c);
   const auto beside = solve(m, column, row, c + 1e-4);
   // Whether z falls or grows with C in the middle of the image.
@@ -88,8 +88,8 @@ Expected expected_depth(const DepthMatrices& m, const DepthLimits& limits, doubl
 }
 
 // Returns how many pixels were valid.
-std::size_t expect_depths(const PlaneTriangulation& triangulation, const DepthMatrices& m, const DepthLimits& limits,
-                          double codes_per_line, Random& random) {
+std::size_t expect_depths(const structured_light::PlaneTriangulation& triangulation, const rig::DepthMatrices& m,
+                          const structured_light::DepthLimits& limits, double codes_per_line, Random& random) {
   const std::size_t count = triangulation.pixels();
   std::vector<std::uint16_t> codes(count);
   for (std::uint16_t& code : codes) {
@@ -97,14 +97,14 @@ std::size_t expect_depths(const PlaneTriangulation& triangulation, const DepthMa
                                       (random.chance(90) ? kMeasurable : 0));
   }
   std::vector<float> z(count, -1);
-  std::vector<PointState> states(count);
+  std::vector<structured_light::PointState> states(count);
   triangulation.depth(codes.data(), z.data());
   triangulation.explain(codes.data(), z.data(), states.data());
   std::size_t valid = 0;
   for (std::size_t i = 0; i < count; ++i) {
-    EXPECT_EQ(states[i] == PointState::valid, !std::isnan(z[i]));
+    EXPECT_EQ(states[i] == structured_light::PointState::valid, !std::isnan(z[i]));
     if ((codes[i] & kMeasurable) == 0) {
-      EXPECT_EQ(states[i], PointState::not_measurable);
+      EXPECT_EQ(states[i], structured_light::PointState::not_measurable);
       continue;
     }
     const auto [row, column] = place_of(i, triangulation.columns());
@@ -118,7 +118,7 @@ std::size_t expect_depths(const PlaneTriangulation& triangulation, const DepthMa
     if (expected.valid) {
       ++valid;
       EXPECT_NEAR(static_cast<double>(z[i]), expected.z, 2e-3) << "pixel " << i;
-      const Point3f point = triangulation.point(i, z[i]);
+      const structured_light::Point3f point = triangulation.point(i, z[i]);
       const auto exact = solve(m, column, row, c);
       EXPECT_NEAR(static_cast<double>(point.x), exact->x, 2e-3);
       EXPECT_NEAR(static_cast<double>(point.y), exact->y, 2e-3);
@@ -131,9 +131,9 @@ TEST(DepthMatrices, AreThePinholesOfTheRig) {
   for (const std::uint64_t seed : test::seeds(50)) {
     SCOPED_TRACE(test::how_to_repeat(seed));
     Random random(seed);
-    const Rig rig = random_rig(random);
+    const rig::Rig rig = random_rig(random);
     const int bits = random.between(1, 12);
-    const DepthMatrices m = depth_matrices(rig, bits);
+    const rig::DepthMatrices m = rig::depth_matrices(rig, bits);
     const Point3 p{uniform(random, -100, 100), uniform(random, -100, 100), uniform(random, 400, 600)};
     const test::Pixel camera = test::camera_sees(rig.camera, p);
     const test::Pixel projector = test::projector_lights(rig.projector, p);
@@ -152,14 +152,14 @@ TEST(PlaneTriangulation, SolvesTheEquationsOnRigs) {
   for (const std::uint64_t seed : test::seeds(60)) {
     SCOPED_TRACE(test::how_to_repeat(seed));
     Random random(seed);
-    const Rig rig = random_rig(random);
+    const rig::Rig rig = random_rig(random);
     const int bits = random.between(4, 12);
-    DepthLimits limits;
+    structured_light::DepthLimits limits;
     limits.min_z_mm = uniform(random, 0, 420);
     limits.max_z_mm = uniform(random, 600, 2000);
-    const PlaneTriangulation triangulation(rig, bits, limits);
+    const structured_light::PlaneTriangulation triangulation(rig, bits, limits);
     limits.max_z_per_line_mm = rig.measure.max_z_per_line_mm;
-    valid += expect_depths(triangulation, depth_matrices(rig, bits), limits,
+    valid += expect_depths(triangulation, rig::depth_matrices(rig, bits), limits,
                            std::ldexp(1.0, bits) / rig.projector.lines, random);
   }
   EXPECT_GT(valid, 0U);
@@ -172,9 +172,9 @@ TEST(PlaneTriangulation, SolvesTheEquationsInAnyWorld) {
   for (const std::uint64_t seed : test::seeds(60)) {
     SCOPED_TRACE(test::how_to_repeat(seed));
     Random random(seed);
-    const Rig rig = random_rig(random);
+    const rig::Rig rig = random_rig(random);
     const int bits = random.between(4, 12);
-    DepthMatrices m = depth_matrices(rig, bits);
+    rig::DepthMatrices m = rig::depth_matrices(rig, bits);
     const double a = uniform(random, -0.3, 0.3);
     const double b = uniform(random, -0.2, 0.2);
     const cv::Matx33d turn = cv::Matx33d(std::cos(a), -std::sin(a), 0, std::sin(a), std::cos(a), 0, 0, 0, 1) *
@@ -188,10 +188,11 @@ TEST(PlaneTriangulation, SolvesTheEquationsInAnyWorld) {
     }
     m.camera = uniform(random, 0.1, 10) * (m.camera * world);
     m.projector = uniform(random, 0.1, 10) * m.projector;
-    DepthLimits limits;
+    structured_light::DepthLimits limits;
     limits.max_z_per_line_mm = uniform(random, 2, 8);
     const double codes_per_line = std::ldexp(1.0, bits) / rig.projector.lines;
-    const PlaneTriangulation triangulation(rig.camera.rows, rig.camera.columns, bits, m, limits, codes_per_line);
+    const structured_light::PlaneTriangulation triangulation(rig.camera.rows, rig.camera.columns, bits, m, limits,
+                                                             codes_per_line);
     valid += expect_depths(triangulation, m, limits, codes_per_line, random);
   }
   EXPECT_GT(valid, 0U);
@@ -199,9 +200,9 @@ TEST(PlaneTriangulation, SolvesTheEquationsInAnyWorld) {
 
 // The depth of a plane from the codes that light its points: off by half a code at most, and without a bias.
 TEST(PlaneTriangulation, CodeStandsForTheMiddleOfItsCell) {
-  const Rig rig = load_rig("scanner");
+  const rig::Rig rig = rig::load_rig("scanner");
   constexpr int kBits = 8;
-  const PlaneTriangulation triangulation(rig, kBits);
+  const structured_light::PlaneTriangulation triangulation(rig, kBits);
   std::vector<std::uint16_t> codes(triangulation.pixels());
   for (std::size_t i = 0; i < codes.size(); ++i) {
     const double row = place_of(i, 512).first;
@@ -229,40 +230,41 @@ TEST(PlaneTriangulation, CodeStandsForTheMiddleOfItsCell) {
 
 // Section 1 of the method: on rig B the limit removes about the rows from 408 on, x > 150 mm.
 TEST(PlaneTriangulation, RigBLosesTheRowsFromAbout408On) {
-  const Rig rig = load_rig("scanner");
-  const PlaneTriangulation triangulation(rig, 8);
+  const rig::Rig rig = rig::load_rig("scanner");
+  const structured_light::PlaneTriangulation triangulation(rig, 8);
   std::vector<std::uint16_t> codes(triangulation.pixels());
   int first_lost = 0;
   for (int row = 0; row < 512; ++row) {
-    const double x = rig.plane_z_mm * tan_alpha(rig.camera, row + 1);
+    const double x = rig.plane_z_mm * rig::tan_alpha(rig.camera, row + 1);
     const double line = test::projector_lights(rig.projector, {x, 0, rig.plane_z_mm}).row;
     const int code = std::clamp(static_cast<int>(std::floor((line + 0.5) / 3)), 0, 255);
     std::fill_n(codes.begin() + static_cast<std::ptrdiff_t>(row) * 512, 512,
                 static_cast<std::uint16_t>(code | kMeasurable));
   }
   std::vector<float> z(codes.size());
-  std::vector<PointState> states(codes.size());
+  std::vector<structured_light::PointState> states(codes.size());
   triangulation.depth(codes.data(), z.data());
   triangulation.explain(codes.data(), z.data(), states.data());
-  while (first_lost < 512 && states[static_cast<std::size_t>(first_lost) * 512] == PointState::valid) {
+  while (first_lost < 512 &&
+         states[static_cast<std::size_t>(first_lost) * 512] == structured_light::PointState::valid) {
     ++first_lost;
   }
   EXPECT_NEAR(first_lost, 408, 6);
-  EXPECT_EQ(states[static_cast<std::size_t>(first_lost) * 512], PointState::too_coarse);
+  EXPECT_EQ(states[static_cast<std::size_t>(first_lost) * 512], structured_light::PointState::too_coarse);
 }
 
 TEST(PlaneTriangulation, RefusesWhatIsOutOfRange) {
-  const Rig rig = load_rig("scanner");
-  DepthMatrices m = depth_matrices(rig, 8);
-  EXPECT_THROW(PlaneTriangulation(0, 4, 8, m, {}), std::invalid_argument);
-  EXPECT_THROW(PlaneTriangulation(4, 4, 0, m, {}), std::invalid_argument);
-  EXPECT_THROW(PlaneTriangulation(4, 4, 13, m, {}), std::invalid_argument);
-  EXPECT_THROW(PlaneTriangulation(4, 4, 8, m, {}, 0), std::invalid_argument);
+  const rig::Rig rig = rig::load_rig("scanner");
+  rig::DepthMatrices m = rig::depth_matrices(rig, 8);
+  EXPECT_THROW(structured_light::PlaneTriangulation(0, 4, 8, m, {}), std::invalid_argument);
+  EXPECT_THROW(structured_light::PlaneTriangulation(4, 4, 0, m, {}), std::invalid_argument);
+  EXPECT_THROW(structured_light::PlaneTriangulation(4, 4, 13, m, {}), std::invalid_argument);
+  EXPECT_THROW(structured_light::PlaneTriangulation(4, 4, 8, m, {}, 0), std::invalid_argument);
   m.camera(2, 2) = -1;  // looks the other way
-  EXPECT_THROW(PlaneTriangulation(4, 4, 8, m, {}), std::invalid_argument);
+  EXPECT_THROW(structured_light::PlaneTriangulation(4, 4, 8, m, {}), std::invalid_argument);
   m.camera = cv::Matx34d::zeros();
-  EXPECT_THROW(PlaneTriangulation(4, 4, 8, m, {}), std::invalid_argument);
+  EXPECT_THROW(structured_light::PlaneTriangulation(4, 4, 8, m, {}), std::invalid_argument);
 }
 
 }  // namespace
-}  // namespace selfproj
+}  // namespace selfproj::test

@@ -10,11 +10,11 @@
 #include <string>
 #include <vector>
 
-#include "host/light_section/differential_profile.h"
-#include "host/light_section/profile.h"
-#include "host/light_section/reference.h"
-#include "host/rig/rig.h"
-#include "model/packet_payload.h"
+#include "selfproj/light_section/differential_profile.h"
+#include "selfproj/light_section/profile.h"
+#include "selfproj/light_section/reference.h"
+#include "selfproj/model/packet_payload.h"
+#include "selfproj/rig/rig.h"
 #include "tests/outside/gentl/producer.h"
 
 namespace selfproj::test {
@@ -143,14 +143,15 @@ struct OpenCamera {
 class Expected {
  public:
   // `counts`: how many counts of 0.01 mm each frame moves the encoder.
-  explicit Expected(int counts = kCountsOfFrame) : counts_(counts), profiler_(rig_, reference_of_plane(rig_)) {
+  explicit Expected(int counts = kCountsOfFrame)
+      : counts_(counts), profiler_(rig_, light_section::reference_of_plane(rig_)) {
     profile_.resize(kColumns);
   }
 
-  const Profile& of(std::uint64_t frame) {
-    PacketView packet;
+  const light_section::Profile& of(std::uint64_t frame) {
+    model::PacketView packet;
     bytes_ = packet_of_frame(frame);
-    EXPECT_EQ(parse_packet(bytes_, packet), PacketError::none);
+    EXPECT_EQ(model::parse_packet(bytes_, packet), model::PacketError::none);
     EXPECT_TRUE(profiler_.profile(packet, profile_.view()));
     // The belt carries x back.
     double travel = 0;
@@ -160,18 +161,19 @@ class Expected {
     for (float& x : profile_.x) {
       x = static_cast<float>(static_cast<double>(x) - travel);
     }
-    unpack_columns(Select::all, kMeasure.mode, kColumns, packet.payload.data(), {lit_.view(), nullptr, nullptr});
+    model::unpack_columns(model::Select::all, kMeasure.mode, kColumns, packet.payload.data(),
+                          {lit_.view(), nullptr, nullptr});
     return profile_;
   }
   [[nodiscard]] std::uint32_t lit(int column) const { return lit_.n[static_cast<std::size_t>(column)]; }
 
  private:
   int counts_;
-  Rig rig_ = load_rig("light-section");
-  DifferentialProfiler profiler_;
-  Profile profile_;
-  Moments lit_ = [] {
-    Moments moments;
+  rig::Rig rig_ = rig::load_rig("light-section");
+  light_section::DifferentialProfiler profiler_;
+  light_section::Profile profile_;
+  model::Moments lit_ = [] {
+    model::Moments moments;
     moments.resize(kColumns);
     return moments;
   }();

@@ -352,8 +352,9 @@ int run(const std::vector<std::string>& arguments) {
     std::printf(" %d: %ld", result, times);
   }
   std::printf("\n");
-  write_results("gentl_calls", "Random calls of the GenTL producer in random order, under the sanitizers",
-                {{"calls", calls}, {"threads", threads}, {"refused", refused}, {"faults", 0}});  // a fault ends it
+  files::write_results(
+      "gentl_calls", "Random calls of the GenTL producer in random order, under the sanitizers",
+      {{"calls", calls}, {"threads", threads}, {"refused", refused}, {"faults", 0}});  // a fault ends it
   return results[GC_ERR_SUCCESS] > 0 && results[GC_ERR_INVALID_HANDLE] > 0 && results[GC_ERR_RESOURCE_IN_USE] > 0 ? 0
                                                                                                                   : 1;
 }

@@ -31,7 +31,7 @@ void draw(const Picture& picture) {
 using GenTLCamera = OnOwnNetwork;
 
 bool is_picture(std::uint64_t picture, const float* range, const std::uint16_t* lit, Expected& expected) {
-  const Profile& profile = expected.of(picture % kPictures);
+  const light_section::Profile& profile = expected.of(picture % kPictures);
   for (int column = 0; column < kColumns; ++column, range += 3, ++lit) {
     const auto at = static_cast<std::size_t>(column);
     if (!same_bits(range[0], profile.x[at]) || !same_bits(range[1], profile.y[at]) ||

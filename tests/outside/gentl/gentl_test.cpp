@@ -10,9 +10,9 @@
 #include <thread>
 #include <vector>
 
-#include "host/driver/device.h"
 #include "host/driver/ring_memory.h"
 #include "host/driver/ring_writer.h"
+#include "selfproj/driver/device.h"
 #include "tests/outside/gentl/consumer.h"
 #include "tests/outside/gentl/producer.h"
 
@@ -32,7 +32,7 @@ std::uint64_t check_parts(const OpenCamera& camera, BUFFER_HANDLE buffer, std::u
   const auto* lit = camera.part_info<const std::uint16_t*>(buffer, 1, BUFFER_PART_INFO_BASE);
   int invalid = 0;
   for (std::size_t line = 0; line < lines; ++line) {
-    const Profile& profile = expected.of(first + line);
+    const light_section::Profile& profile = expected.of(first + line);
     for (int column = 0; column < kColumns; ++column, range += 3, ++lit) {
       const auto at = static_cast<std::size_t>(column);
       const bool same = same_bits(range[0], profile.x[at]) && same_bits(range[1], profile.y[at]) &&
@@ -203,11 +203,11 @@ TEST(GenTL, WaitsEnd) {
 
 TEST(GenTL, ARingOfThisMachine) {
   const std::string name = "gentl-test-" + std::to_string(getpid());
-  auto board = std::make_unique<RingWriter>(name, 64);
+  auto board = std::make_unique<driver::RingWriter>(name, 64);
   {
     const OpenSystem system("");
     {
-      const auto reader = open_device("ring:" + name);
+      const auto reader = driver::open_device("ring:" + name);
       DEV_HANDLE device = nullptr;
       expect_failure(system.open("ring:" + name, device), GC_ERR_RESOURCE_IN_USE, "another reader has it open");
     }
@@ -238,7 +238,7 @@ TEST(GenTL, ARingOfThisMachine) {
     });
     EXPECT_NE(text.find("the board has gone"), std::string::npos) << text;
   }
-  remove_ring(name);
+  driver::remove_ring(name);
 }
 
 }  // namespace

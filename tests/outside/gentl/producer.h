@@ -17,9 +17,9 @@
 #include <vector>
 
 #include "host/gentl/gentl_types.h"
-#include "model/column_runs.h"
-#include "model/packet.h"
-#include "model/packet_payload.h"
+#include "selfproj/model/column_runs.h"
+#include "selfproj/model/packet.h"
+#include "selfproj/model/packet_payload.h"
 
 namespace selfproj::test {
 
@@ -108,7 +108,7 @@ std::string text_of(const Ask& ask) {
 
 constexpr int kRows = 96;
 constexpr int kColumns = 512;
-constexpr Measure kMeasure{.mode = Mode::grey_over, .threshold = 60};
+constexpr model::Measure kMeasure{.mode = model::Mode::grey_over, .threshold = 60};
 
 constexpr int kCountsOfFrame = 10;  // of the encoder, from frame to frame
 
@@ -130,19 +130,19 @@ inline std::vector<std::uint8_t> pixels_of_frame(std::uint64_t number, int colum
 // Its packet.
 inline std::vector<std::uint8_t> packet_of_frame(std::uint64_t number, int columns = kColumns) {
   const std::vector<std::uint8_t> pixels = pixels_of_frame(number, columns);
-  Runs runs;
-  runs.resize(Select::all, columns);
-  measure_columns({pixels.data(), kRows, columns, columns}, kMeasure, runs.view());
-  std::vector<std::uint8_t> payload(moments_payload_bytes(kMeasure.mode, columns));
-  pack_columns(Select::all, kMeasure.mode, columns, runs.view(), payload.data());
-  PacketHeader header;
+  model::Runs runs;
+  runs.resize(model::Select::all, columns);
+  model::measure_columns({pixels.data(), kRows, columns, columns}, kMeasure, runs.view());
+  std::vector<std::uint8_t> payload(model::moments_payload_bytes(kMeasure.mode, columns));
+  model::pack_columns(model::Select::all, kMeasure.mode, columns, runs.view(), payload.data());
+  model::PacketHeader header;
   header.kind = spec::kKindMoments;
-  describe_frame(header, kRows, columns, kMeasure);
+  model::describe_frame(header, kRows, columns, kMeasure);
   header.sequence = number;
   header.time_stamp = 15120 * number;
   header.encoder = static_cast<std::uint32_t>(kCountsOfFrame * number);
   std::vector<std::uint8_t> packet;
-  append_packet(header, payload, 0, packet);
+  model::append_packet(header, payload, 0, packet);
   return packet;
 }
 

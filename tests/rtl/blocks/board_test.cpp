@@ -11,7 +11,7 @@
 
 #include "Vsp_board_small_binary_ports.h"
 #include "Vsp_board_small_ports.h"
-#include "model/packet.h"
+#include "selfproj/model/packet.h"
 #include "tests/rtl/blocks/clocked.h"
 #include "tests/support/random_cases.h"
 
@@ -221,9 +221,9 @@ void small_frames(bool grey, bool image) {
   std::uint32_t images = 0;
   std::size_t at = 0;
   while (at < bench.received.size()) {
-    PacketView packet;
-    const PacketError error = parse_packet(std::span(bench.received).subspan(at), packet);
-    ASSERT_EQ(error, PacketError::none) << to_string(error) << " at byte " << at;
+    model::PacketView packet;
+    const model::PacketError error = model::parse_packet(std::span(bench.received).subspan(at), packet);
+    ASSERT_EQ(error, model::PacketError::none) << model::to_string(error) << " at byte " << at;
     (packet.header.kind == spec::kKindMoments ? moments : images) += 1;
     at += packet.size;
   }

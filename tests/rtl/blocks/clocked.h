@@ -40,7 +40,7 @@ template <typename Dut>
 class Model {
  public:
   Model() : held_([] { return std::make_unique<Held>(); }), recorder_(Recorder::claim()) {
-    choose_mutant(dut());
+    sim::choose_mutant(dut());
     if (recorder_) {
       list_ports(dut(), *recorder_);
     }
@@ -90,7 +90,7 @@ class Model {
   };
 
   inline static int models_ = 0;  // each model begins with different values
-  Reusable<Held> held_;
+  sim::Reusable<Held> held_;
   std::unique_ptr<Recorder> recorder_;
 };
 

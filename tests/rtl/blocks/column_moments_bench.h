@@ -15,7 +15,7 @@
 #include <utility>
 #include <vector>
 
-#include "model/little_endian.h"
+#include "selfproj/model/little_endian.h"
 #include "tests/rtl/blocks/clocked.h"
 #include "tests/support/moments_frames.h"
 #include "tests/support/random_cases.h"
@@ -158,14 +158,14 @@ class ColumnBench {
     const auto at = static_cast<std::size_t>(row - 1) * static_cast<std::size_t>(frame->columns) +
                     static_cast<std::size_t>(4 * group);
     moments_->beat_valid_i = 1;
-    moments_->beat_pixels_i = load_little_endian<std::uint32_t>(frame->pixels.data() + at);
+    moments_->beat_pixels_i = model::load_little_endian<std::uint32_t>(frame->pixels.data() + at);
     moments_->beat_group_i = static_cast<std::remove_reference_t<decltype(moments_->beat_group_i)>>(group);
     moments_->beat_row_i = static_cast<std::remove_reference_t<decltype(moments_->beat_row_i)>>(row);
     moments_->beat_first_row_i = row == 1;
     moments_->beat_last_row_i = row == frame->rows;
     moments_->beat_line_end_i = !broken && group == groups - 1;
     if constexpr (kRuns<Dut>) {
-      moments_->strongest_i = frame->select == Select::strongest;
+      moments_->strongest_i = frame->select == model::Select::strongest;
       moments_->gap_i = static_cast<CData>(frame->gap);
     } else {
       moments_->one_group_i = groups == 1;
@@ -245,7 +245,7 @@ class ColumnBench {
     moments_.rise();
   }
 
-  static bool drains(const Frame& frame) { return frame.mode != Mode::binary || kBinaryDrains<Dut>; }
+  static bool drains(const Frame& frame) { return frame.mode != model::Mode::binary || kBinaryDrains<Dut>; }
 
   void expect_words(Frame& frame, std::int64_t clock, int group) {
     if (drains(frame)) {
@@ -254,7 +254,7 @@ class ColumnBench {
     } else {
       frame.last_word = clock + kBinaryDelay<Dut>;
     }
-    if (frame.mode == Mode::binary) {
+    if (frame.mode == model::Mode::binary) {
       expected_[frame.last_word].word = word_at(frame, group);
       ++frame.words_sent;
     } else {
@@ -288,7 +288,7 @@ class ColumnBench {
 };
 
 template <typename Dut>
-Frame random_frame(Random& random, int columns, int rows, Mode mode) {
+Frame random_frame(Random& random, int columns, int rows, model::Mode mode) {
   Frame frame;
   static_cast<MomentsFrame&>(frame) = random_moments_frame(random, columns, rows, mode, kRuns<Dut>);
   return frame;
@@ -296,9 +296,9 @@ Frame random_frame(Random& random, int columns, int rows, Mode mode) {
 
 // All small sizes; each frame comes as soon as the packet of the previous one allows it.
 template <typename Dut>
-void small_sizes(const std::vector<Mode>& modes) {
+void small_sizes(const std::vector<model::Mode>& modes) {
   Random random(1);
-  for (const Mode mode : modes) {
+  for (const model::Mode mode : modes) {
     for (int columns = 4; columns <= 32; columns += 4) {
       for (int rows = 1; rows <= 7; ++rows) {
         SCOPED_TRACE(::testing::Message() << columns << " x " << rows << ", mode " << static_cast<int>(mode));
@@ -320,9 +320,9 @@ void small_sizes(const std::vector<Mode>& modes) {
 
 // The largest pixels in the largest images, so that every sum takes its largest value.
 template <typename Dut>
-void large_size(int columns, int rows, const std::vector<Mode>& modes) {
+void large_size(int columns, int rows, const std::vector<model::Mode>& modes) {
   Random random(1);
-  for (const Mode mode : modes) {
+  for (const model::Mode mode : modes) {
     SCOPED_TRACE(::testing::Message() << columns << " x " << rows << ", mode " << static_cast<int>(mode));
     ColumnBench<Dut> bench(random);
     Frame frame = random_frame<Dut>(random, columns, rows, mode);
@@ -341,11 +341,12 @@ void large_size(int columns, int rows, const std::vector<Mode>& modes) {
 // Frames of one size without gaps between them but with gaps inside. Some are refused, some break in their last row or
 // earlier.
 template <typename Dut>
-void random_frames(Random& random, const std::vector<Mode>& modes, int max_columns, int max_rows, bool sizes_change) {
+void random_frames(Random& random, const std::vector<model::Mode>& modes, int max_columns, int max_rows,
+                   bool sizes_change) {
   ColumnBench<Dut> bench(random);
   int columns = 4;
   int rows = 1;
-  Mode mode = Mode::binary;
+  model::Mode mode = model::Mode::binary;
   const int breaks = random.chance(50) ? 0 : random.between(1, 40);
   const bool dense = random.chance(50);
   for (int i = 0; i < 40; ++i) {
@@ -383,7 +384,7 @@ void random_frames(Random& random, const std::vector<Mode>& modes, int max_colum
 
 // Clocks from the last pixel of a frame without gaps to the frame's last word.
 template <typename Dut>
-std::int64_t delay_of(int columns, Mode mode) {
+std::int64_t delay_of(int columns, model::Mode mode) {
   Random random(1);
   ColumnBench<Dut> bench(random);
   bench.play(random_frame<Dut>(random, columns, 3, mode));
@@ -398,13 +399,13 @@ template <typename Dut>
 void spoiled_frame() {
   Random random(1);
   ColumnBench<Dut> bench(random);
-  bench.play(random_frame<Dut>(random, 2048, 2, Mode::grey));
-  bench.play(random_frame<Dut>(random, 8, 400, Mode::grey));  // its second row collides with the drain
+  bench.play(random_frame<Dut>(random, 2048, 2, model::Mode::grey));
+  bench.play(random_frame<Dut>(random, 8, 400, model::Mode::grey));  // its second row collides with the drain
   EXPECT_EQ(bench.frames_accepted, 1);
   bench.idle(5);
   EXPECT_EQ(bench.frames_spoiled, 1);
   bench.idle(600);
-  bench.play(random_frame<Dut>(random, 8, 400, Mode::grey));
+  bench.play(random_frame<Dut>(random, 8, 400, model::Mode::grey));
   bench.finish();
   EXPECT_EQ(bench.frames_accepted, 2);
   EXPECT_EQ(bench.frames_spoiled, 1);

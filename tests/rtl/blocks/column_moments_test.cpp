@@ -17,30 +17,33 @@ constexpr int kBinaryDelay<Vsp_column_moments_small> = 8;
 namespace {
 
 TEST(ColumnMoments, SmallSizes) { small_sizes<Vsp_column_moments>(kModes); }
-TEST(ColumnMomentsSmall, SmallSizes) { small_sizes<Vsp_column_moments_small>({Mode::binary}); }
+TEST(ColumnMomentsSmall, SmallSizes) { small_sizes<Vsp_column_moments_small>({model::Mode::binary}); }
 
 TEST(ColumnMoments, LargestImage) { large_size<Vsp_column_moments>(2048, 1023, kModes); }
 TEST(ColumnMoments, TallestImageOfOneGroup) { large_size<Vsp_column_moments>(4, 1023, kModes); }
 TEST(ColumnMoments, TallestImageOfTwoGroups) { large_size<Vsp_column_moments>(8, 1023, kModes); }
 TEST(ColumnMoments, OriginalImage) { large_size<Vsp_column_moments>(512, 96, kModes); }
-TEST(ColumnMomentsSmall, LargestImage) { large_size<Vsp_column_moments_small>(512, 127, {Mode::binary}); }
-TEST(ColumnMomentsSmall, TallestImageOfOneGroup) { large_size<Vsp_column_moments_small>(4, 127, {Mode::binary}); }
+TEST(ColumnMomentsSmall, LargestImage) { large_size<Vsp_column_moments_small>(512, 127, {model::Mode::binary}); }
+TEST(ColumnMomentsSmall, TallestImageOfOneGroup) {
+  large_size<Vsp_column_moments_small>(4, 127, {model::Mode::binary});
+}
 
 // As the documents state them. Results: those of the original's 512 columns.
 TEST(ColumnMoments, DelayIs10ClocksInBinaryAndGroupsAnd16InTheGreyModes) {
-  for (const Mode mode : kModes) {
+  for (const model::Mode mode : kModes) {
     for (const int columns : {4, 8, 12, 96, 512, 2048}) {
-      EXPECT_EQ(delay_of<Vsp_column_moments>(columns, mode), mode == Mode::binary ? 10 : columns / 4 + 16)
+      EXPECT_EQ(delay_of<Vsp_column_moments>(columns, mode), mode == model::Mode::binary ? 10 : columns / 4 + 16)
           << columns << " columns";
     }
   }
   for (const int columns : {4, 8, 12, 96, 512}) {
-    EXPECT_EQ(delay_of<Vsp_column_moments_small>(columns, Mode::binary), 8) << columns << " columns";
+    EXPECT_EQ(delay_of<Vsp_column_moments_small>(columns, model::Mode::binary), 8) << columns << " columns";
   }
-  write_results("moments_delay", "Clocks from a column's last pixel to its moments, at the ports of sp_column_moments",
-                {{"binary_build", delay_of<Vsp_column_moments_small>(512, Mode::binary)},
-                 {"grey_build_binary", delay_of<Vsp_column_moments>(512, Mode::binary)},
-                 {"grey_build_grey", delay_of<Vsp_column_moments>(512, Mode::grey)}});
+  files::write_results("moments_delay",
+                       "Clocks from a column's last pixel to its moments, at the ports of sp_column_moments",
+                       {{"binary_build", delay_of<Vsp_column_moments_small>(512, model::Mode::binary)},
+                        {"grey_build_binary", delay_of<Vsp_column_moments>(512, model::Mode::binary)},
+                        {"grey_build_grey", delay_of<Vsp_column_moments>(512, model::Mode::grey)}});
 }
 
 TEST(ColumnMoments, RandomFramesOfOneSize) {
@@ -53,7 +56,7 @@ TEST(ColumnMoments, RandomFramesOfChangingSizeAndMode) {
 }
 TEST(ColumnMomentsSmall, RandomFrames) {
   for_cases(150, [&](Random& random) {
-    random_frames<Vsp_column_moments_small>(random, {Mode::binary}, 64, 9, random.chance(50));
+    random_frames<Vsp_column_moments_small>(random, {model::Mode::binary}, 64, 9, random.chance(50));
   });
 }
 

@@ -21,14 +21,14 @@ constexpr int kBinaryDelay<Vsp_column_runs_small> = 12;
 namespace {
 
 TEST(ColumnRuns, SmallSizes) { small_sizes<Vsp_column_runs>(kModes); }
-TEST(ColumnRunsSmall, SmallSizes) { small_sizes<Vsp_column_runs_small>({Mode::binary}); }
+TEST(ColumnRunsSmall, SmallSizes) { small_sizes<Vsp_column_runs_small>({model::Mode::binary}); }
 
-TEST(ColumnRuns, LargestImage) { large_size<Vsp_column_runs>(2048, 1023, {Mode::grey}); }
+TEST(ColumnRuns, LargestImage) { large_size<Vsp_column_runs>(2048, 1023, {model::Mode::grey}); }
 TEST(ColumnRuns, TallestImageOfOneGroup) { large_size<Vsp_column_runs>(4, 1023, kModes); }
 TEST(ColumnRuns, TallestImageOfTwoGroups) { large_size<Vsp_column_runs>(8, 1023, kModes); }
-TEST(ColumnRunsSmall, LargestImage) { large_size<Vsp_column_runs_small>(512, 127, {Mode::binary}); }
-TEST(ColumnRunsSmall, TallestImageOfOneGroup) { large_size<Vsp_column_runs_small>(4, 127, {Mode::binary}); }
-TEST(ColumnRunsSmall, TallestImageOfTwoGroups) { large_size<Vsp_column_runs_small>(8, 127, {Mode::binary}); }
+TEST(ColumnRunsSmall, LargestImage) { large_size<Vsp_column_runs_small>(512, 127, {model::Mode::binary}); }
+TEST(ColumnRunsSmall, TallestImageOfOneGroup) { large_size<Vsp_column_runs_small>(4, 127, {model::Mode::binary}); }
+TEST(ColumnRunsSmall, TallestImageOfTwoGroups) { large_size<Vsp_column_runs_small>(8, 127, {model::Mode::binary}); }
 
 // A column of long runs: two whose strengths are about sixteenths of each other, or some that end anywhere. Returns
 // which rows are lit.
@@ -58,12 +58,12 @@ std::vector<bool> long_runs(Random& random, int rows) {
 
 // The tallest images: large sums and rows are kept, compared, divided and forwarded.
 template <typename Dut>
-void tall_runs(int cases, int max_rows, const std::vector<Mode>& modes) {
+void tall_runs(int cases, int max_rows, const std::vector<model::Mode>& modes) {
   for_cases(cases, [&](Random& random, std::uint64_t seed) {
     const int columns = 4 * random.between(1, 5);
     const int rows = random.chance(50) ? max_rows : random.between(max_rows / 2, max_rows);
     Frame frame = random_frame<Dut>(random, columns, rows, modes[seed % modes.size()]);
-    frame.select = Select::strongest;
+    frame.select = model::Select::strongest;
     frame.gap = random.between(0, 3);
     frame.threshold = random.between(0, 100);
     frame.window = {};
@@ -84,11 +84,11 @@ void tall_runs(int cases, int max_rows, const std::vector<Mode>& modes) {
   });
 }
 TEST(ColumnRuns, TallImagesOfLongRuns) { tall_runs<Vsp_column_runs>(60, 1023, kModes); }
-TEST(ColumnRunsSmall, TallImagesOfLongRuns) { tall_runs<Vsp_column_runs_small>(60, 127, {Mode::binary}); }
+TEST(ColumnRunsSmall, TallImagesOfLongRuns) { tall_runs<Vsp_column_runs_small>(60, 127, {model::Mode::binary}); }
 
 // As the documents state them
 TEST(ColumnRuns, DelayIsGroupsAnd19Clocks) {
-  for (const Mode mode : kModes) {
+  for (const model::Mode mode : kModes) {
     for (const int columns : {4, 8, 12, 96, 512, 2048}) {
       EXPECT_EQ(delay_of<Vsp_column_runs>(columns, mode), columns / 4 + 19) << columns << " columns";
     }
@@ -96,7 +96,7 @@ TEST(ColumnRuns, DelayIsGroupsAnd19Clocks) {
 }
 TEST(ColumnRunsSmall, DelayIs12Clocks) {
   for (const int columns : {4, 8, 12, 512}) {
-    EXPECT_EQ(delay_of<Vsp_column_runs_small>(columns, Mode::binary), 12) << columns << " columns";
+    EXPECT_EQ(delay_of<Vsp_column_runs_small>(columns, model::Mode::binary), 12) << columns << " columns";
   }
 }
 
@@ -112,7 +112,8 @@ TEST(ColumnRuns, RandomFramesOfChangingSizeAndMode) {
 }
 TEST(ColumnRunsSmall, RandomFrames) {
   for_cases(200, [&](Random& random) {
-    random_frames<Vsp_column_runs_small>(random, {Mode::binary}, random.chance(60) ? 12 : 64, 12, random.chance(50));
+    random_frames<Vsp_column_runs_small>(random, {model::Mode::binary}, random.chance(60) ? 12 : 64, 12,
+                                         random.chance(50));
   });
 }
 

@@ -14,7 +14,7 @@
 
 #include "Vsp_datagram_cutter_small_ports.h"
 #include "model/datagram.h"
-#include "model/little_endian.h"
+#include "selfproj/model/little_endian.h"
 #include "tests/host/driver/packets.h"
 #include "tests/rtl/blocks/clocked.h"
 #include "tests/support/random_cases.h"
@@ -75,7 +75,7 @@ class CutterBench {
       const Bytes& packet = packets_.front();
       Word128 beat{};
       for (std::size_t i = 0; i < beat.size(); ++i) {
-        beat[i] = load_little_endian<std::uint32_t>(packet.data() + at_ + 4 * i);
+        beat[i] = model::load_little_endian<std::uint32_t>(packet.data() + at_ + 4 * i);
       }
       set128(cutter_->s_data_i, beat);
       cutter_->s_last_i = at_ + kBeatBytes == packet.size();
@@ -131,7 +131,7 @@ class CutterBench {
       return;
     }
     arriving_.resize(arriving_.size() + 4);
-    store_little_endian(arriving_.data() + arriving_.size() - 4, word);
+    model::store_little_endian(arriving_.data() + arriving_.size() - 4, word);
     if (cutter_->m_last_o) {
       compare();
       datagrams_.push_back(arriving_);
@@ -141,7 +141,7 @@ class CutterBench {
 
   void compare() {
     const auto keep = [this](std::span<const std::uint8_t> one) { due_.emplace_back(one.begin(), one.end()); };
-    const std::optional<DatagramHeader> header = read_datagram_header(arriving_);
+    const std::optional<model::DatagramHeader> header = model::read_datagram_header(arriving_);
     ASSERT_TRUE(header.has_value());
     if (header->length == 0) {
       ASSERT_TRUE(due_.empty()) << "silence within a packet";
@@ -169,7 +169,7 @@ class CutterBench {
   std::uint16_t session_ = 0;
   Clocked<Cutter> cutter_;
   Random random_{1};
-  std::optional<DatagramCutter> model_;
+  std::optional<model::DatagramCutter> model_;
   std::deque<Bytes> packets_;  // to come
   std::size_t at_ = 0;         // bytes of the first of them that have come
   std::deque<Bytes> taken_;    // have come, and no datagram of theirs has left

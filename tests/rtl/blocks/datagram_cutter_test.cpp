@@ -65,9 +65,9 @@ void expect_equals_model(std::size_t datagram_bytes, int max_beats, int cases) {
   });
 }
 TEST(DatagramCutter, SessionsOfRandomPackets) { expect_equals_model<Vsp_datagram_cutter_small>(kSmallBytes, 14, 12); }
-TEST(DatagramCutter, SessionsOfLongPackets) { expect_equals_model<Vsp_datagram_cutter>(kDatagramBytes, 250, 3); }
+TEST(DatagramCutter, SessionsOfLongPackets) { expect_equals_model<Vsp_datagram_cutter>(model::kDatagramBytes, 250, 3); }
 TEST(DatagramCutter, SessionsInJumboFrames) {
-  expect_equals_model<Vsp_datagram_cutter_jumbo>(kJumboDatagramBytes, 1029, 2);
+  expect_equals_model<Vsp_datagram_cutter_jumbo>(model::kJumboDatagramBytes, 1029, 2);
 }
 
 // The longest packets that a header can tell of, in the shortest datagrams and in the longest.
@@ -79,7 +79,7 @@ void expect_longest_packets(std::size_t datagram_bytes) {
   std::size_t pieces = 0;
   for (const std::size_t beats : {4095U, 4094U, 2048U, 4095U, 1U}) {
     bench.queue(random.bytes(kBeatBytes * beats));
-    pieces += datagrams_of(kBeatBytes * beats, datagram_piece(datagram_bytes));
+    pieces += model::datagrams_of(kBeatBytes * beats, model::datagram_piece(datagram_bytes));
   }
   bench.drain();
   ASSERT_FALSE(::testing::Test::HasFailure());
@@ -90,7 +90,7 @@ TEST(DatagramCutter, TheLongestDatagrams) { expect_longest_packets<Vsp_datagram_
 
 // The clocks at the head of the module.
 TEST(DatagramCutter, LatencyAndNoGapBetweenDatagrams) {
-  CutterBench<Vsp_datagram_cutter> bench(kDatagramBytes);
+  CutterBench<Vsp_datagram_cutter> bench(model::kDatagramBytes);
   bench.begin_session(7);
   const std::size_t beats = 5 * 91 + 3;  // five whole pieces, and a short one
   bench.queue(Random(1).bytes(beats * kBeatBytes));
@@ -156,7 +156,7 @@ TEST(DatagramCutter, NumbersOfALongSession) {
     }
     bench.drain();
     ASSERT_FALSE(::testing::Test::HasFailure());
-    const std::optional<DatagramHeader> last = read_datagram_header(bench.datagrams().back());
+    const std::optional<model::DatagramHeader> last = model::read_datagram_header(bench.datagrams().back());
     ASSERT_TRUE(last);
     EXPECT_EQ(last->packet, kPackets - 1);
     EXPECT_GE(last->sequence, last->packet);
@@ -216,7 +216,7 @@ TEST(DatagramCutter, ResetWithinAPacket) {
 TEST(DatagramCutter, DriverDeliversOrCounts) {
   for_cases(4, [&](Random& random, std::uint64_t seed) {
     constexpr std::uint64_t kPackets = 150;
-    CutterBench<Vsp_datagram_cutter> bench(kDatagramBytes);
+    CutterBench<Vsp_datagram_cutter> bench(model::kDatagramBytes);
     bench.begin_session(static_cast<std::uint16_t>(seed));
     for (std::uint64_t i = 0; i < kPackets; ++i) {
       bench.queue(moments_packet(i, i % 3 == 0 ? 16 : 512));
@@ -231,9 +231,9 @@ TEST(DatagramCutter, DriverDeliversOrCounts) {
     sent.pop_back();
     Network network(sent, {.dropped = percent, .doubled = percent, .reordered = percent, .cut = percent}, random);
     network.datagrams.push_back(last);
-    Counters counters;
-    DatagramAssembler assembler(counters);
-    PacketView packet;
+    driver::Counters counters;
+    driver::DatagramAssembler assembler(counters);
+    model::PacketView packet;
     std::uint64_t delivered = 0;
     const auto take_all = [&] {
       while (assembler.next(packet)) {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "Vsp_frame_tracker_ports.h"
-#include "model/spec/generated/selfproj_spec.h"
+#include "selfproj/model/generated/selfproj_spec.h"
 #include "tests/rtl/blocks/clocked.h"
 #include "tests/support/random_cases.h"
 

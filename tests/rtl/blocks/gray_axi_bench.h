@@ -12,9 +12,9 @@
 
 #include "Vsp_gray_axi_memory_ports.h"
 #include "Vsp_gray_decoder_ports.h"
-#include "model/gray_decoder.h"
-#include "model/little_endian.h"
-#include "model/spec/generated/selfproj_spec.h"
+#include "selfproj/model/generated/selfproj_spec.h"
+#include "selfproj/model/gray_decoder.h"
+#include "selfproj/model/little_endian.h"
 #include "tests/rtl/blocks/axi_memory_model.h"
 #include "tests/rtl/blocks/clocked.h"
 #include "tests/rtl/blocks/gray_bench.h"
@@ -28,7 +28,7 @@ inline constexpr std::size_t kMemoryWords = 4096;
 // words came too late.
 class GrayAxiBench {
  public:
-  GrayAxiBench(Random& random, const GraySettings& settings)
+  GrayAxiBench(Random& random, const model::GraySettings& settings)
       : random_(random), settings_(settings), memory_(random, kMemoryWords) {
     port_.valid_when({"rd_data_o", "rd_late_o"}, [this] { return asked_[0]; });
     port_.valid_when({"m_axi_araddr_o", "m_axi_arlen_o"}, [this] { return port_->m_axi_arvalid_o != 0; });
@@ -70,7 +70,7 @@ class GrayAxiBench {
       decoder_->take_i = i == 0;
       decoder_->frame_start_i = i == 0;
       decoder_->beat_valid_i = 1;
-      decoder_->beat_pixels_i = load_little_endian<std::uint32_t>(beat.pixels.data());
+      decoder_->beat_pixels_i = model::load_little_endian<std::uint32_t>(beat.pixels.data());
       decoder_->beat_line_start_i = i % groups == 0;
       decoder_->beat_line_end_i = i % groups == groups - 1 && i + 1 != cut;
       decoder_->beat_last_row_i = i / groups == settings_.rows - 1;
@@ -95,7 +95,7 @@ class GrayAxiBench {
 
   // Checks that all outputs are those of the model.
   void compare() {
-    GrayDecoder model(settings_);
+    model::GrayDecoder model(settings_);
     const int groups = settings_.columns / 4;
     std::map<std::int64_t, std::uint64_t> codes;
     std::map<std::int64_t, std::uint32_t> breaks;
@@ -189,7 +189,7 @@ class GrayAxiBench {
   }
 
   Random& random_;
-  GraySettings settings_;
+  model::GraySettings settings_;
   Clocked<Vsp_gray_axi_memory> port_;
   Clocked<Vsp_gray_decoder> decoder_;
   AxiMemory memory_;
@@ -201,7 +201,7 @@ class GrayAxiBench {
   std::map<std::int64_t, std::uint32_t> breaks_;
 };
 
-inline std::vector<std::uint8_t> random_pixels(Random& random, const GraySettings& settings) {
+inline std::vector<std::uint8_t> random_pixels(Random& random, const model::GraySettings& settings) {
   return random.bytes(static_cast<std::size_t>(settings.rows) * static_cast<std::size_t>(settings.columns));
 }
 
@@ -214,10 +214,10 @@ struct GrayAxiCounts {
 // A random sequence of frames on a memory of random latency and stalls.
 inline void play_gray_axi_frames(std::uint64_t seed, GrayAxiCounts& counts) {
   Random random(seed);
-  const GraySettings settings{.rows = random.between(1, 16),
-                              .columns = 4 * random.between(6, 16),
-                              .bits = random.between(1, random.chance(70) ? 4 : GrayDecoder::kMaxBits),
-                              .threshold = random.between(0, 60)};
+  const model::GraySettings settings{.rows = random.between(1, 16),
+                                     .columns = 4 * random.between(6, 16),
+                                     .bits = random.between(1, random.chance(70) ? 4 : model::GrayDecoder::kMaxBits),
+                                     .threshold = random.between(0, 60)};
   GrayAxiBench bench(random, settings);
   const int gaps = random.chance(30) ? 0 : random.between(1, 70);
   const int breaks = random.chance(50) ? 0 : 5;

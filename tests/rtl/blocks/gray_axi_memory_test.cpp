@@ -21,7 +21,7 @@ namespace {
 // A fast enough memory without stalls keeps up with a beat in every clock, but needs a pause between frames.
 TEST(GrayAxiMemory, KeepsUpWithEveryClock) {
   Random random(1);
-  const GraySettings settings{.rows = 16, .columns = 64, .bits = 3, .threshold = 20};
+  const model::GraySettings settings{.rows = 16, .columns = 64, .bits = 3, .threshold = 20};
   for (const int latency : {1, 20, 40}) {  // below the depth of the FIFO minus a burst
     GrayAxiBench bench(random, settings);
     bench.memory().latency = latency;
@@ -40,7 +40,7 @@ TEST(GrayAxiMemory, KeepsUpWithEveryClock) {
 // The longest code uses every bit of a word in the memory.
 TEST(GrayAxiMemory, EveryBitOfTheState) {
   Random random(2);
-  const GraySettings settings{.rows = 4, .columns = 64, .bits = GrayDecoder::kMaxBits, .threshold = 90};
+  const model::GraySettings settings{.rows = 4, .columns = 64, .bits = model::GrayDecoder::kMaxBits, .threshold = 90};
   for (int run = 0; run < 4; ++run) {  // each at a different place in the memory
     GrayAxiBench bench(random, settings);
     for (int frame = 0; frame < 4 * settings.bits; ++frame) {

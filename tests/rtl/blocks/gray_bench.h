@@ -13,9 +13,9 @@
 #include <utility>
 #include <vector>
 
-#include "model/gray_decoder.h"
-#include "model/little_endian.h"
-#include "model/spec/generated/selfproj_spec.h"
+#include "selfproj/model/generated/selfproj_spec.h"
+#include "selfproj/model/gray_decoder.h"
+#include "selfproj/model/little_endian.h"
 #include "tests/rtl/blocks/clocked.h"
 #include "tests/rtl/blocks/code_beats.h"
 #include "tests/support/random_cases.h"
@@ -86,7 +86,7 @@ class GrayBench {
   [[nodiscard]] std::uint64_t late() const { return late_; }
 
   // The settings that the next take-over will apply.
-  GraySettings settings;
+  model::GraySettings settings;
   bool decode = true;
   int busy_percent = 0;   // share of frames for whose codes the median has no room, if the bench plays the median
   int late_permille = 0;  // share of words that come too late, if the bench plays the memory
@@ -155,7 +155,7 @@ class GrayBench {
 
   void drive(const GrayBeat& beat, int pattern, std::int64_t now) {
     Dut& dut = dut_.dut();
-    dut.beat_pixels_i = load_little_endian<std::uint32_t>(beat.pixels.data());
+    dut.beat_pixels_i = model::load_little_endian<std::uint32_t>(beat.pixels.data());
     dut.beat_line_start_i = beat.line_start;
     dut.beat_line_end_i = beat.line_end;
     dut.beat_last_row_i = beat.last_row;
@@ -340,7 +340,7 @@ class GrayBench {
 
   Random& random_;
   Clocked<Dut> dut_;
-  GrayDecoder model_;
+  model::GrayDecoder model_;
   bool decode_in_force_ = false;
   bool open_ = false;
   bool due_ = false;
@@ -374,13 +374,13 @@ class GrayBench {
 struct GrayCases {
   int max_columns = 40;
   int max_rows = 6;
-  int max_bits = GrayDecoder::kMaxBits;
+  int max_bits = model::GrayDecoder::kMaxBits;
   int frames = 100;
 };
 
 template <typename Dut>
 void play_gray_frames(GrayBench<Dut>& bench, const GrayCases& cases, Random& random) {
-  GraySettings& settings = bench.settings;
+  model::GraySettings& settings = bench.settings;
   int trouble = 0;  // per mille
   int gaps = 0;     // per cent
   int spaced = 0;   // clocks

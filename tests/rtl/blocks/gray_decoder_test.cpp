@@ -49,7 +49,7 @@ void every_number_of_bits() {
   constexpr int kBeats = 16;  // of a line
   Random random(1);
   GrayBench<Dut> bench(random);
-  for (int bits = 1; bits <= GrayDecoder::kMaxBits; ++bits) {
+  for (int bits = 1; bits <= model::GrayDecoder::kMaxBits; ++bits) {
     bench.settings = {.rows = kRows, .columns = 4 * kBeats, .bits = bits, .threshold = 5};
     const std::uint64_t before = bench.pixels();
     constexpr int kCycles = 3;

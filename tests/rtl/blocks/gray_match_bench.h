@@ -11,9 +11,9 @@
 #include <map>
 #include <vector>
 
-#include "model/gray_decoder.h"
-#include "model/gray_match.h"
-#include "model/spec/generated/selfproj_spec.h"
+#include "selfproj/model/generated/selfproj_spec.h"
+#include "selfproj/model/gray_decoder.h"
+#include "selfproj/model/gray_match.h"
 #include "tests/rtl/blocks/clocked.h"
 #include "tests/rtl/blocks/code_beats.h"
 #include "tests/support/random_cases.h"
@@ -61,11 +61,11 @@ class GrayMatchBench {
     std::vector<std::uint16_t> codes;
     for (int i = 0; i < 4 * groups; ++i) {
       const int code = random_.chance(5) ? random_.between(0, 4095) : random_.between(0, (1 << build_.bits) - 1);
-      codes.push_back(static_cast<std::uint16_t>(code | (random_.chance(90) ? GrayDecoder::kMeasurable : 0) |
+      codes.push_back(static_cast<std::uint16_t>(code | (random_.chance(90) ? model::GrayDecoder::kMeasurable : 0) |
                                                  (random_.chance(5) ? 0x7000 : 0)));
     }
     std::vector<std::uint16_t> lines_out(codes.size());
-    GrayMatch::look_up(codes.data(), codes.size(), build_.bits, table_.data(), lines_out.data());
+    model::GrayMatch::look_up(codes.data(), codes.size(), build_.bits, table_.data(), lines_out.data());
     bool lost = false;
     for (int i = 0; i < groups && i < cut; ++i) {
       while (random_.chance(gaps)) {

@@ -1,5 +1,5 @@
 // Compares the matching block with its model.
-#include "model/gray_match.h"
+#include "selfproj/model/gray_match.h"
 
 #include <gtest/gtest.h>
 
@@ -50,16 +50,16 @@ TEST(GrayMatchModel, TakesTheWordOfPixelAndCode) {
   const std::vector<std::uint16_t> table{10, 11, 12, 13, 20, 21, 22, 23, 30, 31, 32, 33};
   const std::vector<std::uint16_t> codes{0x8000, 0x8003, 0x0001};
   std::vector<std::uint16_t> lines(3);
-  GrayMatch::look_up(codes.data(), 3, 2, table.data(), lines.data());
-  EXPECT_EQ(lines, (std::vector<std::uint16_t>{10, 23, GrayMatch::kNone}));
+  model::GrayMatch::look_up(codes.data(), 3, 2, table.data(), lines.data());
+  EXPECT_EQ(lines, (std::vector<std::uint16_t>{10, 23, model::GrayMatch::kNone}));
   const std::uint16_t too_large = 0x8004;
-  GrayMatch::look_up(&too_large, 1, 2, table.data(), lines.data());
-  EXPECT_EQ(lines[0], GrayMatch::kNone);
-  EXPECT_THROW(GrayMatch::look_up(codes.data(), 3, 9, table.data(), lines.data()), std::invalid_argument);
-  EXPECT_EQ(GrayMatch::word_of(2.5), 160);
-  EXPECT_EQ(GrayMatch::word_of(-1), GrayMatch::kNone);
-  EXPECT_EQ(GrayMatch::word_of(1023.99), 65535);  // is none
-  EXPECT_EQ(GrayMatch::line_of(160), 2.5);
+  model::GrayMatch::look_up(&too_large, 1, 2, table.data(), lines.data());
+  EXPECT_EQ(lines[0], model::GrayMatch::kNone);
+  EXPECT_THROW(model::GrayMatch::look_up(codes.data(), 3, 9, table.data(), lines.data()), std::invalid_argument);
+  EXPECT_EQ(model::GrayMatch::word_of(2.5), 160);
+  EXPECT_EQ(model::GrayMatch::word_of(-1), model::GrayMatch::kNone);
+  EXPECT_EQ(model::GrayMatch::word_of(1023.99), 65535);  // is none
+  EXPECT_EQ(model::GrayMatch::line_of(160), 2.5);
 }
 
 }  // namespace

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "Vsp_image_packer_ports.h"
-#include "model/spec/generated/selfproj_spec.h"
+#include "selfproj/model/generated/selfproj_spec.h"
 #include "tests/rtl/blocks/clocked.h"
 #include "tests/support/random_cases.h"
 

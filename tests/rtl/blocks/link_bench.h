@@ -16,9 +16,9 @@
 #include "Vsp_link_ports.h"
 #include "host/driver/etherbone.h"
 #include "model/datagram.h"
-#include "model/little_endian.h"
 #include "model/register_file.h"
 #include "model/spec/generated/register_table.h"
+#include "selfproj/model/little_endian.h"
 #include "sim/board/etherbone_board.h"
 #include "tests/host/driver/packets.h"
 #include "tests/rtl/blocks/clocked.h"
@@ -29,7 +29,7 @@ namespace selfproj::test {
 // The registers of a board, as far as the link knows them: some refuse.
 class PlainRegisters {
  public:
-  RegisterAnswer access(bool write, std::uint32_t address, std::uint32_t data) {
+  model::RegisterAnswer access(bool write, std::uint32_t address, std::uint32_t data) {
     if (address % 4 != 0 || address >= (write ? 0xC0U : 0xE0U)) {
       return {.error = true};
     }
@@ -48,8 +48,8 @@ class PlainRegisters {
 };
 
 // What CMakeLists.txt builds.
-inline constexpr VideoBuild kLinkVideo = {.sources = 1U << spec::kSourceCamera | 1U << spec::kSourceReplay,
-                                          .replay = {.columns = 512, .rows = 127}};
+inline constexpr model::VideoBuild kLinkVideo = {.sources = 1U << spec::kSourceCamera | 1U << spec::kSourceReplay,
+                                                 .replay = {.columns = 512, .rows = 127}};
 
 // What a link does, by the models: EtherboneBoard and its mailbox, and the rule about the owner.
 class LinkModel {
@@ -63,7 +63,7 @@ class LinkModel {
                true, ticket, kLinkVideo, &replay) {}
 
   std::optional<Bytes> answer(const Bytes& question, std::uint32_t from) {
-    std::optional<EtherboneRecord> record = etherbone_record(question);
+    std::optional<driver::EtherboneRecord> record = driver::etherbone_record(question);
     if (!record || (question.size() > kMostBytes && !record->probe)) {
       return std::nullopt;
     }
@@ -71,18 +71,18 @@ class LinkModel {
     if (ran && from != owner_) {
       record->writes.clear();
     }
-    const std::optional<EtherboneRecord> answer = board_.answer(*record);
+    const std::optional<driver::EtherboneRecord> answer = board_.answer(*record);
     if (!ran && registers.runs()) {
       owner_ = from;
     }
-    return answer ? std::optional(etherbone_bytes(*answer)) : std::nullopt;
+    return answer ? std::optional(driver::etherbone_bytes(*answer)) : std::nullopt;
   }
 
   PlainRegisters registers;
-  ReplayModel replay{kLinkVideo.replay};
+  model::ReplayModel replay{kLinkVideo.replay};
 
  private:
-  EtherboneBoard board_;
+  sim::EtherboneBoard board_;
   std::uint32_t owner_ = 0;
 };
 
@@ -127,7 +127,7 @@ class LinkBench {
       link_->ask_valid_i = 1;
       link_->ask_last_i = at + 4 == words.size();
       link_->ask_error_i = at + 4 == words.size() ? error : random_.chance(50);
-      link_->ask_data_i = load_little_endian<std::uint32_t>(words.data() + at);
+      link_->ask_data_i = model::load_little_endian<std::uint32_t>(words.data() + at);
       link_->ask_bytes_i = static_cast<SData>(question.size());
       link_->ask_from_i = from;
       clock();
@@ -136,7 +136,7 @@ class LinkBench {
   }
 
   // What replay tells the link.
-  void show_replay(const ReplayCounts& counts) {
+  void show_replay(const model::ReplayCounts& counts) {
     link_->replay_frame_i = counts.frame;
     link_->replay_offset_i = counts.offset;
     link_->replay_frames_i = counts.frames;
@@ -177,7 +177,7 @@ class LinkBench {
     if (offered) {
       Word128 beat{};
       for (std::size_t i = 0; i < beat.size(); ++i) {
-        beat[i] = load_little_endian<std::uint32_t>(packets.front().data() + at_ + 4 * i);
+        beat[i] = model::load_little_endian<std::uint32_t>(packets.front().data() + at_ + 4 * i);
       }
       set128(link_->s_axis_tdata, beat);
       link_->s_axis_tlast = at_ + 16 == packets.front().size();
@@ -220,7 +220,7 @@ class LinkBench {
     link_->m_axil_wready = random_.chance(50);
     link_->m_axil_arready = random_.chance(50);
     if (aw_ && w_ && !b_ && random_.chance(50)) {
-      const RegisterAnswer answer = registers.access(true, *aw_, *w_);
+      const model::RegisterAnswer answer = registers.access(true, *aw_, *w_);
       b_ = answer.error;
       refusal_ = random_.chance(50) ? kSlaveError : kDecodeError;
       aw_.reset();
@@ -268,7 +268,7 @@ class LinkBench {
     EXPECT_TRUE(part.bytes.empty() || part.to == to) << "the receiver changes within a datagram";
     part.to = to;
     part.bytes.resize(part.bytes.size() + 4);
-    store_little_endian(part.bytes.data() + part.bytes.size() - 4, word);
+    model::store_little_endian(part.bytes.data() + part.bytes.size() - 4, word);
     EXPECT_EQ(last, part.bytes.size() == bytes);
     if (last) {
       all.push_back(std::exchange(part, {}));
@@ -283,7 +283,7 @@ class LinkBench {
   std::size_t asked_ = 0;  // words of the last question
   std::optional<std::uint32_t> aw_, w_, ar_;
   std::optional<bool> b_;
-  std::optional<RegisterAnswer> r_;
+  std::optional<model::RegisterAnswer> r_;
   CData refusal_ = kSlaveError;
 };
 
@@ -312,7 +312,7 @@ inline std::uint32_t random_address(Random& random) {
 
 // What a host would ask, what another tool would, and what nobody in his right mind would.
 inline Bytes random_question(Random& random, std::uint32_t next_ticket) {
-  EtherboneRecord record;
+  driver::EtherboneRecord record;
   record.tag = static_cast<std::uint32_t>(random.bits());
   if (random.chance(50)) {  // a write by the mailbox, mostly of the next ticket
     record.write_address = spec::kLinkTicket;
@@ -331,7 +331,7 @@ inline Bytes random_question(Random& random, std::uint32_t next_ticket) {
     record.probe = random.chance(3);
     record.probe_answer = random.chance(3);
   }
-  Bytes bytes = etherbone_bytes(record);
+  Bytes bytes = driver::etherbone_bytes(record);
   if (random.chance(10)) {
     bytes[static_cast<std::size_t>(random.between(0, 11)) % bytes.size()] ^=
         static_cast<std::uint8_t>(random.between(1, 255));
@@ -371,8 +371,8 @@ inline void expect_link_equals_model(LinkBench& bench, LinkModel& model, Random&
                                      LinkFigures& figures) {
   const Hosts hosts = {random_host(random), random_host(random), random_host(random)};
   for (int i = 0; i < questions; ++i) {
-    const std::optional<Bytes> last = model.answer(etherbone_bytes({.reads = {spec::kLinkTicket}}), 0);
-    const std::uint32_t performed = etherbone_record(*last)->writes.front();
+    const std::optional<Bytes> last = model.answer(driver::etherbone_bytes({.reads = {spec::kLinkTicket}}), 0);
+    const std::uint32_t performed = driver::etherbone_record(*last)->writes.front();
     const Bytes question = random_question(random, performed + 1);
     const std::uint32_t from = hosts.at(static_cast<std::size_t>(random.between(0, 2)));
     const std::size_t padding = question.size() < 18 ? 4 * static_cast<std::size_t>(random.between(0, 4)) : 0;

@@ -14,7 +14,7 @@ namespace selfproj::test {
 namespace {
 
 Bytes write_of(std::uint32_t address, std::uint32_t value) {
-  return etherbone_bytes({.write_address = address, .writes = {value}});
+  return driver::etherbone_bytes({.write_address = address, .writes = {value}});
 }
 
 // Good and malformed questions of three hosts.
@@ -28,8 +28,8 @@ TEST(Link, AnswersAndRegistersAreThoseOfTheModel) {
   });
 }
 
-EtherboneRecord random_record(Random& random, int writes, int reads) {
-  EtherboneRecord record{.write_address = 0x20, .tag = static_cast<std::uint32_t>(random.bits())};
+driver::EtherboneRecord random_record(Random& random, int writes, int reads) {
+  driver::EtherboneRecord record{.write_address = 0x20, .tag = static_cast<std::uint32_t>(random.bits())};
   for (int i = 0; i < writes; ++i) {
     record.writes.push_back(static_cast<std::uint32_t>(random.bits()));
   }
@@ -44,19 +44,20 @@ TEST(Link, RecordsUpTo64Words) {
   Random random(1);
   LinkBench bench(1);
   LinkModel model;
-  EXPECT_TRUE(expect_answer_of_model(bench, model, etherbone_bytes(random_record(random, 0, 60)), random_host(random)));
+  EXPECT_TRUE(
+      expect_answer_of_model(bench, model, driver::etherbone_bytes(random_record(random, 0, 60)), random_host(random)));
   EXPECT_FALSE(
-      expect_answer_of_model(bench, model, etherbone_bytes(random_record(random, 0, 61)), random_host(random)));
-  expect_answer_of_model(bench, model, etherbone_bytes(random_record(random, 60, 0)), random_host(random));
+      expect_answer_of_model(bench, model, driver::etherbone_bytes(random_record(random, 0, 61)), random_host(random)));
+  expect_answer_of_model(bench, model, driver::etherbone_bytes(random_record(random, 60, 0)), random_host(random));
   for (int writes = 1; writes < 59; ++writes) {
-    const Bytes fits = etherbone_bytes(random_record(random, writes, 59 - writes));
+    const Bytes fits = driver::etherbone_bytes(random_record(random, writes, 59 - writes));
     EXPECT_TRUE(expect_answer_of_model(bench, model, fits, random_host(random)));
-    const Bytes longer = etherbone_bytes(random_record(random, writes, 60 - writes));
+    const Bytes longer = driver::etherbone_bytes(random_record(random, writes, 60 - writes));
     EXPECT_FALSE(expect_answer_of_model(bench, model, longer, random_host(random)));
     ASSERT_FALSE(HasFailure()) << writes << " writes";
   }
   for (const int words : {128, 255}) {
-    const Bytes longer = etherbone_bytes(random_record(random, words, words));
+    const Bytes longer = driver::etherbone_bytes(random_record(random, words, words));
     EXPECT_FALSE(expect_answer_of_model(bench, model, longer, random_host(random)));
   }
 }
@@ -68,7 +69,8 @@ TEST(Link, DatagramsUpToTheLongest) {
   LinkModel model;
   for (std::size_t bytes = 1; bytes < 0x20000; bytes *= 2) {
     for (const bool probe : {false, true}) {
-      Bytes question = etherbone_bytes(probe ? EtherboneRecord{.probe = true} : random_record(random, 1, 1));
+      Bytes question =
+          driver::etherbone_bytes(probe ? driver::EtherboneRecord{.probe = true} : random_record(random, 1, 1));
       question.resize(std::min<std::size_t>(bytes, 0xFFFF));
       EXPECT_EQ(expect_answer_of_model(bench, model, question, random_host(random)), probe && bytes >= 8);
       ASSERT_FALSE(HasFailure()) << question.size() << " bytes";
@@ -80,18 +82,20 @@ TEST(Link, DatagramsUpToTheLongest) {
 TEST(Link, QuestionsThatComeTooEarlyAreLost) {
   for_cases(20, [&](Random& random, std::uint64_t seed) {
     LinkBench bench(seed);
-    const Bytes first = etherbone_bytes({.write_address = 0x20, .writes = {1, 2, 3}, .tag = 1, .reads = {0x20, 0x24}});
-    const Bytes second = etherbone_bytes({.write_address = 0x20, .writes = {7, 8, 9}, .tag = 2, .reads = {0x20, 0x28}});
+    const Bytes first =
+        driver::etherbone_bytes({.write_address = 0x20, .writes = {1, 2, 3}, .tag = 1, .reads = {0x20, 0x24}});
+    const Bytes second =
+        driver::etherbone_bytes({.write_address = 0x20, .writes = {7, 8, 9}, .tag = 2, .reads = {0x20, 0x28}});
     bench.ask(first, kHosts[0]);
     bench.idle(random.between(0, 8));
     bench.ask(second, kHosts[1]);
     const std::optional<LinkBench::Datagram> answer = bench.settle();
     ASSERT_TRUE(answer);
     EXPECT_EQ(answer->to, kHosts[0]);
-    EXPECT_EQ(answer->bytes, etherbone_bytes({.write_address = 1, .writes = {1, 2}}));
+    EXPECT_EQ(answer->bytes, driver::etherbone_bytes({.write_address = 1, .writes = {1, 2}}));
     EXPECT_FALSE(bench.settle());
     bench.ask(second, kHosts[1]);
-    EXPECT_EQ(bench.settle()->bytes, etherbone_bytes({.write_address = 2, .writes = {7, 9}}));
+    EXPECT_EQ(bench.settle()->bytes, driver::etherbone_bytes({.write_address = 2, .writes = {7, 9}}));
   });
 }
 
@@ -130,7 +134,7 @@ TEST(Link, PacketsGoToTheOwner) {
     EXPECT_TRUE(bench.packets.empty());
     std::size_t whole = 0;
     for (const LinkBench::Datagram& datagram : bench.datagrams) {
-      const std::optional<DatagramHeader> header = read_datagram_header(datagram.bytes);
+      const std::optional<model::DatagramHeader> header = model::read_datagram_header(datagram.bytes);
       ASSERT_TRUE(header);
       EXPECT_EQ(hosts.try_emplace(header->session, datagram.to).first->second, datagram.to);
       whole += header->length != 0 && header->offset == 0 ? 1 : 0;
@@ -148,11 +152,12 @@ TEST(Link, SourceAndReplay) {
   LinkBench bench(1);
   std::uint32_t ticket = 0;
   const auto read = [&](std::uint32_t address) {
-    bench.ask(etherbone_bytes({.tag = 1, .reads = {address}}), kHosts[0]);
-    return etherbone_record(bench.settle()->bytes)->writes.front();
+    bench.ask(driver::etherbone_bytes({.tag = 1, .reads = {address}}), kHosts[0]);
+    return driver::etherbone_record(bench.settle()->bytes)->writes.front();
   };
   const auto mail = [&](std::uint32_t address, std::uint32_t value) {
-    bench.ask(etherbone_bytes({.write_address = spec::kLinkTicket, .writes = {++ticket, address, value}}), kHosts[0]);
+    bench.ask(driver::etherbone_bytes({.write_address = spec::kLinkTicket, .writes = {++ticket, address, value}}),
+              kHosts[0]);
     bench.settle();
     return (read(spec::kLinkAnswer) & 1U) == 0;
   };

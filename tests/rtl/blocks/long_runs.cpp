@@ -37,7 +37,7 @@ TEST(DatagramCutter, NumbersCarryAndWrapInALongSession) {
       bench.clock(0, 100);
     }
     ASSERT_FALSE(HasFailure());
-    const std::optional<DatagramHeader> last = read_datagram_header(bench.datagrams().back());
+    const std::optional<model::DatagramHeader> last = model::read_datagram_header(bench.datagrams().back());
     ASSERT_TRUE(last);
     EXPECT_EQ(last->packet, place + 6);
     EXPECT_LT(last->sequence - place, 60U) << "beyond the carry";

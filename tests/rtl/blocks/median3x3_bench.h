@@ -10,9 +10,9 @@
 #include <cstdlib>
 #include <vector>
 
-#include "model/gray_decoder.h"
-#include "model/median3x3.h"
-#include "model/spec/generated/selfproj_spec.h"
+#include "selfproj/model/generated/selfproj_spec.h"
+#include "selfproj/model/gray_decoder.h"
+#include "selfproj/model/median3x3.h"
 #include "tests/rtl/blocks/clocked.h"
 #include "tests/rtl/blocks/code_beats.h"
 #include "tests/support/random_cases.h"
@@ -42,7 +42,7 @@ class MedianBench {
     const int groups = columns / 4;
     std::vector<std::uint16_t> out(codes.size());
     if (median) {
-      median3x3(codes.data(), rows, columns, out.data());
+      model::median3x3(codes.data(), rows, columns, out.data());
     } else {
       std::transform(codes.begin(), codes.end(), out.begin(),
                      [](std::uint16_t code) { return static_cast<std::uint16_t>(code & ~kUnused); });
@@ -147,8 +147,9 @@ inline std::vector<std::uint16_t> random_codes(Random& random, int size) {
   const int most = random.chance(50) ? 4095 : random.between(0, 8);
   std::vector<std::uint16_t> codes(static_cast<std::size_t>(size));
   for (std::uint16_t& code : codes) {
-    code = static_cast<std::uint16_t>(
-        random.between(0, most) | (random.chance(percent) ? GrayDecoder::kMeasurable : 0) | (random.bits() & kUnused));
+    code = static_cast<std::uint16_t>(random.between(0, most) |
+                                      (random.chance(percent) ? model::GrayDecoder::kMeasurable : 0) |
+                                      (random.bits() & kUnused));
   }
   return codes;
 }

@@ -1,5 +1,5 @@
 // Compares the 3 x 3 median of a stream of code images with its model, alone and behind the decoder.
-#include "model/median3x3.h"
+#include "selfproj/model/median3x3.h"
 
 #include <gtest/gtest.h>
 
@@ -8,9 +8,9 @@
 
 #include "Vsp_gray_core_median_ports.h"
 #include "Vsp_median3x3_ports.h"
-#include "model/gray_decoder.h"
-#include "model/little_endian.h"
-#include "model/spec/generated/selfproj_spec.h"
+#include "selfproj/model/generated/selfproj_spec.h"
+#include "selfproj/model/gray_decoder.h"
+#include "selfproj/model/little_endian.h"
 #include "tests/rtl/blocks/clocked.h"
 #include "tests/rtl/blocks/median3x3_bench.h"
 #include "tests/support/random_cases.h"
@@ -32,7 +32,7 @@ class CoreBench {
     core_.reset();
   }
 
-  void frame(const std::vector<std::uint8_t>& pixels, const GraySettings& settings, int pattern, bool median) {
+  void frame(const std::vector<std::uint8_t>& pixels, const model::GraySettings& settings, int pattern, bool median) {
     const int groups = settings.columns / 4;
     core_->pattern_i = static_cast<SData>(pattern);
     core_->decode_i = 1;
@@ -45,7 +45,7 @@ class CoreBench {
       core_->take_i = i == 0;
       core_->frame_start_i = i == 0;
       core_->beat_valid_i = 1;
-      core_->beat_pixels_i = load_little_endian<std::uint32_t>(pixels.data() + 4 * i);
+      core_->beat_pixels_i = model::load_little_endian<std::uint32_t>(pixels.data() + 4 * i);
       core_->beat_line_start_i = i % groups == 0;
       core_->beat_line_end_i = i % groups == groups - 1;
       core_->beat_last_row_i = i / groups == settings.rows - 1;
@@ -85,12 +85,12 @@ TEST(GrayCoreMedian, DecodesAndFilters) {
     std::uint32_t refused = 0;
     std::vector<std::uint16_t> right;
     for (int run = 0; run < 4; ++run) {
-      const GraySettings settings{.rows = random.between(1, 6),
-                                  .columns = 4 * random.between(8, 16),
-                                  .bits = random.between(1, 3),
-                                  .threshold = random.between(0, 60)};
+      const model::GraySettings settings{.rows = random.between(1, 6),
+                                         .columns = 4 * random.between(8, 16),
+                                         .bits = random.between(1, 3),
+                                         .threshold = random.between(0, 60)};
       const bool median = random.chance(70);
-      GrayDecoder decoder(settings);
+      model::GrayDecoder decoder(settings);
       const auto size = static_cast<std::size_t>(settings.rows) * static_cast<std::size_t>(settings.columns);
       const int groups = settings.columns / 4;
       int since = 1000;  // clocks from the last beat of the previous frame with codes to the first beat of the frame
@@ -107,7 +107,7 @@ TEST(GrayCoreMedian, DecodesAndFilters) {
           } else {
             std::vector<std::uint16_t> filtered = raw;
             if (median) {
-              median3x3(raw.data(), settings.rows, settings.columns, filtered.data());
+              model::median3x3(raw.data(), settings.rows, settings.columns, filtered.data());
             }
             right.insert(right.end(), filtered.begin(), filtered.end());
           }

@@ -14,7 +14,7 @@
 
 #include "Vsp_packetizer_image_ports.h"
 #include "Vsp_packetizer_ports.h"
-#include "model/packet.h"
+#include "selfproj/model/packet.h"
 #include "tests/rtl/blocks/clocked.h"
 #include "tests/support/random_cases.h"
 
@@ -220,7 +220,7 @@ class PacketizerBench {
     payload_next_ = 0;
     payload_from_ = beats > 0 ? now + 5 : INT64_MAX;  // seven clocks after the start
     std::vector<std::uint8_t> packet;
-    append_packet(header_, payload_, status, packet);
+    model::append_packet(header_, payload_, status, packet);
     std::copy_n(packet.begin(), spec::kHeaderBytes, info_.begin());
     for (std::size_t i = 0; i < packet.size() / 16; ++i) {
       expected_.push_back({beat_at(packet, i), i + 1 == packet.size() / 16});
@@ -242,7 +242,7 @@ class PacketizerBench {
   // other times they are random, and so are the fields that the packetizer itself fills in.
   void set_header_fields(std::int64_t now) {
     constexpr std::size_t kSequenceFrom = spec::kHeaderSequence;
-    constexpr std::size_t kSequenceTo = kSequenceFrom + sizeof(PacketHeader::sequence);
+    constexpr std::size_t kSequenceTo = kSequenceFrom + sizeof(model::PacketHeader::sequence);
     for (std::size_t byte = 0; byte < spec::kHeaderBytes; ++byte) {
       const bool sequence = byte >= kSequenceFrom && byte < kSequenceTo;
       const auto beat = static_cast<std::int64_t>(byte / spec::kPacketBeatBytes) - (sequence ? 1 : 0);
@@ -350,7 +350,7 @@ class PacketizerBench {
     return bytes;
   }
 
-  PacketHeader header_;
+  model::PacketHeader header_;
   std::array<std::uint8_t, spec::kHeaderBytes> info_{};  // the header as bytes
   std::array<std::uint8_t, spec::kHeaderBytes> frame_bytes_ = frame_bytes();
   std::int64_t header_from_ = -1;

@@ -12,7 +12,7 @@
 #include "Vsp_registers_codes_ports.h"
 #include "Vsp_registers_ports.h"
 #include "Vsp_registers_small_ports.h"
-#include "model/spec/generated/selfproj_spec.h"
+#include "selfproj/model/generated/selfproj_spec.h"
 #include "tests/rtl/blocks/clocked.h"
 #include "tests/support/random_cases.h"
 

@@ -14,7 +14,7 @@
 
 #include "Vsp_replay_ports.h"
 #include "Vsp_video_switch_ports.h"
-#include "model/little_endian.h"
+#include "selfproj/model/little_endian.h"
 #include "tests/rtl/blocks/clocked.h"
 #include "tests/support/random_cases.h"
 
@@ -24,12 +24,12 @@ namespace {
 using ReplayBytes = std::vector<std::uint8_t>;
 
 // What CMakeLists.txt builds.
-constexpr ReplaySize kReplayBuild = {.columns = 40, .rows = 9};
+constexpr model::ReplaySize kReplayBuild = {.columns = 40, .rows = 9};
 constexpr std::uint32_t kReplayHost = 0xC0A80101;
 
-ReplayBytes replay_datagram(ReplayHeader header, const ReplayBytes& piece) {
+ReplayBytes replay_datagram(model::ReplayHeader header, const ReplayBytes& piece) {
   ReplayBytes bytes(spec::kReplayHeaderBytes);
-  write_replay_header(header, bytes.data());
+  model::write_replay_header(header, bytes.data());
   bytes.insert(bytes.end(), piece.begin(), piece.end());
   return bytes;
 }
@@ -80,7 +80,7 @@ class ReplayBench {
       replay_->s_valid_i = 1;
       replay_->s_last_i = at + 4 == words.size();
       replay_->s_error_i = at + 4 == words.size() ? how.damaged : random_.chance(50);
-      replay_->s_data_i = load_little_endian<std::uint32_t>(words.data() + at);
+      replay_->s_data_i = model::load_little_endian<std::uint32_t>(words.data() + at);
       replay_->s_bytes_i = static_cast<SData>(bytes);
       replay_->s_from_i = how.from;
       bus_clock();
@@ -89,7 +89,7 @@ class ReplayBench {
     }
     bus_clock();  // in which the receiver checks it, if the datagram has one word behind its header
     const bool may_send = how.from == replay_->host_i && replay_->enable_i != 0;
-    if (std::optional<ReplayFrame> whole =
+    if (std::optional<model::ReplayFrame> whole =
             model_.datagram({.came = words, .bytes = bytes, .damaged = how.damaged, .may_send = may_send})) {
       due_.push_back(*std::move(whole));
     }
@@ -118,7 +118,9 @@ class ReplayBench {
       replay_->s_last_i = clock + 1 == words;
       replay_->s_error_i = 0;
       replay_->s_data_i =
-          clock < words ? load_little_endian<std::uint32_t>(datagram.data() + 4 * static_cast<std::size_t>(clock)) : 0;
+          clock < words
+              ? model::load_little_endian<std::uint32_t>(datagram.data() + 4 * static_cast<std::size_t>(clock))
+              : 0;
       replay_->s_bytes_i = static_cast<SData>(datagram.size());
       replay_->s_from_i = kReplayHost;
       replay_->begin_i = clock == when && !disable;
@@ -129,7 +131,7 @@ class ReplayBench {
       interrupts();
     }
     // The first word counts a clock after it came.
-    if (std::optional<ReplayFrame> whole =
+    if (std::optional<model::ReplayFrame> whole =
             model_.datagram({.came = datagram, .bytes = datagram.size(), .may_send = when == 0 || when >= taken})) {
       due_.push_back(*std::move(whole));
     }
@@ -180,7 +182,7 @@ class ReplayBench {
   }
 
   // What the registers of the RTL say.
-  [[nodiscard]] ReplayCounts counts() {
+  [[nodiscard]] model::ReplayCounts counts() {
     return {.frame = replay_->frame_o,
             .offset = replay_->offset_o,
             .frames = replay_->frames_o,
@@ -188,7 +190,7 @@ class ReplayBench {
             .ignored = replay_->ignored_o};
   }
   [[nodiscard]] bool leaving() const { return model_.leaving(); }
-  [[nodiscard]] const std::vector<ReplayFrame>& frames() const { return frames_; }
+  [[nodiscard]] const std::vector<model::ReplayFrame>& frames() const { return frames_; }
 
  private:
   // Looks whether the frame has left. For a datagram that was checked before, it had not yet.
@@ -204,8 +206,8 @@ class ReplayBench {
 
   void expect_counts() {
     note_left();
-    const ReplayCounts rtl = counts();
-    const ReplayCounts model = model_.counts();
+    const model::ReplayCounts rtl = counts();
+    const model::ReplayCounts model = model_.counts();
     EXPECT_EQ(rtl.frame, model.frame);
     EXPECT_EQ(rtl.offset, model.offset);
     EXPECT_EQ(rtl.frames, model.frames);
@@ -241,7 +243,7 @@ class ReplayBench {
     }
     EXPECT_EQ(replay_->m_start_o != 0, frame_.pixels.empty());
     frame_.pixels.resize(frame_.pixels.size() + 4);
-    store_little_endian(frame_.pixels.data() + frame_.pixels.size() - 4, std::uint32_t{replay_->m_data_o});
+    model::store_little_endian(frame_.pixels.data() + frame_.pixels.size() - 4, std::uint32_t{replay_->m_data_o});
     ++beats_;
     if (replay_->m_end_o) {
       EXPECT_TRUE(frame_.rows == 0 || frame_.columns == 4 * beats_) << "rows of different lengths";
@@ -259,29 +261,29 @@ class ReplayBench {
 
   Random random_;
   TwoClocks clocks_;
-  ReplayModel model_;
+  model::ReplayModel model_;
   Model<Vsp_replay> replay_;
   bool known_ = false;
   bool check_next_ = false;  // the receiver checks the datagram in the next clock
   bool checked_ = false;     // it has checked the datagram that comes
   bool left_late_ = false;   // a frame has left after that
-  std::vector<ReplayFrame> due_;
-  std::vector<ReplayFrame> frames_;
-  ReplayFrame frame_;  // that is coming
-  int beats_ = 0;      // of its row
+  std::vector<model::ReplayFrame> due_;
+  std::vector<model::ReplayFrame> frames_;
+  model::ReplayFrame frame_;  // that is coming
+  int beats_ = 0;             // of its row
 };
 
 // --- Tests ---
 
-ReplayFrame random_frame(Random& random) {
-  ReplayFrame frame{.columns = 4 * random.between(1, kReplayBuild.columns / 4),
-                    .rows = random.between(1, kReplayBuild.rows)};
+model::ReplayFrame random_frame(Random& random) {
+  model::ReplayFrame frame{.columns = 4 * random.between(1, kReplayBuild.columns / 4),
+                           .rows = random.between(1, kReplayBuild.rows)};
   frame.pixels = random.bytes(static_cast<std::size_t>(frame.columns) * static_cast<std::size_t>(frame.rows));
   return frame;
 }
 
 // The datagrams of a frame from its byte `from` on.
-std::vector<ReplayBytes> datagrams_of(const ReplayFrame& frame, std::uint16_t session, std::uint32_t number,
+std::vector<ReplayBytes> datagrams_of(const model::ReplayFrame& frame, std::uint16_t session, std::uint32_t number,
                                       std::size_t from, std::size_t piece) {
   std::vector<ReplayBytes> all;
   for (std::size_t at = from; at < frame.pixels.size(); at += piece) {
@@ -347,7 +349,7 @@ TEST(Replay, EveryFrameOverABadNetwork) {
   for_cases(20, [&](Random& random, std::uint64_t seed) {
     ReplayBench bench(seed, random_clocks(random));
     Faults network(bench, random);
-    std::vector<ReplayFrame> sent;
+    std::vector<model::ReplayFrame> sent;
     std::uint32_t number = 0;
     auto session = static_cast<std::uint16_t>(random.bits());
     bench.begin(session);
@@ -407,7 +409,7 @@ TEST(Replay, FramesThatAreNotWholeAreDroppedAndCounted) {
         bench.drain();
       }
       ASSERT_FALSE(HasFailure());
-      const ReplayCounts counts = bench.counts();
+      const model::ReplayCounts counts = bench.counts();
       EXPECT_EQ(counts.frames + (bench.leaving() ? 1U : 0U) + counts.dropped, counts.frame);
     }
     bench.drain();
@@ -428,7 +430,7 @@ TEST(Replay, DatagramsOfAnyKind) {
     const auto number16 = [&](int likely) {
       return static_cast<std::uint16_t>(random.chance(95) ? likely : random.chance(50) ? likely + 1 : random.bits());
     };
-    ReplayHeader size{.columns = 8, .rows = 2};
+    model::ReplayHeader size{.columns = 8, .rows = 2};
     const auto host = static_cast<std::uint32_t>(random.bits());
     const auto session = static_cast<std::uint16_t>(random.bits());
     bench.set_host(host);
@@ -438,8 +440,9 @@ TEST(Replay, DatagramsOfAnyKind) {
         size.columns = static_cast<std::uint16_t>(random.between(0, kReplayBuild.columns + 4));
         size.rows = static_cast<std::uint16_t>(random.between(0, kReplayBuild.rows + 2));
       }
-      const ReplayCounts at = bench.counts();
-      ReplayHeader header{.session = number16(session), .columns = number16(size.columns), .rows = number16(size.rows)};
+      const model::ReplayCounts at = bench.counts();
+      model::ReplayHeader header{
+          .session = number16(session), .columns = number16(size.columns), .rows = number16(size.rows)};
       header.frame = at.frame + static_cast<std::uint32_t>(random.chance(80)   ? 0
                                                            : random.chance(80) ? random.between(-3, 3)
                                                                                : static_cast<int>(random.bits()));
@@ -490,7 +493,7 @@ TEST(Replay, ASessionEndsWithinADatagram) {
     for (int when = 0; when < 12; ++when) {
       ReplayBench bench(1, TwoClocks(1000, 1000, 300));
       Random random(1);
-      ReplayFrame frame{.columns = 8, .rows = 2, .pixels = random.bytes(16)};
+      model::ReplayFrame frame{.columns = 8, .rows = 2, .pixels = random.bytes(16)};
       bench.interrupt(datagrams_of(frame, 0, 0, 0, 16).front(), when, disable);
       bench.drain();
       ASSERT_FALSE(HasFailure()) << "clock " << when;

@@ -10,9 +10,9 @@
 
 #include "Vsp_test_camera_ports.h"
 #include "Vsp_test_camera_tight_ports.h"
-#include "model/column_moments.h"
-#include "model/gray_decoder.h"
-#include "model/little_endian.h"
+#include "selfproj/model/column_moments.h"
+#include "selfproj/model/gray_decoder.h"
+#include "selfproj/model/little_endian.h"
 #include "tests/rtl/blocks/camera_beats.h"
 #include "tests/rtl/blocks/clocked.h"
 
@@ -22,14 +22,14 @@ namespace {
 Frame beats_of(const std::vector<std::uint8_t>& pixels, int columns) {
   Frame frame;
   for (std::size_t at = 0; at < pixels.size(); at += 4) {
-    frame.push_back({load_little_endian<std::uint32_t>(pixels.data() + at), at == 0,
+    frame.push_back({model::load_little_endian<std::uint32_t>(pixels.data() + at), at == 0,
                      (at + 4) % static_cast<std::size_t>(columns) == 0});
   }
   return frame;
 }
 
 Frame model_frame(int columns, int rows, std::uint32_t number) {
-  return beats_of(test_camera_frame(columns, rows, number), columns);
+  return beats_of(model::test_camera_frame(columns, rows, number), columns);
 }
 
 // Two runs: one of many frames, and one that ends in the middle of a frame. `gap`: clocks between two frames.
@@ -144,7 +144,7 @@ TEST(TestCamera, PatternsByTriggers) {
   };
   std::vector<Frame> due;
   const auto expect = [&](int index) {
-    due.push_back(beats_of(test_camera_pattern(kColumns, kRows, kBits, index), kColumns));
+    due.push_back(beats_of(model::test_camera_pattern(kColumns, kRows, kBits, index), kColumns));
   };
   clocks(2000);
   EXPECT_TRUE(came.empty()) << "a frame without a trigger";
@@ -186,10 +186,10 @@ TEST(TestCamera, CodesAreKnown) {
   for (const int bits : {1, 4, 8, 12}) {
     constexpr int kColumns = 512;
     constexpr int kRows = 96;
-    GrayDecoder decoder({.rows = kRows, .columns = kColumns, .bits = bits, .threshold = 5});
+    model::GrayDecoder decoder({.rows = kRows, .columns = kColumns, .bits = bits, .threshold = 5});
     std::vector<std::uint16_t> codes(std::size_t{kColumns} * kRows);
     for (int index = 0; index < 2 * bits; ++index) {
-      const std::vector<std::uint8_t> pixels = test_camera_pattern(kColumns, kRows, bits, index);
+      const std::vector<std::uint8_t> pixels = model::test_camera_pattern(kColumns, kRows, bits, index);
       const bool done = decoder.add_frame(
           {.pixels = pixels.data(), .rows = kRows, .columns = kColumns, .stride = kColumns}, index, true, codes.data());
       EXPECT_EQ(done, index + 1 == 2 * bits);
@@ -197,9 +197,10 @@ TEST(TestCamera, CodesAreKnown) {
     for (unsigned y = 0; y < kRows; ++y) {
       for (unsigned x = 0; x < kColumns; ++x) {
         const std::uint16_t word = codes[y * std::size_t{kColumns} + x];
-        ASSERT_EQ(is_measurable(word), y + 1 < kRows || bits == 1) << bits << " bits, column " << x << ", row " << y;
+        ASSERT_EQ(model::is_measurable(word), y + 1 < kRows || bits == 1)
+            << bits << " bits, column " << x << ", row " << y;
         if (y + 1 < kRows) {
-          ASSERT_EQ(code_of(word), (x + y) % (1U << static_cast<unsigned>(bits)));
+          ASSERT_EQ(model::code_of(word), (x + y) % (1U << static_cast<unsigned>(bits)));
         }
       }
     }
@@ -211,11 +212,11 @@ TEST(TestCamera, MomentsAreKnown) {
   constexpr int kColumns = 512;
   constexpr int kRows = 96;
   for (const std::uint32_t number : {0U, 1U, 91U, 92U, 93U, 1000U}) {
-    const std::vector<std::uint8_t> pixels = test_camera_frame(kColumns, kRows, number);
-    Moments moments;
+    const std::vector<std::uint8_t> pixels = model::test_camera_frame(kColumns, kRows, number);
+    model::Moments moments;
     moments.resize(kColumns);
-    column_moments({.pixels = pixels.data(), .rows = kRows, .columns = kColumns, .stride = kColumns}, Mode::binary, 128,
-                   moments.view());
+    model::column_moments({.pixels = pixels.data(), .rows = kRows, .columns = kColumns, .stride = kColumns},
+                          model::Mode::binary, 128, moments.view());
     for (std::uint32_t x = 0; x < kColumns; ++x) {
       const std::uint32_t first = (number + x / 8) % (kRows - 3);
       const std::uint32_t weight = (x + number) % 64;

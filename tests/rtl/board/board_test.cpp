@@ -11,7 +11,7 @@
 #include "Vboard.h"
 #include "Vboard_original.h"
 #include "host/files/results_file.h"
-#include "model/pixel_clock.h"
+#include "selfproj/model/pixel_clock.h"
 #include "tests/rtl/board/frames.h"
 #include "tests/rtl/board/random_frames.h"
 #include "tests/rtl/board/scoreboard.h"
@@ -24,7 +24,7 @@ constexpr std::uint8_t kMoments = spec::kKindMoments;
 constexpr std::uint8_t kImage = spec::kKindImage;
 
 // The gap between the starts of two frames, beyond the beats of a moments packet (docs/using-the-circuits.md).
-int small_gap(Mode mode) { return mode == Mode::binary ? 8 : 14; }
+int small_gap(model::Mode mode) { return mode == model::Mode::binary ? 8 : 14; }
 
 // Together with the tests of the small build and of faults below, 10^5 frames.
 TEST(Board, RandomSmallFramesEqualTheModel) { play_all_random_frames<Vboard>(80, {}); }
@@ -54,7 +54,7 @@ TEST(Board, TheFrameAfterAFaultIsRight) {
   Random random(7);
   constexpr int kRows = 24;
   constexpr int kColumns = 32;
-  for (const Mode mode : {Mode::binary, Mode::grey_over}) {
+  for (const model::Mode mode : {model::Mode::binary, model::Mode::grey_over}) {
     for (int fault = 0; fault < kFaults; ++fault) {
       for (const int row : {0, kRows / 2, kRows - 1}) {
         for (const int group : {0, kColumns / 8, kColumns / 4 - 1}) {
@@ -63,7 +63,7 @@ TEST(Board, TheFrameAfterAFaultIsRight) {
           board.write({.image = true, .columns = kColumns, .rows = kRows, .mode = mode, .threshold = 30});
           const auto send = [&](Fault what) {
             const TestImage image = random_image(random, kRows, kColumns);
-            for (const VideoBeat& beat : with_fault(lines_of(image), what, row, group)) {
+            for (const model::VideoBeat& beat : with_fault(lines_of(image), what, row, group)) {
               board.device().send(beat);
             }
           };
@@ -89,7 +89,7 @@ TEST(Board, TheFrameAfterAFaultIsRight) {
 // The limits of the sizes. 2048 x 1023 pixels of 255 need every bit of every sum.
 TEST(Board, ExtremeSizesEqualTheModel) {
   Random random(11);
-  for (const Mode mode : {Mode::binary, Mode::grey, Mode::grey_over}) {
+  for (const model::Mode mode : {model::Mode::binary, model::Mode::grey, model::Mode::grey_over}) {
     for (const auto& [columns, rows] : std::vector<std::pair<int, int>>{{4, 1},
                                                                         {4, 2},
                                                                         {4, 3},
@@ -106,7 +106,7 @@ TEST(Board, ExtremeSizesEqualTheModel) {
                                                                         {2048, 1023}}) {
       SCOPED_TRACE(::testing::Message() << columns << " x " << rows << ", mode " << static_cast<int>(mode));
       Scoreboard<Vboard> board;
-      const bool bright = mode != Mode::grey_over;
+      const bool bright = mode != model::Mode::grey_over;
       board.write({.columns = columns, .rows = rows, .mode = mode, .threshold = bright ? 0 : 97});
       for (int i = 0; i < 2; ++i) {
         const TestImage image = bright ? constant_image(rows, columns, 255) : random_image(random, rows, columns);
@@ -130,10 +130,11 @@ TEST(Board, WindowsOfTallFrames) {
   Scoreboard<Vboard> board;
   std::uint64_t frames = 0;
   for (int row = 1; row <= kRows; row *= 2) {
-    for (const RowWindow window : {RowWindow{row, 0}, RowWindow{0, row}, RowWindow{row, kRows - row}}) {
+    for (const model::RowWindow window :
+         {model::RowWindow{row, 0}, model::RowWindow{0, row}, model::RowWindow{row, kRows - row}}) {
       board.write({.columns = kColumns,
                    .rows = kRows,
-                   .mode = static_cast<Mode>(random.between(0, 2)),
+                   .mode = static_cast<model::Mode>(random.between(0, 2)),
                    .threshold = random.between(0, 254),
                    .window = window});
       TestImage image = constant_image(kRows, kColumns, 0);
@@ -158,7 +159,7 @@ TEST(Board, FullFramesWithStallsEqualTheModel) {
         board.write({.image = frame % 40 == 0,
                      .columns = 512,
                      .rows = 96,
-                     .mode = static_cast<Mode>(frame / 20 % 3),
+                     .mode = static_cast<model::Mode>(frame / 20 % 3),
                      .threshold = random.between(0, 255)});
       }
       board.device().send(random_image(random, 96, 512).view());
@@ -176,7 +177,7 @@ TEST(Board, TakesFullFramesBackToBack) {
   constexpr int kFrames = 12;
   Random random(3);
   std::uint64_t clocks = 0;
-  for (const Mode mode : {Mode::binary, Mode::grey, Mode::grey_over}) {
+  for (const model::Mode mode : {model::Mode::binary, model::Mode::grey, model::Mode::grey_over}) {
     Scoreboard<Vboard> board({.bus_stall_percent = 20});
     board.write({.image = true, .columns = 512, .rows = 96, .mode = mode, .threshold = 100});
     const std::uint64_t before = board.device().clock();
@@ -193,21 +194,23 @@ TEST(Board, TakesFullFramesBackToBack) {
     EXPECT_EQ(board.lost(kImage), 0U);
   }
   if (!HasFailure()) {
-    write_results("frame_rate", "Frames of 96 x 512 pixels that the board takes one right behind another, none lost",
-                  {{"pixel_clock_hz", kDefaultPixelClockHz},
-                   {"frame_clocks", clocks / kFrames},
-                   {"frames_per_s", static_cast<std::uint64_t>(kDefaultPixelClockHz) * kFrames / clocks}});
+    files::write_results(
+        "frame_rate", "Frames of 96 x 512 pixels that the board takes one right behind another, none lost",
+        {{"pixel_clock_hz", model::kDefaultPixelClockHz},
+         {"frame_clocks", clocks / kFrames},
+         {"frames_per_s", static_cast<std::uint64_t>(model::kDefaultPixelClockHz) * kFrames / clocks}});
   }
 }
 
 // At a distance of a packet's beats plus the stated small gap no frame is lost. One clock closer, some are lost.
 TEST(Board, SmallestDistanceOfFramesIsAsStated) {
   Random random(5);
-  for (const Mode mode : {Mode::binary, Mode::grey}) {
+  for (const model::Mode mode : {model::Mode::binary, model::Mode::grey}) {
     for (const auto& [columns, rows] :
          std::vector<std::pair<int, int>>{{4, 1}, {8, 2}, {40, 1}, {64, 2}, {512, 1}, {512, 2}, {1024, 1}}) {
       const int beats = columns / 4 * rows;
-      const int distance = static_cast<int>(packet_beats(moments_payload_bytes(mode, columns))) + small_gap(mode);
+      const int distance =
+          static_cast<int>(packet_beats(model::moments_payload_bytes(mode, columns))) + small_gap(mode);
       for (const int less : {0, 1}) {
         if (distance - less < beats) {
           continue;  // frames cannot be closer than their own beats

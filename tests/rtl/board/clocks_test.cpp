@@ -11,7 +11,7 @@
 
 #include "Vboard.h"
 #include "Vboard_original.h"
-#include "model/packet.h"
+#include "selfproj/model/packet.h"
 #include "tests/support/random_cases.h"
 
 namespace selfproj::test {
@@ -46,9 +46,9 @@ void expect_equal(std::uint64_t seed) {
   Random random(seed);
   const auto fast = std::make_unique<Simulated<Model>>();
   const auto plain = std::make_unique<Simulated<Model>>();
-  BoardClocks clocks(static_cast<std::uint64_t>(random.between(3000, 9000)),
-                     static_cast<std::uint64_t>(random.between(3000, 9000)),
-                     static_cast<std::uint64_t>(random.between(0, 3000)));
+  sim::BoardClocks clocks(static_cast<std::uint64_t>(random.between(3000, 9000)),
+                          static_cast<std::uint64_t>(random.between(3000, 9000)),
+                          static_cast<std::uint64_t>(random.between(0, 3000)));
   constexpr std::array<std::uint32_t, 6> kWrites = {spec::kRegControl, spec::kRegSize,           spec::kRegMeasure,
                                                     spec::kRegTimeout, spec::kRegTriggerControl, spec::kRegFrames};
   const std::array<std::uint32_t, 6> values = {
@@ -62,7 +62,7 @@ void expect_equal(std::uint64_t seed) {
   int reset = 40;
   int packet_beats = 0;
   for (int edges = 0; edges < 6000; ++edges) {
-    const BoardClocks::Edge edge = clocks.next();
+    const sim::BoardClocks::Edge edge = clocks.next();
     reset = reset > 0 ? reset - 1 : (random.between(1, 1500) == 1 ? 40 : 0);
     const bool valid = random.chance(80);
     const bool user = random.chance(99) ? beat == 0 : !random.chance(50);
@@ -99,17 +99,17 @@ void expect_equal(std::uint64_t seed) {
     if (edge.video && valid && reset == 0) {
       beat = (beat + 1) % 6;
     }
-    BoardClocks::raise(fast->model, edge);
+    sim::BoardClocks::raise(fast->model, edge);
     plain->model.clk_i = edge.video;
     plain->model.bus_clk_i = edge.bus;
-    rise_by_eval(plain->model);
+    sim::rise_by_eval(plain->model);
     ASSERT_EQ(outputs(fast->model), outputs(plain->model)) << "after edge " << edges;
   }
   EXPECT_GT(packet_beats, 100) << "too little of the board was seen";
 }
 
 TEST(BoardClocks, AnEdgeEqualsTwoEvaluations) {
-  if (!rises_fast<Vboard>() || !rises_fast<Vboard_original>()) {
+  if (!sim::rises_fast<Vboard>() || !sim::rises_fast<Vboard_original>()) {
     GTEST_SKIP() << "rise() calls eval(): it was asked for, or this Verilator writes parts that are not known";
   }
   for_cases(10, [&](std::uint64_t seed) {

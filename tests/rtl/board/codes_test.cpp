@@ -46,7 +46,7 @@ TEST(CodesBoard, LongestCodeEqualsTheModel) {
   for (const int rows : {kMaxCodeRows, 31, kMaxCodeRows}) {
     board.write({.columns = kMaxCodeColumns,
                  .rows = rows,
-                 .mode = Mode::grey,
+                 .mode = model::Mode::grey,
                  .threshold = 20,
                  .codes = true,
                  .median = rows == 31,
@@ -118,7 +118,7 @@ TEST(CodesBoard, FifoFillsToTheLastPlace) {
     board.device().set_bus_stall_percent(0);
     board.finish();
     EXPECT_EQ(board.delivered(kCodes), lines);
-    const std::size_t beats = packet_beats(codes_line_payload_bytes(columns));
+    const std::size_t beats = packet_beats(model::codes_line_payload_bytes(columns));
     EXPECT_GT((lines + 1) * beats, kPlaces);
     EXPECT_LE(lines * beats, kPlaces + 8);
   }
@@ -126,11 +126,11 @@ TEST(CodesBoard, FifoFillsToTheLastPlace) {
 
 // The registers say what this build can do, and refuse what it cannot.
 TEST(CodesBoard, SaysWhatItIsAndRefusesTheRest) {
-  BoardDevice<Vboard_codes> full;
+  sim::BoardDevice<Vboard_codes> full;
   EXPECT_EQ(full.read(spec::kRegCapability) >> spec::kRegCapabilityCodesLsb & 3U, 3U);
   EXPECT_EQ(full.read(spec::kRegCapability) >> spec::kRegCapabilityCodeBitsLsb, 12U);
   EXPECT_EQ(full.read(spec::kRegDecode), spec::kRegDecodeReset);
-  BoardDevice<Vboard_codes_raw> raw;
+  sim::BoardDevice<Vboard_codes_raw> raw;
   EXPECT_EQ(raw.read(spec::kRegCapability) >> spec::kRegCapabilityCodesLsb & 3U, 1U);
   EXPECT_EQ(raw.read(spec::kRegCapability) >> spec::kRegCapabilityCodeBitsLsb, 8U);
   constexpr std::uint32_t kMedian = 1U << spec::kRegDecodeMedianLsb;

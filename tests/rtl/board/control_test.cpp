@@ -21,7 +21,7 @@ namespace {
 // A reset in every part of a frame: everything after it is right, and counts from zero.
 TEST(Board, ResetInMidFrame) {
   Random random(9);
-  for (const Mode mode : {Mode::binary, Mode::grey}) {
+  for (const model::Mode mode : {model::Mode::binary, model::Mode::grey}) {
     Scoreboard<Vboard> board;
     for (int clocks = 1; clocks < 420; clocks += 7) {
       board.write({.image = true, .columns = 64, .rows = 20, .mode = mode, .threshold = 100});
@@ -41,13 +41,13 @@ TEST(Board, ResetInMidFrame) {
 // New settings are written while a frame comes in. It keeps the old ones; the next frame has the new ones.
 TEST(Board, SettingsChangeOnlyAtAFrameStart) {
   Random random(10);
-  const std::vector<BoardSettings> all = {
-      {.columns = 512, .rows = 12, .mode = Mode::binary, .threshold = 100, .stream = 1},
-      {.columns = 256, .rows = 30, .mode = Mode::grey, .threshold = 50, .stream = 2},
-      {.columns = 2048, .rows = 5, .mode = Mode::grey_over, .threshold = 7, .stream = 3},
-      {.columns = 128, .rows = 40, .mode = Mode::grey_over, .threshold = 250, .stream = 4},
-      {.columns = 1024, .rows = 6, .mode = Mode::grey, .threshold = 0, .stream = 5},
-      {.columns = 512, .rows = 12, .mode = Mode::binary, .threshold = 0, .stream = 6},
+  const std::vector<model::BoardSettings> all = {
+      {.columns = 512, .rows = 12, .mode = model::Mode::binary, .threshold = 100, .stream = 1},
+      {.columns = 256, .rows = 30, .mode = model::Mode::grey, .threshold = 50, .stream = 2},
+      {.columns = 2048, .rows = 5, .mode = model::Mode::grey_over, .threshold = 7, .stream = 3},
+      {.columns = 128, .rows = 40, .mode = model::Mode::grey_over, .threshold = 250, .stream = 4},
+      {.columns = 1024, .rows = 6, .mode = model::Mode::grey, .threshold = 0, .stream = 5},
+      {.columns = 512, .rows = 12, .mode = model::Mode::binary, .threshold = 0, .stream = 6},
   };
   Scoreboard<Vboard> board({.bus_period_ps = 6000});
   board.write(all.front());
@@ -80,8 +80,8 @@ TEST(Board, SmallFramesRightAfterALargeOne) {
   for (int rows = 1; rows < 12; ++rows) {
     for (const int columns : {4, 8, 12, 64}) {
       Scoreboard<Vboard> board({.bus_period_ps = 6000});
-      const BoardSettings large = {.columns = 2048, .rows = 3, .mode = Mode::grey, .threshold = 9};
-      const BoardSettings small = {.columns = columns, .rows = rows, .mode = Mode::grey, .threshold = 9};
+      const model::BoardSettings large = {.columns = 2048, .rows = 3, .mode = model::Mode::grey, .threshold = 9};
+      const model::BoardSettings small = {.columns = columns, .rows = rows, .mode = model::Mode::grey, .threshold = 9};
       board.write(large);
       board.device().send(random_image(random, large.rows, large.columns).view());
       while (board.device().queued() > 1000) {
@@ -106,7 +106,7 @@ TEST(Board, SmallFramesRightAfterALargeOne) {
 TEST(Board, RunDecidesAtAFrameStart) {
   Random random(13);
   Scoreboard<Vboard> board;
-  BoardSettings settings = {.run = true, .columns = 512, .rows = 12};
+  model::BoardSettings settings = {.run = true, .columns = 512, .rows = 12};
   board.write(settings);
   board.device().send(random_image(random, 12, 512).view());
   board.device().run(200);
@@ -116,7 +116,7 @@ TEST(Board, RunDecidesAtAFrameStart) {
   const TestImage unseen = random_image(random, 12, 512);
   std::size_t beats = 0;
   for (const auto& line : lines_of(unseen)) {
-    for (const VideoBeat& beat : line) {
+    for (const model::VideoBeat& beat : line) {
       if (beats++ == 600) {
         board.play();
         settings.run = true;
@@ -136,14 +136,14 @@ TEST(Board, RunDecidesAtAFrameStart) {
 // The trigger sequencer's index at the camera pulse travels with the frame that follows it.
 TEST(Board, PatternIndexTravelsWithTheFrame) {
   Random random(14);
-  BoardDevice<Vboard> device;
+  sim::BoardDevice<Vboard> device;
   std::vector<int> patterns;
   device.on_packet([&](std::span<const std::uint8_t> bytes) {
-    PacketView view;
-    ASSERT_EQ(parse_packet(bytes, view), PacketError::none);
+    model::PacketView view;
+    ASSERT_EQ(model::parse_packet(bytes, view), model::PacketError::none);
     patterns.push_back(view.header.pattern);
   });
-  device.write(BoardSettings{.columns = 32, .rows = 4});
+  device.write(model::BoardSettings{.columns = 32, .rows = 4});
   device.write(spec::kRegTriggerPeriod, 200);
   device.write(spec::kRegTriggerCamera, 20);
   device.write(spec::kRegTriggerWidth, 5);
@@ -181,7 +181,7 @@ TEST(Board, FifosFillToTheLastPlace) {
   for (const bool grey : {false, true}) {
     for (const int columns : {4, 16, 40}) {
       SCOPED_TRACE(::testing::Message() << columns << " columns");
-      const Mode mode = grey ? Mode::grey : Mode::binary;
+      const model::Mode mode = grey ? model::Mode::grey : model::Mode::binary;
       Scoreboard<Vboard> board({.bus_period_ps = 6000});
       board.write({.image = true, .columns = columns, .rows = 2, .mode = mode, .threshold = 100});
       board.device().set_bus_stall_percent(100);
@@ -198,8 +198,8 @@ TEST(Board, FifosFillToTheLastPlace) {
       EXPECT_EQ(board.delivered(spec::kKindMoments), moments);
       EXPECT_EQ(board.delivered(spec::kKindImage), lines);
       // One more would not have fitted. A few beats have left the FIFO for the arbiter.
-      const std::size_t beats = packet_beats(moments_payload_bytes(mode, columns));
-      const std::size_t line_beats = packet_beats(image_line_payload_bytes(columns));
+      const std::size_t beats = packet_beats(model::moments_payload_bytes(mode, columns));
+      const std::size_t line_beats = packet_beats(model::image_line_payload_bytes(columns));
       EXPECT_GT((moments + 1) * beats, kMomentsPlaces);
       EXPECT_LE(moments * beats, kMomentsPlaces + 8);
       EXPECT_GT((lines + 1) * line_beats, kImagePlaces);
@@ -223,7 +223,7 @@ TEST(Board, EveryBitOfTheTimeOut) {
         if (row == 2) {
           board.device().gap(static_cast<std::uint32_t>(timeout + more));
         }
-        for (const VideoBeat& beat : lines[row]) {
+        for (const model::VideoBeat& beat : lines[row]) {
           board.device().send(beat);
         }
       }
@@ -239,7 +239,7 @@ TEST(Board, EveryBitOfTheTimeOut) {
 
 // Both lines of the encoder change in the same clock: the register counts every time, and the camera is never held up.
 TEST(Board, CountsTheEncodersErrors) {
-  BoardDevice<Vboard> device({.bus_period_ps = 6000});
+  sim::BoardDevice<Vboard> device({.bus_period_ps = 6000});
   bool never_held = true;
   device.on_clock([&](std::uint64_t) { never_held = never_held && device.takes_beats(); });
   device.run(100);
@@ -260,12 +260,12 @@ TEST(Board, CountsTheEncodersErrors) {
 TEST(Board, EveryBitOfTheTriggersSettings) {
   Random random(19);
   for (int bits = 4; bits <= 17; ++bits) {
-    BoardDevice<Vboard> device({.bus_period_ps = 6000});
+    sim::BoardDevice<Vboard> device({.bus_period_ps = 6000});
     const auto period = static_cast<std::uint64_t>((1 << (bits - 1)) + random.between(0, (1 << (bits - 1)) - 1));
     const auto camera = static_cast<std::uint64_t>(random.between(1, static_cast<int>(period) - 1));
     const auto width = static_cast<std::uint64_t>(random.between(1, std::min(static_cast<int>(period) - 1, 0xFFFF)));
     SCOPED_TRACE(::testing::Message() << "period " << period << ", camera " << camera << ", width " << width);
-    device.write(BoardSettings{.columns = 32, .rows = 4});
+    device.write(model::BoardSettings{.columns = 32, .rows = 4});
     device.write(spec::kRegTriggerPeriod, static_cast<std::uint32_t>(period));
     device.write(spec::kRegTriggerCamera, static_cast<std::uint32_t>(camera));
     device.write(spec::kRegTriggerWidth, static_cast<std::uint32_t>(width));
@@ -301,7 +301,7 @@ TEST(Board, EveryBitOfTheTriggersSettings) {
 // Writes to the settings of the sequencer while it runs are refused: every pulse comes as before, and no index is
 // beyond the last. After a stop they count.
 TEST(Board, TheTriggersSettingsStandStillWhileItRuns) {
-  BoardDevice<Vboard> device({.bus_period_ps = 6000});
+  sim::BoardDevice<Vboard> device({.bus_period_ps = 6000});
   const auto refused = [&](std::uint32_t address, std::uint32_t data) {
     return device.access(true, address, data).error;
   };
@@ -325,11 +325,11 @@ TEST(Board, TheTriggersSettingsStandStillWhileItRuns) {
   });
   std::vector<int> patterns;
   device.on_packet([&](std::span<const std::uint8_t> bytes) {
-    PacketView view;
-    ASSERT_EQ(parse_packet(bytes, view), PacketError::none);
+    model::PacketView view;
+    ASSERT_EQ(model::parse_packet(bytes, view), model::PacketError::none);
     patterns.push_back(view.header.pattern);
   });
-  device.write(BoardSettings{.columns = 4, .rows = 1});
+  device.write(model::BoardSettings{.columns = 4, .rows = 1});
   device.write(spec::kRegTriggerPeriod, kPeriod);
   device.write(spec::kRegTriggerCamera, 100);
   device.write(spec::kRegTriggerWidth, 10);
@@ -370,7 +370,7 @@ TEST(Board, TheTriggersSettingsStandStillWhileItRuns) {
 // The registers identify the board.
 template <class Model>
 void expect_identity(int max_columns, int max_rows, bool grey, bool image) {
-  BoardDevice<Model> device;
+  sim::BoardDevice<Model> device;
   EXPECT_EQ(device.read(spec::kRegId), spec::kMagic);
   EXPECT_EQ(device.read(spec::kRegVersion), spec::kVersion);
   EXPECT_EQ(device.read(spec::kRegSpecHash), spec::kHash);
@@ -383,7 +383,7 @@ void expect_identity(int max_columns, int max_rows, bool grey, bool image) {
 
 // Reads and writes of addresses without a register are refused.
 TEST(Board, RefusesWhereNoRegisterIs) {
-  BoardDevice<Vboard> device;
+  sim::BoardDevice<Vboard> device;
   constexpr std::uint32_t kNowhere = 0xFC;
   EXPECT_TRUE(device.access(false, kNowhere, 0).error);
   EXPECT_TRUE(device.access(true, kNowhere, 1).error);

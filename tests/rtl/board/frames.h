@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
-#include "model/board.h"
-#include "model/column_moments.h"
+#include "selfproj/model/board.h"
+#include "selfproj/model/column_moments.h"
 #include "sim/board/board_device.h"
 #include "tests/support/moments_frames.h"
 #include "tests/support/random_cases.h"
@@ -23,7 +23,7 @@ struct TestImage {
   int columns = 0;
   std::vector<std::uint8_t> pixels;
 
-  [[nodiscard]] ImageView view() const {
+  [[nodiscard]] model::ImageView view() const {
     return {.pixels = pixels.data(), .rows = rows, .columns = columns, .stride = columns};
   }
 };
@@ -59,12 +59,12 @@ inline TestImage random_runs_image(Random& random, int rows, int columns, int th
 }
 
 // The frame as beats, line by line.
-using Lines = std::vector<std::vector<VideoBeat>>;
+using Lines = std::vector<std::vector<model::VideoBeat>>;
 inline Lines lines_of(const TestImage& image) {
   Lines lines(static_cast<std::size_t>(image.rows));
   for (int row = 0; row < image.rows; ++row) {
     for (int column = 0; column < image.columns; column += spec::kPixelsPerBeat) {
-      VideoBeat beat;
+      model::VideoBeat beat;
       std::memcpy(beat.pixels.data(), image.pixels.data() + static_cast<std::ptrdiff_t>(row) * image.columns + column,
                   beat.pixels.size());
       beat.start = row == 0 && column == 0;
@@ -89,7 +89,7 @@ enum class Fault : std::uint8_t {
 inline constexpr int kFaults = 8;
 
 // Puts the fault into the line `row` at the beat `group`.
-inline std::vector<VideoBeat> with_fault(Lines lines, Fault fault, int row, int group) {
+inline std::vector<model::VideoBeat> with_fault(Lines lines, Fault fault, int row, int group) {
   auto& line = lines[static_cast<std::size_t>(row)];
   switch (fault) {
     case Fault::none:
@@ -123,7 +123,7 @@ inline std::vector<VideoBeat> with_fault(Lines lines, Fault fault, int row, int 
       lines.resize(static_cast<std::size_t>(row) + 1);
       break;
   }
-  std::vector<VideoBeat> beats;
+  std::vector<model::VideoBeat> beats;
   for (const auto& each : lines) {
     beats.insert(beats.end(), each.begin(), each.end());
   }
@@ -131,14 +131,14 @@ inline std::vector<VideoBeat> with_fault(Lines lines, Fault fault, int row, int 
 }
 
 // The beats of the image, in this share of calls with a fault of any kind at any place.
-inline std::vector<VideoBeat> beats_with_faults(Random& random, const TestImage& image, int fault_percent) {
+inline std::vector<model::VideoBeat> beats_with_faults(Random& random, const TestImage& image, int fault_percent) {
   const Fault fault = random.chance(fault_percent) ? static_cast<Fault>(random.between(0, kFaults - 1)) : Fault::none;
   return with_fault(lines_of(image), fault, random.between(0, image.rows - 1),
                     random.between(0, image.columns / 4 - 1));
 }
 
 // Clocks of any periods and phase.
-inline BoardDeviceOptions random_board_clocks(Random& random, std::uint64_t seed) {
+inline sim::BoardDeviceOptions random_board_clocks(Random& random, std::uint64_t seed) {
   return {.seed = seed,
           .video_period_ps = static_cast<std::uint64_t>(random.between(5000, 9000)),
           .bus_period_ps = static_cast<std::uint64_t>(random.between(3000, 12000)),

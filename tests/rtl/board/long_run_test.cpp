@@ -58,7 +58,7 @@ void set_counters(Scoreboard<Vboard_codes>& board, const BoardCounts& counts) {
 
 // The time in the registers lags that of the headers by six clocks.
 void expect_time(Scoreboard<Vboard_codes>& board) {
-  BoardDevice<Vboard_codes>& device = board.device();
+  sim::BoardDevice<Vboard_codes>& device = board.device();
   const std::uint64_t earliest = board.counted_before().clocks + device.clock() - 6;
   const std::uint64_t low = device.read(spec::kRegTimeLow);
   const std::uint64_t time = low | std::uint64_t{device.read(spec::kRegTimeHigh)} << 32U;

@@ -21,7 +21,7 @@
 #include <span>
 #include <utility>
 
-#include "model/board.h"
+#include "selfproj/model/board.h"
 #include "sim/board/board_device.h"
 #include "sim/board/packet_scoreboard.h"
 #include "tests/rtl/board/frames.h"
@@ -35,7 +35,7 @@ constexpr int kRaceRows = 5;
 
 // The registers as they stand, of those that matter here.
 struct RaceRegisters {
-  BoardSettings settings = {.run = false, .timeout = 15'120'000};  // after reset
+  model::BoardSettings settings = {.run = false, .timeout = 15'120'000};  // after reset
   bool on_frame = false;
   bool sequencer = false;
   int last_pattern = 0;
@@ -72,7 +72,7 @@ inline bool RaceRegisters::write(std::uint32_t address, std::uint32_t data) {
         return false;
       }
       settings.threshold = bits(spec::kRegMeasureThresholdLsb, 8);
-      settings.mode = static_cast<Mode>(bits(spec::kRegMeasureModeLsb, 2));
+      settings.mode = static_cast<model::Mode>(bits(spec::kRegMeasureModeLsb, 2));
       settings.stream = bits(spec::kRegMeasureStreamLsb, 8);
       return true;
     case spec::kRegTimeout:
@@ -130,14 +130,14 @@ class RacingBoard {
   explicit RacingBoard(std::uint64_t seed)
       : random_(seed),
         device_(random_board_clocks(random_, seed)),
-        model_([this](BoardPacket&& packet) { scoreboard_.expect(std::move(packet)); }) {
+        model_([this](model::BoardPacket&& packet) { scoreboard_.expect(std::move(packet)); }) {
     Verilated::threadContextp(device_.model().contextp());
     request_.emplace("TOP.sp_board.u_bridge.request_o");
     device_.on_packet([this](std::span<const std::uint8_t> bytes) {
       ASSERT_TRUE(scoreboard_.compare(bytes)) << scoreboard_.first_mismatch();
     });
     device_.on_clock([this](std::uint64_t clock) { before_clock(clock); });
-    device_.on_beat([this](std::uint64_t clock, const VideoBeat& beat) { at_beat(clock, beat); });
+    device_.on_beat([this](std::uint64_t clock, const model::VideoBeat& beat) { at_beat(clock, beat); });
     const std::uint32_t size = 4U << spec::kRegSizeColumnsLsb | 1U << spec::kRegSizeRowsLsb;
     write(spec::kRegSize, size);
     write(spec::kRegControl, 1U << spec::kRegControlRunLsb);
@@ -146,7 +146,7 @@ class RacingBoard {
   }
 
   Random& random() { return random_; }
-  BoardDevice<Model>& device() { return device_; }
+  sim::BoardDevice<Model>& device() { return device_; }
   [[nodiscard]] const RaceRegisters& registers() const { return registers_; }
 
   // Writes the register while a frame may start; the board must accept it or refuse it as the model says.
@@ -211,9 +211,9 @@ class RacingBoard {
   };
   struct Beat {
     std::uint64_t clock;
-    VideoBeat beat;
+    model::VideoBeat beat;
     std::uint32_t encoder;
-    BoardSettings settings;  // as written, with run and hold as they count for this beat
+    model::BoardSettings settings;  // as written, with run and hold as they count for this beat
   };
   // What was so many clocks ago; [0] is now.
   struct Past {
@@ -294,13 +294,14 @@ class RacingBoard {
     return beside_write || past(2).hold;
   }
 
-  void at_beat(std::uint64_t clock, const VideoBeat& beat) {
+  void at_beat(std::uint64_t clock, const model::VideoBeat& beat) {
     Beat late = {.clock = clock, .beat = beat, .encoder = encoder_, .settings = registers_.settings};
     late.settings.hold = held();
     if (beat.start) {
       late.settings.run = past(1).run;
       past(0).accepted = past(1).run;
-      if (past(0).accepted && !late.settings.hold && (!taken_ || clock >= last_take_ + BoardModel::kTakeDistance)) {
+      if (past(0).accepted && !late.settings.hold &&
+          (!taken_ || clock >= last_take_ + model::BoardModel::kTakeDistance)) {
         past(0).took = true;
         taken_ = true;
         last_take_ = clock;
@@ -323,7 +324,7 @@ class RacingBoard {
     Beat late = late_.front();
     late_.pop_front();
     const bool runs_then = past(kLag - 1).run;  // a beat counts as stray if the board runs one clock after it
-    const BoardInputs inputs = {
+    const model::BoardInputs inputs = {
         .clock = clock, .encoder = late.encoder, .pattern = static_cast<std::uint16_t>(past(kLag - 5).pattern)};
     const bool start = late.beat.start;
     if (!start) {
@@ -348,20 +349,20 @@ class RacingBoard {
 
   // A frame, mostly of the size that it must have if it starts now.
   void send_frame() {
-    const bool takes = !held() && clock_ >= last_take_ + BoardModel::kTakeDistance;
-    const BoardSettings& settings = takes ? registers_.settings : in_force_;
+    const bool takes = !held() && clock_ >= last_take_ + model::BoardModel::kTakeDistance;
+    const model::BoardSettings& settings = takes ? registers_.settings : in_force_;
     const bool fits = random_.chance(90);
     const int rows = fits ? settings.rows : random_.between(1, kRaceRows);
     const int columns = fits ? settings.columns : 4 * random_.between(1, kRaceColumns / 4);
-    for (const VideoBeat& beat : beats_with_faults(random_, random_image(random_, rows, columns), 4)) {
+    for (const model::VideoBeat& beat : beats_with_faults(random_, random_image(random_, rows, columns), 4)) {
       device_.send(beat);
     }
   }
 
   Random random_;
-  BoardDevice<Model> device_;
-  PacketScoreboard scoreboard_;
-  BoardModel model_;
+  sim::BoardDevice<Model> device_;
+  sim::PacketScoreboard scoreboard_;
+  model::BoardModel model_;
   std::optional<InnerRegister> request_;
 
   std::uint64_t clock_ = 0;
@@ -372,7 +373,7 @@ class RacingBoard {
   bool pending_ = true;
   bool taken_ = false;
   std::uint64_t last_take_ = 0;
-  BoardSettings in_force_;
+  model::BoardSettings in_force_;
   std::uint32_t encoder_ = 0;
   bool camera_works_ = false;
   std::uint64_t start_at_ = kNever;  // when the camera starts its next frame, if it is ready

@@ -39,17 +39,17 @@ void play_random_sequences(std::uint64_t seed, bool full_build, int fault_percen
   const int bits = random.between(1, 3);
   board.count_patterns_on_frames(random.chance(90) ? 2 * bits - 1 : random.between(0, 255));
   board.turn_encoder(random.between(4, 40), random.chance(50));
-  BoardSettings settings;
+  model::BoardSettings settings;
   for (int change = 0; change < 40 && !::testing::Test::HasFailure(); ++change) {
     if (change == 0 || random.chance(60)) {
       settings.columns = 4 * random.between(1, random.chance(50) ? 6 : kMaxCodeColumns / 4);
       settings.rows = random.between(1, random.chance(60) ? 4 : kMaxCodeRows / 4);
     }
     settings.image = full_build && random.chance(30);
-    settings.mode = full_build ? static_cast<Mode>(random.between(0, 2)) : Mode::binary;
+    settings.mode = full_build ? static_cast<model::Mode>(random.between(0, 2)) : model::Mode::binary;
     settings.threshold = random.between(0, 255);
     settings.stream = random.between(0, 255);
-    settings.select = settings.stream % 2 == 0 ? Select::strongest : Select::all;
+    settings.select = settings.stream % 2 == 0 ? model::Select::strongest : model::Select::all;
     settings.gap = settings.stream / 2 % 4;
     settings.timeout = random.chance(70) ? 0 : random.between(20, 200);
     settings.codes = random.chance(95);

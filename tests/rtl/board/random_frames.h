@@ -22,7 +22,7 @@ struct RandomFrames {
   int fault_percent = 0;  // share of frames with faults
   int changes = 100;      // number of changes of the settings, each followed by 1 to 12 frames
   // gets every image that is sent, without its faults
-  std::function<void(const TestImage&, const BoardSettings&)> also = nullptr;
+  std::function<void(const TestImage&, const model::BoardSettings&)> also = nullptr;
 };
 
 // Counts over many runs.
@@ -49,13 +49,13 @@ void play_random_frames(std::uint64_t seed, const RandomFrames& limits, FrameCou
   for (int change = 0; change < limits.changes && !::testing::Test::HasFailure(); ++change) {
     const int rows = random.between(1, random.chance(70) ? 6 : limits.max_rows);
     const bool strongest = limits.runs && random.chance(75);
-    const BoardSettings settings = {
+    const model::BoardSettings settings = {
         .image = limits.image && random.chance(30),
         .columns = 4 * random.between(1, random.chance(70) ? 8 : limits.max_columns / 4),
         .rows = rows,
-        .mode = limits.grey ? static_cast<Mode>(random.between(0, 2)) : Mode::binary,
+        .mode = limits.grey ? static_cast<model::Mode>(random.between(0, 2)) : model::Mode::binary,
         .threshold = random.chance(20) ? 255 * random.between(0, 1) : random.between(0, 255),
-        .select = strongest ? Select::strongest : Select::all,
+        .select = strongest ? model::Select::strongest : model::Select::all,
         .gap = limits.runs ? random.between(0, 3) : 0,
         .window = {.first = random.chance(70) ? 0 : random.between(0, rows),
                    .last = random.chance(70) ? 0 : random.between(0, rows)},
@@ -87,7 +87,7 @@ void play_random_frames(std::uint64_t seed, const RandomFrames& limits, FrameCou
   // and what its packet would be, only the next start tells.
   if (board.model().frame_open()) {
     for (const auto& line : lines_of(constant_image(last_rows, last_columns, 0))) {
-      for (const VideoBeat& beat : line) {
+      for (const model::VideoBeat& beat : line) {
         board.device().send(beat);
       }
     }

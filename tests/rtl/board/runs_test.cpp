@@ -48,13 +48,13 @@ TEST(RunsBoard, TallFramesOfTwoLongRuns) {
   Random random(1);
   Scoreboard<Vboard_codes> board;
   std::uint64_t frames = 0;
-  for (const Mode mode : {Mode::binary, Mode::grey, Mode::grey_over}) {
+  for (const model::Mode mode : {model::Mode::binary, model::Mode::grey, model::Mode::grey_over}) {
     for (int gap = 0; gap < 4; ++gap) {
       board.write({.columns = kColumns,
                    .rows = kRows,
                    .mode = mode,
                    .threshold = random.between(0, 8),
-                   .select = Select::strongest,
+                   .select = model::Select::strongest,
                    .gap = gap});
       for (int i = 0; i < kFrames; ++i, ++frames) {
         board.device().send(two_runs_image(random, kRows, kColumns, gap).view());
@@ -69,10 +69,10 @@ TEST(RunsBoard, TallFramesOfTwoLongRuns) {
 
 // The packets lost of 20 frames of equal settings with so many clocks after the last beat of each.
 template <class Model>
-std::uint64_t lost_at(Mode mode, int columns, int rows, int gap) {
+std::uint64_t lost_at(model::Mode mode, int columns, int rows, int gap) {
   Random random(1);
   Scoreboard<Model> board({.bus_period_ps = 4000});
-  board.write({.columns = columns, .rows = rows, .mode = mode, .select = Select::strongest, .gap = 1});
+  board.write({.columns = columns, .rows = rows, .mode = mode, .select = model::Select::strongest, .gap = 1});
   for (int i = 0; i < 20; ++i) {
     board.device().send(random_image(random, rows, columns).view());
     board.device().gap(static_cast<std::uint32_t>(gap));
@@ -83,7 +83,7 @@ std::uint64_t lost_at(Mode mode, int columns, int rows, int gap) {
 
 // docs/using-the-circuits.md states these distances between frame starts.
 TEST(RunsBoard, FramesAtTheSmallestDistanceAreDelivered) {
-  for (const Mode mode : {Mode::binary, Mode::grey, Mode::grey_over}) {
+  for (const model::Mode mode : {model::Mode::binary, model::Mode::grey, model::Mode::grey_over}) {
     for (const int groups : {1, 2, 3, 5, 16}) {
       const int distance = 2 * groups + 22;
       EXPECT_EQ(lost_at<Vboard_codes>(mode, 4 * groups, 1, distance - groups), 0U) << groups << " groups";
@@ -94,8 +94,10 @@ TEST(RunsBoard, FramesAtTheSmallestDistanceAreDelivered) {
 TEST(BinaryRunsBoard, FramesAtTheSmallestDistanceAreDelivered) {
   for (const int groups : {1, 2, 3, 5, 32}) {
     const int distance = groups + 15;
-    EXPECT_EQ(lost_at<Vboard_codes_raw>(Mode::binary, 4 * groups, 1, distance - groups), 0U) << groups << " groups";
-    EXPECT_GT(lost_at<Vboard_codes_raw>(Mode::binary, 4 * groups, 1, distance - groups - 1), 0U) << groups << " groups";
+    EXPECT_EQ(lost_at<Vboard_codes_raw>(model::Mode::binary, 4 * groups, 1, distance - groups), 0U)
+        << groups << " groups";
+    EXPECT_GT(lost_at<Vboard_codes_raw>(model::Mode::binary, 4 * groups, 1, distance - groups - 1), 0U)
+        << groups << " groups";
   }
 }
 

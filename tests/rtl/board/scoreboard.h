@@ -12,8 +12,8 @@
 #include <span>
 #include <utility>
 
-#include "model/board.h"
-#include "model/packet.h"
+#include "selfproj/model/board.h"
+#include "selfproj/model/packet.h"
 #include "sim/board/board_device.h"
 #include "sim/board/packet_scoreboard.h"
 #include "tests/rtl/board/frames.h"
@@ -22,7 +22,7 @@ namespace selfproj::test {
 
 // The beats of a packet with this many bytes of payload.
 inline std::size_t packet_beats(std::size_t payload_bytes) {
-  return packet_bytes(payload_bytes) / spec::kPacketBeatBytes;
+  return model::packet_bytes(payload_bytes) / spec::kPacketBeatBytes;
 }
 
 // The values of the board's counters before a run.
@@ -39,13 +39,13 @@ template <class Model>
 class Scoreboard {
  public:
   // `median_built`: see BoardModel; ignored in a build without codes.
-  explicit Scoreboard(const BoardDeviceOptions& options = {}, bool median_built = true)
+  explicit Scoreboard(const sim::BoardDeviceOptions& options = {}, bool median_built = true)
       : device_(options),
         median_built_(median_built),
-        model_([this](BoardPacket&& packet) { expect(std::move(packet)); }, median_built) {
+        model_([this](model::BoardPacket&& packet) { expect(std::move(packet)); }, median_built) {
     device_.on_packet([this](std::span<const std::uint8_t> bytes) { receive(bytes); });
     device_.on_clock([this](std::uint64_t clock) { before_clock(clock); });
-    device_.on_beat([this](std::uint64_t clock, const VideoBeat& beat) {
+    device_.on_beat([this](std::uint64_t clock, const model::VideoBeat& beat) {
       model_.beat({.clock = clock, .encoder = encoder_, .pattern = pattern_}, beat);
       if (beat.start && on_frame_) {
         pattern_ = pattern_ == last_pattern_ ? 0 : static_cast<std::uint16_t>(pattern_ + 1);
@@ -53,11 +53,11 @@ class Scoreboard {
     });
   }
 
-  BoardDevice<Model>& device() { return device_; }
-  BoardModel& model() { return model_; }
+  sim::BoardDevice<Model>& device() { return device_; }
+  model::BoardModel& model() { return model_; }
 
   // Writes settings for the next frame start. No frame may start during the register accesses.
-  void write(const BoardSettings& settings) {
+  void write(const model::BoardSettings& settings) {
     device_.write(settings);
     model_.write(settings);
   }
@@ -75,7 +75,7 @@ class Scoreboard {
   void reset() {
     before_ = {};
     device_.reset();
-    model_ = BoardModel([this](BoardPacket&& packet) { expect(std::move(packet)); }, median_built_);
+    model_ = model::BoardModel([this](model::BoardPacket&& packet) { expect(std::move(packet)); }, median_built_);
     scoreboard_ = {};
     on_frame_ = false;
     pattern_ = 0;
@@ -84,7 +84,7 @@ class Scoreboard {
 
   // Sends the image, in this share of calls with a fault; with faults, there may be pauses anywhere.
   void send(Random& random, const TestImage& image, int fault_percent) {
-    for (const VideoBeat& beat : beats_with_faults(random, image, fault_percent)) {
+    for (const model::VideoBeat& beat : beats_with_faults(random, image, fault_percent)) {
       device_.send(beat);
       if (fault_percent != 0 && random.chance(1)) {
         device_.gap(static_cast<std::uint32_t>(random.between(1, 250)));
@@ -137,12 +137,14 @@ class Scoreboard {
   [[nodiscard]] std::uint64_t lost(std::uint8_t kind) const { return scoreboard_.of(kind).lost; }
   [[nodiscard]] std::uint64_t bytes() const { return scoreboard_.matched_bytes(); }
   // Header and status of the last packet of the kind that came out.
-  [[nodiscard]] const PacketHeader& last_header(std::uint8_t kind) const { return scoreboard_.of(kind).last_header; }
+  [[nodiscard]] const model::PacketHeader& last_header(std::uint8_t kind) const {
+    return scoreboard_.of(kind).last_header;
+  }
   [[nodiscard]] std::uint32_t last_status(std::uint8_t kind) const { return scoreboard_.of(kind).last_status; }
   [[nodiscard]] const std::map<std::uint32_t, std::uint64_t>& by_status() const { return scoreboard_.by_status(); }
 
  private:
-  void expect(BoardPacket&& packet) {
+  void expect(model::BoardPacket&& packet) {
     packet.header.sequence += before_.frames;
     packet.header.time_stamp += before_.clocks;
     scoreboard_.expect(std::move(packet));
@@ -171,10 +173,10 @@ class Scoreboard {
         << (before == 0 ? scoreboard_.first_mismatch() : "the next mismatch after the first");
   }
 
-  BoardDevice<Model> device_;
+  sim::BoardDevice<Model> device_;
   bool median_built_;
-  BoardModel model_;
-  PacketScoreboard scoreboard_;
+  model::BoardModel model_;
+  sim::PacketScoreboard scoreboard_;
 
   bool on_frame_ = false;
   std::uint16_t pattern_ = 0;

@@ -49,12 +49,12 @@ TEST(BoardTrace, WritesTheWindowAskedFor) {
 }
 
 TEST(BoardTrace, AModelWithoutWaveformsSaysSo) {
-  BoardDevice<Vboard> device;
+  sim::BoardDevice<Vboard> device;
   EXPECT_THROW(device.start_trace(), std::logic_error);
 }
 
 TEST(BoardTrace, AFileThatCannotBeWrittenIsAnError) {
-  BoardDevice<Vboard_traced> device({.trace_file = "/nonexistent/selfproj/trace.fst"});
+  sim::BoardDevice<Vboard_traced> device({.trace_file = "/nonexistent/selfproj/trace.fst"});
   EXPECT_THROW(device.start_trace(), std::runtime_error);
 }
 

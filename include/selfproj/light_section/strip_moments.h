@@ -1,0 +1,119 @@
+// What the kernels of profiles have in common.
+#ifndef SELFPROJ_LIGHT_SECTION_STRIP_MOMENTS_H
+#define SELFPROJ_LIGHT_SECTION_STRIP_MOMENTS_H
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+
+#include "selfproj/light_section/profile.h"
+#include "selfproj/model/column_runs.h"
+#include "selfproj/model/packet_payload.h"
+#include "selfproj/rig/rig.h"
+
+namespace selfproj::light_section {
+
+// The kernels process this many columns at a time, in steps that each keep to one width of numbers. The intermediate
+// results, 3 KiB, stay in the first-level cache beside the tables and the profile. With 512 columns they did not.
+inline constexpr int kStrip = 128;
+
+struct StripMoments {
+  alignas(64) std::array<std::int32_t, kStrip> m0;
+  alignas(64) std::array<std::int32_t, kStrip> m1;
+  alignas(64) std::array<std::int32_t, kStrip> n;
+  // M0 of the second run in sixteenths of the strongest one's, at most; 0 with Select::all
+  alignas(64) std::array<std::int32_t, kStrip> second;
+};
+
+// Which lines count.
+struct LineRules {
+  float rows;
+  std::int32_t min_lit;
+  std::int32_t max_lit;
+  std::int32_t ambiguous_from;  // in sixteenths: a column whose `second` is that or more is ambiguous
+};
+
+// The rules of a rig. Its share of the strongest run, in sixteenths, is rounded up.
+inline std::int32_t sixteenths_that_are_ambiguous(const rig::RigMeasure& measure) {
+  return static_cast<std::int32_t>(std::ceil(16 * measure.runs.value_or(rig::RigRuns{}).ambiguous_from));
+}
+inline LineRules line_rules(const rig::Rig& rig) {
+  const rig::RigMeasure& measure = rig.measure;
+  return {static_cast<float>(rig.camera.rows), measure.min_lit_px, measure.max_lit_px,
+          sixteenths_that_are_ambiguous(measure)};
+}
+
+// The most that `second` may be, in sixteenths. A binary word says only whether it is 8 or more; what it leaves open
+// counts against the column.
+[[gnu::always_inline]] constexpr std::int32_t max_of_binary_second(std::uint32_t runs, std::uint32_t second) {
+  return second != 0 ? 16 : runs > 1 ? 7 : 0;
+}
+
+// What for_each_binary_word and for_each_grey_word call: takes the moments of all lit pixels, which have no second run.
+[[gnu::always_inline]] inline auto take_moments(StripMoments& moments) {
+  moments.second.fill(0);
+  return [&moments](int i, std::uint32_t m0, std::uint32_t m1, std::uint32_t n) {
+    const auto at = static_cast<std::size_t>(i);
+    moments.m0[at] = static_cast<std::int32_t>(m0);
+    moments.m1[at] = static_cast<std::int32_t>(m1);
+    moments.n[at] = static_cast<std::int32_t>(n);
+  };
+}
+
+// Words with the strongest run, and runs as numbers.
+[[gnu::always_inline]] inline void unpack_binary_runs(const std::uint8_t* payload, int first, int count,
+                                                      StripMoments& moments) {
+  model::for_each_binary_run_word(
+      payload, first, count,
+      [&](int i, std::uint32_t m0, std::uint32_t m1, std::uint32_t n, std::uint8_t runs, std::uint8_t second) {
+        const auto at = static_cast<std::size_t>(i);
+        moments.m0[at] = static_cast<std::int32_t>(m0);
+        moments.m1[at] = static_cast<std::int32_t>(m1);
+        moments.n[at] = static_cast<std::int32_t>(n);
+        moments.second[at] = max_of_binary_second(runs, second);
+      });
+}
+
+[[gnu::always_inline]] inline void unpack_grey_runs(const std::uint8_t* payload, int first, int count,
+                                                    StripMoments& moments) {
+  model::for_each_grey_run_word(
+      payload, first, count,
+      [&](int i, std::uint32_t m0, std::uint32_t m1, std::uint32_t n, std::uint8_t /*runs*/, std::uint8_t second) {
+        const auto at = static_cast<std::size_t>(i);
+        moments.m0[at] = static_cast<std::int32_t>(m0);
+        moments.m1[at] = static_cast<std::int32_t>(m1);
+        moments.n[at] = static_cast<std::int32_t>(n);
+        moments.second[at] = second;
+      });
+}
+
+[[gnu::always_inline]] inline void copy_runs(const model::RunsView& from, int first, int count, StripMoments& moments) {
+  for (int i = 0; i < count; ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    moments.m0[at] = static_cast<std::int32_t>(from.moments.m0[first + i]);
+    moments.m1[at] = static_cast<std::int32_t>(from.moments.m1[first + i]);
+    moments.n[at] = static_cast<std::int32_t>(from.moments.n[first + i]);
+    moments.second[at] = from.second == nullptr ? 0 : from.second[first + i];
+  }
+}
+
+constexpr std::int32_t code(Validity validity) { return static_cast<std::int32_t>(validity); }
+
+// The validity of a column with centroid c, where `found` is what triangulation says.
+[[gnu::always_inline]] inline std::int32_t validity_of(float c, std::int32_t m0, std::int32_t n, std::int32_t second,
+                                                       std::int32_t has_reference, std::int32_t found,
+                                                       const LineRules& rules) {
+  std::int32_t s = has_reference != 0 ? found : code(Validity::no_reference);
+  s = second >= rules.ambiguous_from ? code(Validity::ambiguous) : s;
+  s = line_is_cut_off(c, static_cast<float>(n), rules.rows) ? code(Validity::cut_off) : s;
+  s = n > rules.max_lit ? code(Validity::too_wide) : s;
+  s = n < rules.min_lit ? code(Validity::too_few) : s;
+  s = n == 0 ? code(Validity::unlit) : s;
+  s = m0 == 0 ? code(Validity::unlit) : s;
+  return s;
+}
+
+}  // namespace selfproj::light_section
+
+#endif  // SELFPROJ_LIGHT_SECTION_STRIP_MOMENTS_H

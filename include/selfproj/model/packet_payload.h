@@ -1,0 +1,127 @@
+// Payloads: their contents, sizes, packing and unpacking. The formats are those of model/spec; docs/packet-reference.md
+// has their table.
+#ifndef SELFPROJ_MODEL_PACKET_PAYLOAD_H
+#define SELFPROJ_MODEL_PACKET_PAYLOAD_H
+
+#include <cstddef>
+#include <cstdint>
+
+#include "selfproj/model/column_moments.h"
+#include "selfproj/model/column_runs.h"
+#include "selfproj/model/generated/selfproj_spec.h"
+#include "selfproj/model/little_endian.h"
+
+namespace selfproj::model {
+
+// Whether the value is one of the three modes.
+bool is_known(Mode mode);
+
+// Whether the value is one of the two selects.
+bool is_known(Select select);
+
+// Bytes of the moments of `columns` >= 0 columns: 4 for each column in mode binary, 8 in the grey modes, filled up with
+// zeros to a multiple of 16. Throws std::invalid_argument if columns are negative or the mode is unknown.
+std::size_t moments_payload_bytes(Mode mode, int columns);
+
+// Bytes of one line of a raw image: 1 for each pixel, filled up with zeros to a multiple of 16. Throws as above.
+std::size_t image_line_payload_bytes(int columns);
+
+// Bytes of one line of a code image: 2 for each pixel, filled up with zeros to a multiple of 16. Throws as above.
+std::size_t codes_line_payload_bytes(int columns);
+
+// Writes the moments of `columns` columns as payload words, moments_payload_bytes(mode, columns) bytes. Ignores n in
+// mode binary. A value wider than its field loses its high bits; column_moments never gives one.
+void pack_moments(Mode mode, int columns, const MomentsView& moments, std::uint8_t* payload);
+
+// Reads the moments back. In mode binary n becomes m0. Ignores bits that belong to no field.
+void unpack_moments(Mode mode, int columns, const std::uint8_t* payload, const MomentsView& out);
+
+// The same with Select::strongest. In mode binary a word tells of `second` only whether it is 8 or more (half the
+// strongest run, or more), and comes back as 8 or 0.
+void pack_runs(Mode mode, int columns, const RunsView& runs, std::uint8_t* payload);
+void unpack_runs(Mode mode, int columns, const std::uint8_t* payload, const RunsView& out);
+
+// Either of the two, as `select` says. With Select::all they do not touch `runs` and `second`.
+void pack_columns(Select select, Mode mode, int columns, const RunsView& runs, std::uint8_t* payload);
+void unpack_columns(Select select, Mode mode, int columns, const std::uint8_t* payload, const RunsView& out);
+
+// Writes the first `columns` words of a line of a code image (include/selfproj/model/gray_decoder.h), two bytes each,
+// without the zeros that follow. Throws as above.
+void pack_codes(int columns, const std::uint16_t* codes, std::uint8_t* payload);
+
+// Reads them back.
+void unpack_codes(int columns, const std::uint8_t* payload, std::uint16_t* codes);
+
+// The words of a moments packet, unpacked inside the caller's loop, for code that processes them immediately.
+
+// A field of `bits` bits that begins at bit `lsb`.
+template <typename Word>
+[[gnu::always_inline]] constexpr Word field_of(Word word, int lsb, int bits) {
+  return word >> static_cast<unsigned>(lsb) & ((Word{1} << static_cast<unsigned>(bits)) - 1);
+}
+
+// Calls take(i, m0, m1, n) with the moments of column first + i, i = 0..columns - 1, of a payload in mode binary. All
+// are unsigned 32-bit integers, and n is m0. Ignores bits that belong to no field.
+template <typename Take>
+[[gnu::always_inline]] inline void for_each_binary_word(const std::uint8_t* payload, int first, int columns,
+                                                        const Take& take) {
+  constexpr std::ptrdiff_t kBytes = spec::kBinaryWordBits / 8;
+  const std::uint8_t* words = payload + first * kBytes;
+  for (int i = 0; i < columns; ++i) {
+    const auto word = load_little_endian<std::uint32_t>(words + i * kBytes);
+    const std::uint32_t m0 = field_of(word, spec::kBinaryM0Lsb, spec::kBinaryM0Bits);
+    take(i, m0, field_of(word, spec::kBinaryM1Lsb, spec::kBinaryM1Bits), m0);
+  }
+}
+
+// The same for a payload in a grey mode.
+template <typename Take>
+[[gnu::always_inline]] inline void for_each_grey_word(const std::uint8_t* payload, int first, int columns,
+                                                      const Take& take) {
+  constexpr std::ptrdiff_t kBytes = spec::kGreyWordBits / 8;
+  const std::uint8_t* words = payload + first * kBytes;
+  for (int i = 0; i < columns; ++i) {
+    const auto word = load_little_endian<std::uint64_t>(words + i * kBytes);
+    take(i, static_cast<std::uint32_t>(field_of(word, spec::kGreyM0Lsb, spec::kGreyM0Bits)),
+         static_cast<std::uint32_t>(field_of(word, spec::kGreyM1Lsb, spec::kGreyM1Bits)),
+         static_cast<std::uint32_t>(field_of(word, spec::kGreyNLsb, spec::kGreyNBits)));
+  }
+}
+
+// The words with Select::strongest: calls take(i, m0, m1, n, runs, second), the latter two as std::uint8_t, with the
+// strongest run of column first + i of a payload in mode binary. `second` is in sixteenths, as in RunsView; here it is
+// 8 or 0, because a word tells only whether it is 8 or more.
+template <typename Take>
+[[gnu::always_inline]] inline void for_each_binary_run_word(const std::uint8_t* payload, int first, int columns,
+                                                            const Take& take) {
+  constexpr std::ptrdiff_t kBytes = spec::kBinaryRunWordBits / 8;
+  const std::uint8_t* words = payload + first * kBytes;
+  for (int i = 0; i < columns; ++i) {
+    const auto word = load_little_endian<std::uint32_t>(words + i * kBytes);
+    const std::uint32_t m0 = field_of(word, spec::kBinaryRunM0Lsb, spec::kBinaryRunM0Bits);
+    const std::uint32_t half = field_of(word, spec::kBinaryRunSecondLsb, spec::kBinaryRunSecondBits);
+    take(i, m0, field_of(word, spec::kBinaryRunM1Lsb, spec::kBinaryRunM1Bits), m0,
+         static_cast<std::uint8_t>(field_of(word, spec::kBinaryRunRunsLsb, spec::kBinaryRunRunsBits)),
+         static_cast<std::uint8_t>(8 * half));
+  }
+}
+
+// The same for a payload in a grey mode.
+template <typename Take>
+[[gnu::always_inline]] inline void for_each_grey_run_word(const std::uint8_t* payload, int first, int columns,
+                                                          const Take& take) {
+  constexpr std::ptrdiff_t kBytes = spec::kGreyRunWordBits / 8;
+  const std::uint8_t* words = payload + first * kBytes;
+  for (int i = 0; i < columns; ++i) {
+    const auto word = load_little_endian<std::uint64_t>(words + i * kBytes);
+    take(i, static_cast<std::uint32_t>(field_of(word, spec::kGreyRunM0Lsb, spec::kGreyRunM0Bits)),
+         static_cast<std::uint32_t>(field_of(word, spec::kGreyRunM1Lsb, spec::kGreyRunM1Bits)),
+         static_cast<std::uint32_t>(field_of(word, spec::kGreyRunNLsb, spec::kGreyRunNBits)),
+         static_cast<std::uint8_t>(field_of(word, spec::kGreyRunRunsLsb, spec::kGreyRunRunsBits)),
+         static_cast<std::uint8_t>(field_of(word, spec::kGreyRunSecondLsb, spec::kGreyRunSecondBits)));
+  }
+}
+
+}  // namespace selfproj::model
+
+#endif  // SELFPROJ_MODEL_PACKET_PAYLOAD_H
