@@ -5,8 +5,9 @@
 
 namespace selfproj::model {
 
-void column_moments(const ImageView& image, Mode mode, int threshold, const MomentsView& out, const RowWindow& window) {
-  check_column_moments(image, mode, threshold, out);
+void column_moments(const ImageView& image, Mode mode, int threshold, const MomentsView& out, const RowWindow& window,
+                    int max_rows) {
+  check_column_moments(image, mode, threshold, out, max_rows);
   for (int column = 0; column < image.columns; ++column) {
     std::uint32_t m0 = 0;
     std::uint32_t m1 = 0;
@@ -27,13 +28,13 @@ void column_moments(const ImageView& image, Mode mode, int threshold, const Mome
   }
 }
 
-void check_column_moments(const ImageView& image, Mode mode, int threshold, const MomentsView& out) {
+void check_column_moments(const ImageView& image, Mode mode, int threshold, const MomentsView& out, int max_rows) {
   const auto require = [](bool good, const char* what) {
     if (!good) {
       throw std::invalid_argument(std::string("column_moments: ") + what);
     }
   };
-  require(image.rows >= 1 && image.rows <= spec::kMaxRows, "rows are not in 1..kMaxRows");
+  require(image.rows >= 1 && image.rows <= max_rows, "rows are not in 1..kMaxRows");
   require(image.columns >= 1, "columns are less than 1");
   require(threshold >= 0 && threshold <= 255, "threshold is not in 0..255");
   require(mode == Mode::binary || mode == Mode::grey || mode == Mode::grey_over, "unknown mode");

@@ -48,8 +48,8 @@ RunsOfColumn runs_of(const ImageView& image, const Measure& measure, int column)
 
 }  // namespace
 
-void column_runs(const ImageView& image, const Measure& measure, const RunsView& out) {
-  check_column_runs(image, measure, out);
+void column_runs(const ImageView& image, const Measure& measure, const RunsView& out, int max_rows) {
+  check_column_runs(image, measure, out, max_rows);
   for (int column = 0; column < image.columns; ++column) {
     const RunsOfColumn runs = runs_of(image, measure, column);
     const auto& [m0, m1, n] = runs.strongest;
@@ -69,8 +69,16 @@ void measure_columns(const ImageView& image, const Measure& measure, const RunsV
   }
 }
 
-void check_column_runs(const ImageView& image, const Measure& measure, const RunsView& out) {
-  check_column_moments(image, measure.mode, measure.threshold, out.moments);
+void measure_tall_columns(const ImageView& image, const Measure& measure, const RunsView& out) {
+  if (measure.select == Select::strongest) {
+    column_runs(image, measure, out, kMaxSoftwareRows);
+  } else {
+    column_moments(image, measure.mode, measure.threshold, out.moments, measure.window, kMaxSoftwareRows);
+  }
+}
+
+void check_column_runs(const ImageView& image, const Measure& measure, const RunsView& out, int max_rows) {
+  check_column_moments(image, measure.mode, measure.threshold, out.moments, max_rows);
   if (measure.gap < 0 || measure.gap > kMaxGap || out.runs == nullptr || out.second == nullptr) {
     throw std::invalid_argument("column_runs: gap is not in 0..kMaxGap, or null pointer");
   }

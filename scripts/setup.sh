@@ -15,7 +15,7 @@ for_programs=(
   nlohmann-json3-dev                         # summaries
   libmodbus-dev                              # results for controllers
   libreaderwriterqueue-dev                   # the queue of the production
-  libcpp-httplib-dev libjs-three             # the live page
+  libmicrohttpd-dev libjs-three              # the live page
   pkg-config libaravis-dev libusb-1.0-0-dev  # GigE and USB3 cameras
   libsdl2-dev                                # projectors
 )

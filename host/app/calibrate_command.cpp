@@ -36,7 +36,7 @@ struct CalibrateOptions {
   std::string chessboard;
   std::string projector;
   std::string corners = "homography";
-  std::string channel;
+  images::PixelOptions pixels;
   std::string rig = "scanner";
   std::string out;
   std::string board = "bent";
@@ -156,7 +156,7 @@ std::vector<calibration::PoseReport> observe(const std::vector<std::string>& fol
   std::vector<calibration::PoseReport> poses;
   cli::Progress progress("pose", folders.size());
   for (std::size_t i = 0; i < folders.size(); ++i) {
-    images::ImageSequence images(files[i], images::channel_of(options.channel));
+    images::ImageSequence images(files[i], options.pixels.rule());
     const calibration::Capture capture = calibration::decode_capture(folders[i], images, sequence, options.decode);
     poses.push_back(calibration::observe_pose(folders[i], capture, settings));
     progress.update(i + 1);
@@ -338,7 +338,7 @@ selfproj calibrate --camera camera:192.168.1.20 --display 1 --chessboard 9x6 --s
       ->transform(cli::whole_number(0, 255))
       ->type_name("T")
       ->capture_default_str();
-  cli::add_channel_option(*command, options->channel);
+  cli::add_pixel_options(*command, options->pixels);
   cli::begin_group(*command, "Corners");
   command
       ->add_option("--corners", options->corners,

@@ -16,6 +16,7 @@
 #include "host/calibration/laser_plane.h"
 #include "host/cli/command_line.h"
 #include "host/cli/progress.h"
+#include "host/files/json_text.h"
 #include "host/files/output_folder.h"
 #include "host/images/frame_options.h"
 #include "host/images/image_files.h"
@@ -32,7 +33,7 @@ struct CameraOptions {
   std::string rig = "light-section";
   std::string distortion = "auto";
   std::string board = "bent";
-  std::string channel;
+  images::PixelOptions pixels;
   std::string out;
   calibration::CameraSettings settings;
   std::vector<std::string> images;
@@ -78,7 +79,7 @@ void apply(CameraOptions& options) {
 std::vector<images::Image> read_lines(const CameraOptions& options, const calibration::CameraReport& camera) {
   std::vector<images::Image> lines;
   for (const std::string& file : options.laser) {
-    lines.push_back(images::read_image(file, images::channel_of(options.channel)));
+    lines.push_back(images::read_image(file, options.pixels.rule()));
     const calibration::BoardImage& first = camera.images.front();
     if (lines.back().rows != first.rows || lines.back().columns != first.columns) {
       throw UserError(file,
@@ -129,6 +130,9 @@ std::string report_json(const calibration::CameraReport& camera, const std::opti
     Json entry{{"name", image.name}, {"corners", image.corners.size()}, {"used", image.used_corners()}};
     if (image.reason.empty()) {
       entry["rms_px"] = image.rms_px;
+      if (image.by_squares) {
+        entry["found_by"] = calibration::kBySquares;
+      }
     } else {
       entry["left_out"] = image.reason;
     }
@@ -140,15 +144,16 @@ std::string report_json(const calibration::CameraReport& camera, const std::opti
         {"points", laser->points},           {"points_left_out", laser->left_out},      {"rms_mm", laser->rms_mm},
         {"turn_sd_deg", laser->turn_sd_deg}, {"shift_sd_mm", laser->shift_sd_mm}};
   }
-  return json.dump(2) + "\n";
+  return files::json_text(json, 2) + "\n";
 }
 
 std::string report_text(const calibration::CameraReport& camera, const std::optional<calibration::LaserPlane>& laser) {
   const calibration::BundleResult& found = camera.model.result;
   std::string text;
   for (const calibration::BoardImage& image : camera.images) {
-    text += image.reason.empty() ? fmt::format("{}: {} of {} corners, RMS {:.3f} px\n", image.name,
-                                               image.used_corners(), image.corners.size(), image.rms_px)
+    text += image.reason.empty() ? fmt::format("{}: {} of {} corners, RMS {:.3f} px{}\n", image.name,
+                                               image.used_corners(), image.corners.size(), image.rms_px,
+                                               image.by_squares ? fmt::format(", found by {}", calibration::kBySquares) : "")
                                  : fmt::format("{}: left out: {}\n", image.name, image.reason);
   }
   text += "camera    ";
@@ -179,7 +184,7 @@ void run_camera(CameraOptions options) {
   {
     cli::Progress progress("image", options.images.size());
     for (const std::string& file : options.images) {
-      boards.push_back(calibration::observe_board(file, images::read_image(file, images::channel_of(options.channel)),
+      boards.push_back(calibration::observe_board(file, images::read_image(file, options.pixels.rule()),
                                                   options.settings.chessboard));
       progress.update(boards.size());
     }
@@ -235,7 +240,7 @@ void add_camera_options(CLI::App& command, CameraOptions& options) {
       ->transform(cli::whole_number(6, 40000))
       ->type_name("N")
       ->capture_default_str();
-  cli::add_channel_option(command, options.channel);
+  cli::add_pixel_options(command, options.pixels);
   cli::begin_group(command, "Laser");
   command
       .add_option("--laser", options.laser,

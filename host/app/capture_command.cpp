@@ -47,13 +47,13 @@ void run_preview(const CaptureOptions& options, const std::string& endpoint_text
   capture::Projector projector(options.display.display, greys_of(options.display));
   capture::NewestImage newest;
   const std::string token = production::page_token(endpoint);
-  const production::PageServer server(
+  production::PageServer server(
       "--preview", endpoint, token,
       {production::PageServer::fixed("/", "text/html; charset=utf-8", kPreviewHtml),
        production::PageServer::fixed("/preview.css", "text/css; charset=utf-8", kPreviewCss),
        production::PageServer::fixed("/preview.js", "text/javascript; charset=utf-8", kPreviewJs),
-       {"/image.png", "image/png", [&newest] { return newest.png(); }},
-       {"/figures", "application/json", [&newest] { return newest.figures(); }}});
+       {"/image.png", "image/png", [&newest](std::uint64_t& asked) { return newest.png(asked); }},
+       {"/figures", "application/json", [&newest](std::uint64_t& asked) { return newest.figures(asked); }}});
   projector.show(std::uint8_t{UINT8_MAX});
   camera->start();
   fmt::print("{} at {}; Esc or Ctrl-C ends it\n", camera->uri(), production::page_url(endpoint, token));
@@ -62,6 +62,7 @@ void run_preview(const CaptureOptions& options, const std::string& endpoint_text
     camera::CameraImage image;
     if (camera->next(image, kLook) && image.complete) {
       newest.put(image, camera->counters(), camera->uri());
+      server.wake();
     }
   }
   camera->stop();

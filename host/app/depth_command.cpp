@@ -35,7 +35,7 @@ struct DepthOptions {
   DepthOptions() { setup.scanner.median = false; }
 
   structured_light::DepthSetup setup;
-  std::string channel;
+  images::PixelOptions pixels;
   std::string compare;
   bool compare_opengl = false;
   bool plane = false;
@@ -68,10 +68,10 @@ void check_options(const DepthOptions& options) {
   if (options.images.empty() != device) {
     throw UserError("IMAGE, --device", "give one of them, not both");
   }
-  if (device && (geometry.row_bits > 0 || scanner.strict || scanner.median || !options.channel.empty())) {
-    throw UserError(
-        "--device",
-        "delivers codes that the board has decoded; --row-bits, --strict, --median, --channel go only with images");
+  if (device && (geometry.row_bits > 0 || scanner.strict || scanner.median || !options.pixels.given().empty())) {
+    throw UserError("--device",
+                    "delivers codes that the board has decoded; --row-bits, --strict, --median, --channel, --shift go "
+                    "only with images");
   }
 }
 
@@ -131,7 +131,7 @@ void append_depth(files::OutputFolder& folder, const char* what, std::size_t pai
 
 // Computes the depth images of the recorded images. If there are several, each is written into the folder.
 structured_light::DepthRun depth_of_files(const DepthOptions& options, files::OutputFolder& folder) {
-  images::ImageSequence images(files_of(options), images::channel_of(options.channel));
+  images::ImageSequence images(files_of(options), options.pixels.rule());
   const structured_light::DepthGeometry& geometry = options.setup.geometry;
   cli::Progress progress("image", images.count());
   const auto done = [&](std::size_t count, const std::string& note) { progress.update(count, note); };
@@ -264,7 +264,7 @@ selfproj depth --rig scanner --bits 8 --device ring:line1 \
   add_threshold_option(*command, scanner.threshold, std::to_string(scanner.threshold));
   command->add_flag("--median", scanner.median, "Apply a 3 x 3 median to the code image.");
   add_strict_option(*command, scanner);
-  cli::add_channel_option(*command, options->channel);
+  cli::add_pixel_options(*command, options->pixels);
   add_limit_options(*command, geometry);
   cli::begin_group(*command, "What moved");
   command

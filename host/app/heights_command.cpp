@@ -13,6 +13,7 @@
 #include "host/app/commands.h"
 #include "host/cli/command_line.h"
 #include "host/cli/progress.h"
+#include "host/files/json_text.h"
 #include "host/files/output_folder.h"
 #include "host/images/frame_options.h"
 #include "host/images/image_files.h"
@@ -30,7 +31,7 @@ struct HeightsOptions {
   std::string steps;
   light_section::HeightSettings settings;
   int every = 4;
-  std::string channel;
+  images::PixelOptions pixels;
   bool check = false;
   double within_mm = 0.03;
   std::string out;
@@ -47,7 +48,7 @@ light_section::HeightPosition read_position(const HeightsOptions& options, const
                                         files.size(), options.every, lines.size(), lines.front(), lines.back()));
   }
   for (std::size_t i = 0; i < files.size(); ++i) {
-    const images::Image image = images::read_image(files[i], images::channel_of(options.channel));
+    const images::Image image = images::read_image(files[i], options.pixels.rule());
     if (image.rows != rig.camera.rows || image.columns != rig.camera.columns) {
       throw UserError(files[i],
                       fmt::format("is {}; the rig's camera has {}", images::size_text(image.rows, image.columns),
@@ -111,7 +112,7 @@ std::string report_json(const HeightsOptions& options, const light_section::Heig
                               {"rms_mm", level.rms_mm},
                               {"uneven_mm", level.uneven_mm}});
   }
-  return json.dump(2) + "\n";
+  return files::json_text(json, 2) + "\n";
 }
 
 void run_check(const HeightsOptions& options, const rig::Rig& rig,
@@ -214,7 +215,7 @@ void add_heights_options(CLI::App& command, HeightsOptions& options) {
       ->transform(cli::whole_number(1, 64))
       ->type_name("N")
       ->capture_default_str();
-  cli::add_channel_option(command, options.channel);
+  cli::add_pixel_options(command, options.pixels);
   cli::begin_group(command, "Output");
   command.add_option("--out", options.out, "Folder for rig.yaml and report.json.")->type_name("DIR");
   command.add_flag("--check", options.check,

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <iterator>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -15,6 +16,7 @@
 #include "host/app/section_run.h"
 #include "host/camera/camera_device.h"
 #include "host/cli/command_line.h"
+#include "host/files/json_text.h"
 #include "host/files/output_file.h"
 #include "host/files/output_folder.h"
 #include "host/images/frame_options.h"
@@ -63,15 +65,23 @@ std::vector<report::Fact> facts_of(const SectionCounts& work, const driver::Coun
   return facts;
 }
 
+// Times differ from run to run; what else the folder holds does not.
+bool is_time(const report::Fact& fact) {
+  return fact.key == "frames_per_second" || fact.key.starts_with("delay_") || fact.key.starts_with("result_delay_");
+}
+
 void write_outputs(const InspectOptions& options, const light_section::Inspection& inspection,
                    const std::vector<report::Fact>& facts, files::OutputFolder& folder) {
   report::ReportParts parts;
   parts.title = "Inspection of " + options.receive.device;
-  parts.counters = facts;
+  std::vector<report::Fact> times;
+  std::partition_copy(facts.begin(), facts.end(), std::back_inserter(times), std::back_inserter(parts.counters),
+                      is_time);
   parts.settings = {{"device", "device", options.receive.device},
                     {"reference", "reference", options.section.reference.empty() ? "plane" : options.section.reference},
                     {"wait", "waiting", options.receive.wait}};
   report::write_inspection(inspection, folder, parts);
+  folder.append("times.json", files::json_text(report::facts_json(times), 2) + "\n");
   folder.commit();
 }
 
@@ -161,7 +171,7 @@ void run_inspect(const InspectOptions& options) {
     write_outputs(options, *inspection, facts, *folder);
   }
   if (json) {
-    json->write(report::facts_json(facts).dump(2) + "\n");
+    json->write(files::json_text(report::facts_json(facts), 2) + "\n");
   }
   print_outcome(options, counts, counters, inspection);
   if (production) {

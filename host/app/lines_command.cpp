@@ -12,6 +12,7 @@
 #include "host/app/commands.h"
 #include "host/cli/command_line.h"
 #include "host/cli/progress.h"
+#include "host/files/notes.h"
 #include "host/files/output_folder.h"
 #include "host/images/frame_options.h"
 #include "host/images/image_files.h"
@@ -42,7 +43,7 @@ struct LinesOptions {
 rig::RigMeasure measure_of(const LinesOptions& options) {
   model::Measure measure{
       .mode = images::mode_of(options.mode), .threshold = options.threshold, .select = model::Select::strongest};
-  options.select.apply(measure);
+  options.select.apply(measure, model::kMaxSoftwareRows);
   rig::RigMeasure result;
   result.apply(measure);
   if (result.runs) {
@@ -56,10 +57,17 @@ void run_lines(const LinesOptions& options) {
   const model::Measure measure = rig_measure.of_board();
   files::OutputFolder folder(options.out);
   images::PreparedImages images(options.images, options.preparation);
-  if (images.rows() > spec::kMaxRows) {
+  if (images.rows() > model::kMaxSoftwareRows) {
     throw UserError(images.files().front(), fmt::format("has {} rows; at most {} are possible: see --roi and "
                                                         "--transpose",
-                                                        images.rows(), spec::kMaxRows));
+                                                        images.rows(), model::kMaxSoftwareRows));
+  }
+  const bool tall = images.rows() > spec::kMaxRows;
+  if (tall) {
+    files::note(
+        fmt::format("{}: has {} rows and a board takes at most {}: this command measures them all; for a board, take "
+                    "a part with --roi, or --transpose",
+                    images.files().front(), images.rows(), spec::kMaxRows));
   }
   report::LineImages lines(images.rows(), images.columns(), rig_measure);
   std::vector<report::CameraPicture> pictures;
@@ -70,7 +78,11 @@ void run_lines(const LinesOptions& options) {
     for (std::size_t i = 0; i < images.count(); ++i) {
       images::Image as_taken;
       const images::Image frame = images.frame(i, &as_taken);
-      light_section::fast_measure_columns(frame.view(), measure, runs.view());
+      if (tall) {
+        measure_tall_columns(frame.view(), measure, runs.view());
+      } else {
+        light_section::fast_measure_columns(frame.view(), measure, runs.view());
+      }
       lines.add(i + 1, runs);
       if (i < options.pictures) {
         pictures.push_back(lines.picture(i + 1, std::move(as_taken), runs));
@@ -99,8 +111,9 @@ void add_lines_command(CLI::App& app) {
       app,
       {.name = "lines",
        .purpose = "Finds the laser line in recorded images, column by column, as a board would.",
-       .details = "Each image is a frame of any width and up to 1023 rows. A line that runs from top to bottom needs "
-                  "--transpose. The folder of --out gets frame_K.png, the images with the line drawn over them, "
+       .details = "Each image is a frame of any width. A board takes up to 1023 rows; this command measures up to 5803 "
+                  "and says so. A line that runs from top to bottom needs --transpose. The folder of --out gets "
+                  "frame_K.png, the images with the line drawn over them, "
                   "moments.csv, centroid.tiff (rows are images; pixel rows count from 1), summary.json and "
                   "report.html.\n\n"
                   "By default the strongest run of each column counts. A column is ambiguous, and magenta in the "

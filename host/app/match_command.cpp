@@ -27,7 +27,7 @@ struct MatchCommand {
   MatchCommand() { match.rig = "scanner"; }
 
   MatchOptions match;
-  std::string channel;
+  images::PixelOptions pixels;
   std::string out;
   std::string list;
   ReceiveOptions receive;
@@ -48,8 +48,8 @@ std::vector<report::Fact> stream_facts(std::size_t images, double rate, const st
 
 // Depth images from the packets of a board or a camera.
 void match_device(const MatchCommand& options) {
-  if (!options.images.empty() || !options.channel.empty()) {
-    throw UserError(options.images.empty() ? "--channel" : "IMAGE", "does not go with --device");
+  if (!options.images.empty() || !options.pixels.given().empty()) {
+    throw UserError(options.images.empty() ? options.pixels.given() : "IMAGE", "does not go with --device");
   }
   const std::string& uri = options.receive.device;
   const MatchRun run(options.match);
@@ -132,7 +132,7 @@ void run_match(const MatchCommand& options) {
     throw UserError("IMAGE", fmt::format("{} images are {}; {} or more are needed, a positive and its negative in turn",
                                          count, count < patterns ? "too few" : "an odd number", patterns));
   }
-  images::ImageSequence images(options.images, images::channel_of(options.channel));
+  images::ImageSequence images(options.images, options.pixels.rule());
   files::OutputFolder folder(options.out);
   DepthList list(options.list);
   const MatchResult result = run.measure(images, folder, &list);
@@ -178,7 +178,7 @@ selfproj match --reference reference --e 8 --device ring:line1 --out today
       ->required();
   cli::begin_group(*command, "Decoding");
   add_threshold_option(*command, options->match.threshold, "the rig's");
-  cli::add_channel_option(*command, options->channel);
+  cli::add_pixel_options(*command, options->pixels);
   add_search_options(*command, options->match);
   CLI::Option* const device =
       add_receive_options(*command, options->receive, "depth images", kImagesOfPatterns, DeviceIs::instead_of_images);

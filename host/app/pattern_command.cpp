@@ -43,15 +43,15 @@ struct PatternOptions {
   std::string residual;
   std::optional<int> frame;
   int every = 1;
-  std::string channel;  // empty: none asked for
+  images::PixelOptions pixels;
 };
 
 // Passes on the images one after another, each of the camera's size.
-void for_each_image(const rig::Rig& rig, const std::vector<std::string>& files, std::optional<images::Channel> channel,
+void for_each_image(const rig::Rig& rig, const std::vector<std::string>& files, const images::PixelRule& rule,
                     const std::function<void(std::size_t index, const images::Image& image)>& take) {
   cli::Progress progress("image", files.size());
   for (std::size_t i = 0; i < files.size(); ++i) {
-    const images::Image image = images::read_image(files[i], channel);
+    const images::Image image = images::read_image(files[i], rule);
     if (image.rows != rig.camera.rows || image.columns != rig.camera.columns) {
       throw UserError(files[i], fmt::format("has {} x {} pixels; the rig's camera has {} rows x {} columns", image.rows,
                                             image.columns, rig.camera.rows, rig.camera.columns));
@@ -70,7 +70,7 @@ light_section::ReferenceProfile scanned(const rig::Rig& rig, const PatternOption
                                 files.size(), options.every, lines.size(), lines.front(), lines.back()));
   }
   light_section::LineScan scan(rig, options.every);
-  for_each_image(rig, files, images::channel_of(options.channel),
+  for_each_image(rig, files, options.pixels.rule(),
                  [&](std::size_t i, const images::Image& image) { scan.add(lines[i], image.view()); });
   return scan.reference();
 }
@@ -78,7 +78,7 @@ light_section::ReferenceProfile scanned(const rig::Rig& rig, const PatternOption
 light_section::ReferenceProfile with_residual_out(const rig::Rig& rig, const PatternOptions& options,
                                                   const light_section::ReferenceProfile& reference) {
   light_section::CentroidMean mean(rig);
-  for_each_image(rig, images::files_of_folder(options.residual), images::channel_of(options.channel),
+  for_each_image(rig, images::files_of_folder(options.residual), options.pixels.rule(),
                  [&](std::size_t, const images::Image& image) { mean.add(image.view()); });
   return light_section::without_residual(rig, reference, mean.centroids());
 }
@@ -267,7 +267,7 @@ void add_source_options(CLI::App& command, PatternOptions& options) {
       ->capture_default_str()
       ->excludes(reference)
       ->excludes(line);
-  cli::add_channel_option(command, options.channel);
+  cli::add_pixel_options(command, options.pixels);
 }
 
 }  // namespace

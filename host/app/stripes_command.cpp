@@ -33,7 +33,7 @@ struct StripesOptions {
   bool gray_code = false;
   structured_light::Stripes stripes;
   bool reflected = false;
-  std::string channel;
+  images::PixelOptions pixels;
   std::string out;
 };
 
@@ -51,7 +51,7 @@ template <class Scan>
 void add_folder(const rig::Rig& rig, const StripesOptions& options, const std::vector<std::string>& files, Scan& scan) {
   cli::Progress progress("image", files.size());
   for (std::size_t i = 0; i < files.size(); ++i) {
-    const images::Image image = images::read_image(files[i], images::channel_of(options.channel));
+    const images::Image image = images::read_image(files[i], options.pixels.rule());
     check_camera_size(rig, files[i], image);
     scan.add(image.view());
     progress.update(i + 1);
@@ -151,7 +151,7 @@ selfproj pattern stripes --sweep --out lines
   command->add_flag("--sweep", options->sweep, "Only write the patterns of a scan: every line, then every column.");
   command->add_flag("--gray-code", options->gray_code,
                     "The images of --scan were taken under the patterns of `selfproj pattern gray`.");
-  cli::add_channel_option(*command, options->channel);
+  cli::add_pixel_options(*command, options->pixels);
   cli::begin_group(*command, "Stripes");
   command->add_option("--rig", options->rig, "Built-in rig or YAML file of kind scanner.")
       ->type_name("RIG")

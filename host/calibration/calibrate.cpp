@@ -126,12 +126,19 @@ class Calibrator {
   }
 
   void leave_out_poor_poses() {
+    constexpr double kDark = 0.1;  // about half of a chessboard is white
     std::size_t left = 0;
     for (PoseReport& pose : report_.poses) {
       if (pose.reason.empty() && pose.used() == 0) {
         pose.reason =
-            "its chessboard is seen, but no corner has codes; the images are likely in another order than "
-            "the patterns";
+            pose.lit_share < kDark
+                ? fmt::format(
+                      "its chessboard is seen, but hardly the projector's light: in {:.1f} % of its pixels "
+                      "white exceeds black by the contrast that is asked for; it needs more of this light, or "
+                      "less of any other (or white and black are in another order)",
+                      100 * pose.lit_share)
+                : "its chessboard is seen, but no corner has codes; the images are likely in another order than the "
+                  "patterns";
       } else if (pose.reason.empty() && pose.used() < report_.settings.min_corners) {
         pose.reason = fmt::format("only {} of {} corners can be used; {} are needed", pose.used(),
                                   report_.settings.chessboard.corners(), report_.settings.min_corners);
@@ -385,6 +392,25 @@ int PoseReport::used() const {
   return static_cast<int>(std::count_if(corners.begin(), corners.end(), [](const Corner& c) { return c.used; }));
 }
 
+namespace {
+
+// The share of the pixels that are lit in the rectangle around these places; 1 without any.
+double lit_share(const Capture& capture, const std::vector<cv::Point2d>& corners) {
+  if (corners.empty() || capture.lit.empty()) {
+    return 1;
+  }
+  std::vector<cv::Point2f> places(corners.begin(), corners.end());
+  const cv::Rect box = cv::boundingRect(places) & cv::Rect(0, 0, capture.columns, capture.rows);
+  std::size_t lit = 0;
+  for (int row = box.y; row < box.y + box.height; ++row) {
+    const auto first = capture.lit.begin() + static_cast<std::ptrdiff_t>(row) * capture.columns + box.x;
+    lit += static_cast<std::size_t>(std::count(first, first + box.width, true));
+  }
+  return static_cast<double>(lit) / std::max(1, box.area());
+}
+
+}  // namespace
+
 PoseReport observe_pose(const std::string& name, const Capture& capture, const CalibrateSettings& settings) {
   PoseReport pose;
   pose.name = name;
@@ -393,6 +419,8 @@ PoseReport observe_pose(const std::string& name, const Capture& capture, const C
   pose.decoded_share = static_cast<double>(capture.decoded()) / static_cast<double>(capture.projector_column.size());
   const FoundChessboard found = find_chessboard(capture.mean, settings.chessboard);
   pose.reason = found.reason;
+  pose.by_squares = found.by_squares;
+  pose.lit_share = lit_share(capture, found.corners);
   for (const cv::Point2d& at : found.corners) {
     const CornerCode code = corner_code(capture, at, found.spacing_px, settings.corners);
     Corner corner;

@@ -47,6 +47,8 @@ struct PoseReport {
   int rows = 0;        // rows of the camera
   int columns = 0;
   double decoded_share = 0;     // share of the camera's pixels that have a code
+  bool by_squares = false;      // its chessboard was found so (chessboard.h)
+  double lit_share = 1;         // share of those around the corners in which white is brighter than black
   std::vector<Corner> corners;  // all of the chessboard's corners, or none if it was not seen
   double angle_deg = 0;         // angle between the chessboard's normal and the camera's axis
   double camera_rms = 0, projector_rms = 0;

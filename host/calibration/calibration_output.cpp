@@ -17,6 +17,8 @@
 #include <string>
 #include <vector>
 
+#include "host/files/json_text.h"
+
 namespace selfproj::calibration {
 namespace {
 
@@ -186,6 +188,9 @@ std::string report_json(const CalibrationReport& report) {
       entry["angle_deg"] = pose.angle_deg;
       entry["camera_rms_px"] = pose.camera_rms;
       entry["projector_rms_px"] = pose.projector_rms;
+      if (pose.by_squares) {
+        entry["found_by"] = kBySquares;
+      }
     } else {
       entry["left_out"] = pose.reason;
     }
@@ -200,7 +205,7 @@ std::string report_json(const CalibrationReport& report) {
   }
   json["checks"] = checks_json(report.checks);
   json["warnings"] = report.warnings;
-  return json.dump(2) + "\n";
+  return files::json_text(json, 2) + "\n";
 }
 
 std::string report_text(const CalibrationReport& report) {
@@ -213,9 +218,9 @@ std::string report_text(const CalibrationReport& report) {
     }
     text += fmt::format(
         "{}: {} of {} corners, RMS {:.3f} px in the camera, {:.3f} px in the projector, turned by {:.1f}°, {:.1f} % of "
-        "the pixels decoded\n",
+        "the pixels decoded{}\n",
         pose.name, pose.used(), pose.corners.size(), pose.camera_rms, pose.projector_rms, pose.angle_deg,
-        100 * pose.decoded_share);
+        100 * pose.decoded_share, pose.by_squares ? fmt::format(", found by {}", kBySquares) : "");
     for (std::size_t i = 0; i < pose.corners.size(); ++i) {
       if (!pose.corners[i].used) {
         text += fmt::format("  corner {} left out: {}\n", i, pose.corners[i].reason);

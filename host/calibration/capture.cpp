@@ -119,8 +119,10 @@ Capture decode_capture(const std::string& name, images::ImageSequence& captured,
   const images::Image& black = images.next();
   capture.rows = white.rows;
   capture.columns = white.columns;
+  capture.lit.resize(white.pixels.size());
   for (std::size_t i = 0; i < white.pixels.size(); ++i) {
     const bool lit = white.pixels[i] - black.pixels[i] > settings.contrast;
+    capture.lit[i] = lit;
     if (!lit || capture.projector_column[i] == Capture::kNone || capture.projector_row[i] == Capture::kNone) {
       capture.projector_column[i] = capture.projector_row[i] = Capture::kNone;
     }

@@ -28,6 +28,7 @@ struct Capture {
   int rows = 0;  // rows of the camera
   int columns = 0;
   std::vector<std::int16_t> projector_column, projector_row;  // from 0; both are kNone if there is no code
+  std::vector<bool> lit;                                      // white exceeds black by more than the contrast
   images::Image mean;  // the mean of all images, in which the patterns cancel, stretched to 0..255
 
   [[nodiscard]] std::size_t decoded() const;

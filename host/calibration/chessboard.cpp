@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -10,7 +11,10 @@
 #include <numbers>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "host/files/numbers.h"
@@ -187,6 +191,187 @@ void refine(const cv::Mat& grey, const Chessboard& chessboard, const std::vector
 
 }  // namespace
 
+namespace {
+
+// Corners as a detector found them, row by row.
+struct Lattice {
+  int columns = 0;
+  int rows = 0;
+  std::vector<cv::Point2f> corners;
+
+  [[nodiscard]] cv::Point2f at(int column, int row) const {
+    return corners[static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) +
+                   static_cast<std::size_t>(column)];
+  }
+};
+
+// The part of a lattice from this corner on.
+Lattice part_of(const Lattice& whole, int left, int top, int columns, int rows) {
+  Lattice part{columns, rows, {}};
+  for (int row = top; row < top + rows; ++row) {
+    for (int column = left; column < left + columns; ++column) {
+      part.corners.push_back(whole.at(column, row));
+    }
+  }
+  return part;
+}
+
+// The same corners with columns as rows, not mirrored.
+Lattice turned(const Lattice& lattice) {
+  Lattice result{lattice.rows, lattice.columns, {}};
+  for (int row = 0; row < result.rows; ++row) {
+    for (int column = 0; column < result.columns; ++column) {
+      result.corners.push_back(lattice.at(lattice.columns - 1 - row, column));
+    }
+  }
+  return result;
+}
+
+// How much a place looks like the corner of four squares: by how much the darker of two opposite ones is brighter than
+// the brighter of the other two, as a share of all; negative where `along` and `down`, which lead to the next corners,
+// enclose a dark one, and 0 where neither pair is. At the edge of a board three of them are alike, which gives 0.
+// Nothing if a part of it is outside the image.
+std::optional<double> crossing(const cv::Mat& grey, cv::Point2f place, cv::Point2f along, cv::Point2f down) {
+  std::array<double, 4> squares{};
+  for (const float u : {-0.5F, -0.25F, 0.25F, 0.5F}) {
+    for (const float v : {-0.5F, -0.25F, 0.25F, 0.5F}) {
+      const cv::Point pixel(place + u * along + v * down);
+      if (pixel.x < 0 || pixel.y < 0 || pixel.x >= grey.cols || pixel.y >= grey.rows) {
+        return std::nullopt;
+      }
+      squares.at((u > 0 ? 1 : 0) + (v > 0 ? 2 : 0)) += grey.at<std::uint8_t>(pixel);
+    }
+  }
+  const auto [near, right, left, far] = squares;
+  const double sum = near + right + left + far;
+  const double bright = std::min(near, far) - std::max(left, right);
+  const double dark = std::min(left, right) - std::max(near, far);
+  return sum <= 0 ? 0 : (std::max(bright, 0.0) - std::max(dark, 0.0)) / sum;
+}
+
+// The crossings of a line of corners, with the signs that they have in a chessboard: the mean. `outside`: of the line
+// that would follow beyond this one, as far as it is in the image; nothing if less than half of it is.
+class Crossings {
+ public:
+  Crossings(const cv::Mat& grey, const Lattice& lattice) : grey_(grey), lattice_(lattice) {
+    std::vector<double> all;
+    for (int row = 0; row < lattice.rows; ++row) {
+      for (int column = 0; column < lattice.columns; ++column) {
+        all.push_back(signed_at(column, row, 0, 0).value_or(0));
+      }
+    }
+    typical_ = files::median_of(all);
+    const auto good = [this](double value) {
+      return value * typical_ > 0 && std::abs(value) > kClear * std::abs(typical_);
+    };
+    share_ = static_cast<double>(std::count_if(all.begin(), all.end(), good)) / static_cast<double>(all.size());
+  }
+
+  // The share of corners that look like the others.
+  [[nodiscard]] double share() const { return share_; }
+
+  // Whether the outer line on this side (or the one that would follow `beyond` it) is made of corners of the board.
+  [[nodiscard]] bool is_line(int side, bool beyond) const {
+    const bool column = side < 2;
+    const bool first = side % 2 == 0;
+    const int step = beyond ? (first ? -1 : 1) : 0;
+    const int count = column ? lattice_.rows : lattice_.columns;
+    std::vector<double> line;
+    for (int i = 0; i < count; ++i) {
+      const auto value = column ? signed_at(first ? 0 : lattice_.columns - 1, i, step, 0)
+                                : signed_at(i, first ? 0 : lattice_.rows - 1, 0, step);
+      if (value) {
+        line.push_back(*value / typical_);
+      }
+    }
+    return 2 * line.size() >= static_cast<std::size_t>(count) && files::median_of(line) > kClear;
+  }
+
+ private:
+  static constexpr double kClear = 0.35;  // in parts of the typical crossing
+
+  // The crossing at a corner, or a step of one square beyond it.
+  [[nodiscard]] std::optional<double> signed_at(int column, int row, int step_x, int step_y) const {
+    const int c = std::clamp(column, 1, lattice_.columns - 1);
+    const int r = std::clamp(row, 1, lattice_.rows - 1);
+    const cv::Point2f along = lattice_.at(c, row) - lattice_.at(c - 1, row);
+    const cv::Point2f down = lattice_.at(column, r) - lattice_.at(column, r - 1);
+    const auto value = crossing(
+        grey_, lattice_.at(column, row) + static_cast<float>(step_x) * along + static_cast<float>(step_y) * down, along,
+        down);
+    return value && (column + row + step_x + step_y) % 2 != 0 ? -*value : value;
+  }
+
+  const cv::Mat& grey_;
+  const Lattice& lattice_;
+  double typical_ = 0;
+  double share_ = 0;
+};
+
+// Takes away outer lines that a detector has seen where no corners are, until the lattice has the chessboard's size in
+// one of its two positions. Returns whether it has.
+bool trim(const cv::Mat& grey, const Chessboard& chessboard, Lattice& lattice) {
+  const auto fits = [&](int columns, int rows) { return lattice.columns >= columns && lattice.rows >= rows; };
+  if (!fits(chessboard.columns, chessboard.rows) ||
+      (fits(chessboard.rows, chessboard.columns) && lattice.columns < lattice.rows)) {
+    if (!fits(chessboard.rows, chessboard.columns)) {
+      return false;
+    }
+    lattice = turned(lattice);
+  }
+  while (lattice.columns > chessboard.columns || lattice.rows > chessboard.rows) {
+    const Crossings crossings(grey, lattice);
+    std::optional<Lattice> smaller;
+    for (int side = 0; side < 4 && !smaller; ++side) {
+      const bool column = side < 2;
+      if ((column ? lattice.columns > chessboard.columns : lattice.rows > chessboard.rows) &&
+          !crossings.is_line(side, false)) {
+        smaller = part_of(lattice, side == 0 ? 1 : 0, side == 2 ? 1 : 0, lattice.columns - (column ? 1 : 0),
+                          lattice.rows - (column ? 0 : 1));
+      }
+    }
+    if (!smaller) {
+      return false;
+    }
+    lattice = std::move(*smaller);
+  }
+  return true;
+}
+
+// What OpenCV's older detector finds: more where the light is uneven or something crosses the board. It takes a part of
+// a larger board for the whole one, so the lines that would follow must be none.
+std::optional<Lattice> find_by_squares(const cv::Mat& grey, const Chessboard& chessboard) {
+  constexpr double kMostCorners = 0.7;  // a line of light may hide those that it crosses
+  constexpr double kShareOfSpacing = 0.3;
+  Lattice lattice{chessboard.columns, chessboard.rows, {}};
+  if (!cv::findChessboardCorners(grey, {chessboard.columns, chessboard.rows}, lattice.corners)) {
+    return std::nullopt;
+  }
+  const int half = std::max(2, static_cast<int>(kShareOfSpacing * files::median_of(spacings(lattice.corners))));
+  cv::cornerSubPix(grey, lattice.corners, {half, half}, {-1, -1},
+                   {cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 40, 0.001});
+  const cv::Point2f along = lattice.at(1, 0) - lattice.at(0, 0);
+  const cv::Point2f down = lattice.at(0, 1) - lattice.at(0, 0);
+  if (along.cross(down) < 0) {  // mirrored
+    for (int row = 0; row < lattice.rows; ++row) {
+      const auto first = lattice.corners.begin() + static_cast<std::ptrdiff_t>(row) * lattice.columns;
+      std::reverse(first, first + lattice.columns);
+    }
+  }
+  const Crossings crossings(grey, lattice);
+  if (crossings.share() < kMostCorners) {
+    return std::nullopt;
+  }
+  for (int side = 0; side < 4; ++side) {
+    if (crossings.is_line(side, true)) {
+      return std::nullopt;
+    }
+  }
+  return lattice;
+}
+
+}  // namespace
+
 FoundChessboard find_chessboard(const images::Image& image, const Chessboard& chessboard) {
   const cv::Mat grey(image.rows, image.columns, CV_8UC1, const_cast<std::uint8_t*>(image.pixels.data()));  // NOLINT
   FoundChessboard found;
@@ -195,20 +380,26 @@ FoundChessboard find_chessboard(const images::Image& image, const Chessboard& ch
   const bool any =
       cv::findChessboardCornersSB(grey, {chessboard.columns, chessboard.rows}, seen,
                                   cv::CALIB_CB_EXHAUSTIVE | cv::CALIB_CB_ACCURACY | cv::CALIB_CB_LARGER, kinds);
-  if (!any) {
-    found.reason = fmt::format("no chessboard of {} x {} inner corners is completely visible", chessboard.columns,
-                               chessboard.rows);
-    return found;
+  Lattice lattice;
+  if (any) {
+    lattice = {kinds.cols, kinds.rows, seen.reshape(2, kinds.cols * kinds.rows)};
   }
-  if (!(kinds.cols == chessboard.columns && kinds.rows == chessboard.rows)) {
-    found.reason = fmt::format("a board of {} x {} inner corners is seen, not one of {} x {}", kinds.cols, kinds.rows,
-                               chessboard.columns, chessboard.rows);
-    return found;
+  const bool whole = any && kinds.cols == chessboard.columns && kinds.rows == chessboard.rows;
+  if (!whole && !(any && trim(grey, chessboard, lattice))) {
+    std::optional<Lattice> other = find_by_squares(grey, chessboard);
+    if (!other) {
+      found.reason = any ? fmt::format("a board of {} x {} inner corners is seen, not one of {} x {}", kinds.cols,
+                                       kinds.rows, chessboard.columns, chessboard.rows)
+                         : fmt::format("no chessboard of {} x {} inner corners is completely visible",
+                                       chessboard.columns, chessboard.rows);
+      return found;
+    }
+    lattice = std::move(*other);
+    found.by_squares = true;
   }
-  std::vector<cv::Point2f> corners = seen.reshape(2, chessboard.corners());
-  const std::vector<double> spacing = spacings(corners);
-  refine(grey, chessboard, spacing, corners);
-  found.corners.assign(corners.begin(), corners.end());
+  const std::vector<double> spacing = spacings(lattice.corners);
+  refine(grey, chessboard, spacing, lattice.corners);
+  found.corners.assign(lattice.corners.begin(), lattice.corners.end());
   found.spacing_px = files::median_of(spacing);
   return found;
 }

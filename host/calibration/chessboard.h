@@ -30,14 +30,18 @@ struct Chessboard {
 
 struct FoundChessboard {
   std::vector<cv::Point2d>
-      corners;            // in pixels (column, row) from 0, sub-pixel; empty where there is no such chessboard
-  std::string reason;     // why it is empty
-  double spacing_px = 0;  // median distance from a corner to its nearest neighbour
+      corners;              // in pixels (column, row) from 0, sub-pixel; empty where there is no such chessboard
+  std::string reason;       // why it is empty
+  double spacing_px = 0;    // median distance from a corner to its nearest neighbour
+  bool by_squares = false;  // by OpenCV's findChessboardCorners, after findChessboardCornersSB found no such chessboard
 };
 
 // Finds the corners of the whole chessboard, in any orientation. A chessboard with more corners than asked for is not
-// taken for a part of itself.
+// taken for a part of itself. Both of OpenCV's detectors are asked, the older one only where the other finds nothing.
 FoundChessboard find_chessboard(const images::Image& image, const Chessboard& chessboard);
+
+// What a report says of a chessboard that was found by_squares.
+inline constexpr const char* kBySquares = "findChessboardCorners; findChessboardCornersSB found none";
 
 inline constexpr int kBendModes = 18;    // along the chessboard's normal: polynomials of degree 2 to 5 in the position
 inline constexpr int kStretchModes = 8;  // within the chessboard's plane: aspect, shear and degree 2

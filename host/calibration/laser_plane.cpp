@@ -261,6 +261,7 @@ BoardImage observe_board(const std::string& name, const images::Image& image, co
   BoardImage result;
   result.name = name;
   result.reason = found.reason;
+  result.by_squares = found.by_squares;
   result.rows = image.rows;
   result.columns = image.columns;
   result.corners = found.corners;

@@ -31,6 +31,7 @@ struct BoardImage {
   std::vector<cv::Point2d> corners;  // column, row; all of the chessboard's, or none
   std::vector<bool> used;            // of the corners
   double rms_px = 0;
+  bool by_squares = false;  // its chessboard was found so (chessboard.h)
 
   [[nodiscard]] int used_corners() const;
 };

@@ -15,6 +15,7 @@
 
 #include "host/files/input_file.h"
 #include "host/files/numbers.h"
+#include "host/files/text.h"
 #include "selfproj/files/user_error.h"
 
 namespace selfproj::capture {
@@ -75,7 +76,7 @@ GreyTable linear_greys(const GreyCurve& curve) {
 }
 
 GreyCurve load_grey_curve(const std::string& file) {
-  std::istringstream text(files::read_input(file, files::kMostTextBytes));
+  std::istringstream text(files::read_text(file, files::kMostTextBytes));
   GreyCurve curve;
   std::string line;
   for (int number = 1; std::getline(text, line); ++number) {

@@ -3,13 +3,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <string>
+
+#include "host/driver/clock.h"
+#include "host/files/json_text.h"
 
 namespace selfproj::capture {
 namespace {
@@ -38,45 +40,58 @@ void NewestImage::put(const camera::CameraImage& image, const camera::CameraCoun
   }
   picture_ = std::make_shared<images::Image>(images::copy_of(image.view));
   wanted_ = false;
+  png_ = figures_ = nullptr;
   ++copies_;
-  came_.notify_all();
 }
 
-std::shared_ptr<const images::Image> NewestImage::next() {
-  constexpr std::chrono::milliseconds kPatience(500);
-  std::unique_lock lock(mutex_);
-  wanted_ = true;
-  came_.wait_for(lock, kPatience, [this, before = copies_] { return copies_ > before; });
-  return picture_;
-}
-
-std::shared_ptr<const std::string> NewestImage::png() {
-  const std::shared_ptr<const images::Image> picture = next();
-  const int every = std::max(1, (std::max(picture->rows, picture->columns) + kMaxSide - 1) / kMaxSide);
-  images::Image shown{(picture->rows + every - 1) / every, (picture->columns + every - 1) / every, {}};
-  for (int row = 0; row < picture->rows; row += every) {
-    for (int column = 0; column < picture->columns; column += every) {
-      shown.pixels.push_back(
-          picture->pixels[static_cast<std::size_t>(row) * static_cast<std::size_t>(picture->columns) +
-                          static_cast<std::size_t>(column)]);
-    }
+bool NewestImage::has_come(std::uint64_t& asked) {
+  constexpr std::int64_t kPatienceNs = 500'000'000;
+  if (asked == 0) {
+    asked = copies_ + 1;
+    wanted_ns_ = wanted_ ? wanted_ns_ : driver::now_ns();
+    wanted_ = true;
   }
-  return std::make_shared<const std::string>(images::encode_png(shown));
+  return copies_ >= asked || driver::now_ns() - wanted_ns_ > kPatienceNs;
 }
 
-std::shared_ptr<const std::string> NewestImage::figures() {
-  const std::shared_ptr<const images::Image> picture = next();
+std::shared_ptr<const std::string> NewestImage::png(std::uint64_t& asked) {
   const std::lock_guard lock(mutex_);
-  const nlohmann::ordered_json json = {
-      {"camera", camera_},
-      {"pixels", fmt::format("{} x {}", picture->columns, picture->rows)},
-      {"images a second", fmt::format("{:.1f}", rate_)},
-      {"saturated (255)", share_text(*picture, [](std::uint8_t pixel) { return pixel == UINT8_MAX; })},
-      {"bright (200 or more)", share_text(*picture, [](std::uint8_t pixel) { return pixel >= 200; })},
-      {"dark (below 20)", share_text(*picture, [](std::uint8_t pixel) { return pixel < 20; })},
-      {"incomplete images", fmt::format("{}", counters_.incomplete)},
-      {"dropped images", fmt::format("{}", counters_.dropped)}};
-  return std::make_shared<const std::string>(json.dump());
+  if (!has_come(asked)) {
+    return nullptr;
+  }
+  if (png_ == nullptr) {
+    const int every = std::max(1, (std::max(picture_->rows, picture_->columns) + kMaxSide - 1) / kMaxSide);
+    images::Image shown{(picture_->rows + every - 1) / every, (picture_->columns + every - 1) / every, {}};
+    for (int row = 0; row < picture_->rows; row += every) {
+      for (int column = 0; column < picture_->columns; column += every) {
+        shown.pixels.push_back(
+            picture_->pixels[static_cast<std::size_t>(row) * static_cast<std::size_t>(picture_->columns) +
+                             static_cast<std::size_t>(column)]);
+      }
+    }
+    png_ = std::make_shared<const std::string>(images::encode_png(shown));
+  }
+  return png_;
+}
+
+std::shared_ptr<const std::string> NewestImage::figures(std::uint64_t& asked) {
+  const std::lock_guard lock(mutex_);
+  if (!has_come(asked)) {
+    return nullptr;
+  }
+  if (figures_ == nullptr) {
+    const nlohmann::ordered_json json = {
+        {"camera", camera_},
+        {"pixels", fmt::format("{} x {}", picture_->columns, picture_->rows)},
+        {"images a second", fmt::format("{:.1f}", rate_)},
+        {"saturated (255)", share_text(*picture_, [](std::uint8_t pixel) { return pixel == UINT8_MAX; })},
+        {"bright (200 or more)", share_text(*picture_, [](std::uint8_t pixel) { return pixel >= 200; })},
+        {"dark (below 20)", share_text(*picture_, [](std::uint8_t pixel) { return pixel < 20; })},
+        {"incomplete images", fmt::format("{}", counters_.incomplete)},
+        {"dropped images", fmt::format("{}", counters_.dropped)}};
+    figures_ = std::make_shared<const std::string>(files::json_text(json));
+  }
+  return figures_;
 }
 
 std::uint64_t NewestImage::copies() const {

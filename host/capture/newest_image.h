@@ -3,7 +3,6 @@
 #ifndef SELFPROJ_HOST_CAPTURE_NEWEST_IMAGE_H
 #define SELFPROJ_HOST_CAPTURE_NEWEST_IMAGE_H
 
-#include <condition_variable>
 #include <cstdint>
 #include <memory>
 #include <mutex>
@@ -19,24 +18,29 @@ class NewestImage {
   // Offers an image. Costs no copy where nobody watches.
   void put(const camera::CameraImage& image, const camera::CameraCounters& counters, const std::string& camera);
 
-  // The next image as PNG, each n-th pixel where it is large, and what is to be said of it, as JSON. Both wait up to
-  // half a second for an image; without one they show the image before.
-  std::shared_ptr<const std::string> png();
-  std::shared_ptr<const std::string> figures();
+  // An image that came after the question, as PNG, each n-th pixel where it is large, and what is to be said of it, as
+  // JSON. Both return null until it has come, and are then asked again; `asked` is 0 at first. If none comes for half a
+  // second, they show the image before.
+  std::shared_ptr<const std::string> png(std::uint64_t& asked);
+  std::shared_ptr<const std::string> figures(std::uint64_t& asked);
 
   // Images copied so far.
   [[nodiscard]] std::uint64_t copies() const;
 
  private:
-  std::shared_ptr<const images::Image> next();
+  // Whether there is an image for this question.
+  bool has_come(std::uint64_t& asked);
 
   mutable std::mutex mutex_;
-  std::condition_variable came_;
   bool wanted_ = false;
+  std::int64_t wanted_ns_ = 0;
   std::uint64_t copies_ = 0;
   std::shared_ptr<const images::Image> picture_ = std::make_shared<images::Image>(images::Image{1, 1, {0}});
   camera::CameraCounters counters_;
   std::string camera_;
+  // Of the picture, each made when it is asked for first.
+  std::shared_ptr<const std::string> png_;
+  std::shared_ptr<const std::string> figures_;
   double rate_ = 0;
   std::int64_t last_ns_ = 0;
 };

@@ -14,6 +14,7 @@
 #include "host/camera/camera.h"
 #include "host/camera/open_camera.h"
 #include "host/capture/light_check.h"
+#include "host/files/json_text.h"
 #include "selfproj/files/user_error.h"
 
 namespace selfproj::capture {
@@ -141,7 +142,7 @@ std::string capture_json(const CaptureRecord& record) {
   for (const CaptureRecord::Shot& shot : record.shots) {
     json["images"].push_back({{"image", shot.image}, {"pattern", shot.pattern}, {"delay_ms", shot.delay_ms}});
   }
-  return json.dump(2) + "\n";
+  return files::json_text(json, 2) + "\n";
 }
 
 CaptureRecord capture_sequence(const CaptureSetup& setup, const PatternsFor& patterns_for,

@@ -151,14 +151,21 @@ CLI::Option* add_files(CLI::App& command, const std::string& name, std::vector<s
       ->type_name("FILE");
 }
 
-CLI::Option* add_channel_option(CLI::App& command, std::string& channel) {
-  return command
-      .add_option("--channel", channel, "Channel to take of colour images. Without it, colour images are refused.")
+void add_pixel_options(CLI::App& command, images::PixelOptions& pixels) {
+  command
+      .add_option("--channel", pixels.channel,
+                  "Channel to take of colour images. Without it, colour images are refused.")
       ->check(one_of(images::channel_names()))
       ->type_name("CHANNEL");
+  command
+      .add_option("--shift", pixels.shift,
+                  "Images of more than 8 bits: a value becomes value / 2^N, rounded down; 4 takes values of 12 bits, 8 "
+                  "of 16. Without it they are refused, unless the file says its bits, as a PGM does.")
+      ->transform(whole_number(0, images::kMaxShift))
+      ->type_name("N");
 }
 
-void SelectOptions::apply(model::Measure& measure) const {
+void SelectOptions::apply(model::Measure& measure, int max_rows) const {
   if (!select.empty()) {
     measure.select = images::select_of(select);
   }
@@ -172,7 +179,7 @@ void SelectOptions::apply(model::Measure& measure) const {
     measure.gap = 0;
   }
   if (!rows.empty()) {
-    measure.window = images::rows_of_text("--rows", rows);
+    measure.window = images::rows_of_text("--rows", rows, max_rows);
   }
 }
 
@@ -194,7 +201,7 @@ void add_select_options(CLI::App& command, SelectOptions& options, const std::st
 }
 
 void add_preparation_options(CLI::App& command, images::Preparation& preparation) {
-  add_channel_option(command, preparation.channel);
+  add_pixel_options(command, preparation.pixels);
   command
       .add_option(
           "--roi", preparation.roi,

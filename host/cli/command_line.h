@@ -12,6 +12,7 @@
 
 #include "host/images/prepared_images.h"
 #include "selfproj/model/column_runs.h"
+#include "selfproj/model/generated/selfproj_spec.h"
 
 namespace selfproj::cli {
 
@@ -56,8 +57,8 @@ std::vector<double> ascending_lengths(const char* option, const std::string& tex
 CLI::Option* add_files(CLI::App& command, const std::string& name, std::vector<std::string>& files,
                        const std::string& text);
 
-// Adds --channel: the channel to take of colour images.
-CLI::Option* add_channel_option(CLI::App& command, std::string& channel);
+// Adds --channel and --shift: how the pixels of images become one channel of 8 bits.
+void add_pixel_options(CLI::App& command, images::PixelOptions& pixels);
 
 // What of a column is measured, as --select, --gap and --rows say it; nothing where an option is not given.
 struct SelectOptions {
@@ -66,13 +67,13 @@ struct SelectOptions {
   std::string rows = {};
 
   // Changes `measure` where an option says so. Throws UserError about --rows, or about --gap without the strongest run.
-  void apply(model::Measure& measure) const;
+  void apply(model::Measure& measure, int max_rows = spec::kMaxRows) const;
 };
 
 // Adds --select, --gap and --rows. `by_default` is what --help says of --select.
 void add_select_options(CLI::App& command, SelectOptions& options, const std::string& by_default = "all");
 
-// Adds --channel, --roi and --transpose.
+// Adds --channel, --shift, --roi and --transpose.
 void add_preparation_options(CLI::App& command, images::Preparation& preparation);
 
 }  // namespace selfproj::cli

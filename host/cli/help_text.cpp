@@ -11,6 +11,8 @@
 #include <string>
 #include <vector>
 
+#include "host/files/json_text.h"
+
 namespace selfproj::cli {
 namespace {
 
@@ -284,7 +286,7 @@ std::string HelpFormatter::make_help(const CLI::App* app, std::string name, CLI:
 std::string help_json(const CLI::App& program) {
   nlohmann::json commands = nlohmann::json::array();
   add_json(program, program.get_name(), commands);
-  return commands.dump(1) + "\n";
+  return files::json_text(commands, 1) + "\n";
 }
 
 }  // namespace selfproj::cli

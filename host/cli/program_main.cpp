@@ -11,9 +11,11 @@
 #include <cstdio>
 #include <cstring>
 #include <exception>
+#include <filesystem>
 #include <functional>
 #include <iostream>
 #include <memory>
+#include <new>
 #include <set>
 #include <string>
 #include <utility>
@@ -25,6 +27,7 @@
 #include "host/files/notes.h"
 #include "host/files/run_files.h"
 #include "host/files/stop_signal.h"
+#include "host/files/text.h"
 #include "selfproj/files/user_error.h"
 #include "selfproj/model/generated/selfproj_spec.h"
 
@@ -38,7 +41,7 @@ constexpr int kBadInput = 2;  // errors that the user can fix
 int report(const std::string& program, std::string message, int status) {
   std::replace_if(
       message.begin(), message.end(), [](char c) { return c >= '\0' && c < ' '; }, ' ');
-  fmt::print(stderr, "{}: {}\n", program, message);
+  fmt::print(stderr, "{}: {}\n", program, files::shown(message));
   return status;
 }
 
@@ -117,6 +120,30 @@ void refuse_values_of_flags(CLI::App& app) {
   }
 }
 
+// The text of an exception, unless it is one that a library writes for programmers: those have no place here, and a
+// user can only report them.
+std::string of_ourselves(const std::string& text) {
+  for (const auto& [begin, library] :
+       {std::pair{"OpenCV(", "OpenCV"}, {"[json.exception", "the library for JSON"}, {"yaml-cpp", "yaml-cpp"}}) {
+    if (text.starts_with(begin)) {
+      return fmt::format(
+          "{} could not work with this input, and selfproj did not expect that; please report the command "
+          "and the input",
+          library);
+    }
+  }
+  return text;
+}
+
+// CLI11 reads [a,b] as a list. No value of ours is one, but a path may be called so; the same path with ./ before it is
+// none.
+void keep_brackets(std::string& word) {
+  const std::size_t value = word.starts_with("--") ? std::min(word.find('=') + 1, word.size()) : 0;
+  if (word.ends_with(']') && word.substr(value).starts_with('[')) {
+    word.insert(value, "./");
+  }
+}
+
 int run_commands(const CommandText& text, const std::function<void(CLI::App&)>& add_commands, int argc, char** argv) {
   const std::string& name = text.name;
   try {
@@ -132,6 +159,7 @@ int run_commands(const CommandText& text, const std::function<void(CLI::App&)>& 
     add_commands(app);
     refuse_values_of_flags(app);
     std::vector<std::string> words(argv + 1, argv + argc);
+    std::for_each(words.begin(), words.end(), keep_brackets);
     if (words == std::vector<std::string>{"--help-json"}) {  // for docs/site/commands.py
       fmt::print("{}", help_json(app));
       return 0;
@@ -153,8 +181,12 @@ int run_commands(const CommandText& text, const std::function<void(CLI::App&)>& 
     }
   } catch (const UserError& error) {
     return report(name, error.what(), kBadInput);
+  } catch (const std::filesystem::filesystem_error& error) {
+    return report(name, error.path1().string() + ": " + error.code().message(), kBadInput);
+  } catch (const std::bad_alloc&) {
+    return report(name, "there is not enough memory for this input", kFailed);
   } catch (const std::exception& error) {
-    return report(name, error.what(), kFailed);
+    return report(name, of_ourselves(error.what()), kFailed);
   }
   return 0;
 }

@@ -20,6 +20,7 @@
 #include <thread>
 #include <vector>
 
+#include "host/files/json_text.h"
 #include "selfproj/files/user_error.h"
 
 namespace selfproj::files {
@@ -136,17 +137,17 @@ bool has_table(const nlohmann::ordered_json& value) {
 
 // Returns a value as JSON with one record a line: an element of a list, a row of a table, and anything that is nested
 // at most two levels deep is one line. scripts/results.py writes the same.
-std::string json_text(const nlohmann::ordered_json& value, std::size_t indent = 0, bool is_record = false,
-                      bool is_table = false) {
+std::string text_of_json(const nlohmann::ordered_json& value, std::size_t indent = 0, bool is_record = false,
+                         bool is_table = false) {
   const bool is_short = value.is_structured() && (is_record || (indent > 0 && depth_of(value) <= 2));
   if (!value.is_structured() || (is_short && !is_table && !has_table(value))) {
-    return value.dump();
+    return json_text(value);
   }
   std::string text = value.is_object() ? "{" : "[";
   for (const auto& [key, inner] : value.items()) {
     text += (text.size() == 1 ? "\n" : ",\n") + std::string(indent + 1, ' ');
-    text += value.is_object() ? nlohmann::ordered_json(key).dump() + ": " : "";
-    text += json_text(inner, indent + 1, value.is_array(), key == "rows");
+    text += value.is_object() ? json_text(nlohmann::ordered_json(key)) + ": " : "";
+    text += text_of_json(inner, indent + 1, value.is_array(), key == "rows");
   }
   return text + "\n" + std::string(indent, ' ') + (value.is_object() ? "}" : "]");
 }
@@ -180,7 +181,7 @@ void write_results(const std::string& name, const std::string& about, const nloh
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   std::ofstream out(file, std::ios::binary);
-  out << json_text(envelope) << '\n';
+  out << text_of_json(envelope) << '\n';
   out.close();
   if (!out) {
     throw UserError(file.string(), "cannot be written");

@@ -60,7 +60,7 @@ std::uint64_t digest(const FloatImage& image) {
 
 FloatImage read_float_tiff(const std::string& file) {
   check_image_file(file);
-  const cv::Mat image = decode_image(file);
+  const cv::Mat image = decode_image(file).pixels;
   if (image.type() != CV_32FC1) {
     throw UserError(file, "is not an image of one channel of 32-bit floating-point numbers");
   }

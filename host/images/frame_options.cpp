@@ -60,15 +60,15 @@ std::vector<std::string> select_names() { return names_of(kSelects); }
 model::Select select_of(const std::string& name) { return value_of(kSelects, name, "select_of"); }
 std::string select_name(model::Select select) { return name_in(kSelects, select); }
 
-model::RowWindow rows_of_text(const std::string& option, const std::string& text) {
+model::RowWindow rows_of_text(const std::string& option, const std::string& text, int max_rows) {
   const std::string_view all = text;
   const std::size_t middle = all.find("..");
   const auto first = files::number_of_text<int>(all.substr(0, middle));
   const auto last = files::number_of_text<int>(middle == std::string_view::npos ? all : all.substr(middle + 2));
-  if (middle == std::string_view::npos || !first || !last || *first < 1 || *first > *last || *last > spec::kMaxRows) {
+  if (middle == std::string_view::npos || !first || !last || *first < 1 || *first > *last || *last > max_rows) {
     throw UserError(option, fmt::format("is '{}'; rows such as 10..80 are expected, from 1 to {}, the first not after "
                                         "the last",
-                                        text, spec::kMaxRows));
+                                        text, max_rows));
   }
   return {.first = *first, .last = *last};
 }
@@ -88,6 +88,13 @@ std::vector<std::string> channel_names() { return names_of(kChannels); }
 
 std::optional<Channel> channel_of(const std::string& name) {
   return name.empty() ? std::nullopt : std::optional(value_of(kChannels, name, "channel_of"));
+}
+
+PixelRule PixelOptions::rule() const {
+  if (shift && (*shift < 0 || *shift > kMaxShift)) {
+    throw std::invalid_argument(fmt::format("shift: must be in 0..{}", kMaxShift));
+  }
+  return {channel_of(channel), shift};
 }
 
 std::string size_text(int rows, int columns) { return fmt::format("{} x {}", columns, rows); }

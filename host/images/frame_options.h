@@ -11,6 +11,7 @@
 #include "host/images/image_files.h"
 #include "selfproj/model/column_moments.h"
 #include "selfproj/model/column_runs.h"
+#include "selfproj/model/generated/selfproj_spec.h"
 
 namespace selfproj::images {
 
@@ -31,8 +32,8 @@ model::Select select_of(const std::string& name);
 std::string select_name(model::Select select);
 
 // The window of a text "A..B", first and last row that count, from 1. Throws UserError about `option` unless
-// 1 <= A <= B <= spec::kMaxRows.
-model::RowWindow rows_of_text(const std::string& option, const std::string& text);
+// 1 <= A <= B <= max_rows.
+model::RowWindow rows_of_text(const std::string& option, const std::string& text, int max_rows = spec::kMaxRows);
 
 // "strongest, gap 1, rows 10..80": what `measure` has that is not what a board measures by default; empty if nothing.
 std::string select_text(const model::Measure& measure);

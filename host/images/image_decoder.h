@@ -21,9 +21,12 @@ struct ImageHeader {
   std::uint64_t columns = 0;
   std::uint64_t rows = 0;
   std::size_t orientation_at = 0;  // TIFF: position of the value of its orientation tag; 0: it has none
+  std::string refusal = {};        // why its pixels cannot be taken although the file is whole; empty: they can
+  std::uint32_t white = 0;         // the largest value of a pixel, where the file says it; 0: it does not
+  std::size_t pixels_at = 0;       // PNM: where they begin
 };
 
-// Format and size of the (first) image. Nothing if the file is not an image or this part is damaged.
+// What the file says of its image. Nothing if the file is not an image or this part is damaged.
 std::optional<ImageHeader> image_header(std::string_view bytes);
 
 // Returns a TIFF file without its request to be turned.
@@ -35,10 +38,16 @@ inline constexpr std::uint64_t kMaxImagePixels = std::uint64_t{1} << 28U;
 // The error text for a file that is not one of these images.
 inline constexpr const char* kNotAnImage = "is not an image in a known format, or is damaged";
 
+struct DecodedImage {
+  cv::Mat pixels;
+  std::uint32_t white = 0;  // the largest value that a pixel can have; 0: the file does not say, or they are floats
+};
+
 // Decodes a PNG, JPEG, TIFF, BMP or PNM file that passes check_image_file. The image keeps its depth and channels, and
-// is never turned, whatever orientation the file notes. Throws UserError, naming the file, if it cannot be read, is not
-// an image, is damaged, or has more than kMaxImagePixels pixels.
-cv::Mat decode_image(const std::string& file);
+// is never turned, whatever orientation the file notes. Values of 8 bits go up to 255 whatever their maximum in the
+// file. A JPEG with bytes too many is taken if its pixels are whole without them. Throws UserError, naming the file, if
+// it cannot be read, is not an image, is damaged, has several images, or has more than kMaxImagePixels pixels.
+DecodedImage decode_image(const std::string& file);
 
 }  // namespace selfproj::images
 

@@ -1,11 +1,13 @@
 #include "host/images/image_files.h"
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <sys/types.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cerrno>
 #include <cstddef>
 #include <cstdint>
@@ -23,6 +25,7 @@
 #include <vector>
 
 #include "host/files/file_descriptor.h"
+#include "host/files/notes.h"
 #include "host/files/numbers.h"
 #include "host/files/run_files.h"
 #include "host/images/image_decoder.h"
@@ -83,6 +86,46 @@ cv::Mat one_channel(const std::string& file, const cv::Mat& image, std::optional
   return plane;
 }
 
+// The values as 8 bits.
+cv::Mat narrow(const std::string& file, const DecodedImage& image, std::optional<int> shift) {
+  if (image.pixels.depth() == CV_8U) {
+    if (shift) {
+      throw UserError(file, "has 8 bits per pixel; --shift goes only with images of more bits");
+    }
+    return image.pixels;
+  }
+  if (image.pixels.depth() != CV_16U) {
+    const bool floats = image.pixels.depth() == CV_32F || image.pixels.depth() == CV_64F;
+    throw UserError(file,
+                    floats ? "has pixels that are floating-point numbers; whole numbers of 8 to 16 bits are expected"
+                           : fmt::format("has {} bits per pixel; 8 to 16 are expected", 8 * image.pixels.elemSize1()));
+  }
+  if (!shift && image.white == 0) {
+    throw UserError(file,
+                    "has 16 bits per pixel, and does not say how many of them count: --shift 4 takes values of 12 "
+                    "bits, --shift 8 of 16");
+  }
+  const bool whole_bits = image.white != 0 && std::has_single_bit(image.white + 1);
+  const int by = shift.value_or(whole_bits ? std::bit_width(image.white) - 8 : 0);
+  const bool scaled = !shift && !whole_bits;
+  cv::Mat narrowed(image.pixels.rows, image.pixels.cols, CV_MAKETYPE(CV_8U, image.pixels.channels()));
+  const int values = image.pixels.cols * image.pixels.channels();
+  for (int row = 0; row < image.pixels.rows; ++row) {
+    const auto* from = image.pixels.ptr<std::uint16_t>(row);
+    auto* to = narrowed.ptr<std::uint8_t>(row);
+    for (int i = 0; i < values; ++i) {
+      const unsigned value = scaled ? (2U * 255U * from[i] + image.white) / (2 * image.white)
+                                    : unsigned{from[i]} >> static_cast<unsigned>(by);
+      if (value > 255) {
+        throw UserError(file, fmt::format("has a value of {}; with {} values up to {} are possible", from[i],
+                                          shift ? fmt::format("--shift {}", by) : "its bits", (256 << by) - 1));
+      }
+      to[i] = static_cast<std::uint8_t>(value);
+    }
+  }
+  return narrowed;
+}
+
 // The image is only read.
 std::string png_of(const cv::Mat& image) {
   std::vector<std::uint8_t> bytes;
@@ -137,15 +180,35 @@ void check_image_file(const std::string& file) {
   files::note_input(file);
 }
 
-Image read_image(const std::string& file, std::optional<Channel> channel) {
+Image read_image(const std::string& file, const PixelRule& rule) {
   check_image_file(file);
-  const cv::Mat image = decode_image(file);
-  if (image.depth() != CV_8U) {
-    throw UserError(file, "has " + std::to_string(8 * image.elemSize1()) + " bits per pixel; 8 are expected");
-  }
-  const cv::Mat plane = one_channel(file, image, channel);
+  const cv::Mat plane = one_channel(file, narrow(file, decode_image(file), rule.shift), rule.channel);
   return copy_of({plane.ptr<std::uint8_t>(), plane.rows, plane.cols, static_cast<std::ptrdiff_t>(plane.step)});
 }
+
+namespace {
+
+// Extensions of images, also of formats that are refused.
+constexpr std::array kImageExtensions{".png", ".jpg", ".jpeg", ".jpe", ".tif", ".tiff", ".bmp",  ".dib",
+                                      ".pbm", ".pgm", ".ppm",  ".pnm", ".pam", ".gif",  ".webp", ".jp2",
+                                      ".exr", ".hdr", ".raw",  ".dng", ".cr2", ".nef",  ".heic", ".avif"};
+
+bool is_image(const std::filesystem::path& file) {
+  std::string extension = file.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+  if (std::find(kImageExtensions.begin(), kImageExtensions.end(), extension) != kImageExtensions.end()) {
+    return true;
+  }
+  std::error_code error;
+  const files::FileDescriptor opened(
+      std::filesystem::is_regular_file(file, error) ? open(file.c_str(), O_RDONLY | O_CLOEXEC) : -1);
+  std::array<char, 16> first{};
+  const ssize_t count = opened.number() < 0 ? 0 : read(opened.number(), first.data(), first.size());
+  return count > 0 && image_format({first.data(), static_cast<std::size_t>(count)}).has_value();
+}
+
+}  // namespace
 
 std::vector<std::string> files_of_folder(const std::string& folder) {
   namespace fs = std::filesystem;
@@ -154,10 +217,11 @@ std::vector<std::string> files_of_folder(const std::string& folder) {
     throw UserError(folder, fs::exists(folder, error) ? "is not a folder" : "there is no such folder");
   }
   std::vector<std::string> files;
+  std::vector<std::string> others;
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
     const std::string name = entry->path().filename().string();
     if (!name.starts_with('.') && name != "capture.json") {
-      files.push_back(entry->path().string());
+      (is_image(entry->path()) ? files : others).push_back(entry->path().string());
     }
   }
   if (error) {
@@ -165,6 +229,12 @@ std::vector<std::string> files_of_folder(const std::string& folder) {
   }
   if (files.empty()) {
     throw UserError(folder, "contains no images");
+  }
+  if (!others.empty()) {
+    others = in_natural_order(std::move(others));
+    files::note(
+        fmt::format("{}: is no image and left out{}", others.front(),
+                    others.size() == 1 ? "" : fmt::format(", like {} others of this folder", others.size() - 1)));
   }
   return in_natural_order(std::move(files));
 }

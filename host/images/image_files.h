@@ -1,4 +1,4 @@
-// Image files as frames of the camera: 8 bits, one channel.
+// Image files as frames of the camera: one channel of 8 bits.
 #ifndef SELFPROJ_HOST_IMAGES_IMAGE_FILES_H
 #define SELFPROJ_HOST_IMAGES_IMAGE_FILES_H
 
@@ -58,14 +58,46 @@ std::optional<ImagePart> image_part(std::string_view text, int max_side);
 // are not those of an image.
 void check_image_file(const std::string& file);
 
-// Reads an image of any format known to OpenCV, and ignores the orientation that some cameras note in the file. A
-// colour image needs a channel. An image of one channel is taken as it is, and accepts no channel. Throws UserError,
-// naming the file, if it cannot be read, is not an image, is damaged, does not have 8 bits, or does not fit the
-// channel.
-Image read_image(const std::string& file, std::optional<Channel> channel);
+// How the pixels of a file become one channel of 8 bits.
+struct PixelRule {
+  std::optional<Channel> channel = std::nullopt;
+  std::optional<int> shift = std::nullopt;  // values of more than 8 bits become floor(value / 2^shift); 0..kMaxShift
 
-// The files of a folder in natural order (img2 before img10), without those that begin with a dot and without
-// capture.json, the record of a capture. Throws UserError if the folder cannot be read or has no files.
+  PixelRule() = default;
+  PixelRule(std::optional<Channel> of_colours, std::optional<int> of_bits = std::nullopt)  // NOLINT: converts
+      : channel(of_colours), shift(of_bits) {}
+  PixelRule(Channel of_colours) : channel(of_colours) {}  // NOLINT: converts
+  PixelRule(std::nullopt_t /*none*/) {}                   // NOLINT: converts
+};
+
+inline constexpr int kMaxShift = 8;
+
+// The same as options say it: the name of a channel, empty for none.
+struct PixelOptions {
+  std::string channel = {};
+  std::optional<int> shift = {};
+
+  // "--channel" or "--shift", whichever is given; empty if none is.
+  [[nodiscard]] std::string given() const { return !channel.empty() ? "--channel" : shift ? "--shift" : ""; }
+  // Throws std::invalid_argument for another name or shift.
+  [[nodiscard]] PixelRule rule() const;
+};
+
+// Reads an image of any format known to OpenCV, and ignores the orientation that some cameras note in the file. A
+// colour image needs a channel. An image of one channel is taken as it is, and accepts no channel.
+//
+// Values of more than 8 bits need a shift, and none may then be above 255, unless the file says how large they can be:
+// a PGM does, and a TIFF of 9 to 15 bits. Of b bits they then become the upper 8 bits, floor(value / 2^(b - 8)), as a
+// live camera's do; of another maximum, 255 value / maximum, rounded.
+//
+// Throws UserError, naming the file, if it cannot be read, is not an image, has several, is damaged, or does not fit
+// the rule.
+Image read_image(const std::string& file, const PixelRule& rule);
+
+// The images of a folder in natural order (img2 before img10): the files that have an image's extension or begin like
+// one. A damaged image is thus not left out in silence, which would move those behind it. What else there is, is noted
+// (host/files/notes.h), without names that begin with a dot and capture.json, the record of a capture. Throws UserError
+// if the folder cannot be read or has no images.
 std::vector<std::string> files_of_folder(const std::string& folder);
 
 // The image files that a command is given: the files themselves, or those of the folder if it is given a single one.

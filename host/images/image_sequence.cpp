@@ -11,8 +11,8 @@
 
 namespace selfproj::images {
 
-ImageSequence::ImageSequence(std::vector<std::string> files, std::optional<Channel> channel)
-    : files_(std::move(files)), channel_(channel) {
+ImageSequence::ImageSequence(std::vector<std::string> files, const PixelRule& rule)
+    : files_(std::move(files)), rule_(rule) {
   for (const std::string& file : files_) {
     check_image_file(file);
   }
@@ -32,7 +32,7 @@ Image ImageSequence::read(std::size_t i) {
     first_.reset();
     return image;
   }
-  Image image = make_ ? make_(i) : read_image(files_[i], channel_);
+  Image image = make_ ? make_(i) : read_image(files_[i], rule_);
   if (rows_ == 0) {
     rows_ = image.rows;
     columns_ = image.columns;

@@ -16,7 +16,7 @@ class ImageSequence {
  public:
   // Checks the beginning of every file, so that a wrong name is found before the first image is read. Throws like
   // check_image_file.
-  ImageSequence(std::vector<std::string> files, std::optional<Channel> channel);
+  ImageSequence(std::vector<std::string> files, const PixelRule& rule);
 
   // Images that are in no files. `names` are for messages, one for each image; make(i) gives image i, from 0.
   ImageSequence(std::vector<std::string> names, std::function<Image(std::size_t)> make);
@@ -33,7 +33,7 @@ class ImageSequence {
 
  private:
   std::vector<std::string> files_;
-  std::optional<Channel> channel_;
+  PixelRule rule_;
   std::function<Image(std::size_t)> make_;  // empty: the images are read from files_
   std::optional<Image> first_;
   int rows_ = 0;

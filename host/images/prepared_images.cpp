@@ -57,7 +57,7 @@ Image with_columns(const Image& image, int columns) {
 PreparedImages::PreparedImages(std::vector<std::string> files, const Preparation& preparation)
     : files_(std::move(files)),
       background_(preparation.background),
-      channel_(channel_of(preparation.channel)),
+      rule_(preparation.pixels.rule()),
       transpose_(preparation.transpose) {
   if (!preparation.roi.empty()) {
     constexpr int kMaxSide = 1 << 20;
@@ -102,7 +102,7 @@ Image PreparedImages::frame(std::size_t i, Image* as_taken) {
 }
 
 Image PreparedImages::prepared(const std::string& file) const {
-  Image image = read_image(file, channel_);
+  Image image = read_image(file, rule_);
   if (part_) {
     if (part_->left + part_->columns > image.columns || part_->top + part_->rows > image.rows) {
       throw UserError(file, fmt::format("is {}; --roi {}+{}+{} is not within it", size_text(image.rows, image.columns),

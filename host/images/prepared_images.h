@@ -14,7 +14,7 @@ namespace selfproj::images {
 
 // How images become frames, as the options say.
 struct Preparation {
-  std::string channel = {};                  // empty: only images of one channel
+  PixelOptions pixels = {};
   std::string roi = {};                      // a part, as above; empty: all
   bool transpose = false;                    // rows become columns, after the part was taken
   std::vector<std::string> background = {};  // files: one for all images, or one for each; empty: none
@@ -46,7 +46,7 @@ class PreparedImages {
 
   std::vector<std::string> files_;
   std::vector<std::string> background_;
-  std::optional<Channel> channel_;
+  PixelRule rule_;
   std::optional<ImagePart> part_;
   bool transpose_;
   Image first_;

@@ -15,6 +15,7 @@
 
 #include "host/files/input_file.h"
 #include "host/files/numbers.h"
+#include "host/files/text.h"
 #include "host/rig/geometry.h"
 #include "host/rig/yaml.h"
 #include "selfproj/files/user_error.h"
@@ -178,7 +179,7 @@ ReferenceCurve load_curve(const rig::Rig& rig, const std::string& file, std::opt
   if (frame) {
     throw UserError(file, "is not a TIFF file, so it has no frames");
   }
-  return parse_curve_csv(files::read_input(file, files::kMostTableBytes), file);
+  return parse_curve_csv(files::read_text(file, files::kMostTableBytes), file);
 }
 
 std::string reference_csv(const rig::Rig& rig, const ReferenceProfile& reference) {
@@ -293,7 +294,7 @@ ReferenceProfile load_reference(const rig::Rig& rig, const std::string& folder_o
   std::error_code error;
   const std::string file =
       fs::is_directory(folder_or_file, error) ? (fs::path(folder_or_file) / "reference.csv").string() : folder_or_file;
-  return parse_reference_csv(rig, files::read_input(file, files::kMostTableBytes), file);
+  return parse_reference_csv(rig, files::read_text(file, files::kMostTableBytes), file);
 }
 
 images::FloatImage load_pattern(const rig::Rig& rig, const std::string& folder) {

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -18,6 +17,7 @@
 
 #include "host/driver/clock.h"
 #include "host/files/input_file.h"
+#include "host/files/json_text.h"
 #include "host/production/live_files.h"
 #include "host/production/page_server.h"
 #include "host/report/facts.h"
@@ -76,8 +76,8 @@ std::string three_js() {
   }
 }
 
-std::vector<PageServer::File> files_of_page(std::function<PageServer::Text()> part,
-                                            std::function<PageServer::Text()> camera) {
+std::vector<PageServer::File> files_of_page(std::function<PageServer::Text(std::uint64_t&)> part,
+                                            std::function<PageServer::Text(std::uint64_t&)> camera) {
   constexpr const char* kScript = "text/javascript; charset=utf-8";
   return {PageServer::fixed("/", "text/html; charset=utf-8", kLiveHtml),
           PageServer::fixed("/live.js", kScript, kLiveJs),
@@ -94,18 +94,11 @@ class LivePage::Server : public PageServer {
  public:
   Server(LivePage& page, const Endpoint& endpoint, const std::string& token)
       : PageServer("--live", endpoint, token,
-                   files_of_page([&page] { return page.last_part(); }, [&page] { return page.last_image(); }),
+                   files_of_page([&page](std::uint64_t&) { return page.last_part(); },
+                                 [&page](std::uint64_t&) { return page.last_image(); }),
                    Stream{.path = "/stream",
-                          .next =
-                              [&page](std::uint64_t& number) {
-                                const Message message = page.next_message(number);
-                                if (message.bytes != nullptr) {
-                                  page.dropped_ += number > 0 ? message.number - number - 1 : 0;
-                                  number = message.number;
-                                }
-                                return message.bytes;
-                              },
-                          .begin = [&page] { return page.watchers_.fetch_add(1) < kMaxWatchers; },
+                          .next = [&page](std::uint64_t& number) { return page.next_message(number); },
+                          .begin = [&page] { ++page.watchers_; },
                           .finish = [&page] { --page.watchers_; }}) {}
 };
 
@@ -121,18 +114,18 @@ LivePage::LivePage(const Endpoint& endpoint, const rig::Rig& rig, const std::str
   server_ = std::make_unique<Server>(*this, endpoint, token_);
 }
 
-LivePage::~LivePage() {
-  end_ = true;
-  changed_.notify_all();
-  server_.reset();
-}
+LivePage::~LivePage() = default;
 
 std::string LivePage::url() const { return page_url(endpoint_, token_); }
 
-LivePage::Message LivePage::next_message(std::uint64_t number) {
-  std::unique_lock lock(mutex_);
-  changed_.wait_for(lock, std::chrono::seconds(1), [&] { return end_ || message_.number > number; });
-  return end_ || message_.number <= number ? Message{} : message_;
+std::shared_ptr<const std::string> LivePage::next_message(std::uint64_t& number) {
+  const std::lock_guard lock(mutex_);
+  if (message_.number <= number) {
+    return nullptr;
+  }
+  dropped_ += number > 0 ? message_.number - number - 1 : 0;
+  number = message_.number;
+  return message_.bytes;
 }
 
 std::shared_ptr<const std::string> LivePage::last_part() {
@@ -170,7 +163,7 @@ void LivePage::camera(const model::PacketHeader& header, const model::ImageView&
                                        {"bright_grey", exposure.bright_grey},
                                        {"good", exposure.good},
                                        {"advice", exposure.advice}};
-  auto message = std::make_shared<const std::string>(message_of(json.dump(), bytes));
+  auto message = std::make_shared<const std::string>(message_of(files::json_text(json), bytes));
   const std::lock_guard lock(mutex_);
   camera_ = std::move(message);
   ++camera_images_;
@@ -250,11 +243,11 @@ void LivePage::send(const std::string& kind, int rows, int columns, const std::s
     const std::string json =
         fmt::format(R"({{"message":{},"kind":"{}","dropped":{},"title":{},"columns":{},"rows":{},"camera":{},)"
                     R"("figures":{},"parts":[{}],"statistics":{}}})",
-                    number, kind, dropped_.load(), nlohmann::json(title_).dump(), columns, rows, camera_images_,
+                    number, kind, dropped_.load(), files::json_text(nlohmann::json(title_)), columns, rows, camera_images_,
                     figures_, parts, statistics_);
     message_ = {number, std::make_shared<const std::string>(message_of(json, floats))};
   }
-  changed_.notify_all();
+  server_->wake();
 }
 
 void LivePage::part(const PartResult& result, const PlacedMaps& maps, const PartStatistics& statistics) {
@@ -262,7 +255,7 @@ void LivePage::part(const PartResult& result, const PlacedMaps& maps, const Part
   const images::FloatImage height = thinned(maps.height, every);
   const images::FloatImage difference = thinned(maps.difference, every);
   nlohmann::ordered_json json = part_json(result);
-  const std::string text = json.dump();
+  const std::string text = files::json_text(json);
   json["rows"] = height.rows;
   json["columns"] = height.columns;
   json["pitch_mm"] = maps.grid.pitch_mm * every;
@@ -271,18 +264,18 @@ void LivePage::part(const PartResult& result, const PlacedMaps& maps, const Part
   std::string floats;
   append_floats(floats, height.values.data(), height.values.size());
   append_floats(floats, difference.values.data(), difference.values.size());
-  auto part = std::make_shared<const std::string>(message_of(json.dump(), floats));
+  auto part = std::make_shared<const std::string>(message_of(files::json_text(json), floats));
   const std::lock_guard lock(mutex_);
   part_ = std::move(part);
   parts_.push_front(text);
   if (parts_.size() > kPartsShown) {
     parts_.pop_back();
   }
-  statistics_ = statistics_json(statistics).dump();
+  statistics_ = files::json_text(statistics_json(statistics));
 }
 
 void LivePage::report(const std::vector<report::Fact>& figures) {
-  std::string text = report::facts_json(figures).dump();
+  std::string text = files::json_text(report::facts_json(figures));
   const std::lock_guard lock(mutex_);
   figures_ = std::move(text);
 }

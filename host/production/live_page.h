@@ -3,14 +3,12 @@
 #define SELFPROJ_HOST_PRODUCTION_LIVE_PAGE_H
 
 #include <atomic>
-#include <condition_variable>
 #include <cstddef>
 #include <cstdint>
 #include <deque>
 #include <memory>
 #include <mutex>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "host/production/camera_view.h"
@@ -45,7 +43,6 @@ namespace selfproj::production {
 class LivePage {
  public:
   static constexpr int kPerSecond = 20;
-  static constexpr std::size_t kMaxWatchers = 8;
   static constexpr std::size_t kPartsShown = 20;
 
   // Throws UserError about --live if it cannot listen there. `title` stands above the page.
@@ -81,8 +78,8 @@ class LivePage {
     std::shared_ptr<const std::string> bytes;
   };
 
-  // The newest message after `number`, or none within a second or at the end.
-  Message next_message(std::uint64_t number);
+  // The newest message after `number`, which it raises; null if there is none.
+  std::shared_ptr<const std::string> next_message(std::uint64_t& number);
   std::shared_ptr<const std::string> last_part();
   std::shared_ptr<const std::string> last_image();
   void profile(const light_section::ProfileView& profile);
@@ -98,7 +95,6 @@ class LivePage {
   std::string token_;
   std::atomic<std::size_t> watchers_{0};
   std::atomic<std::uint64_t> dropped_{0};
-  std::atomic<bool> end_{false};
 
   // Of the production's thread:
   std::int64_t next_message_ns_ = 0;
@@ -106,7 +102,6 @@ class LivePage {
   std::vector<float> rows_;
 
   std::mutex mutex_;  // of all that follows
-  std::condition_variable changed_;
   Message message_;
   std::string figures_ = "{}";
   std::deque<std::string> parts_;  // JSON, the newest first

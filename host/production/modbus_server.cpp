@@ -1,10 +1,10 @@
 #include "host/production/modbus_server.h"
 
-#include <fcntl.h>
 #include <modbus/modbus-tcp.h>
 #include <modbus/modbus.h>
 #include <poll.h>
 #include <sys/socket.h>
+#include <sys/types.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -14,21 +14,30 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <list>
 #include <memory>
 #include <stop_token>
 #include <utility>
 #include <vector>
 
+#include "host/driver/clock.h"
 #include "host/files/file_descriptor.h"
 #include "host/files/signals_held.h"
+#include "host/production/clients.h"
+#include "host/production/endpoint.h"
 #include "selfproj/files/user_error.h"
 
 namespace selfproj::production {
 namespace {
 
-constexpr int kMaxPending = 128;               // connections that wait to be accepted
-constexpr int kPatienceMs = 50;                // so that the end is noticed
-constexpr std::uint32_t kByteWaitUs = 20'000;  // between the bytes of one request
+constexpr int kPatienceMs = 50;                         // so that the end is noticed
+constexpr std::int64_t kRequestNs = 500'000'000;        // from the first to the last byte of a request
+constexpr std::int64_t kNeverAskedNs = 10'000'000'000;  // a client is silent
+constexpr std::int64_t kIdleNs = 600'000'000'000;
+
+// Of a request: identification, 0, the bytes that follow the length, unit; then function and data.
+constexpr std::size_t kBeforeLength = 4;
+constexpr std::size_t kHead = 7;
 
 using Values = std::array<std::uint16_t, kModbusRegisters>;
 
@@ -69,94 +78,145 @@ std::array<std::uint16_t, kModbusRegisters> modbus_registers(const PartCounts& p
 }
 
 // What libmodbus holds, and the sockets.
-class ModbusServer::Connection {
+class ModbusServer::Connections {
  public:
-  explicit Connection(const Endpoint& endpoint)
-      : context_(modbus_new_tcp(endpoint.address.c_str(), endpoint.port), modbus_free),
-        mapping_(modbus_mapping_new(0, 0, kModbusRegisters, kModbusRegisters), modbus_mapping_free),
-        listening_(-1) {
+  explicit Connections(const Endpoint& endpoint)
+      : listening_(listen_at("--modbus", endpoint)),
+        context_(modbus_new_tcp("127.0.0.1", endpoint.port), modbus_free),  // only to answer by
+        mapping_(modbus_mapping_new(0, 0, kModbusRegisters, kModbusRegisters), modbus_mapping_free) {
     if (context_ == nullptr || mapping_ == nullptr) {
       throw UserError("--modbus " + endpoint.text(), modbus_strerror(errno));
     }
-    listening_.reset(modbus_tcp_listen(context_.get(), kMaxPending));
-    if (listening_.number() < 0) {
-      throw UserError("--modbus " + endpoint.text(), files::error_text(errno));
-    }
-    fcntl(listening_.number(), F_SETFL, O_NONBLOCK);
-    modbus_set_byte_timeout(context_.get(), 0, kByteWaitUs);
-    modbus_set_indication_timeout(context_.get(), 0, kByteWaitUs);
-    // The library sleeps for this time after some refusals: one client must not stop the others.
-    modbus_set_response_timeout(context_.get(), 0, 1);
   }
-  Connection(const Connection&) = delete;
-  Connection& operator=(const Connection&) = delete;
-  ~Connection() {
-    for (const int client : clients_) {
-      ::close(client);
+  Connections(const Connections&) = delete;
+  Connections& operator=(const Connections&) = delete;
+  ~Connections() {
+    for (const auto& [socket, client] : clients_) {
+      ::close(socket);
     }
   }
 
   // Waits for requests, and answers those that are there.
   void serve(const Registers& registers) {
     std::vector<pollfd> sockets;
-    sockets.push_back({.fd = listening_.number(), .events = POLLIN, .revents = 0});
-    for (const int client : clients_) {
-      sockets.push_back({.fd = client, .events = POLLIN, .revents = 0});
+    for (const files::FileDescriptor& one : listening_) {
+      sockets.push_back({one.number(), static_cast<std::int16_t>(full_ ? 0 : POLLIN), 0});
     }
-    if (poll(sockets.data(), sockets.size(), kPatienceMs) <= 0) {
-      return;
+    const std::size_t first = sockets.size();
+    for (const auto& [socket, client] : clients_) {
+      sockets.push_back({socket, POLLIN, 0});
     }
-    for (std::size_t i = 1; i < sockets.size(); ++i) {
-      if (sockets[i].revents != 0 && !answer(sockets[i].fd, registers)) {
-        ::close(sockets[i].fd);
-        std::erase(clients_, sockets[i].fd);
+    poll(sockets.data(), sockets.size(), full_ ? kAcceptAgainMs : kPatienceMs);
+    const std::int64_t now = driver::now_ns();
+    bool renewed = false;  // the registers
+    for (std::size_t i = first; i < sockets.size(); ++i) {
+      if (sockets[i].revents != 0 && !renewed) {
+        const Values values = registers();
+        std::copy(values.begin(), values.end(), mapping_->tab_registers);
+        std::copy(values.begin(), values.end(), mapping_->tab_input_registers);
+        renewed = true;
+      }
+      const auto client = clients_.find(sockets[i].fd);
+      if ((sockets[i].revents != 0 && !receive(client->first, client->second, now)) || is_late(client->second, now)) {
+        drop(client);
       }
     }
-    for (int client = accept4(listening_.number(), nullptr, nullptr, SOCK_CLOEXEC); client >= 0;
-         client = accept4(listening_.number(), nullptr, nullptr, SOCK_CLOEXEC)) {
-      if (clients_.size() >= kMaxClients) {
-        ::close(client);
-      } else {
-        clients_.push_back(client);
-      }
+    full_ = false;
+    for (const files::FileDescriptor& one : listening_) {
+      full_ = !accept_clients(
+                  one.number(), most_, clients_, now,
+                  [&](int socket, const SocketAddress& from) {
+                    clients_[socket] = {{.machine = machine_of(from), .since_ns = now}};
+                  },
+                  [this](Clients<Controller>::iterator client) { drop(client); }) ||
+              full_;
     }
   }
 
  private:
-  // Returns false if the client has gone, or what it sends is no request.
-  bool answer(int client, const Registers& registers) {
-    modbus_set_socket(context_.get(), client);
-    std::array<std::uint8_t, MODBUS_TCP_MAX_ADU_LENGTH> request{};
-    const int length = modbus_receive(context_.get(), request.data());
-    if (length < 0) {
-      return false;
-    }
-    if (length == 0) {  // for another slave
-      return true;
-    }
-    const int header = modbus_get_header_length(context_.get());
-    const std::uint8_t function = request.at(static_cast<std::size_t>(header));
-    if (function != MODBUS_FC_READ_HOLDING_REGISTERS && function != MODBUS_FC_READ_INPUT_REGISTERS) {
-      return modbus_reply_exception(context_.get(), request.data(), MODBUS_EXCEPTION_ILLEGAL_FUNCTION) >= 0;
-    }
-    const Values values = registers();
-    std::copy(values.begin(), values.end(), mapping_->tab_registers);
-    std::copy(values.begin(), values.end(), mapping_->tab_input_registers);
-    return modbus_reply(context_.get(), request.data(), length, mapping_.get()) >= 0;
+  // What has arrived of a client's requests.
+  struct Controller : Client {
+    std::array<std::uint8_t, MODBUS_TCP_MAX_ADU_LENGTH> bytes{};
+    std::size_t size = 0;
+    std::int64_t begun_ns = 0;  // when the first of the bytes came
+    bool asked = false;         // it has sent a whole request
+  };
+
+  static bool is_late(const Controller& client, std::int64_t now) {
+    return (client.size > 0 && now - client.begun_ns > kRequestNs) ||
+           now - client.since_ns > (client.asked ? kIdleNs : kNeverAskedNs);
   }
 
+  void drop(Clients<Controller>::iterator client) {
+    ::close(client->first);
+    clients_.erase(client);
+  }
+
+  // Takes what is there, and answers the requests that are whole. Returns false if the client has gone, or what it
+  // sends is no request.
+  bool receive(int socket, Controller& client, std::int64_t now) {
+    const ssize_t count = recv(socket, &client.bytes.at(client.size), client.bytes.size() - client.size, MSG_DONTWAIT);
+    if (count <= 0) {
+      return count < 0 && (errno == EAGAIN || errno == EINTR);
+    }
+    client.begun_ns = client.size == 0 ? now : client.begun_ns;
+    client.size += static_cast<std::size_t>(count);
+    modbus_set_socket(context_.get(), socket);
+    while (client.size >= kHead) {
+      const std::size_t size = kBeforeLength + 2 + (std::size_t{client.bytes[4]} << 8U) + client.bytes[5];
+      const bool is_modbus = client.bytes[2] == 0 && client.bytes[3] == 0;
+      if (!is_modbus || size <= kHead || size > client.bytes.size()) {
+        return false;
+      }
+      if (client.size < size) {
+        break;
+      }
+      if (!answer(client.bytes.data(), size)) {
+        return false;
+      }
+      std::copy(client.bytes.begin() + static_cast<std::ptrdiff_t>(size),
+                client.bytes.begin() + static_cast<std::ptrdiff_t>(client.size), client.bytes.begin());
+      client.size -= size;
+      client.begun_ns = client.since_ns = now;
+      client.asked = true;
+    }
+    return true;
+  }
+
+  // Answers a whole request. Libmodbus sends without waiting, because the socket does not block: who takes no answers
+  // loses its connection. After some refusals libmodbus would wait and read on; these are made here.
+  bool answer(const std::uint8_t* request, std::size_t size) {
+    constexpr std::size_t kRead = kHead + 5;  // function, first register, count
+    const std::uint8_t function = request[kHead];
+    if (function != MODBUS_FC_READ_HOLDING_REGISTERS && function != MODBUS_FC_READ_INPUT_REGISTERS) {
+      return modbus_reply_exception(context_.get(), request, MODBUS_EXCEPTION_ILLEGAL_FUNCTION) >= 0;
+    }
+    if (size != kRead) {
+      return false;
+    }
+    const int count = request[kRead - 2] << 8U | request[kRead - 1];
+    if (count < 1 || count > MODBUS_MAX_READ_REGISTERS) {
+      return modbus_reply_exception(context_.get(), request, MODBUS_EXCEPTION_ILLEGAL_DATA_VALUE) >= 0;
+    }
+    return modbus_reply(context_.get(), request, static_cast<int>(size), mapping_.get()) >= 0;
+  }
+
+  const std::size_t most_ = max_clients();
+  const std::list<files::FileDescriptor> listening_;
   std::unique_ptr<modbus_t, void (*)(modbus_t*)> context_;
   std::unique_ptr<modbus_mapping_t, void (*)(modbus_mapping_t*)> mapping_;
-  files::FileDescriptor listening_;
-  std::vector<int> clients_;
+  Clients<Controller> clients_;
+  bool full_ = false;  // somebody may wait to be accepted
 };
 
 ModbusServer::ModbusServer(const Endpoint& endpoint, Registers registers)
-    : registers_(std::move(registers)), connection_(std::make_unique<Connection>(endpoint)) {
+    : registers_(std::move(registers)), connections_(std::make_unique<Connections>(endpoint)) {
   const files::SignalsHeld held;
   thread_ = std::jthread([this](const std::stop_token& stop) {
+    Duty duty;
     while (!stop.stop_requested()) {
-      connection_->serve(registers_);
+      connections_->serve(registers_);
+      duty.rest();
     }
   });
 }

@@ -37,11 +37,12 @@ inline constexpr std::size_t kModbusRegisters = 21;
 std::array<std::uint16_t, kModbusRegisters> modbus_registers(const PartCounts& parts, std::uint64_t lost,
                                                              std::uint16_t heartbeat, std::int64_t now_ns);
 
-// Answers up to kMaxClients at once, in a thread of its own. A client that sends anything that is no request loses its
-// connection, and nothing else happens.
+// Answers in a thread of its own, each client by itself. A client that sends anything that is no request, or a request
+// for longer than half a second, loses its connection, and nothing else happens. So does one that has asked for nothing
+// ten seconds after it came or ten minutes after its last request; clients.h says who must go where many come, and how
+// much of a core the thread may take.
 class ModbusServer {
  public:
-  static constexpr std::size_t kMaxClients = 16;
   using Registers = std::function<std::array<std::uint16_t, kModbusRegisters>()>;
 
   // Asks `registers` for every request; it may be called from another thread until the end. Throws UserError about
@@ -52,10 +53,10 @@ class ModbusServer {
   ~ModbusServer();
 
  private:
-  class Connection;
+  class Connections;
 
   Registers registers_;
-  std::unique_ptr<Connection> connection_;
+  std::unique_ptr<Connections> connections_;
   std::jthread thread_;
 };
 

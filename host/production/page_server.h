@@ -2,6 +2,7 @@
 #ifndef SELFPROJ_HOST_PRODUCTION_PAGE_SERVER_H
 #define SELFPROJ_HOST_PRODUCTION_PAGE_SERVER_H
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -21,22 +22,30 @@ std::string page_url(const Endpoint& endpoint, const std::string& token);
 
 // On a loopback address, requests must be for a name of this machine. On any other, they need the token. Nothing comes
 // from anywhere else, and only GET and HEAD are served.
+//
+// One thread serves all, by libmicrohttpd. A request that does not fit into kMaxRequest bytes is refused. Who does not
+// complete a request in five seconds, or takes no further block of an answer for so long, is closed; clients.h says who
+// must go where many come, and how much of a core the thread may take.
 class PageServer {
  public:
   using Text = std::shared_ptr<const std::string>;
 
-  // A path such as "/live.js", its media type, and what is there. The function is called in threads of the server.
+  static constexpr std::size_t kMaxRequest = 32768;
+
+  // A path such as "/live.js", its media type, and what is there. The function is called in the server's thread, and
+  // must not wait: if it returns null, it is called again after wake() or a second, with the same number, which is 0 at
+  // a request's first call.
   struct File {
     std::string path;
     std::string type;
-    std::function<Text()> text;
+    std::function<Text(std::uint64_t&)> text;
   };
 
-  // Messages without end at a path. All are called in threads of the server.
+  // Messages without end at a path. All are called in the server's thread, and must not wait.
   struct Stream {
     std::string path;
-    std::function<Text(std::uint64_t&)> next;  // the next message after this number, which it raises; null: none yet
-    std::function<bool()> begin;               // one more watches; false: too many. finish() is due in either case
+    std::function<Text(std::uint64_t&)> next;  // the newest message after this number, which it raises; null: none yet
+    std::function<void()> begin;               // one more watches
     std::function<void()> finish;              // one less
   };
 
@@ -47,11 +56,14 @@ class PageServer {
   PageServer& operator=(const PageServer&) = delete;
   virtual ~PageServer();
 
+  // There is a new message, or a text that was not there. For any thread.
+  void wake();
+
   // A file whose text stays.
   static File fixed(const std::string& path, const std::string& type, std::string text);
 
  private:
-  struct Implementation;
+  class Implementation;
   std::unique_ptr<Implementation> implementation_;
 };
 

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "host/files/file_descriptor.h"
+#include "host/files/json_text.h"
 #include "host/files/output_file.h"
 #include "host/files/output_folder.h"
 #include "host/files/signals_held.h"
@@ -94,7 +95,7 @@ void PartFiles::rethrow() {
 
 void PartFiles::add(const PartResult& result, const PlacedMaps& maps) {
   rethrow();
-  append_line(lines_, folder_ / kLines, part_json(result).dump() + "\n");
+  append_line(lines_, folder_ / kLines, files::json_text(part_json(result)) + "\n");
   append_line(table_, folder_ / kTable, part_csv(result));
   if (result.verdict == Verdict::good) {
     return;
@@ -113,7 +114,7 @@ void PartFiles::add(const PartResult& result, const PlacedMaps& maps) {
 
 void PartFiles::write_folder(const Waiting& part) const {
   files::OutputFolder folder(folder_ / fmt::format("part_{:06}", part.result.number));
-  folder.append("result.json", part_json(part.result).dump(2) + "\n");
+  folder.append("result.json", files::json_text(part_json(part.result), 2) + "\n");
   folder.append("height.tiff", images::encode_float_tiff("height.tiff", part.maps.height));
   folder.append("difference.tiff", images::encode_float_tiff("difference.tiff", part.maps.difference));
   folder.append("difference.png", part_picture(part.result, part.maps));
@@ -144,7 +145,7 @@ void PartFiles::finish(const PartStatistics& statistics) {
   thread_.request_stop();
   thread_.join();
   rethrow();
-  files::OutputFile(folder_ / "statistics.json").write(statistics_json(statistics).dump(2) + "\n");
+  files::OutputFile(folder_ / "statistics.json").write(files::json_text(statistics_json(statistics), 2) + "\n");
 }
 
 }  // namespace selfproj::production

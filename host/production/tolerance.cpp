@@ -15,6 +15,7 @@
 
 #include "host/files/input_file.h"
 #include "host/files/numbers.h"
+#include "host/files/text.h"
 #include "host/rig/geometry.h"
 #include "host/rig/yaml.h"
 #include "selfproj/files/user_error.h"
@@ -218,7 +219,7 @@ Tolerance parse_tolerance(const std::string& yaml, const std::string& source) {
 }
 
 Tolerance load_tolerance(const std::string& file) {
-  return parse_tolerance(files::read_input(file, files::kMostTextBytes), file);
+  return parse_tolerance(files::read_text(file, files::kMostTextBytes), file);
 }
 
 std::vector<double> sampled_section(const SectionReference& section, double left_mm, double right_mm, double step_mm,

@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "host/files/json_text.h"
 #include "host/files/numbers.h"
 #include "host/images/frame_options.h"
 #include "host/images/image_files.h"
@@ -192,7 +193,7 @@ std::string summary(const structured_light::DepthRun& run, const DepthReport& re
   if (report.plane) {
     json["plane"] = plane_json(*report.plane);
   }
-  return json.dump(2) + "\n";
+  return files::json_text(json, 2) + "\n";
 }
 
 // One line for each depth image: pair,pixels,x,y,z. If nothing moved, pixels is 0 and the rest is empty.
@@ -309,7 +310,7 @@ std::string summary(const structured_light::MatchTable& table, const MatchReport
     const auto state = static_cast<structured_light::PointState>(i);
     json["newest"][structured_light::name_of(state)] = report.all_shares.back().value.of(state);
   }
-  return json.dump(2) + "\n";
+  return files::json_text(json, 2) + "\n";
 }
 
 }  // namespace

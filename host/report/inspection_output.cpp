@@ -15,6 +15,7 @@
 #include <utility>
 #include <vector>
 
+#include "host/files/json_text.h"
 #include "host/files/numbers.h"
 #include "host/images/frame_options.h"
 #include "host/report/facts.h"
@@ -265,7 +266,7 @@ std::string summary(const light_section::Inspection& inspection, const ReportPar
   for (const ReportTable& table : parts.tables) {
     json["tables"].push_back({{"title", table.title}, {"header", table.header}, {"rows", table.rows}});
   }
-  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+  return files::json_text(json, 2) + "\n";
 }
 
 ReportData report_data(const light_section::Inspection& inspection, const ReportParts& parts) {

@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "host/files/json_text.h"
 #include "host/files/output_folder.h"
 #include "host/images/frame_options.h"
 #include "host/images/prepared_images.h"
@@ -90,7 +91,7 @@ std::string LineImages::summary(const LineFacts& facts) const {
   }
   json["counters"] = facts_json(facts.counters);
   json["settings"] = facts_json(facts.settings);
-  return json.dump(2) + "\n";
+  return files::json_text(json, 2) + "\n";
 }
 
 MomentsReport LineImages::report(const LineFacts& facts, std::size_t frames,

@@ -14,6 +14,7 @@
 #include <variant>
 #include <vector>
 
+#include "host/files/text.h"
 #include "host/report/map_picture.h"
 #include "host/report/tables.h"
 
@@ -55,7 +56,7 @@ std::string grouped(std::int64_t value) {
 
 std::string escaped(std::string_view text) {
   std::string result;
-  for (const char c : text) {
+  for (const char c : files::shown(text)) {
     switch (c) {
       case '&':
         result += "&amp;";

@@ -15,6 +15,7 @@
 
 #include "host/files/input_file.h"
 #include "host/files/stderr_capture.h"
+#include "host/files/text.h"
 #include "host/rig/yaml.h"
 #include "selfproj/files/user_error.h"
 #include "selfproj/rig/calibration.h"
@@ -117,7 +118,7 @@ namespace {
 class Reader {
  public:
   explicit Reader(const std::string& file) : file_(file) {
-    const std::string text = files::read_input(file, files::kMostTextBytes);
+    const std::string text = files::read_text(file, files::kMostTextBytes);
     check_calibration_text(text, file);
     const files::StderrCapture capture;
     try {

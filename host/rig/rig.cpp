@@ -17,6 +17,7 @@
 
 #include "host/files/input_file.h"
 #include "host/files/numbers.h"
+#include "host/files/text.h"
 #include "host/images/frame_options.h"
 #include "host/rig/rigs_built_in.h"
 #include "host/rig/yaml.h"
@@ -348,7 +349,7 @@ Rig load_any_rig(const std::string& name_or_file) {
     throw UserError(name_or_file, fmt::format("is neither a readable file nor a built-in rig ({})",
                                               fmt::join(built_in_rigs(), ", ")));
   }
-  return parse_rig(files::read_input(name_or_file, files::kMostTextBytes), name_or_file);
+  return parse_rig(files::read_text(name_or_file, files::kMostTextBytes), name_or_file);
 }
 
 Rig load_rig(const std::string& name_or_file) {

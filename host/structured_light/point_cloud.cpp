@@ -12,8 +12,11 @@
 #include <map>
 #include <memory>
 #include <nanoflann.hpp>
+#include <optional>
 #include <sstream>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "host/files/input_file.h"
@@ -24,39 +27,59 @@
 namespace selfproj::structured_light {
 namespace {
 
-float float_at(const std::string& bytes, std::size_t at) {
-  std::array<std::uint8_t, sizeof(float)> little{};
-  std::memcpy(little.data(), bytes.data() + at, little.size());
-  return std::bit_cast<float>(model::load_little_endian<std::uint32_t>(little.data()));
-}
-
-constexpr float kFar = 1e9F;
+constexpr double kFar = 1e9;
 constexpr double kNoDistance = std::numeric_limits<double>::quiet_NaN();
+
+// A scalar type of PLY files.
+struct PlyType {
+  std::size_t size;
+  enum class Kind : std::uint8_t { natural, integer, real } kind;
+};
+
+// One of the properties of each vertex, in its order.
+struct PlyProperty {
+  std::string name;
+  PlyType type;
+  std::size_t offset;  // in the bytes of a vertex
+};
 
 // Where the vertices are in a PLY file.
 struct PlyLayout {
+  enum class Format : std::uint8_t { text, little, big } format = Format::text;
   std::size_t header = 0;  // bytes
   std::size_t count = 0;
-  std::size_t stride = 0;
-  std::map<std::string, std::size_t> floats;  // offsets of float properties
+  std::size_t stride = 0;  // bytes of a vertex
+  std::vector<PlyProperty> properties;
+  std::array<std::size_t, 3> axes{};  // which of them are x, y, z
 };
 
+std::size_t end_of_header(const std::string& bytes) {
+  const std::size_t end = bytes.find("\nend_header");
+  const std::size_t line = end == std::string::npos ? end : bytes.find('\n', end + 1);
+  const bool begins = bytes.starts_with("ply\n") || bytes.starts_with("ply\r\n");
+  return begins && line != std::string::npos ? line + 1 : std::string::npos;
+}
+
 PlyLayout layout_of(const std::string& file, const std::string& bytes) {
-  static const std::map<std::string, std::size_t> sizes{{"char", 1},  {"uchar", 1},   {"int8", 1},   {"uint8", 1},
-                                                        {"short", 2}, {"ushort", 2},  {"int16", 2},  {"uint16", 2},
-                                                        {"int", 4},   {"uint", 4},    {"int32", 4},  {"uint32", 4},
-                                                        {"float", 4}, {"float32", 4}, {"double", 8}, {"float64", 8}};
-  const std::string last = "end_header\n";
-  const std::size_t end = bytes.find(last);
-  if (bytes.compare(0, 4, "ply\n") != 0 || end == std::string::npos) {
+  using enum PlyType::Kind;
+  static const std::map<std::string, PlyType> types{
+      {"char", {1, integer}},  {"uchar", {1, natural}},  {"int8", {1, integer}},  {"uint8", {1, natural}},
+      {"short", {2, integer}}, {"ushort", {2, natural}}, {"int16", {2, integer}}, {"uint16", {2, natural}},
+      {"int", {4, integer}},   {"uint", {4, natural}},   {"int32", {4, integer}}, {"uint32", {4, natural}},
+      {"float", {4, real}},    {"float32", {4, real}},   {"double", {8, real}},   {"float64", {8, real}}};
+  static const std::map<std::string, PlyLayout::Format> formats{{"ascii", PlyLayout::Format::text},
+                                                                {"binary_little_endian", PlyLayout::Format::little},
+                                                                {"binary_big_endian", PlyLayout::Format::big}};
+  PlyLayout layout;
+  layout.header = end_of_header(bytes);
+  if (layout.header == std::string::npos) {
     throw UserError(file, "is not a PLY file");
   }
-  PlyLayout layout;
-  layout.header = end + last.size();
-  std::istringstream lines(bytes.substr(0, end));
+  std::istringstream lines(bytes.substr(0, layout.header));
   std::string line;
   int elements = 0;
-  bool binary = false;
+  bool known = false;
+  bool vertices = false;
   while (std::getline(lines, line)) {
     std::istringstream words(line);
     std::string word;
@@ -64,31 +87,99 @@ PlyLayout layout_of(const std::string& file, const std::string& bytes) {
     std::string name;
     words >> word >> type >> name;
     if (word == "format") {
-      binary = type == "binary_little_endian";
+      const auto format = formats.find(type);
+      known = format != formats.end();
+      layout.format = known ? format->second : layout.format;
     } else if (word == "element") {
       ++elements;
       if (elements == 1) {
         layout.count = files::number_of_text<std::size_t>(name).value_or(0);
-        binary = binary && type == "vertex";
+        vertices = type == "vertex";
       }
-    } else if (word == "property" && elements == 1) {
-      const auto size = sizes.find(type);
-      if (size == sizes.end()) {
+    } else if (word == "property" && elements == 1 && vertices) {
+      const auto found = types.find(type);
+      if (found == types.end()) {
         throw UserError(file, "has a vertex property of type " + type);
       }
-      if (type == "float" || type == "float32") {
-        layout.floats[name] = layout.stride;
-      }
-      layout.stride += size->second;
+      layout.properties.push_back({name, found->second, layout.stride});
+      layout.stride += found->second.size;
     }
   }
-  if (!binary || layout.floats.count("x") + layout.floats.count("y") + layout.floats.count("z") != 3) {
-    throw UserError(file, "is not a binary little-endian PLY that begins with vertices of floats x, y, z");
+  for (std::size_t axis = 0; axis < layout.axes.size(); ++axis) {
+    const auto found = std::find_if(layout.properties.begin(), layout.properties.end(), [axis](const PlyProperty& p) {
+      return p.name.size() == 1 && p.name[0] == static_cast<char>('x' + axis);
+    });
+    vertices = vertices && found != layout.properties.end();
+    layout.axes[axis] = static_cast<std::size_t>(found - layout.properties.begin());
   }
+  if (!known || !vertices) {
+    throw UserError(file, "is not a PLY of a known format that begins with vertices with x, y, z");
+  }
+  return layout;
+}
+
+// The number at this place; its bytes are within the text.
+double number_at(const std::string& bytes, std::size_t at, PlyType type, PlyLayout::Format format) {
+  std::uint64_t value = 0;
+  for (std::size_t i = 0; i < type.size; ++i) {
+    const std::size_t place = format == PlyLayout::Format::big ? i : type.size - 1 - i;
+    value = value << 8U | static_cast<std::uint8_t>(bytes[at + place]);
+  }
+  switch (type.kind) {
+    case PlyType::Kind::natural:
+      return static_cast<double>(value);
+    case PlyType::Kind::integer: {
+      const auto unused = static_cast<unsigned>(64 - 8 * type.size);
+      return static_cast<double>(static_cast<std::int64_t>(value << unused) >> unused);
+    }
+    case PlyType::Kind::real:
+      return type.size == 4 ? static_cast<double>(std::bit_cast<float>(static_cast<std::uint32_t>(value)))
+                            : std::bit_cast<double>(value);
+  }
+  return 0;
+}
+
+// Calls add(x, y, z) for each vertex.
+template <class Add>
+void vertices_of_bytes(const std::string& file, const std::string& bytes, const PlyLayout& layout, const Add& add) {
   if ((bytes.size() - layout.header) / layout.stride < layout.count) {
     throw UserError(file, "is truncated");
   }
-  return layout;
+  std::array<double, 3> point{};
+  for (std::size_t i = 0; i < layout.count; ++i) {
+    for (std::size_t axis = 0; axis < point.size(); ++axis) {
+      const PlyProperty& property = layout.properties[layout.axes[axis]];
+      point[axis] = number_at(bytes, layout.header + i * layout.stride + property.offset, property.type, layout.format);
+    }
+    add(point);
+  }
+}
+
+template <class Add>
+void vertices_of_text(const std::string& file, const std::string& bytes, const PlyLayout& layout, const Add& add) {
+  constexpr std::string_view kSpaces = " \t\r\n";
+  std::string_view left = std::string_view(bytes).substr(layout.header);
+  std::array<double, 3> point{};
+  for (std::size_t i = 0; i < layout.count; ++i) {
+    for (std::size_t which = 0; which < layout.properties.size(); ++which) {
+      left.remove_prefix(std::min(left.find_first_not_of(kSpaces), left.size()));
+      const std::string_view word = left.substr(0, left.find_first_of(kSpaces));
+      if (word.empty()) {
+        throw UserError(file, "is truncated");
+      }
+      left.remove_prefix(word.size());
+      const auto* const axis = std::find(layout.axes.begin(), layout.axes.end(), which);
+      if (axis != layout.axes.end()) {
+        const std::optional<double> value = files::number_of_text<double>(word);
+        if (!value) {
+          throw UserError(file,
+                          "vertex " + std::to_string(i + 1) + ": '" + std::string(word) + "' is not a coordinate");
+        }
+        point[static_cast<std::size_t>(axis - layout.axes.begin())] = *value;
+      }
+    }
+    add(point);
+  }
 }
 
 }  // namespace
@@ -115,17 +206,20 @@ std::string PlyText::file(const std::string& comment) const {
 std::vector<Point3f> read_ply(const std::string& file) {
   const std::string bytes = files::read_input(file, files::kMostTableBytes);
   const PlyLayout layout = layout_of(file, bytes);
-  std::vector<Point3f> points(layout.count);
-  std::size_t at = layout.header;
-  for (Point3f& point : points) {
-    point = {float_at(bytes, at + layout.floats.at("x")), float_at(bytes, at + layout.floats.at("y")),
-             float_at(bytes, at + layout.floats.at("z"))};
-    at += layout.stride;
-    for (const float value : {point.x, point.y, point.z}) {
+  std::vector<Point3f> points;
+  points.reserve(std::min(layout.count, bytes.size()));
+  const auto add = [&](const std::array<double, 3>& point) {
+    for (const double value : point) {
       if (!(std::abs(value) <= kFar)) {
         throw UserError(file, "has a coordinate that is not finite, or beyond 1e9");
       }
     }
+    points.push_back({static_cast<float>(point[0]), static_cast<float>(point[1]), static_cast<float>(point[2])});
+  };
+  if (layout.format == PlyLayout::Format::text) {
+    vertices_of_text(file, bytes, layout, add);
+  } else {
+    vertices_of_bytes(file, bytes, layout, add);
   }
   return points;
 }

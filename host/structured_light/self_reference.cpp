@@ -21,6 +21,7 @@
 
 #include "host/files/input_file.h"
 #include "host/files/numbers.h"
+#include "host/files/text.h"
 #include "host/images/frame_options.h"
 #include "host/images/image_files.h"
 #include "host/rig/geometry.h"
@@ -442,7 +443,7 @@ Stripes read_head(const rig::Rig& rig, const std::string& folder) {
   if (!fs::is_regular_file(file, error)) {
     throw UserError(folder, "is not a reference of stripes; `selfproj pattern stripes` writes reference.yaml");
   }
-  const YAML::Node node = rig::parse_yaml(files::read_input(file, files::kMostTextBytes), file);
+  const YAML::Node node = rig::parse_yaml(files::read_text(file, files::kMostTextBytes), file);
   if (!node.IsMap()) {
     throw UserError(file, "is damaged: it has no keys");
   }

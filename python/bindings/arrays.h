@@ -5,13 +5,17 @@
 
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
+#include <nanobind/stl/filesystem.h>
 
 #include <atomic>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <stdexcept>
+#include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -25,6 +29,18 @@ namespace nb = nanobind;
 // What functions take: arrays of any layout that NumPy reads without a conversion.
 template <typename T, typename... Rest>
 using In = nb::ndarray<const T, nb::device::cpu, Rest...>;
+
+// Files and folders as Python has them: str or os.PathLike, with names in any encoding.
+using Path = std::filesystem::path;
+using Paths = std::vector<Path>;
+
+inline std::vector<std::string> names_of(const Paths& paths) {
+  std::vector<std::string> names;
+  for (const Path& path : paths) {
+    names.push_back(path.string());
+  }
+  return names;
+}
 
 // What functions give.
 template <typename T, typename... Rest>
@@ -61,8 +77,9 @@ Out<T> array_of(std::vector<T> values, const std::vector<std::size_t>& shape) {
   return Out<T>(data, shape.size(), shape.data(), owner);
 }
 
-// Images as arrays of 2 dimensions, or of 3: one image after another. The pixels of a row lie side by side; rows and
-// images may have any distance, also a negative one. Throws ValueError otherwise.
+// Images as arrays of 2 dimensions, or of 3: one image after another, not of 3 or 4 columns, which are colours. The
+// pixels of a row lie side by side; rows and images may have any distance, also a negative one. Throws ValueError
+// otherwise.
 class Images {
  public:
   explicit Images(const In<std::uint8_t>& array) : array_(array) {
@@ -73,6 +90,9 @@ class Images {
     }
     require(array.stride(last) == 1 || array.shape(last) <= 1,
             "image: the pixels of a row must lie side by side; numpy.ascontiguousarray makes such an image");
+    require(array.ndim() == 2 || (array.shape(last) != 3 && array.shape(last) != 4),
+            "image: a last side of 3 or 4 is that of a colour image (rows, columns, colours), which is none of several "
+            "images (images, rows, columns); take one of its colours");
   }
 
   [[nodiscard]] bool several() const { return array_.ndim() == 3; }
@@ -102,6 +122,57 @@ inline std::atomic<std::int64_t>& kernel_ns() {
   return sum;
 }
 
+// Releases the GIL while it lives.
+//
+// Once Python ends, it ends every other thread that asks for the GIL by an exception of the C library, which C++ turns
+// into an abort of the whole process (Python 3.14 leaves such threads waiting instead). From end_of_python on such a
+// thread waits here for the end of the process.
+class WithoutGil {
+ public:
+  WithoutGil() : thread_(PyThreadState_GetID(PyThreadState_Get())), state_(PyEval_SaveThread()) {}
+  WithoutGil(const WithoutGil&) = delete;
+  WithoutGil& operator=(const WithoutGil&) = delete;
+  ~WithoutGil() {
+    ++returning();
+    if (ending() && thread_ != ending_thread()) {
+      --returning();
+      for (;;) {
+        std::this_thread::sleep_for(std::chrono::hours(1));
+      }
+    }
+    PyEval_RestoreThread(state_);
+    --returning();
+  }
+
+  // To be called by the thread that ends Python, before it does (atexit).
+  static void end_of_python() {
+    ending_thread() = PyThreadState_GetID(PyThreadState_Get());
+    ending() = true;
+    PyThreadState* const state = PyEval_SaveThread();
+    while (returning() > 0) {  // those that asked for the GIL before
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    PyEval_RestoreThread(state);
+  }
+
+ private:
+  static std::atomic<int>& returning() {
+    static std::atomic<int> threads{0};
+    return threads;
+  }
+  static std::atomic<bool>& ending() {
+    static std::atomic<bool> ending{false};
+    return ending;
+  }
+  static std::atomic<std::uint64_t>& ending_thread() {
+    static std::atomic<std::uint64_t> id{0};
+    return id;
+  }
+
+  std::uint64_t thread_;  // Python's number of it
+  PyThreadState* state_;
+};
+
 // Runs `work` without the GIL. No object of Python may be touched in it.
 template <typename Work>
 auto without_gil(const Work& work) {
@@ -112,9 +183,27 @@ auto without_gil(const Work& work) {
           std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now() - begin).count();
     }
   };
-  const nb::gil_scoped_release released;
+  const WithoutGil released;
   const Clock clock;
   return work();
+}
+
+// "Name(a x b)": how an object with arrays of this shape shows itself.
+inline std::string shape_text(const std::string& name, const std::vector<std::size_t>& shape) {
+  std::string text;
+  for (const std::size_t side : shape) {
+    text += (text.empty() ? "" : " x ") + std::to_string(side);
+  }
+  return name + "(" + text + ")";
+}
+
+template <typename Array>
+std::vector<std::size_t> sides_of(const Array& array) {
+  std::vector<std::size_t> sides;
+  for (std::size_t i = 0; i < array.ndim(); ++i) {
+    sides.push_back(array.shape(i));
+  }
+  return sides;
 }
 
 // An object that keeps state is for one thread at a time. Without this, a second thread could enter it while the first

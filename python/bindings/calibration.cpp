@@ -7,8 +7,10 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <new>
 #include <optional>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -17,7 +19,7 @@
 #include "host/calibration/capture.h"
 #include "host/calibration/chessboard.h"
 #include "host/files/output_file.h"
-#include "host/images/frame_options.h"
+#include "host/files/text.h"
 #include "host/images/image_files.h"
 #include "host/images/image_sequence.h"
 #include "python/bindings/arrays.h"
@@ -56,15 +58,15 @@ struct CaptureResult {
   Out<std::uint8_t> mean;
 };
 
-CaptureResult decode(const std::vector<std::string>& images, const Size& projector, int threshold, int contrast,
-                     const std::string& channel) {
+CaptureResult decode(const Paths& images, const Size& projector, int threshold, int contrast,
+                     const std::string& channel, std::optional<int> shift) {
   const structured_light::GraySequence sequence(projector.first, projector.second);
   require(threshold >= 0 && threshold <= 255 && contrast >= 0 && contrast <= 255,
           "threshold, contrast: must be in 0..255");
   require(!images.empty(), "images: none are given");
   calibration::Capture capture = without_gil([&] {
-    images::ImageSequence captured(images::image_arguments(images), images::channel_of(channel));
-    return calibration::decode_capture(images.front(), captured, sequence,
+    images::ImageSequence captured(images::image_arguments(names_of(images)), PixelOptions{channel, shift}.rule());
+    return calibration::decode_capture(images.front().string(), captured, sequence,
                                        {.threshold = threshold, .contrast = contrast});
   });
   const std::vector<std::size_t> shape{static_cast<std::size_t>(capture.rows),
@@ -72,7 +74,7 @@ CaptureResult decode(const std::vector<std::string>& images, const Size& project
   auto column = array_of(capture.projector_column, shape);
   auto row = array_of(capture.projector_row, shape);
   auto mean = array_of(capture.mean.pixels, shape);
-  return {std::move(capture), images.front(), std::move(column), std::move(row), std::move(mean)};
+  return {std::move(capture), images.front().string(), std::move(column), std::move(row), std::move(mean)};
 }
 
 calibration::Chessboard chessboard_of(const Size& corners, double square_mm) {
@@ -117,6 +119,7 @@ Result calibrate_captures(const std::vector<const CaptureResult*>& captures, con
   for (const int free : {camera_distortion, projector_distortion}) {
     require((free >= -1 && free <= 5 && free != 3), "distortion: must be -1 (by the data), 0, 1, 2, 4 or 5");
   }
+  require(!captures.empty(), "captures: none are given");
   for (const CaptureResult* capture : captures) {
     require(capture != nullptr, "captures: None is no capture");
   }
@@ -127,6 +130,67 @@ Result calibrate_captures(const std::vector<const CaptureResult*>& captures, con
     }
     return Result{calibration::calibrate(std::move(poses), settings)};
   });
+}
+
+// All numbers of a calibration, in one order. visit(number) may change it.
+template <class Calibrated, class Visit>
+void visit_numbers(Calibrated& calibration, const Visit& visit) {
+  for (auto* lens : {&calibration.camera, &calibration.projector}) {
+    visit(lens->fx), visit(lens->fy), visit(lens->cx), visit(lens->cy);
+    for (auto& k : lens->k) {
+      visit(k);
+    }
+  }
+  for (auto& value : calibration.rotation.val) {
+    visit(value);
+  }
+  for (auto& value : calibration.translation.val) {
+    visit(value);
+  }
+  visit(calibration.camera_columns), visit(calibration.camera_rows);
+  visit(calibration.projector_columns), visit(calibration.projector_rows);
+}
+
+std::vector<double> state_of_calibration(const rig::Calibration& self) {
+  std::vector<double> numbers;
+  visit_numbers(self, [&](const auto& value) { numbers.push_back(value); });
+  return numbers;
+}
+
+void set_calibration(rig::Calibration& self, const std::vector<double>& numbers) {
+  new (&self) rig::Calibration();
+  std::size_t next = 0;
+  visit_numbers(self, [&](auto& value) {
+    require(next < numbers.size(), "state: is none of a Calibration");
+    value = static_cast<std::decay_t<decltype(value)>>(numbers[next++]);
+  });
+}
+
+// A capture as its arrays.
+nb::tuple state_of_capture(const CaptureResult& self) {
+  const auto array = [](const auto& values) { return nb::cast(values, nb::rv_policy::reference); };
+  return nb::make_tuple(nb::bytes(self.name.data(), self.name.size()), array(self.projector_column),
+                        array(self.projector_row), array(self.mean), self.capture.lit);
+}
+
+void set_capture(CaptureResult& self, const nb::tuple& state) {
+  require(state.size() == 5, "state: is none of a Capture");
+  const auto name = nb::cast<nb::bytes>(state[0]);
+  auto column = nb::cast<Out<std::int16_t>>(state[1]);
+  auto row = nb::cast<Out<std::int16_t>>(state[2]);
+  auto mean = nb::cast<Out<std::uint8_t>>(state[3]);
+  calibration::Capture capture;
+  capture.lit = nb::cast<std::vector<bool>>(state[4]);
+  require(mean.ndim() == 2 && column.size() == mean.size() && row.size() == mean.size() &&
+              capture.lit.size() == mean.size(),
+          "state: is none of a Capture");
+  capture.rows = static_cast<int>(mean.shape(0));
+  capture.columns = static_cast<int>(mean.shape(1));
+  capture.projector_column.assign(column.data(), column.data() + column.size());
+  capture.projector_row.assign(row.data(), row.data() + row.size());
+  capture.mean = {capture.rows, capture.columns, {mean.data(), mean.data() + mean.size()}};
+  new (&self) CaptureResult{
+      std::move(capture), {name.c_str(), name.size()}, std::move(column), std::move(row), std::move(mean)};
 }
 
 void bind_result(nb::module_& module) {
@@ -156,9 +220,18 @@ void bind_result(nb::module_& module) {
             return Size{self.camera_columns, self.camera_rows};
           },
           "Columns and rows; 0 if the file does not say.")
-      .def_prop_ro("projector_size", [](const rig::Calibration& self) {
-        return Size{self.projector_columns, self.projector_rows};
-      });
+      .def_prop_ro("projector_size",
+                   [](const rig::Calibration& self) {
+                     return Size{self.projector_columns, self.projector_rows};
+                   })
+      .def("__repr__",
+           [](const rig::Calibration& self) {
+             return "Calibration(camera " + std::to_string(self.camera_columns) + " x " +
+                    std::to_string(self.camera_rows) + ", projector " + std::to_string(self.projector_columns) + " x " +
+                    std::to_string(self.projector_rows) + ")";
+           })
+      .def("__getstate__", &state_of_calibration)
+      .def("__setstate__", &set_calibration);
   nb::class_<Result>(module, "Result", "What the least squares found.")
       .def_prop_ro("calibration", [](const Result& self) { return self.report.calibration; })
       .def_prop_ro(
@@ -170,12 +243,14 @@ void bind_result(nb::module_& module) {
       .def(
           "json", [](const Result& self) { return calibration::report_json(self.report); },
           "All findings with standard deviations, as `selfproj calibrate` writes them.")
-      .def("__str__", [](const Result& self) { return calibration::report_text(self.report); })
+      .def("__str__", [](const Result& self) { return shown(calibration::report_text(self.report)); })
+      .def("__repr__",
+           [](const Result& self) { return "Result(rms_px=" + std::to_string(self.report.bundle.rms) + ")"; })
       .def(
           "save",
-          [](const Result& self, const std::string& file) {
+          [](const Result& self, const Path& file) {
             require(self.report.model.refusal.empty(), "the result must not be used; see refusal");
-            files::OutputFile(file).write(rig::calibration_yaml(self.report.calibration, self.rms()));
+            files::OutputFile(file.string()).write(rig::calibration_yaml(self.report.calibration, self.rms()));
           },
           nb::arg("file"), "Writes OpenCV's YAML, whole or not at all.");
 }
@@ -189,9 +264,12 @@ void bind_calibration(nb::module_& module) {
       .def_ro("projector_row", &CaptureResult::projector_row, nb::rv_policy::reference,
               "From 0, int16; -1 if there is no code.")
       .def_ro("mean", &CaptureResult::mean, nb::rv_policy::reference,
-              "The mean of all images, in which the patterns cancel, uint8.");
+              "The mean of all images, in which the patterns cancel, uint8.")
+      .def("__repr__", [](const CaptureResult& self) { return shape_text("Capture", sides_of(self.mean)); })
+      .def("__getstate__", &state_of_capture)
+      .def("__setstate__", &set_capture);
   module.def("decode_capture", &decode, nb::arg("images"), nb::arg("projector"), nb::arg("threshold") = 5,
-             nb::arg("contrast") = 20, nb::arg("channel") = "",
+             nb::arg("contrast") = 20, nb::arg("channel") = "", nb::arg("shift") = nb::none(),
              "Decodes the images of a whole GraySequence: a folder in a list, or the files in order. projector: its\n"
              "columns and rows. A pair that differs by no more than threshold is ambiguous; white must exceed black\n"
              "by more than contrast. InputError names the file that is wrong.");
@@ -204,7 +282,9 @@ void bind_calibration(nb::module_& module) {
              "Calibrates camera and projector from captures of a chessboard in two or more poses. Distortion\n"
              "coefficients: 0, 1, 2, 4, 5, or -1: as many as the captures support. InputError if the captures do\n"
              "not suffice.");
-  module.def("read_calibration", &rig::read_calibration, nb::arg("file"), "Reads OpenCV's YAML.");
+  module.def(
+      "read_calibration", [](const Path& file) { return rig::read_calibration(file.string()); }, nb::arg("file"),
+      "Reads OpenCV's YAML.");
 }
 
 }  // namespace selfproj::python

@@ -15,6 +15,7 @@
 #include <string>
 #include <utility>
 
+#include "host/files/text.h"
 #include "python/bindings/arrays.h"
 #include "python/bindings/packet_view.h"
 #include "selfproj/driver/device.h"
@@ -59,6 +60,10 @@ class DeviceHandle {
 
   [[nodiscard]] bool ended() const { return ended_; }
 
+  [[nodiscard]] std::string text() const {
+    return device_ == nullptr ? "Device(closed)" : "Device('" + shown(device_->uri()) + "')";
+  }
+
   void release() {
     const Busy::Entered entered(busy_);
     leave_packet();
@@ -100,13 +105,18 @@ class DeviceHandle {
   Busy busy_;
 };
 
-std::unique_ptr<DeviceHandle> open(const std::string& uri, driver::Wait wait, bool wait_for_board,
-                                   bool discard_backlog) {
+std::unique_ptr<DeviceHandle> open(const Path& uri, driver::Wait wait, bool wait_for_board, bool discard_backlog) {
   driver::DeviceOptions options;
   options.wait = wait;
   options.wait_for_board = wait_for_board;
   options.discard_backlog = discard_backlog;
-  return std::make_unique<DeviceHandle>(without_gil([&] { return driver::open_device(uri, options); }));
+  return std::make_unique<DeviceHandle>(without_gil([&] { return driver::open_device(uri.string(), options); }));
+}
+
+// The name of a file in it may be in any encoding.
+nb::str uri_of(const driver::Device& device) {
+  const std::string uri = device.uri();
+  return nb::steal<nb::str>(PyUnicode_DecodeFSDefaultAndSize(uri.data(), static_cast<Py_ssize_t>(uri.size())));
 }
 
 std::map<std::string, std::uint64_t> counters_of(const DeviceHandle& handle) {
@@ -175,7 +185,8 @@ void bind_device(nb::module_& module) {
           "__exit__", [](DeviceHandle& self, const nb::args&) { self.close(); }, "Closes the device.")
       .def_prop_ro("ended", &DeviceHandle::ended, "Whether no further packet will come.")
       .def_prop_ro(
-          "uri", [](const DeviceHandle& self) { return self.device().uri(); }, "As it was opened.")
+          "uri", [](const DeviceHandle& self) { return uri_of(self.device()); }, "As it was opened.")
+      .def("__repr__", &DeviceHandle::text)
       .def("counters", &counters_of, "What was delivered, lost, refused and so on, by name (docs/driver.md).")
       .def("release", &DeviceHandle::release, "Frees the place of the packet; it becomes invalid.")
       .def("close", &DeviceHandle::close, "Closes the device. BufferError if arrays still lead to its packet.");

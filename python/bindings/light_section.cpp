@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <new>
 #include <optional>
 #include <string>
 #include <utility>
@@ -48,12 +49,29 @@ struct ProfileResult {
   Out<std::uint8_t> validity;
 };
 
+// Pickled as its arrays.
+nb::tuple state_of(const ProfileResult& self) {
+  const auto array = [](const auto& values) { return nb::cast(values, nb::rv_policy::reference); };
+  return nb::make_tuple(array(self.centroid), array(self.x), array(self.y), array(self.z), array(self.dx),
+                        array(self.dy), array(self.dz), array(self.validity));
+}
+
+void set_state(ProfileResult& self, const nb::tuple& state) {
+  require(state.size() == 8, "state: is none of a Profile");
+  new (&self) ProfileResult({0});
+  std::size_t next = 0;
+  for (auto* values : {&self.centroid, &self.x, &self.y, &self.z, &self.dx, &self.dy, &self.dz}) {
+    *values = nb::cast<Out<float>>(state[next++]);
+  }
+  self.validity = nb::cast<Out<std::uint8_t>>(state[next]);
+}
+
 class Profiler {
  public:
-  Profiler(const rig::Rig& rig, const std::optional<std::string>& reference)
+  Profiler(const rig::Rig& rig, const std::optional<Path>& reference)
       : rig_(rig),
-        profiler_(
-            rig, reference ? light_section::load_reference(rig, *reference) : light_section::reference_of_plane(rig)) {}
+        profiler_(rig, reference ? light_section::load_reference(rig, reference->string())
+                                 : light_section::reference_of_plane(rig)) {}
 
   [[nodiscard]] const rig::Rig& rig() const { return rig_; }
 
@@ -136,13 +154,13 @@ class Collected {
   Busy busy_;
 };
 
-void save_tiff(const std::string& file, const In<float, nb::ndim<2>, nb::c_contig>& image) {
+void save_tiff(const Path& file, const In<float, nb::ndim<2>, nb::c_contig>& image) {
   require(image.shape(0) > 0 && image.shape(1) > 0 && image.shape(0) <= 65535 && image.shape(1) <= 65535,
           "image: both sides must be in 1..65535");
   without_gil([&] {
     images::FloatImage copy(static_cast<int>(image.shape(0)), static_cast<int>(image.shape(1)));
     copy.values.assign(image.data(), image.data() + image.size());
-    images::write_float_tiff(file, copy);
+    images::write_float_tiff(file.string(), copy);
   });
 }
 
@@ -161,9 +179,19 @@ void bind_rig(nb::module_& module) {
           "mode", [](const rig::Rig& rig) { return rig.measure.mode; }, "How the board weighs pixels.")
       .def_prop_ro(
           "threshold", [](const rig::Rig& rig) { return rig.measure.threshold; }, "From where pixels are lit.")
-      .def("to_yaml", &rig::to_yaml, "The rig as the text of a rig file.");
-  module.def("load_rig", &rig::load_any_rig, nb::arg("name_or_file"),
-             "A built-in rig (light-section, scanner), or that of a YAML file. InputError with file, line and reason.");
+      .def("to_yaml", &rig::to_yaml, "The rig as the text of a rig file.")
+      .def("__repr__",
+           [](const rig::Rig& rig) {
+             return "Rig('" + rig.name + "', " + std::to_string(rig.camera.columns) + " x " +
+                    std::to_string(rig.camera.rows) + ")";
+           })
+      .def("__getstate__", &rig::to_yaml)
+      .def("__setstate__",
+           [](rig::Rig& rig, const std::string& yaml) { new (&rig) rig::Rig(rig::parse_rig(yaml, "a pickled rig")); });
+  module.def(
+      "load_rig", [](const Path& name_or_file) { return rig::load_any_rig(name_or_file.string()); },
+      nb::arg("name_or_file"),
+      "A built-in rig (light-section, scanner), or that of a YAML file. InputError with file, line and reason.");
 }
 
 void bind_profiles(nb::module_& module) {
@@ -186,10 +214,12 @@ void bind_profiles(nb::module_& module) {
       .def_ro("dx", &ProfileResult::dx, nb::rv_policy::reference, "Difference from the reference.")
       .def_ro("dy", &ProfileResult::dy, nb::rv_policy::reference)
       .def_ro("dz", &ProfileResult::dz, nb::rv_policy::reference, "Less than 0 is nearer to the camera.")
-      .def_ro("validity", &ProfileResult::validity, nb::rv_policy::reference, "Values of Validity, uint8.");
+      .def_ro("validity", &ProfileResult::validity, nb::rv_policy::reference, "Values of Validity, uint8.")
+      .def("__repr__", [](const ProfileResult& self) { return shape_text("Profile", sides_of(self.z)); })
+      .def("__getstate__", &state_of)
+      .def("__setstate__", &set_state);
   nb::class_<Profiler>(module, "Profiler", "Computes profiles; any number of threads may use it at once.")
-      .def(nb::init<const rig::Rig&, const std::optional<std::string>&>(), nb::arg("rig"),
-           nb::arg("reference") = nb::none(),
+      .def(nb::init<const rig::Rig&, const std::optional<Path>&>(), nb::arg("rig"), nb::arg("reference") = nb::none(),
            "reference: a folder that `selfproj pattern` wrote, or its reference.csv; None: the empty plane.")
       .def_prop_ro(
           "rig", [](const Profiler& profiler) { return profiler.rig(); }, "A copy of its rig.")
@@ -232,7 +262,7 @@ void bind_light_section(nb::module_& module) {
   module.def("save_tiff", &save_tiff, nb::arg("file"), nb::arg("image").noconvert(),
              "Writes a TIFF of 32-bit numbers, whole or not at all. InputError if it cannot be written.");
   module.def(
-      "load_tiff", [](const std::string& file) { return array_of_image(images::read_float_tiff(file)); },
+      "load_tiff", [](const Path& file) { return array_of_image(images::read_float_tiff(file.string())); },
       nb::arg("file"), "Reads such a file: float32, (rows, columns).");
 }
 

@@ -1,10 +1,16 @@
 // selfproj.model: the definitions of model/, on arrays.
 #include <nanobind/stl/optional.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/vector.h>
 
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
+#include <new>
 #include <optional>
+#include <tuple>
 #include <vector>
 
 #include "python/bindings/arrays.h"
@@ -97,6 +103,26 @@ std::optional<Out<std::uint8_t>> bytes_of(nb::pointer_and_handle<MomentsResult> 
   return self.p->bytes_array(Which, self.h);
 }
 
+// Pickled as shape, words and, of the strongest run, bytes.
+using MomentsState = std::tuple<std::vector<std::size_t>, bool, nb::bytes>;
+
+MomentsState state_of(const MomentsResult& self) {
+  const model::RunsView view = self.view(0);
+  const std::size_t words = 3 * self.count() * sizeof(std::uint32_t);
+  const std::size_t runs = self.has_runs() ? 2 * self.count() : 0;
+  return {self.sides(), self.has_runs(), nb::bytes(view.moments.m0, words + runs)};
+}
+
+void set_state(MomentsResult& self, const MomentsState& state) {
+  const auto& [sides, has_runs, bytes] = state;
+  require(sides.size() == 1 || sides.size() == 2, "state: is none of Moments");
+  new (&self) MomentsResult(has_runs ? model::Select::strongest : model::Select::all,
+                            sides.size() == 2 ? std::optional(sides[0]) : std::nullopt, sides.back());
+  const std::size_t size = self.count() * (3 * sizeof(std::uint32_t) + (has_runs ? 2 : 0));
+  require(bytes.size() == size, "state: is none of Moments");
+  std::memcpy(self.view(0).moments.m0, bytes.data(), size);
+}
+
 }  // namespace
 
 void bind_model(nb::module_& module) {
@@ -114,11 +140,15 @@ void bind_model(nb::module_& module) {
       .def_prop_ro("n", words_of<2>, "Number of lit pixels, uint32.")
       .def_prop_ro("runs", bytes_of<0>, "Select.STRONGEST: number of runs, 3 for three or more, uint8. Else None.")
       .def_prop_ro("second", bytes_of<1>,
-                   "Select.STRONGEST: sixteenths of M0 that the second run has, uint8. Else None.");
+                   "Select.STRONGEST: sixteenths of M0 that the second run has, uint8. Else None.")
+      .def("__repr__", [](const MomentsResult& self) { return shape_text("Moments", self.sides()); })
+      .def("__getstate__", &state_of)
+      .def("__setstate__", &set_state);
   def_moments(
       module, model::measure_columns,
       "Column moments of an image, as sp_column_moments gives them, to the last bit.\n\n"
-      "image: uint8, (rows, columns), or (images, rows, columns). Rows 1..1023. It is not copied.\n"
+      "image: uint8, (rows, columns), or (images, rows, columns), not of 3 or 4 columns, which are taken for\n"
+      "colours. Rows 1..1023. It is not copied.\n"
       "threshold: T, 0..255. gap: dark rows between two lit pixels of one run, 0..3. first_row, last_row: rows that\n"
       "count, from 1; 0 stands for the first and the last. ValueError if something is out of range.");
   nb::class_<Decoder>(module, "GrayDecoder", "The Gray-code decoder of the board, for one thread at a time.")

@@ -1,11 +1,14 @@
 // The extension module selfproj._core: a submodule for each subject.
+#include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 
 #include <cstddef>
+#include <exception>
+#include <optional>
 #include <string>
 #include <utility>
 
-#include "host/images/frame_options.h"
+#include "host/files/text.h"
 #include "host/images/image_files.h"
 #include "python/bindings/arrays.h"
 #include "selfproj/files/user_error.h"
@@ -15,19 +18,30 @@ NB_MODULE(_core, module) {
   using namespace selfproj::python;
   nb::set_leak_warnings(false);  // simulators end their Python without freeing what it holds
   module.doc() = "The compiled part of selfproj. Use selfproj.model and the others.";
-  nb::exception<selfproj::UserError>(module, "InputError", PyExc_ValueError).doc() =
-      "A file, a device or a setting is wrong. The text names it and says the reason.";
+  static nb::object input_error = nb::exception<selfproj::UserError>(module, "InputError", PyExc_ValueError);
+  input_error.doc() = "A file, a device or a setting is wrong. The text names it and says the reason.";
+  // Names may be in any encoding, which nanobind's own translation does not expect.
+  nb::register_exception_translator([](const std::exception_ptr& thrown, void* /*unused*/) {
+    try {
+      std::rethrow_exception(thrown);
+    } catch (const selfproj::UserError& error) {
+      PyErr_SetString(input_error.ptr(), selfproj::shown(error.what()).c_str());
+    }
+  });
+  nb::module_::import_("atexit").attr("register")(nb::cpp_function(&WithoutGil::end_of_python));
+  module.attr("__version__") = SELFPROJ_VERSION;
   module.def(
       "read_image",
-      [](const std::string& file, const std::string& channel) {
-        selfproj::images::Image image =
-            without_gil([&] { return selfproj::images::read_image(file, selfproj::images::channel_of(channel)); });
+      [](const Path& file, const std::string& channel, std::optional<int> shift) {
+        const selfproj::PixelRule rule = selfproj::PixelOptions{channel, shift}.rule();
+        selfproj::images::Image image = without_gil([&] { return selfproj::images::read_image(file.string(), rule); });
         return array_of(std::move(image.pixels),
                         {static_cast<std::size_t>(image.rows), static_cast<std::size_t>(image.columns)});
       },
-      nb::arg("file"), nb::arg("channel") = "",
-      "Reads an 8-bit image of one channel: uint8, (rows, columns). Of a colour image it takes `channel`: red, green,\n"
-      "blue, grey or red-difference. InputError names the file and the reason.");
+      nb::arg("file"), nb::arg("channel") = "", nb::arg("shift") = nb::none(),
+      "Reads an image as one channel of 8 bits: uint8, (rows, columns). Of a colour image it takes `channel`: red,\n"
+      "green, blue, grey or red-difference. Values of more bits become value >> shift: 4 for 12 bits, 8 for 16.\n"
+      "InputError names the file and the reason.");
   module.attr("SPEC_HASH") = selfproj::spec::kHash;
   module.def(
       "kernel_ns", [] { return kernel_ns().load(); },

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "python/bindings/arrays.h"
 #include "selfproj/model/column_runs.h"
@@ -30,6 +31,10 @@ class MomentsResult {
     std::uint8_t* const runs = has_runs_ ? bytes() + first : nullptr;
     return {{words(0) + first, words(1) + first, words(2) + first}, runs, runs != nullptr ? runs + count_ : nullptr};
   }
+
+  [[nodiscard]] bool has_runs() const { return has_runs_; }
+  [[nodiscard]] std::size_t count() const { return count_; }
+  [[nodiscard]] std::vector<std::size_t> sides() const { return {shape(), shape() + dimensions_}; }
 
   // M0, M1 and N are words 0, 1 and 2. `self` is this object in Python.
   [[nodiscard]] Out<std::uint32_t> words_array(std::size_t which, nb::handle self) const {

@@ -1,12 +1,16 @@
 // selfproj.packets: packets as boards send them.
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
 
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <memory>
+#include <new>
 #include <span>
 #include <string>
+#include <tuple>
+#include <utility>
 #include <vector>
 
 #include "python/bindings/arrays.h"
@@ -92,12 +96,29 @@ Out<std::uint16_t> codes_of(const PacketHandle& packet) {
   return codes;
 }
 
-std::string text_of(const PacketHandle& packet) {
-  const model::PacketHeader& header = packet.header();
-  return "Packet(kind=" + std::to_string(header.kind) + ", sequence=" + std::to_string(header.sequence) +
-         ", columns=" + std::to_string(header.columns) + ", rows=" + std::to_string(header.rows) +
-         ", status=" + std::to_string(packet.status()) + ")";
+std::string text_of_header(const model::PacketHeader& header) {
+  return "kind=" + std::to_string(header.kind) + ", sequence=" + std::to_string(header.sequence) +
+         ", columns=" + std::to_string(header.columns) + ", rows=" + std::to_string(header.rows);
 }
+
+std::string text_of(const PacketHandle& packet) {
+  return "Packet(" + text_of_header(packet.header()) + ", status=" + std::to_string(packet.status()) + ")";
+}
+
+// All fields.
+template <class Header>
+auto fields_of(Header& h) {
+  return std::tie(h.kind, h.stream, h.lost, h.sequence, h.time_stamp, h.encoder, h.payload_size, h.columns, h.rows,
+                  h.pattern, h.mode, h.threshold, h.first_line, h.lines, h.flags, h.select, h.first_row, h.last_row,
+                  h.gap);
+}
+
+template <class... Fields>
+std::tuple<Fields...> copies_of(const std::tuple<Fields&...>& fields) {
+  return fields;
+}
+
+using HeaderState = decltype(copies_of(fields_of(std::declval<model::PacketHeader&>())));
 
 void bind_header(nb::module_& module) {
   nb::class_<model::PacketHeader>(module, "Header",
@@ -123,7 +144,13 @@ void bind_header(nb::module_& module) {
       .def_rw("last_row", &model::PacketHeader::last_row)
       .def_rw("gap", &model::PacketHeader::gap)
       .def("__eq__", [](const model::PacketHeader& one, const model::PacketHeader& other) { return one == other; })
-      .def("__copy__", [](const model::PacketHeader& header) { return header; });
+      .def("__copy__", [](const model::PacketHeader& header) { return header; })
+      .def("__repr__", [](const model::PacketHeader& header) { return "Header(" + text_of_header(header) + ")"; })
+      .def("__getstate__", [](model::PacketHeader& header) { return copies_of(fields_of(header)); })
+      .def("__setstate__", [](model::PacketHeader& header, const HeaderState& state) {
+        new (&header) model::PacketHeader();
+        fields_of(header) = state;
+      });
 }
 
 }  // namespace
@@ -145,7 +172,14 @@ void bind_packets(nb::module_& module) {
       .def("moments", &moments_of, "Its moments as arrays. ValueError if it has none.")
       .def("codes", &codes_of, "Its line of code words, uint16. ValueError if it has none.")
       .def("copy", &copy, "The same packet in memory of its own.")
-      .def("__repr__", &text_of);
+      .def("__repr__", &text_of)
+      .def(
+          "__getstate__",
+          [](const PacketHandle& packet) { return nb::make_tuple(nb::cast(packet.bytes(), nb::rv_policy::reference)); })
+      .def("__setstate__", [](PacketHandle& packet, const nb::tuple& state) {
+        require(state.size() == 1, "state: is none of a Packet");
+        new (&packet) PacketHandle(parse_bytes(nb::cast<Bytes>(state[0]), 0));
+      });
   module.def(
       "parse", &parse_bytes, nb::arg("data").noconvert(), nb::arg("offset") = 0,
       "The packet that begins at `offset` of the bytes (uint8, or bytes). They are not copied, and live as long\n"

@@ -1,5 +1,6 @@
 // selfproj.structured_light: patterns, fast decoder and median, depth images and clouds.
 #include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/unique_ptr.h>
@@ -10,6 +11,7 @@
 #include <cstdint>
 #include <cstring>
 #include <memory>
+#include <new>
 #include <optional>
 #include <string>
 #include <utility>
@@ -135,8 +137,8 @@ struct Scan {
   Out<float> depth;
 };
 
-Scan scan(const std::vector<std::string>& images, const std::string& rig, const std::string& calibration, int bits,
-          int row_bits, int threshold, bool median, bool strict, const std::string& channel) {
+Scan scan(const Paths& images, const Path& rig, const Path& calibration, int bits, int row_bits, int threshold,
+          bool median, bool strict, const std::string& channel, std::optional<int> shift) {
   require(rig.empty() != calibration.empty(), "rig, calibration: give one of them");
   require(
       bits >= 1 && bits <= model::GrayDecoder::kMaxBits && row_bits >= 0 && row_bits <= model::GrayDecoder::kMaxBits,
@@ -144,21 +146,21 @@ Scan scan(const std::vector<std::string>& images, const std::string& rig, const 
   require(threshold >= 0 && threshold <= 255, "threshold: must be in 0..255");
   require(!(median && (row_bits > 0 || strict)), "median: goes neither with row_bits nor with strict");
   structured_light::DepthSetup setup;
-  setup.geometry.rig = rig;
-  setup.geometry.calibration = calibration;
+  setup.geometry.rig = rig.string();
+  setup.geometry.calibration = calibration.string();
   setup.geometry.bits = bits;
   setup.geometry.row_bits = row_bits;
   setup.scanner.threshold = threshold;
   setup.scanner.median = median;
   setup.scanner.strict = strict;
-  std::vector<std::string> files = images::image_arguments(images);
+  std::vector<std::string> files = images::image_arguments(names_of(images));
   const std::size_t need = 2 * static_cast<std::size_t>(bits + row_bits);
   if (files.size() == need + 2) {
     files.resize(need);  // white and black come last
   }
   require(files.size() == need, "images: 2 (bits + row_bits) of them are needed; white and black may follow");
   structured_light::DepthRun run = without_gil([&] {
-    images::ImageSequence sequence(files, images::channel_of(channel));
+    images::ImageSequence sequence(files, PixelOptions{channel, shift}.rule());
     return row_bits > 0
                ? structured_light::depth_of_both_axes(setup, sequence)
                : structured_light::depth_of_images(setup, sequence, [](std::size_t, const images::FloatImage&) {});
@@ -166,7 +168,7 @@ Scan scan(const std::vector<std::string>& images, const std::string& rig, const 
   return {std::make_shared<Depths>(std::move(run.triangulation)), array_of_image(std::move(run.depth))};
 }
 
-void save_ply(const std::string& file, const In<float, nb::shape<-1, 3>, nb::c_contig>& points,
+void save_ply(const Path& file, const In<float, nb::shape<-1, 3>, nb::c_contig>& points,
               const std::optional<In<std::uint8_t, nb::shape<-1, 3>, nb::c_contig>>& colours) {
   require(!colours || colours->shape(0) == points.shape(0), "colours: one is needed for each point");
   without_gil([&] {
@@ -178,12 +180,13 @@ void save_ply(const std::string& file, const In<float, nb::shape<-1, 3>, nb::c_c
       ply.add({at[0], at[1], at[2]}, colour != nullptr ? colour[0] : kGrey, colour != nullptr ? colour[1] : kGrey,
               colour != nullptr ? colour[2] : kGrey);
     }
-    files::OutputFile(file).write(ply.file("points in mm"));
+    files::OutputFile(file.string()).write(ply.file("points in mm"));
   });
 }
 
-Out<float> load_ply(const std::string& file) {
-  const std::vector<structured_light::Point3f> points = without_gil([&] { return structured_light::read_ply(file); });
+Out<float> load_ply(const Path& file) {
+  const std::vector<structured_light::Point3f> points =
+      without_gil([&] { return structured_light::read_ply(file.string()); });
   auto array = new_array<float>({points.size(), 3});
   static_assert(sizeof(structured_light::Point3f) == 3 * sizeof(float));
   std::memcpy(array.data(), points.data(), points.size() * sizeof(structured_light::Point3f));
@@ -205,7 +208,16 @@ void bind_patterns(nb::module_& module) {
             return array_of(self.image(index),
                             {static_cast<std::size_t>(self.rows()), static_cast<std::size_t>(self.columns())});
           },
-          nb::arg("index"), "Image `index`: uint8, (rows, columns), 0 or 255. IndexError if there is none.");
+          nb::arg("index"), "Image `index`: uint8, (rows, columns), 0 or 255. IndexError if there is none.")
+      .def("__repr__",
+           [](const structured_light::GraySequence& self) {
+             return "GraySequence(" + std::to_string(self.columns()) + ", " + std::to_string(self.rows()) + ")";
+           })
+      .def("__getstate__",
+           [](const structured_light::GraySequence& self) { return std::pair(self.columns(), self.rows()); })
+      .def("__setstate__", [](structured_light::GraySequence& self, const std::pair<int, int>& sides) {
+        new (&self) structured_light::GraySequence(sides.first, sides.second);
+      });
   nb::class_<FastDecoder>(module, "GrayDecoder",
                           "The results of selfproj.model.GrayDecoder, many times faster; for one thread at a time.")
       .def(nb::init<int, int, int, int, bool>(), nb::arg("rows"), nb::arg("columns"), nb::arg("bits"),
@@ -225,7 +237,11 @@ void bind_structured_light(nb::module_& module) {
       .def("depth", &Depths::depth, nb::arg("codes").noconvert(),
            "Depth z in mm (float32, NaN where there is none) of a code image, uint16.")
       .def("points", &Depths::points, nb::arg("depth").noconvert(),
-           "The points x, y, z in mm (float32, (n, 3)) of the pixels that have a depth.");
+           "The points x, y, z in mm (float32, (n, 3)) of the pixels that have a depth.")
+      .def("__repr__", [](const Depths& self) {
+        return shape_text("Triangulation", {static_cast<std::size_t>(self.triangulation().rows()),
+                                            static_cast<std::size_t>(self.triangulation().columns())});
+      });
   module.def(
       "triangulation",
       [](const rig::Rig& rig, int bits) {
@@ -237,16 +253,17 @@ void bind_structured_light(nb::module_& module) {
       .def_prop_ro("triangulation", [](const Scan& self) { return self.depths; })
       .def(
           "points", [](const Scan& self) { return self.depths->points(Depth(self.depth)); },
-          "The points x, y, z in mm, float32, (n, 3).");
+          "The points x, y, z in mm, float32, (n, 3).")
+      .def("__repr__", [](const Scan& self) { return shape_text("Scan", sides_of(self.depth)); });
   module.def("scan", &scan, nb::arg("images"), nb::arg("rig") = "", nb::arg("calibration") = "", nb::arg("bits"),
              nb::arg("row_bits") = 0, nb::arg("threshold") = 5, nb::arg("median") = false, nb::arg("strict") = false,
-             nb::arg("channel") = "",
+             nb::arg("channel") = "", nb::arg("shift") = nb::none(),
              "The depth image of captured images: a folder in a list, or the files in order. rig: a built-in rig or a\n"
              "file; or calibration: OpenCV's YAML. With row_bits both axes are coded. Otherwise as `selfproj depth`.");
   module.def("save_ply", &save_ply, nb::arg("file"), nb::arg("points").noconvert(),
              nb::arg("colours").noconvert() = nb::none(),
              "Writes a cloud, whole or not at all. points: float32, (n, 3); colours: uint8, (n, 3), or None.");
-  module.def("load_ply", &load_ply, nb::arg("file"), "The points of a binary PLY file: float32, (n, 3).");
+  module.def("load_ply", &load_ply, nb::arg("file"), "The points of a PLY file, binary or text: float32, (n, 3).");
 }
 
 }  // namespace selfproj::python

@@ -9,7 +9,7 @@ thread at a time, and say so.
 """
 
 from . import calibration, driver, light_section, model, packets, structured_light
-from ._core import SPEC_HASH, InputError, read_image
+from ._core import SPEC_HASH, InputError, __version__, read_image
 
-__all__ = ["InputError", "SPEC_HASH", "calibration", "driver", "light_section", "model", "packets", "read_image",
-           "structured_light"]
+__all__ = ["InputError", "SPEC_HASH", "__version__", "calibration", "driver", "light_section", "model", "packets",
+           "read_image", "structured_light"]

@@ -38,7 +38,7 @@ PacketRecording make_line(const BoardSource& options) {
 PacketRecording make_images(const BoardSource& options, std::uint64_t frames) {
   constexpr int kDefaultThreshold = 5;
   const bool codes = options.bits > 0;
-  images::ImageSequence images(options.images, images::channel_of(options.channel));
+  images::ImageSequence images(options.images, options.pixels.rule());
   const int patterns = codes ? 2 * options.bits : 1;
   if (codes && frames > images.count() && images.count() % static_cast<std::size_t>(patterns) != 0) {
     throw UserError("--images", fmt::format("{} images are no whole number of the {} patterns of --bits {}, and cannot "
@@ -75,9 +75,10 @@ PacketRecording read_source(const BoardSource& options, std::uint64_t frames) {
   if ((options.replay.empty() ? 0 : 1) + (options.line.empty() ? 0 : 1) + (options.images.empty() ? 0 : 1) != 1) {
     throw UserError("--replay, --line, --images", "give one of them");
   }
-  if (options.images.empty() && (options.bits > 0 || options.code_threshold || !options.channel.empty())) {
-    throw UserError(options.bits > 0 ? "--bits" : (options.code_threshold ? "--code-threshold" : "--channel"),
-                    "goes only with --images");
+  if (options.images.empty() && (options.bits > 0 || options.code_threshold || !options.pixels.given().empty())) {
+    throw UserError(
+        options.bits > 0 ? "--bits" : (options.code_threshold ? "--code-threshold" : options.pixels.given()),
+        "goes only with --images");
   }
   if (!options.images.empty()) {
     return make_images(options, frames);
@@ -115,7 +116,7 @@ void add_source_options(CLI::App& command, BoardSource& options) {
       ->transform(cli::whole_number(0, 255))
       ->type_name("T")
       ->default_str("5");
-  cli::add_channel_option(command, options.channel);
+  cli::add_pixel_options(command, options.pixels);
   command
       .add_option("--line", options.line,
                   "A line of light that moves in frames of this size, in pixels, sent through the model of the board.")

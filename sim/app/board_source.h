@@ -16,7 +16,7 @@ namespace selfproj::sim {
 struct BoardSource {
   std::string replay;
   std::vector<std::string> images;
-  std::string channel;
+  images::PixelOptions pixels;
   int bits = 0;  // of the Gray code in the images; 0: the images are sent as they are
   std::optional<int> code_threshold;
   std::string line;  // COLUMNSxROWS

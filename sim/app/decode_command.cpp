@@ -30,7 +30,7 @@ struct DecodeOptions {
   int bits = 0;
   int threshold = model::GraySettings{}.threshold;
   bool median = false;
-  std::string channel;  // empty: none asked for
+  images::PixelOptions pixels;
   std::string out;
   std::vector<std::string> images;
 };
@@ -88,7 +88,7 @@ void run_decode(DecodeOptions options) {
   files::OutputFolder out(options.out);
   check_files(options, out);
   const std::unique_ptr<GrayEngine> engine = make_gray_engine(options.engine);
-  const std::optional<images::Channel> channel = images::channel_of(options.channel);
+  const images::PixelRule rule = options.pixels.rule();
   const std::size_t total = options.images.size();
   const auto cycle = static_cast<std::size_t>(2 * options.bits);
 
@@ -100,7 +100,7 @@ void run_decode(DecodeOptions options) {
     cli::Progress progress("image", total);
     for (std::size_t i = 0; i < total; ++i) {
       const std::string& file = options.images[i];
-      const images::Image image = images::read_image(file, channel);
+      const images::Image image = images::read_image(file, rule);
       if (i == 0) {
         images::check_frame_size(file, image, engine->max_rows(), engine->max_columns());
         settings.rows = image.rows;
@@ -171,7 +171,7 @@ selfproj-sim decode --bits 8 --out decoded codes/frame_*.png
       ->type_name("T")
       ->capture_default_str();
   command->add_flag("--median", options->median, "Apply a 3 x 3 lower median to the measurable codes.");
-  cli::add_channel_option(*command, options->channel);
+  cli::add_pixel_options(*command, options->pixels);
   cli::begin_group(*command, "Output");
   command->add_option("--out", options->out, "Folder for the code images.")->type_name("DIR")->required();
   cli::add_files(*command, "IMAGE", options->images,

@@ -4,13 +4,16 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <filesystem>
 #include <future>
 #include <string>
+#include <system_error>
 #include <thread>
 #include <utility>
 #include <vector>
 
 #include "host/images/frame_options.h"
+#include "host/images/image_files.h"
 #include "host/images/natural_order.h"
 #include "host/images/prepared_images.h"
 #include "selfproj/files/user_error.h"
@@ -61,14 +64,28 @@ const images::Image* RecordedFrames::next() {
 }
 
 std::vector<std::string> files_of_pattern(const std::string& option, const std::string& pattern) {
-  glob_t found{};
-  const int result = glob(pattern.c_str(), 0, nullptr, &found);
-  std::vector<std::string> files(found.gl_pathv, found.gl_pathv + (result == 0 ? found.gl_pathc : 0));
-  globfree(&found);
-  if (files.empty()) {
-    throw UserError(option + " " + pattern, "no file matches");
+  std::error_code error;
+  if (std::filesystem::is_directory(pattern, error)) {
+    return images::files_of_folder(pattern);
   }
-  return images::in_natural_order(std::move(files));
+  if (std::filesystem::exists(pattern, error)) {
+    return {pattern};
+  }
+  // Brackets are those of a name where there is one, else a set of characters.
+  std::string of_name;
+  for (const char c : pattern) {
+    of_name += c == '[' ? "[[]" : std::string(1, c);
+  }
+  for (const std::string& wanted : {of_name, pattern}) {
+    glob_t found{};
+    const int result = glob(wanted.c_str(), 0, nullptr, &found);
+    std::vector<std::string> files(found.gl_pathv, found.gl_pathv + (result == 0 ? found.gl_pathc : 0));
+    globfree(&found);
+    if (!files.empty()) {
+      return images::in_natural_order(std::move(files));
+    }
+  }
+  throw UserError(option + " " + pattern, "no file matches");
 }
 
 }  // namespace selfproj::sim

@@ -15,6 +15,7 @@
 #include <utility>
 #include <vector>
 
+#include "host/files/json_text.h"
 #include "host/report/depth_output.h"
 #include "host/report/facts.h"
 #include "host/report/frame_picture.h"
@@ -243,7 +244,7 @@ std::string summary_json(const report::ReportPage& page) {
   json["measured"] = report::facts_json(page.highlights);
   json["counters"] = report::facts_json(page.counters);
   json["settings"] = report::facts_json(page.settings);
-  return json.dump(2) + "\n";
+  return files::json_text(json, 2) + "\n";
 }
 
 }  // namespace

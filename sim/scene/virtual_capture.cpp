@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "host/files/json_text.h"
 #include "host/images/image_files.h"
 #include "host/light_section/scan.h"
 #include "host/structured_light/self_reference.h"
@@ -116,7 +117,7 @@ void capture_chessboard(const PerturbedRig& actual, const ChessboardShape& shape
     capture(actual, ChessboardScene(actual.rig, shape, place, flaws), patterns, static_cast<int>(k * patterns.size()),
             fmt::format("pose_{:02}/", k + 1), settings, out);
   }
-  out.append("truth.json", truth.dump(2) + "\n");
+  out.append("truth.json", files::json_text(truth, 2) + "\n");
 }
 
 int scan_images(const rig::Rig& rig, ScanMethod method) {

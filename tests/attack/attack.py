@@ -10,7 +10,9 @@ import time
 
 import materials
 from cases import Cases
+from clients import HostileClients
 from files import Files, missed_pairs
+from images import Images
 from limits import Limits
 from options import Options
 from outputs import Outputs
@@ -24,11 +26,14 @@ COUNTS = {
     "cases": (4, 1000),
     "pairs": (4, 1000),
     "files": (20, 10000),
+    "images": (24, 20000),
     "options": (32, 10000),
     "kills": (4, 500),
     "evil": (3, 300),
     "shorten": (1, 50),
-    "restarts": (1, 60)
+    "restarts": (1, 60),
+    "clients": (2, 100),
+    "hostile-clients": (3, 120)
 }
 
 
@@ -46,7 +51,10 @@ def parts_of(attacker, made, counts, short):
         "restarts": lambda: rings.repeat("kills and restarts", counts["restarts"], rings.restarts),
         "kills": lambda: outputs.kills(counts["kills"]),
         "files": lambda: Files(attacker, made).run(counts["files"]),
+        "images": lambda: Images(attacker, made).run(counts["images"]),
         "options": lambda: Options(attacker, made).run(counts["options"]),
+        "clients": lambda: HostileClients(attacker, made, wide=False).run(counts["clients"]),
+        "hostile-clients": lambda: HostileClients(attacker, made, wide=not short).measure(counts["hostile-clients"]),
         "limits": lambda: Limits(attacker, made).run()
     }
 
@@ -64,7 +72,7 @@ def main():
                         nargs="+",
                         metavar="PART",
                         help="parts to run, of: cases onto-inputs standard-output accounts "
-                        "evil shorten restarts kills files options")
+                        "evil shorten restarts kills files images options clients hostile-clients limits")
     parser.add_argument("--record", action="store_true", help="keep the figures in the folder results")
     options = parser.parse_args()
     counts = {
@@ -102,6 +110,9 @@ def main():
                      {str(columns): missed_pairs(columns) for columns in (64, 512, 2048)})
             elif options.record:
                 record(figures)
+            if options.record and name == "hostile-clients" and outcome:
+                keep("hostile_clients", "A line at work, with clients of its page and Modbus server that are slow, silent "
+                     "or greedy", "scripts/attack.sh --only hostile-clients --record", outcome)
     faults = len(attacker.faults)
     print(f"{attacker.runs} runs in {time.monotonic() - begin:.0f} s, seed {options.seed}: {faults} faults")
     return 1 if faults else 0

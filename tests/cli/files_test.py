@@ -120,6 +120,87 @@ class ParentFolders(Files):
         self.assertEqual(errors.count("\n"), 1)
 
 
+class SameInput(Files):
+    """The same input gives the same bytes; times are in times.json alone."""
+
+    def contents(self, folder):
+        return {path.relative_to(self.folder / folder).as_posix(): path.read_bytes()
+                for path in (self.folder / folder).rglob("*") if path.is_file() and path.name != "times.json"}
+
+    def test_gives_the_same_bytes(self):
+        self.shell("selfproj-sim board --line 512x96 --line-frames 30 --record packets")
+        for number in range(4):
+            self.image(f"images/{number}.pgm", number)
+        for command in ("selfproj inspect --device file:packets", "selfproj lines --threshold 20 images/*.pgm",
+                        "selfproj-sim cosim --engine model --threshold 20 --frames images",
+                        "selfproj-sim decode --engine model --bits 2 images", "selfproj accuracy"):
+            with self.subTest(command):
+                self.shell(f"{command} --out one; sleep 0.01; {command} --out two")
+                one, two = self.contents("one"), self.contents("two")
+                self.assertEqual(sorted(one), sorted(two))
+                self.assertEqual([name for name in one if one[name] != two[name]], [])
+                self.shell("rm -r one two")
+
+    def test_times_are_in_one_place(self):
+        self.shell("selfproj-sim board --line 512x96 --line-frames 30 --record packets")
+        self.shell("selfproj inspect --device file:packets --out out --json counts.json")
+        for name in ("out/times.json", "counts.json"):
+            self.assertIn("delay_p99_us", (self.folder / name).read_text(encoding="utf-8"))
+        for name in ("summary.json", "report.html"):
+            self.assertNotIn("delay", (self.folder / "out" / name).read_text(encoding="utf-8"))
+
+
+class Text(Files):
+    def test_other_encodings_are_refused_with_their_line(self):
+        self.shell("selfproj rig light-section > rig.yaml")
+        lines = (self.folder / "rig.yaml").read_text(encoding="utf-8").splitlines()
+        at = next(number for number, line in enumerate(lines) if line.startswith("name:"))
+        lines[at] = "name: Fl\xe4che"
+        self.shell("selfproj-sim board --line 512x96 --line-frames 3 --record packets")
+        for encoding, good in (("utf-8", True), ("utf-8-sig", True), ("latin-1", False), ("utf-16", False)):
+            (self.folder / "r.yaml").write_bytes("\n".join(lines).encode(encoding))
+            errors = self.shell("selfproj inspect --device file:packets --rig r.yaml --out out", 0 if good else 2)
+            if good:
+                self.assertIn("Fl\xe4che", (self.folder / "out/summary.json").read_text(encoding="utf-8"))
+            else:
+                self.assertRegex(errors, r"^selfproj: r\.yaml: line \d+: .*UTF-8")
+                self.assertEqual(errors.count("\n"), 1)
+
+    def test_tables_with_a_byte_order_mark(self):
+        (self.folder / "curve.csv").write_bytes(b"\xef\xbb\xbfy_mm,z_mm\r\n-200,1167\r\n200,1167\r\n")
+        self.shell("selfproj pattern --rig light-section --reference curve.csv --out out")
+
+
+class TallImages(Files):
+    def test_are_measured_by_the_program_alone(self):
+        rows = 3000
+        (self.folder / "a.pgm").write_bytes(b"P5\n8 %d\n255\n" % rows + b"\0" * 8 * 2500 + b"\xff" * 8 +
+                                            b"\0" * 8 * (rows - 2501))
+        for select in ("strongest", "all"):
+            errors = self.shell(f"selfproj lines --threshold 20 --select {select} --mode grey --out out a.pgm")
+            self.assertIn("a board takes at most 1023", errors)
+            with open(self.folder / "out/moments.csv", encoding="utf-8") as file:
+                self.assertEqual({(row["m0"], row["m1"]) for row in csv.DictReader(file)}, {("255", str(255 * 2501))})
+        self.shell("selfproj lines --threshold 20 --rows 1..2000 --out out a.pgm")
+        (self.folder / "b.pgm").write_bytes(b"P5\n4 5804\n255\n" + b"\0" * 4 * 5804)
+        self.assertIn("5803", self.shell("selfproj lines --threshold 20 --out out2 b.pgm", 2))
+
+
+class FramesOfCosim(Files):
+    def lit(self, frames):
+        self.shell(f"selfproj-sim cosim --engine model --threshold 20 --mode binary --out out --frames {frames}")
+        return self.lit_of_frames("out/moments.csv")
+
+    def test_names_folders_and_patterns(self):
+        for lit, name in enumerate(("run1/a.pgm", "run[1]/a.pgm", "run[1]/b*.pgm", "run[1]/bcd.pgm"), 1):
+            self.image(name, lit)
+        self.assertEqual(self.lit("'run[1]/*.pgm'"), [2, 3, 4])
+        self.assertEqual(self.lit("'run[1]/b*.pgm'"), [3])
+        self.assertEqual(self.lit("'run[1]'"), [2, 3, 4])
+        self.assertEqual(self.lit("'run[12]/*.pgm'"), [1])
+        self.assertIn("no file matches", self.shell("selfproj-sim cosim --engine model --out o --frames 'no*'", 2))
+
+
 if __name__ == "__main__":
     programs = pathlib.Path(sys.argv.pop(1)).resolve()
     unittest.main(verbosity=1)

@@ -82,11 +82,17 @@ struct Moments {
 // more (the circuit takes only multiples of 4 up to spec::kMaxColumns); threshold 0..255. If one of these is out of
 // range, the mode is unknown, or a pointer is null, throws std::invalid_argument and writes nothing. Allocates nothing
 // and keeps no state; any number of threads may call it at once.
+//
+// `max_rows` up to kMaxSoftwareRows takes images with more rows than a circuit does.
 void column_moments(const ImageView& image, Mode mode, int threshold, const MomentsView& out,
-                    const RowWindow& window = {});
+                    const RowWindow& window = {}, int max_rows = spec::kMaxRows);
+
+// The most rows of which M1 always fits in 32 bits: 255 R (R + 1) / 2 < 2^32.
+inline constexpr int kMaxSoftwareRows = 5803;
 
 // Throws std::invalid_argument under the conditions of column_moments.
-void check_column_moments(const ImageView& image, Mode mode, int threshold, const MomentsView& out);
+void check_column_moments(const ImageView& image, Mode mode, int threshold, const MomentsView& out,
+                          int max_rows = spec::kMaxRows);
 
 }  // namespace selfproj::model
 

@@ -75,14 +75,18 @@ struct Runs {
 
 // Writes the strongest run of every column of `image` to `out`, whatever measure.select is. Arguments and errors as
 // those of column_moments; throws also if the gap is not in 0..kMaxGap.
-void column_runs(const ImageView& image, const Measure& measure, const RunsView& out);
+void column_runs(const ImageView& image, const Measure& measure, const RunsView& out, int max_rows = spec::kMaxRows);
 
 // Writes what measure.select asks for: column_moments or column_runs. With Select::all it does not touch out.runs and
 // out.second.
 void measure_columns(const ImageView& image, const Measure& measure, const RunsView& out);
 
+// The same for up to kMaxSoftwareRows rows, more than a circuit takes.
+void measure_tall_columns(const ImageView& image, const Measure& measure, const RunsView& out);
+
 // Throws std::invalid_argument under the conditions of column_runs.
-void check_column_runs(const ImageView& image, const Measure& measure, const RunsView& out);
+void check_column_runs(const ImageView& image, const Measure& measure, const RunsView& out,
+                       int max_rows = spec::kMaxRows);
 
 }  // namespace selfproj::model
 

@@ -29,8 +29,9 @@ class PlyText {
   std::string vertices_;
 };
 
-// The vertices of a binary little-endian PLY file. Its first element must be vertex with float properties x, y, z; the
-// others may have any scalar type. Throws UserError with the file if it is unreadable, no such PLY, or cut short.
+// The vertices of a PLY file, binary of either byte order or text. Its first element must be vertex with properties x,
+// y, z; all of them may have any scalar type. Throws UserError with the file if it is unreadable, no such PLY, or cut
+// short.
 std::vector<Point3f> read_ply(const std::string& file);
 
 // Finds the nearest of many points by a k-d tree (nanoflann).

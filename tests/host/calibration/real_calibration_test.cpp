@@ -12,10 +12,12 @@
 #include <opencv2/core.hpp>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "host/calibration/calibrate.h"
 #include "host/calibration/capture.h"
+#include "host/calibration/chessboard.h"
 #include "host/files/results_file.h"
 #include "host/images/image_files.h"
 #include "host/images/image_sequence.h"
@@ -188,6 +190,31 @@ TEST(RealCalibration, ThreePosesOfAChessboard) {
   std::printf("%s\n", results.dump(1).c_str());
   files::write_results("real_calibration", "Camera and projector from real captures of a chessboard in three poses",
                        results);
+}
+
+// However the camera is turned, the chessboard is the same one.
+TEST(RealCalibration, TurnedCamerasFindTheChessboard) {
+  if (!fs::exists(folder_of(0))) {
+    GTEST_SKIP() << "no " << folder_of(0);
+  }
+  const calibration::Chessboard chessboard{9, 7, 75};
+  for (int pose = 0; pose < kPoses; ++pose) {
+    images::Image image = images::read_image(images::files_of_folder(folder_of(pose)).at(40), {});  // all white
+    const calibration::FoundChessboard upright = calibration::find_chessboard(image, chessboard);
+    ASSERT_EQ(upright.reason, "");
+    for (int quarter = 1; quarter < 4; ++quarter) {
+      images::Image turned{image.columns, image.rows, {}};  // by 90 degrees against the clock
+      for (int column = image.columns - 1; column >= 0; --column) {
+        for (int row = 0; row < image.rows; ++row) {
+          turned.pixels.push_back(image.view().pixels[row * image.columns + column]);
+        }
+      }
+      image = std::move(turned);
+      const calibration::FoundChessboard found = calibration::find_chessboard(image, chessboard);
+      EXPECT_EQ(found.reason, "") << "pose " << pose << ", turned by " << 90 * quarter;
+      EXPECT_NEAR(found.spacing_px, upright.spacing_px, 0.1);
+    }
+  }
 }
 
 #ifdef SELFPROJ_HAS_OPENCV_STRUCTURED_LIGHT

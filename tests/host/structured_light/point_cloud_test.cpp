@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <cstring>
 #include <limits>
 #include <string>
 #include <utility>
@@ -90,6 +92,48 @@ TEST(Ply, ReadsWhatItWrote) {
   }
 }
 
+// The bytes of a number, from the lowest on.
+template <class T>
+std::string bytes_of(T value, bool big) {
+  std::string bytes(sizeof value, '\0');
+  std::memcpy(bytes.data(), &value, sizeof value);
+  if (big) {
+    std::reverse(bytes.begin(), bytes.end());
+  }
+  return bytes;
+}
+
+// Coordinates of any scalar type in any of the three formats, with other properties between them.
+TEST(Ply, ReadsEveryFormat) {
+  const test::ScratchFolder folder;
+  const std::vector<structured_light::Point3f> points{{-1, 2.5F, 3}, {4, -5.25F, 100}};
+  for (const std::string format : {"ascii", "binary_little_endian", "binary_big_endian"}) {
+    for (const std::string end : {"\n", "\r\n"}) {
+      std::string text =
+          "ply" + end + "format " + format + " 1.0" + end + "comment \xE4" + end + "element vertex 2" + end;
+      for (const char* property : {"double x", "uchar red", "float32 y", "short z"}) {
+        text += std::string("property ") + property + end;
+      }
+      text += "element face 0" + end + "property list uchar int vertex_indices" + end + "end_header" + end;
+      for (const structured_light::Point3f& point : points) {
+        const bool big = format == "binary_big_endian";
+        text += format == "ascii" ? std::to_string(point.x) + " 7\t" + std::to_string(point.y) + "  " +
+                                        std::to_string(static_cast<int>(point.z)) + end
+                                  : bytes_of(static_cast<double>(point.x), big) + '\7' + bytes_of(point.y, big) +
+                                        bytes_of(static_cast<std::int16_t>(point.z), big);
+      }
+      test::write_text(folder / "a.ply", text);
+      const std::vector<structured_light::Point3f> found = structured_light::read_ply((folder / "a.ply").string());
+      ASSERT_EQ(found.size(), points.size()) << format;
+      for (std::size_t i = 0; i < points.size(); ++i) {
+        EXPECT_EQ(found[i].x, points[i].x) << format;
+        EXPECT_EQ(found[i].y, points[i].y) << format;
+        EXPECT_EQ(found[i].z, points[i].z) << format;
+      }
+    }
+  }
+}
+
 TEST(Ply, RefusesWhatItDoesNotUnderstand) {
   const test::ScratchFolder folder;
   structured_light::PlyText ply(1);
@@ -102,12 +146,17 @@ TEST(Ply, RefusesWhatItDoesNotUnderstand) {
   const std::vector<std::pair<std::string, std::string>> cases{
       {"", "not a PLY"},
       {"plx" + good.substr(3), "not a PLY"},
-      {replaced("binary_little_endian", "ascii"), "is not a binary little-endian PLY"},
-      {replaced("float y", "double y"), "is not a binary little-endian PLY"},
+      {replaced("binary_little_endian", "binary_middle_endian"), "is not a PLY of a known format"},
+      {replaced("binary_little_endian", "ascii"), "is truncated"},
+      {replaced("float y", "double y"), "is truncated"},
+      {replaced("float y", "float w"), "is not a PLY of a known format"},
+      {"ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\nend_header\n1 2 "
+       "a\n",
+       "vertex 1: 'a' is not a coordinate"},
       {replaced("float z", "quad z"), "type quad"},
       {replaced("vertex 1", "vertex 2"), "is truncated"},
       {replaced("vertex 1", "vertex 99999999999999999"), "is truncated"},
-      {replaced("element vertex 1", "element face 1"), "is not a binary little-endian PLY"},
+      {replaced("element vertex 1", "element face 1"), "is not a PLY of a known format"},
       {good.substr(0, good.size() - 1), "is truncated"},
   };
   for (const auto& [text, reason] : cases) {

@@ -7,6 +7,7 @@ import gc
 import json
 import os
 import pathlib
+import pickle
 import subprocess
 import sys
 import tempfile
@@ -55,7 +56,7 @@ class Case(unittest.TestCase):
 class Model(Case):
     def test_moments(self):
         for _ in range(60):
-            rows, columns = self.between(1, 60), self.between(1, 70)
+            rows, columns = self.between(1, 60), self.between(5, 70)  # 3 and 4 are colours
             store = self.pixels(3, rows, columns + self.between(0, 5))
             images, how = store[::-1, :, :columns], self.measure()
             if self.between(0, 1):
@@ -271,6 +272,13 @@ class Calibration(Case):
         self.assertEqual(corners.shape, (35, 2))
         self.assertIsNone(calibration.find_chessboard(self.pixels(50, 50), (7, 5)))
         column = captures[0].projector_column
+        again = pickle.loads(pickle.dumps(captures[0]))
+        same(again.projector_column, column)
+        same(again.mean, captures[0].mean)
+        twin = calibration.calibrate([pickle.loads(pickle.dumps(capture)) for capture in captures], corners=(7, 5),
+                                     square_mm=40, projector=(96, 80))
+        self.assertEqual(twin.json(), result.json())
+        same(pickle.loads(pickle.dumps(found)).camera_matrix, found.camera_matrix)
         self.assertTrue((column.max() < 96) and (column >= 0).mean() > 0.1 and column.dtype == numpy.int16)
 
 
@@ -322,7 +330,68 @@ class Refusals(Case):
                 function(name)
 
 
+class Data(Case):
+    def test_pickles_and_texts(self):
+        image = self.pixels(20, 16)
+        rig = light_section.load_rig("light-section")
+        header = packets.Header()
+        header.sequence, header.encoder = self.between(0, 2**62), 7
+        moments = [model.moments(images, 20, select=select) for images in (image, numpy.stack([image] * 2))
+                   for select in (model.Select.ALL, model.Select.STRONGEST)]
+        packet = packets.parse(packets.moments_packet(image, 20, header=header))
+        profile = light_section.Profiler(rig).profile_of_moments(*[self.pixels(2, 512).astype("uint32")] * 3)
+        for thing in (rig, header, packet, profile, *moments, structured_light.GraySequence(5, 6), model.Mode.GREY):
+            again = pickle.loads(pickle.dumps(thing))
+            self.assertEqual((type(again), repr(again)), (type(thing), repr(thing)))
+            self.assertNotIn("object at 0x", repr(thing))
+            if thing is header:
+                self.assertEqual(again, header)
+            for name in ("bytes", "m0", "m1", "n", "runs", "second", "centroid", "x", "y", "z", "dz", "validity"):
+                if hasattr(thing, name) and not callable(getattr(thing, name)):
+                    numpy.testing.assert_array_equal(getattr(again, name), getattr(thing, name))
+        self.assertEqual(pickle.loads(pickle.dumps(rig)).to_yaml(), rig.to_yaml())
+        self.assertRegex(selfproj.__version__, r"^\d+\.\d+")
+
+    def test_paths_and_names_of_any_encoding(self):
+        name = os.fsdecode(b"fl\xe4che ")
+        values = self.random.random((3, 4), dtype="float32")
+        light_section.save_tiff(self.folder / (name + ".tiff"), values)
+        same(light_section.load_tiff(self.folder / (name + ".tiff")), values)
+        packets.moments_packet(self.pixels(9, 16), 20).tofile(self.folder / name)
+        with driver.open(f"file:{self.folder / name}") as device:
+            self.assertEqual(device.uri, f"file:{self.folder / name}")
+            self.assertEqual(len(list(device)), 1)
+        for function in (selfproj.read_image, light_section.load_rig, structured_light.load_ply,
+                         calibration.read_calibration):
+            with self.assertRaisesRegex(selfproj.InputError, "fl\N{REPLACEMENT CHARACTER}che"):
+                function(self.folder / (name + ".none"))
+
+    def test_images_of_more_than_8_bits(self):
+        values = self.random.integers(0, 4096, (5, 8), dtype="uint16")
+        file = self.folder / "a.pgm"
+        file.write_bytes(b"P5 8 5 4095\n" + values.astype(">u2").tobytes())
+        same(selfproj.read_image(file), (values >> 4).astype("uint8"))
+        same(selfproj.read_image(file, shift=4), (values >> 4).astype("uint8"))
+        with self.assertRaisesRegex(ValueError, "colour image"):
+            model.moments(self.pixels(8, 12, 3), 20)
+        with self.assertRaisesRegex(ValueError, "none are given"):
+            calibration.calibrate([], corners=(9, 7), square_mm=1, projector=(8, 8))
+
+
 class Threads(Case):
+    def test_python_ends_while_threads_wait(self):
+        code = """
+import os, selfproj.driver, sys, threading, time
+pipe, _ = os.pipe()
+for _ in range(4):
+    threading.Thread(target=lambda: selfproj.driver.open(f"file:/dev/fd/{pipe}").next(), daemon=True).start()
+time.sleep(float(sys.argv[1]))
+"""
+        for _ in range(6):
+            done = subprocess.run([sys.executable, "-c", code, str(self.random.random() / 4)], capture_output=True,
+                                  text=True, check=False, timeout=60)
+            self.assertEqual((done.returncode, done.stderr), (0, ""))
+
     def test_others_run_while_a_kernel_runs(self):
         images = self.pixels(60, 200, 2000)
         sys.setswitchinterval(10)  # only a kernel that releases the GIL lets another thread run
