@@ -7,9 +7,9 @@
 # and Modbus server.
 #
 # A fault is a signal, a wrong result with status 0, a loss that nobody counts, an input that changed, a file left
-# behind, an error of more than one line, a good client that waits. Each is printed with the options that repeat it, and the exit status is 1. The
-# long run takes hours; --short, which is a test, takes half a minute. --record keeps the figures of a run in the folder
-# results.
+# behind, an error of more than one line, a good client that waits. Each is printed with the options that repeat it, and
+# the exit status is 1. The long run takes hours; --short, which is a test, takes a minute. --record keeps the figures
+# of a run in the folder results.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 exec python3 tests/attack/attack.py "$@"

@@ -227,6 +227,19 @@ Lattice turned(const Lattice& lattice) {
   return result;
 }
 
+// Detectors may number corners as if they saw the board in a mirror.
+void make_right_handed(Lattice& lattice) {
+  const cv::Point2f along = lattice.at(1, 0) - lattice.at(0, 0);
+  const cv::Point2f down = lattice.at(0, 1) - lattice.at(0, 0);
+  if (along.cross(down) >= 0) {
+    return;
+  }
+  for (int row = 0; row < lattice.rows; ++row) {
+    const auto first = lattice.corners.begin() + static_cast<std::ptrdiff_t>(row) * lattice.columns;
+    std::reverse(first, first + lattice.columns);
+  }
+}
+
 // How much a place looks like the corner of four squares: by how much the darker of two opposite ones is brighter than
 // the brighter of the other two, as a share of all; negative where `along` and `down`, which lead to the next corners,
 // enclose a dark one, and 0 where neither pair is. At the edge of a board three of them are alike, which gives 0.
@@ -335,6 +348,7 @@ bool trim(const cv::Mat& grey, const Chessboard& chessboard, Lattice& lattice) {
     }
     lattice = std::move(*smaller);
   }
+  make_right_handed(lattice);
   return true;
 }
 
@@ -350,14 +364,7 @@ std::optional<Lattice> find_by_squares(const cv::Mat& grey, const Chessboard& ch
   const int half = std::max(2, static_cast<int>(kShareOfSpacing * files::median_of(spacings(lattice.corners))));
   cv::cornerSubPix(grey, lattice.corners, {half, half}, {-1, -1},
                    {cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 40, 0.001});
-  const cv::Point2f along = lattice.at(1, 0) - lattice.at(0, 0);
-  const cv::Point2f down = lattice.at(0, 1) - lattice.at(0, 0);
-  if (along.cross(down) < 0) {  // mirrored
-    for (int row = 0; row < lattice.rows; ++row) {
-      const auto first = lattice.corners.begin() + static_cast<std::ptrdiff_t>(row) * lattice.columns;
-      std::reverse(first, first + lattice.columns);
-    }
-  }
+  make_right_handed(lattice);
   const Crossings crossings(grey, lattice);
   if (crossings.share() < kMostCorners) {
     return std::nullopt;

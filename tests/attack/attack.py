@@ -111,8 +111,8 @@ def main():
             elif options.record:
                 record(figures)
             if options.record and name == "hostile-clients" and outcome:
-                keep("hostile_clients", "A line at work, with clients of its page and Modbus server that are slow, silent "
-                     "or greedy", "scripts/attack.sh --only hostile-clients --record", outcome)
+                keep("hostile_clients", "A line at work, alone and with slow, silent and greedy clients of its page and "
+                     "Modbus server", "scripts/attack.sh --only hostile-clients --record", outcome)
     faults = len(attacker.faults)
     print(f"{attacker.runs} runs in {time.monotonic() - begin:.0f} s, seed {options.seed}: {faults} faults")
     return 1 if faults else 0

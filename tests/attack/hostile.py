@@ -42,8 +42,8 @@ async def page_drips(reader, writer):
 
 
 async def page_drips_its_body(reader, writer):
-    await drip_text(reader, writer, b"GET / HTTP/1.1\r\nHost: localhost\r\nContent-Length: 1000000000\r\n\r\n" + bytes(10000),
-                    0.2)
+    head = b"GET / HTTP/1.1\r\nHost: localhost\r\nContent-Length: 1000000000\r\n\r\n"
+    await drip_text(reader, writer, head + bytes(10000), 0.2)
 
 
 async def page_never_ends(_reader, writer):

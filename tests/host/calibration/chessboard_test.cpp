@@ -111,26 +111,16 @@ TEST(Chessboards, AreFoundInEveryPosition) {
   }
 }
 
-// On a narrow margin OpenCV's newer detector finds some of them, and its older one the others.
+// On a narrow margin a detector may add a line of corners at the paper's edge, or number them as in a mirror.
 TEST(Chessboards, AreFoundOnNarrowPaper) {
-  constexpr int kCases = 8;
-  int found_boards = 0;
-  int by_squares = 0;
-  for (const std::uint64_t seed : test::seeds(kCases)) {
+  for (const std::uint64_t seed : test::seeds(8)) {
     SCOPED_TRACE(test::how_to_repeat(seed));
     Random random(seed);
     const Drawing drawing = draw(random, 9, 6, between(random, -0.3, 0.3), 90, between(random, 0.08, 0.16));
     const calibration::FoundChessboard found =
         calibration::find_chessboard(drawing.image, {.columns = 9, .rows = 6, .square_mm = 1});
-    found_boards += found.reason.empty() ? 1 : 0;
-    by_squares += found.by_squares ? 1 : 0;
-    if (found.reason.empty()) {
-      EXPECT_LT(largest_error(found.corners, drawing.corners), 0.2);
-    }
-  }
-  if (test::runs_all_cases()) {
-    EXPECT_GE(found_boards, kCases - 1);
-    EXPECT_GE(by_squares, 1);
+    EXPECT_EQ(found.reason, "");
+    EXPECT_LT(largest_error(found.corners, drawing.corners), 0.2);
   }
 }
 
