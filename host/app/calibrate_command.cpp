@@ -12,6 +12,7 @@
 #include "host/app/capture_run.h"
 #include "host/app/commands.h"
 #include "host/app/guided_poses.h"
+#include "host/app/scanner_run.h"
 #include "host/calibration/calibrate.h"
 #include "host/calibration/calibration_output.h"
 #include "host/calibration/capture.h"
@@ -43,6 +44,7 @@ struct CalibrateOptions {
   std::string camera_distortion = kAuto;
   std::string projector_distortion = kAuto;
   calibration::DecodeSettings decode;
+  bool unchecked = false;
   calibration::CalibrateSettings calibrate;
   std::string plates;
   std::string moves;
@@ -158,6 +160,7 @@ std::vector<calibration::PoseReport> observe(const std::vector<std::string>& fol
   for (std::size_t i = 0; i < folders.size(); ++i) {
     images::ImageSequence images(files[i], options.pixels.rule());
     const calibration::Capture capture = calibration::decode_capture(folders[i], images, sequence, options.decode);
+    refuse_contradiction(folders[i], capture.contradiction, options.unchecked);
     poses.push_back(calibration::observe_pose(folders[i], capture, settings));
     progress.update(i + 1);
   }
@@ -339,6 +342,7 @@ selfproj calibrate --camera camera:192.168.1.20 --display 1 --chessboard 9x6 --s
       ->type_name("T")
       ->capture_default_str();
   cli::add_pixel_options(*command, options->pixels);
+  add_unchecked_option(*command, options->unchecked);
   cli::begin_group(*command, "Corners");
   command
       ->add_option("--corners", options->corners,

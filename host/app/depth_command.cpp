@@ -39,6 +39,7 @@ struct DepthOptions {
   std::string compare;
   bool compare_opengl = false;
   bool plane = false;
+  bool unchecked = false;
   std::string plane_region;
   std::string out;
   ReceiveOptions receive;
@@ -75,12 +76,16 @@ void check_options(const DepthOptions& options) {
   }
 }
 
-// The files of the images. A folder may hold the white and the black image of a whole sequence after the codes.
-std::vector<std::string> files_of(const DepthOptions& options) {
+// The files of the images. A folder may hold the white and the black image of a whole sequence after the codes; they
+// are put into `extra`.
+std::vector<std::string> files_of(const DepthOptions& options, std::vector<std::string>* extra = nullptr) {
   std::vector<std::string> files = images::image_arguments(options.images);
   const structured_light::DepthGeometry& geometry = options.setup.geometry;
   const auto need = 2 * static_cast<std::size_t>(geometry.bits + geometry.row_bits);
   if (files.size() == need + 2 && files.size() != options.images.size()) {
+    if (extra != nullptr) {
+      extra->assign(files.end() - 2, files.end());
+    }
     files.resize(need);
   }
   const std::size_t count = files.size();
@@ -131,7 +136,17 @@ void append_depth(files::OutputFolder& folder, const char* what, std::size_t pai
 
 // Computes the depth images of the recorded images. If there are several, each is written into the folder.
 structured_light::DepthRun depth_of_files(const DepthOptions& options, files::OutputFolder& folder) {
-  images::ImageSequence images(files_of(options), options.pixels.rule());
+  std::vector<std::string> extra;
+  images::ImageSequence images(files_of(options, &extra), options.pixels.rule());
+  if (!extra.empty()) {
+    images::ImageSequence last(extra, options.pixels.rule());
+    const images::Image white = last.read(0);
+    refuse_contradiction(fmt::format("{}, {}", extra[0], extra[1]),
+                         structured_light::SequenceCheck::is_white_and_black(white.view(), last.read(1).view())
+                             ? ""
+                             : "the last two of the folder's images are not white and black, which follow the codes",
+                         options.unchecked);
+  }
   const structured_light::DepthGeometry& geometry = options.setup.geometry;
   cli::Progress progress("image", images.count());
   const auto done = [&](std::size_t count, const std::string& note) { progress.update(count, note); };
@@ -193,6 +208,17 @@ void run_depth(const DepthOptions& options) {
   }
   const structured_light::DepthRun run =
       receiver ? depth_of_device(options, *receiver, folder) : depth_of_files(options, folder);
+  if (receiver) {
+    if (options.receive.check && !run.contradiction.empty()) {
+      throw CheckFailed(fmt::format("--check: {}", run.contradiction));
+    }
+    note_doubt(options.receive.device, run.contradiction);
+  } else {
+    refuse_contradiction("IMAGE", run.contradiction, options.unchecked);
+  }
+  if (run.contradiction.empty()) {
+    note_doubt(receiver ? options.receive.device : "IMAGE", run.doubt);
+  }
   report::DepthReport report{.setup = options.setup,
                              .device = options.receive.device,
                              .images = receiver ? 0 : files_of(options).size(),
@@ -265,6 +291,7 @@ selfproj depth --rig scanner --bits 8 --device ring:line1 \
   command->add_flag("--median", scanner.median, "Apply a 3 x 3 median to the code image.");
   add_strict_option(*command, scanner);
   cli::add_pixel_options(*command, options->pixels);
+  add_unchecked_option(*command, options->unchecked);
   add_limit_options(*command, geometry);
   cli::begin_group(*command, "What moved");
   command

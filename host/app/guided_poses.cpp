@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "host/app/scanner_run.h"
 #include "host/calibration/calibrate.h"
 #include "host/calibration/pose_advice.h"
 #include "host/images/image_files.h"
@@ -43,9 +44,9 @@ CapturedPose capture_pose(CaptureOptions& options, const calibration::DecodeSett
   });
   options.settle_ms = captured.record.settle.settle_ms;  // so that only the first capture measures it
   images::ImageSequence images = captured.sequence();
-  CapturedPose pose{
-      .report = calibration::observe_pose(name, calibration::decode_capture(name, images, *gray, decode), settings),
-      .images = {}};
+  const calibration::Capture capture = calibration::decode_capture(name, images, *gray, decode);
+  note_doubt(name, capture.contradiction);
+  CapturedPose pose{.report = calibration::observe_pose(name, capture, settings), .images = {}};
   if (pose.report.reason.empty()) {
     for (const images::Image& image : captured.images) {
       pose.images.push_back(images::encode_png(image));

@@ -13,6 +13,7 @@
 
 #include "host/app/commands.h"
 #include "host/app/receive.h"
+#include "host/app/scanner_run.h"
 #include "host/app/section_run.h"
 #include "host/camera/camera_device.h"
 #include "host/cli/command_line.h"
@@ -26,6 +27,7 @@
 #include "host/report/inspection_output.h"
 #include "host/report/report.h"
 #include "selfproj/driver/counters.h"
+#include "selfproj/files/user_error.h"
 #include "selfproj/light_section/differential_profile.h"
 #include "selfproj/light_section/inspection.h"
 #include "selfproj/model/column_runs.h"
@@ -177,7 +179,21 @@ void run_inspect(const InspectOptions& options) {
   if (production) {
     fmt::print("{}", production->end_text());
   }
+  if (production) {
+    production->check();
+  }
   receiver.check(counts.other_size + counts.other_select);
+  if (counts.profiles > 0 && counts.points == 0) {
+    const std::string reason = fmt::format(
+        "none of the {} columns of {} profiles is valid: is there no light, or are rig, mode and threshold not those "
+        "of "
+        "the frames?",
+        counts.profiles * static_cast<std::uint64_t>(profiler.columns()), counts.profiles);
+    if (options.receive.check) {
+      throw CheckFailed("--check: " + reason);
+    }
+    note_doubt(options.receive.device, reason);
+  }
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "host/app/commands.h"
+#include "host/app/scanner_run.h"
 #include "host/cli/command_line.h"
 #include "host/cli/progress.h"
 #include "host/files/notes.h"
@@ -98,6 +99,10 @@ void run_lines(const LinesOptions& options) {
   lines.write(folder, {.title = "Lines in recorded images", .counters = {}, .settings = settings}, images.count(),
               pictures);
   folder.commit();
+  if (lines.lit() == 0) {
+    note_doubt(images.files().front(),
+               fmt::format("no column of any image has a pixel above the threshold of {}", measure.threshold));
+  }
   const std::string select = images::select_text(measure);
   fmt::print("{} {} of {}, {}, threshold {}{}{}: {} columns with light, {} ambiguous → {}\n", images.count(),
              images.count() == 1 ? "image" : "images", images::size_text(images.rows(), images.columns()), options.mode,

@@ -30,6 +30,7 @@ struct MatchCommand {
   images::PixelOptions pixels;
   std::string out;
   std::string list;
+  bool unchecked = false;
   ReceiveOptions receive;
   production::ProductionOptions production;
   std::size_t save = 0;  // depth images of a device of which depth and difference are written
@@ -117,6 +118,9 @@ void match_device(const MatchCommand& options) {
   list.commit();
   fmt::print("{}{}", report::match_text(stream.table(), report, folder.name()),
              production ? production->end_text() : std::string());
+  if (production) {
+    production->check();
+  }
   receiver.check(report.counts->incomplete);
 }
 
@@ -136,6 +140,7 @@ void run_match(const MatchCommand& options) {
   files::OutputFolder folder(options.out);
   DepthList list(options.list);
   const MatchResult result = run.measure(images, folder, &list);
+  refuse_contradiction("IMAGE", result.contradiction, options.unchecked);
   folder.commit();
   list.commit();
   fmt::print("{}", result.text);
@@ -179,6 +184,7 @@ selfproj match --reference reference --e 8 --device ring:line1 --out today
   cli::begin_group(*command, "Decoding");
   add_threshold_option(*command, options->match.threshold, "the rig's");
   cli::add_pixel_options(*command, options->pixels);
+  add_unchecked_option(*command, options->unchecked);
   add_search_options(*command, options->match);
   CLI::Option* const device =
       add_receive_options(*command, options->receive, "depth images", kImagesOfPatterns, DeviceIs::instead_of_images);

@@ -27,13 +27,21 @@ void run_record(const RecordOptions& options) {
   files::OutputStream stream(file);
   std::uint64_t packets = 0;
   std::uint64_t bytes = 0;
-  receiver.run({.packet =
-                    [&](const model::PacketView& packet) {
-                      stream.append({reinterpret_cast<const char*>(packet.bytes().data()), packet.size});
-                      bytes += packet.size;
-                      return ++packets;
-                    },
-                .status = [&] { return fmt::format("{} bytes", bytes); }});
+  try {
+    receiver.run({.packet =
+                      [&](const model::PacketView& packet) {
+                        stream.append({reinterpret_cast<const char*>(packet.bytes().data()), packet.size});
+                        bytes += packet.size;
+                        return ++packets;
+                      },
+                  .status = [&] { return fmt::format("{} bytes", bytes); }});
+  } catch (const UserError& error) {  // a full disk, or a device that failed
+    if (packets > 0) {
+      stream.commit_first(bytes);
+      throw UserError(error.what(), fmt::format("the {} packets before are kept in {}", packets, options.out));
+    }
+    throw;
+  }
   if (packets == 0) {
     throw CheckFailed(options.receive.device + ": no packet came, and nothing is written");
   }

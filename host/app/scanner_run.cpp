@@ -15,6 +15,7 @@
 
 #include "host/cli/command_line.h"
 #include "host/cli/progress.h"
+#include "host/files/notes.h"
 #include "host/images/frame_options.h"
 #include "host/report/depth_output.h"
 #include "host/report/facts.h"
@@ -22,6 +23,7 @@
 #include "host/structured_light/scan_stream.h"
 #include "host/structured_light/self_reference.h"
 #include "host/structured_light/self_scanner.h"
+#include "host/structured_light/sequence_check.h"
 #include "selfproj/files/user_error.h"
 #include "selfproj/images/float_image.h"
 #include "selfproj/structured_light/triangulation.h"
@@ -33,17 +35,24 @@ namespace {
 // difference of each are written into the folder.
 std::vector<structured_light::OfImage<structured_light::DepthShares>> match_images(
     const rig::Rig& rig, std::size_t patterns, images::ImageSequence& images, structured_light::SelfScanner& scanner,
-    files::OutputFolder& folder, DepthList* list) {
+    files::OutputFolder& folder, DepthList* list, std::string& contradiction) {
   std::array<images::Image, 2> pair;  // the scanner reads the positive when its negative comes
   std::vector<structured_light::PointState> states;
   std::vector<structured_light::OfImage<structured_light::DepthShares>> all_shares;
+  structured_light::SequenceCheck check(rig.camera.rows, rig.camera.columns, static_cast<int>(patterns / 2), true);
+  std::vector<std::string> names(patterns);
   cli::Progress progress("image", images.count());
   for (std::size_t i = 0; i < images.count(); ++i) {
     images::Image& image = pair.at(i % 2);
     image = images.read(i);
     check_camera_size(rig, images.files()[i], image);
+    check.add(static_cast<int>(i % patterns), image.view());
+    names[i % patterns] = images.files()[i];
     if (scanner.add_frame(image.view(), static_cast<int>(i % patterns))) {
       scanner.explain(states);
+      if (contradiction.empty()) {
+        contradiction = structured_light::contradiction_of(check, names);
+      }
       all_shares.push_back({i / 2, structured_light::count_states(states)});
       if (images.count() > patterns) {
         append_maps(scanner, i / 2, folder);
@@ -81,6 +90,27 @@ void add_strict_option(CLI::App& command, structured_light::ScannerSettings& sca
   command.add_flag(
       "--strict", scanner.strict,
       "Leave out pixels with one ambiguous pair. Without it, two or more ambiguous pairs leave a pixel out.");
+}
+
+void add_unchecked_option(CLI::App& command, bool& unchecked) {
+  command.add_flag(
+      "--unchecked", unchecked,
+      "Only warn where the images contradict each other, the options or the geometry. Without it, such a run "
+      "writes nothing, and the exit status is 1.");
+}
+
+void refuse_contradiction(const std::string& subject, const std::string& contradiction, bool unchecked) {
+  if (!contradiction.empty() && !unchecked) {
+    throw CheckFailed(fmt::format("{}: {}{} --unchecked goes on all the same", subject, contradiction,
+                                  contradiction.ends_with('?') ? "" : ";"));
+  }
+  note_doubt(subject, contradiction);
+}
+
+void note_doubt(const std::string& subject, const std::string& doubt) {
+  if (!doubt.empty()) {
+    files::note(fmt::format("{}: warning: {}", subject, doubt));
+  }
 }
 
 void add_limit_options(CLI::App& command, structured_light::DepthGeometry& geometry) {
@@ -198,10 +228,14 @@ MatchResult MatchRun::measure(images::ImageSequence& images, files::OutputFolder
   structured_light::SelfScanner scanner(rig_, reference_, table, threshold());
   report::MatchReport all = report();
   all.images = images.count();
-  all.all_shares = match_images(rig_, static_cast<std::size_t>(patterns()), images, scanner, folder, list);
+  std::string contradiction;
+  all.all_shares =
+      match_images(rig_, static_cast<std::size_t>(patterns()), images, scanner, folder, list, contradiction);
   all.depth_images = all.all_shares.size();
   report::MatchPictures pictures = report::write_match(rig_, table, scanner, all, folder);
-  return {.text = report::match_text(table, all, folder.name()), .pictures = std::move(pictures)};
+  return {.text = report::match_text(table, all, folder.name()),
+          .pictures = std::move(pictures),
+          .contradiction = std::move(contradiction)};
 }
 
 MatchStream::MatchStream(const MatchRun& run, std::string uri)

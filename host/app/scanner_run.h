@@ -32,6 +32,14 @@ void add_geometry_options(CLI::App& command, structured_light::DepthGeometry& ge
 void add_threshold_option(CLI::App& command, int& threshold, const std::string& by_default);
 void add_strict_option(CLI::App& command, structured_light::ScannerSettings& scanner);
 
+// Adds --unchecked.
+void add_unchecked_option(CLI::App& command, bool& unchecked);
+
+// Throws CheckFailed, naming `subject`, if images, options or geometry contradict each other; with `unchecked`, and for
+// a doubt, there is a note. Empty texts: nothing.
+void refuse_contradiction(const std::string& subject, const std::string& contradiction, bool unchecked);
+void note_doubt(const std::string& subject, const std::string& doubt);
+
 // Adds the group of --min-z, --max-z, --max-z-per-line and --max-residual.
 void add_limit_options(CLI::App& command, structured_light::DepthGeometry& geometry);
 
@@ -76,6 +84,7 @@ class DepthList {
 struct MatchResult {
   std::string text;                // for the terminal, one line
   report::MatchPictures pictures;  // of the newest depth image, which are among the files
+  std::string contradiction;       // between the images (sequence_check.h): the first; empty: none
 };
 
 // Depth images from images under the patterns of a reference, as `selfproj match` writes them.

@@ -19,9 +19,11 @@
 #include "host/report/map_picture.h"
 #include "host/structured_light/point_scan.h"
 #include "host/structured_light/self_reference.h"
+#include "host/structured_light/sequence_check.h"
 #include "selfproj/files/user_error.h"
 #include "selfproj/images/float_image.h"
 #include "selfproj/rig/rig.h"
+#include "selfproj/structured_light/gray_sequence.h"
 
 namespace selfproj::app {
 namespace {
@@ -34,6 +36,7 @@ struct StripesOptions {
   structured_light::Stripes stripes;
   bool reflected = false;
   images::PixelOptions pixels;
+  bool unchecked = false;
   std::string out;
 };
 
@@ -47,13 +50,16 @@ void make_sweep(const rig::Rig& rig, files::OutputFolder& folder) {
   }
 }
 
-template <class Scan>
-void add_folder(const rig::Rig& rig, const StripesOptions& options, const std::vector<std::string>& files, Scan& scan) {
+// `look` sees each image as well.
+template <class Scan, class Look>
+void add_folder(const rig::Rig& rig, const StripesOptions& options, const std::vector<std::string>& files, Scan& scan,
+                const Look& look) {
   cli::Progress progress("image", files.size());
   for (std::size_t i = 0; i < files.size(); ++i) {
     const images::Image image = images::read_image(files[i], options.pixels.rule());
     check_camera_size(rig, files[i], image);
     scan.add(image.view());
+    look(i, image);
     progress.update(i + 1);
   }
 }
@@ -68,7 +74,23 @@ structured_light::ProjectorPoints scanned(const rig::Rig& rig, const StripesOpti
                                                 "without white and black",
                                                 files.size(), all, all - 2));
     }
-    add_folder(rig, options, files, scan);
+    // Columns, then lines.
+    const structured_light::GraySequence sequence(rig.projector.columns, rig.projector.lines);
+    const auto columns = static_cast<std::size_t>(sequence.first_of_rows());
+    const auto codes = static_cast<std::size_t>(sequence.white());
+    structured_light::SequenceCheck of_columns(rig.camera.rows, rig.camera.columns, sequence.column_bits());
+    structured_light::SequenceCheck of_lines(rig.camera.rows, rig.camera.columns, sequence.row_bits());
+    add_folder(rig, options, files, scan, [&](std::size_t i, const images::Image& image) {
+      if (i < codes) {
+        (i < columns ? of_columns : of_lines).add(static_cast<int>(i < columns ? i : i - columns), image.view());
+      }
+    });
+    std::string contradiction = structured_light::contradiction_of(of_columns, files);
+    if (contradiction.empty()) {
+      contradiction =
+          structured_light::contradiction_of(of_lines, {files.begin() + sequence.first_of_rows(), files.end()});
+    }
+    refuse_contradiction(options.scan, contradiction, options.unchecked);
     return scan.points();
   }
   structured_light::LinePointScan scan(rig);
@@ -78,7 +100,7 @@ structured_light::ProjectorPoints scanned(const rig::Rig& rig, const StripesOpti
                                 "a column",
                                 files.size(), scan.count()));
   }
-  add_folder(rig, options, files, scan);
+  add_folder(rig, options, files, scan, [](std::size_t /*i*/, const images::Image& /*image*/) {});
   return scan.points();
 }
 
@@ -152,6 +174,7 @@ selfproj pattern stripes --sweep --out lines
   command->add_flag("--gray-code", options->gray_code,
                     "The images of --scan were taken under the patterns of `selfproj pattern gray`.");
   cli::add_pixel_options(*command, options->pixels);
+  add_unchecked_option(*command, options->unchecked);
   cli::begin_group(*command, "Stripes");
   command->add_option("--rig", options->rig, "Built-in rig or YAML file of kind scanner.")
       ->type_name("RIG")

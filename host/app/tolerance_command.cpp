@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "host/app/commands.h"
 #include "host/app/receive.h"
@@ -31,6 +32,7 @@ struct LearnCommandOptions {
   MatchOptions match;  // of a scanner
   ReceiveOptions receive;
   std::string out;
+  bool strict = false;
   production::LearnOptions learn;
   std::optional<double> min_defect_mm2;  // empty: LearnOptions' for a light section, of 9 cells for a scanner
   std::optional<double> edge_mm;         // likewise, 3 cells
@@ -38,10 +40,20 @@ struct LearnCommandOptions {
 
 void write_tolerance(const LearnCommandOptions& options, const rig::Rig& rig, const files::OutputFile& out,
                      const production::Learner& learner, std::uint64_t specks) {
-  const production::Tolerance tolerance = learner.learn(options.receive.device);
-  out.write(fmt::format("# learned from {} good parts on rig {}\n", learner.parts(), rig.name) +
+  std::vector<std::string> left_out;
+  const production::Tolerance tolerance = learner.learn(options.receive.device, &left_out);
+  if (options.strict && !left_out.empty()) {
+    throw CheckFailed(fmt::format("--strict: {}: {} not as the others; {}", options.receive.device,
+                                  left_out.size() == 1 ? "a part is" : fmt::format("{} parts are", left_out.size()),
+                                  left_out.front()));
+  }
+  for (const std::string& part : left_out) {
+    note_doubt(options.receive.device, "left out as not good: " + part);
+  }
+  out.write(fmt::format("# learned from {} good parts on rig {}\n", learner.parts() - left_out.size(), rig.name) +
             production::to_yaml(tolerance));
-  fmt::print("{} good parts{}, {} specks; {:.3f} mm long, {:.3f} mm wide, {} regions → {}\n", learner.parts(),
+  fmt::print("{} good parts{}, {} specks; {:.3f} mm long, {:.3f} mm wide, {} regions → {}\n",
+             learner.parts() - left_out.size(),
              learner.not_kept() > 0 ? fmt::format(" (and {} that are not kept)", learner.not_kept()) : std::string(),
              specks, tolerance.length_mm, tolerance.right_mm - tolerance.left_mm, tolerance.regions.size(),
              options.out);
@@ -188,6 +200,9 @@ selfproj match --rig my-scanner.yaml --reference stripes --device ring:line1 \
   cli::add_old_name(*command, "--smallest-mm2", "--min-defect-mm2");
   cli::add_old_name(*command, "--shift-mm", "--max-shift-mm");
   cli::add_old_name(*command, "--turn-deg", "--max-turn-deg");
+  command->add_flag("--strict", options->strict,
+                    "Write nothing, and exit with status 1, if a part is not as the others. Without it, such a part is "
+                    "left out with a warning.");
   cli::begin_group(*command, "Output");
   command->add_option("--out", options->out, "File for the tolerance.")->type_name("FILE")->required();
   command->callback([options] { run_learn(*options); });

@@ -16,6 +16,7 @@
 
 #include "host/files/numbers.h"
 #include "host/images/frame_options.h"
+#include "host/structured_light/sequence_check.h"
 #include "selfproj/files/user_error.h"
 #include "selfproj/model/gray_decoder.h"
 #include "selfproj/structured_light/fast_decoder.h"
@@ -27,6 +28,9 @@ namespace {
 class Images {
  public:
   explicit Images(images::ImageSequence& images) : images_(images) {}
+
+  // The file of the image that next() gave last.
+  [[nodiscard]] const std::string& name() const { return images_.files()[next_ - 1]; }
 
   // The next image, valid until the one after its successor is read.
   const images::Image& next() {
@@ -68,27 +72,44 @@ class Images {
   int columns_ = 0;
 };
 
-// The codes along one axis from its pairs of images; kNone if a pair is ambiguous or the code is not within `side`.
-std::vector<std::int16_t> decode_axis(Images& images, int bits, int side, int threshold) {
+// The codes along one axis from its pairs of images; kNone if a pair is ambiguous.
+std::vector<std::int16_t> decode_axis(Images& images, int bits, int threshold, std::string& contradiction) {
   std::optional<structured_light::FastGrayDecoder> decoder;
+  std::optional<structured_light::SequenceCheck> check;
+  std::vector<std::string> names;
   std::size_t pixels = 0;
   for (int i = 0; i < 2 * bits; ++i) {
     const images::Image& image = images.next();
     if (!decoder) {
       decoder.emplace(model::GraySettings{image.rows, image.columns, bits, threshold});
+      check.emplace(image.rows, image.columns, bits);
       pixels = image.pixels.size();
     }
     decoder->add_frame(image.view(), i);
+    check->add(i, image.view());
+    names.push_back(images.name());
+  }
+  if (contradiction.empty()) {
+    contradiction = structured_light::contradiction_of(*check, names);
   }
   std::vector<std::uint16_t> words(pixels);
   structured_light::unambiguous_code_words(decoder->codes(), words.data());
   std::vector<std::int16_t> codes(pixels);
   std::transform(words.begin(), words.end(), codes.begin(), [&](std::uint16_t word) {
-    const int code = word & model::GrayDecoder::kCode;
-    const bool valid = (word & model::GrayDecoder::kMeasurable) != 0 && code < side;
-    return valid ? static_cast<std::int16_t>(code) : Capture::kNone;
+    const bool valid = (word & model::GrayDecoder::kMeasurable) != 0;
+    return valid ? static_cast<std::int16_t>(word & model::GrayDecoder::kCode) : Capture::kNone;
   });
   return codes;
+}
+
+// What codes beyond the projector say of its size, if they are more than single wrong ones.
+std::string beyond_text(std::size_t beyond, std::size_t measured, int greatest, const char* lines, int side) {
+  constexpr double kMost = 0.01;
+  return static_cast<double>(beyond) <= kMost * static_cast<double>(measured)
+             ? ""
+             : fmt::format("{:.1f} % of the pixels see {} from {} on, up to {}, but the projector is said to have {}",
+                           100 * static_cast<double>(beyond) / static_cast<double>(measured), lines, side, greatest,
+                           side);
 }
 
 }  // namespace
@@ -113,19 +134,41 @@ Capture decode_capture(const std::string& name, images::ImageSequence& captured,
   }
   Images images(captured);
   Capture capture;
-  capture.projector_column = decode_axis(images, sequence.column_bits(), sequence.columns(), settings.threshold);
-  capture.projector_row = decode_axis(images, sequence.row_bits(), sequence.rows(), settings.threshold);
+  capture.projector_column = decode_axis(images, sequence.column_bits(), settings.threshold, capture.contradiction);
+  capture.projector_row = decode_axis(images, sequence.row_bits(), settings.threshold, capture.contradiction);
   const images::Image& white = images.next();
   const images::Image& black = images.next();
   capture.rows = white.rows;
   capture.columns = white.columns;
   capture.lit.resize(white.pixels.size());
+  std::size_t measured = 0;
+  std::array<std::size_t, 2> beyond{};  // columns, rows
+  std::array<int, 2> greatest{};
   for (std::size_t i = 0; i < white.pixels.size(); ++i) {
+    std::int16_t& column = capture.projector_column[i];
+    std::int16_t& row = capture.projector_row[i];
     const bool lit = white.pixels[i] - black.pixels[i] > settings.contrast;
     capture.lit[i] = lit;
-    if (!lit || capture.projector_column[i] == Capture::kNone || capture.projector_row[i] == Capture::kNone) {
-      capture.projector_column[i] = capture.projector_row[i] = Capture::kNone;
+    bool has_code = lit && column != Capture::kNone && row != Capture::kNone;
+    if (has_code) {
+      ++measured;
+      greatest = {std::max<int>(greatest[0], column), std::max<int>(greatest[1], row)};
+      beyond[0] += column >= sequence.columns() ? 1 : 0;
+      beyond[1] += row >= sequence.rows() ? 1 : 0;
+      has_code = column < sequence.columns() && row < sequence.rows();
     }
+    if (!has_code) {
+      column = row = Capture::kNone;
+    }
+  }
+  if (capture.contradiction.empty() &&
+      !structured_light::SequenceCheck::is_white_and_black(white.view(), black.view())) {
+    capture.contradiction = "the last two images are not white and black";
+  }
+  if (capture.contradiction.empty()) {
+    const std::string columns = beyond_text(beyond[0], measured, greatest[0], "columns", sequence.columns());
+    capture.contradiction =
+        columns.empty() ? beyond_text(beyond[1], measured, greatest[1], "rows", sequence.rows()) : columns;
   }
   capture.mean = images.stretched();
   return capture;

@@ -29,7 +29,8 @@ struct Capture {
   int columns = 0;
   std::vector<std::int16_t> projector_column, projector_row;  // from 0; both are kNone if there is no code
   std::vector<bool> lit;                                      // white exceeds black by more than the contrast
-  images::Image mean;  // the mean of all images, in which the patterns cancel, stretched to 0..255
+  images::Image mean;         // the mean of all images, in which the patterns cancel, stretched to 0..255
+  std::string contradiction;  // why the images are not those of the sequence (sequence_check.h); empty: they may be
 
   [[nodiscard]] std::size_t decoded() const;
 };

@@ -11,6 +11,7 @@
 #include <span>
 #include <string>
 #include <thread>
+#include <utility>
 
 #include "host/driver/clock.h"
 #include "host/driver/device_kinds.h"
@@ -34,7 +35,7 @@ constexpr std::uint64_t kMaxLost = std::uint64_t{1} << 48U;
 constexpr std::int64_t kLookNs = 50'000'000;
 
 // How long a board may take to notice that its ring was removed.
-constexpr std::int64_t kRenewalNs = 1'000'000'000;
+constexpr std::int64_t kRenewalNs = 3'000'000'000;
 
 class RingDevice final : public TalliedDevice {
  public:
@@ -86,6 +87,7 @@ class RingDevice final : public TalliedDevice {
           return Next::packet;
         }
         if (gone && !options_.wait_for_board) {
+          counters_.read_errors += std::exchange(patient_until_, 0) != 0 ? 1 : 0;  // it was not renewed in time
           return Next::end;
         }
       }
@@ -241,7 +243,7 @@ class RingDevice final : public TalliedDevice {
       } else if (memory_.locked(ring::kWriterLock)) {
         return true;  // even if the name was removed: nothing is lost before the writer leaves
       } else if (!memory_.removed() || memory_.header().written.load(std::memory_order_acquire) != read_) {
-        return false;
+        return now_ns() < patient_until_;
       } else {
         // A writer that is still running renews the ring as soon as it notices that the name is gone.
         patient_until_ = memory_.header().writer_open.load() != 0 ? now_ns() + kRenewalNs : 0;
@@ -259,7 +261,11 @@ class RingDevice final : public TalliedDevice {
       }
       start_reading();
     }
-    return memory_.locked(ring::kWriterLock);
+    if (memory_.locked(ring::kWriterLock)) {
+      patient_until_ = 0;
+      return true;
+    }
+    return now_ns() < patient_until_;
   }
 
   // Sleeps until the writer wakes it, at most for this time.

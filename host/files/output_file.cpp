@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <cstdint>
 #include <cstdio>
 #include <filesystem>
 #include <string>
@@ -79,6 +80,13 @@ void OutputStream::commit() {
   must(rename(temporary_->path().c_str(), file_.target_.c_str()) == 0);
   temporary_->keep();
   parents.keep();
+}
+
+void OutputStream::commit_first(std::uint64_t bytes) {
+  if (temporary_) {
+    must(ftruncate(temporary_->descriptor().number(), static_cast<off_t>(bytes)) == 0);
+  }
+  commit();
 }
 
 void OutputFile::write(std::string_view text) const {

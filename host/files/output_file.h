@@ -1,6 +1,7 @@
 #ifndef SELFPROJ_HOST_FILES_OUTPUT_FILE_H
 #define SELFPROJ_HOST_FILES_OUTPUT_FILE_H
 
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -48,6 +49,9 @@ class OutputStream {
   // Throw UserError.
   void append(std::string_view text);
   void commit();
+
+  // Commits no more than the first `bytes`, after a failure. Throws UserError.
+  void commit_first(std::uint64_t bytes);
 
  private:
   void must(bool done) const;

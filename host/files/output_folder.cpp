@@ -166,6 +166,7 @@ OutputFolder::OutputFolder(const std::string& name) : name_(name), target_(name)
     throw UserError(name_, "exists and is not a folder");
   }
   exists_ = fs::is_directory(status);
+  resolved_ = fs::weakly_canonical(fs::absolute(target_, error), error);
   if (!exists_) {
     if (status.type() != fs::file_type::not_found) {
       throw UserError(name_, error.message());
@@ -174,6 +175,7 @@ OutputFolder::OutputFolder(const std::string& name) : name_(name), target_(name)
     return;
   }
   target_ = fs::canonical(target_, error);
+  resolved_ = target_;
   if (error || access(target_.c_str(), W_OK | X_OK) != 0) {
     throw UserError(name_, error ? error.message() : error_text(errno));
   }
@@ -192,7 +194,7 @@ void OutputFolder::check(const std::string& file) const {
   if (exists_ && fs::path(file).has_parent_path()) {
     throw UserError(name_, "exists already; a new folder is needed for results in folders");
   }
-  check_output(target_ / file, target_ / file);
+  check_output(target_ / file, resolved_ / file);
 }
 
 void OutputFolder::append(const std::string& file, std::string_view text) {

@@ -51,6 +51,7 @@ class OutputFolder {
 
   std::string name_;
   std::filesystem::path target_;
+  std::filesystem::path resolved_;      // the same without links, also if it does not exist yet
   bool exists_ = false;                 // the target, as a folder
   bool beside_ = true;                  // the temporary folder is not in the target
   std::unique_ptr<Temporary> staging_;  // from the first file to the commit

@@ -35,8 +35,9 @@ Notes& notes() {
 // The path without links, "." and "..". If the file does not exist, those of its folder are resolved.
 std::string path_of(const fs::path& file) {
   std::error_code error;
-  const fs::path path = fs::weakly_canonical(file, error);
-  return error ? fs::absolute(file, error).lexically_normal().string() : path.string();
+  const fs::path absolute = fs::absolute(file, error);  // of a path of which nothing exists, the next keeps it relative
+  const fs::path path = fs::weakly_canonical(absolute, error);
+  return error ? absolute.lexically_normal().string() : path.string();
 }
 
 [[noreturn]] void fail(const std::string& output) {

@@ -23,8 +23,40 @@ namespace {
 constexpr double kSectionStep = 5;    // mm
 constexpr double kMinResidual = 0.1;  // mm
 constexpr double kMinMissing = 0.005;
+// Of one good part beside the others, in any case.
+constexpr double kMostMissing = 0.05;
+constexpr double kMostOff = 0.2;  // mm
 
 double widest_of(const rig::Rig& rig) { return 3 * pixel_mm(rig); }
+
+// Notes the parts whose value is not as that of the others. `floor`: a value may be so far from the median in any case.
+// The spread of few parts is known badly, and may be larger.
+void leave_out(const std::vector<std::optional<double>>& values, double spreads, double floor, const char* what,
+               std::vector<std::string>& reasons) {
+  constexpr double kPerMedian = 1.4826;  // standard deviations for a median distance of 1
+  constexpr double kFew = 3;
+  std::vector<double> known;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (values[i] && reasons[i].empty()) {
+      known.push_back(*values[i]);
+    }
+  }
+  if (known.size() < kMinGoodParts) {
+    return;
+  }
+  const double middle = files::median_of(known);
+  std::vector<double> off;
+  for (const double value : known) {
+    off.push_back(std::abs(value - middle));
+  }
+  const double times = spreads * (1 + kFew / static_cast<double>(known.size()));
+  const double most = std::max(floor, times * kPerMedian * files::median_of(off));
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (values[i] && reasons[i].empty() && std::abs(*values[i] - middle) > most) {
+      reasons[i] = fmt::format("{} is {:.4g}, that of the others {:.4g}", what, *values[i], middle);
+    }
+  }
+}
 
 // Where the section first and last is higher than above_mm, if that is not at its ends.
 std::pair<std::optional<double>, std::optional<double>> section_edges(const SectionReference& section, double above) {
@@ -79,19 +111,33 @@ Classifier Learner::classifier_of(const Tolerance& tolerance, const std::string&
   return map_ ? Classifier(rig_, *map_, tolerance, source) : Classifier(rig_, section_, tolerance, source);
 }
 
-Tolerance Learner::outline(const std::string& source) const {
-  RunningFigures length;
-  RunningFigures width;
-  RunningFigures middle;
+Tolerance Learner::outline(const std::string& source, Reasons& reasons) const {
+  std::vector<std::optional<double>> lengths;
+  std::vector<std::optional<double>> widths;
+  std::vector<double> middles;
   for (const CutPart& part : parts_) {
     const EdgeLines edges = edges_of(part.cells, rig_.parts->above_mm);
     const auto placed = place_by_edges(edges, {});
-    if (placed && placed->length_mm) {
-      length.add(*placed->length_mm);
+    lengths.push_back(placed ? placed->length_mm : std::nullopt);
+    widths.push_back(placed ? placed->width_mm : std::nullopt);
+    middles.push_back(widths.back() ? 0.5 * (edges[2]->across_mm + edges[3]->across_mm) : 0);
+  }
+  constexpr double kCells = 4;
+  leave_out(lengths, options_.spreads, kCells * rig_.parts->grid_mm, "its length in mm", reasons);
+  leave_out(widths, options_.spreads, kCells * rig_.parts->grid_mm, "its width in mm", reasons);
+  RunningFigures length;
+  RunningFigures width;
+  RunningFigures middle;
+  for (std::size_t i = 0; i < parts_.size(); ++i) {
+    if (!reasons[i].empty()) {
+      continue;
     }
-    if (placed && placed->width_mm) {
-      width.add(*placed->width_mm);
-      middle.add(0.5 * (edges[2]->across_mm + edges[3]->across_mm));
+    if (lengths[i]) {
+      length.add(*lengths[i]);
+    }
+    if (widths[i]) {
+      width.add(*widths[i]);
+      middle.add(middles[i]);
     }
   }
   if (length.count() < kMinGoodParts) {
@@ -196,11 +242,12 @@ std::vector<ToleranceRegion> map_regions(const images::FloatImage& comparable, c
   return regions;
 }
 
-Tolerance Learner::learn(const std::string& source) const {
+Tolerance Learner::learn(const std::string& source, std::vector<std::string>* left_out) const {
   if (parts_.size() < kMinGoodParts) {
     throw UserError(source, fmt::format("{} good parts came; at least {} are needed", parts_.size(), kMinGoodParts));
   }
-  Tolerance tolerance = map_ ? whole_view() : outline(source);
+  Reasons reasons(parts_.size());
+  Tolerance tolerance = map_ ? whole_view() : outline(source, reasons);
   if (!map_) {
     tolerance.regions = tolerance_regions(tolerance, section_, rig_.parts->grid_mm, widest_of(rig_), options_.edge_mm);
   }
@@ -216,9 +263,32 @@ Tolerance Learner::learn(const std::string& source) const {
   {
     const Classifier classifier = classifier_of(tolerance, source);
     PlacedMaps maps;
-    for (const CutPart& part : parts_) {
-      const PartResult result = classifier.classify(part, maps);
-      if (result.verdict != Verdict::good) {
+    std::vector<PartResult> results;
+    for (std::size_t part = 0; part < parts_.size(); ++part) {
+      results.push_back(classifier.classify(parts_[part], maps));
+      if (results.back().verdict != Verdict::good && reasons[part].empty()) {
+        reasons[part] = "it could not be placed";
+      }
+    }
+    const auto look_at = [&](const auto& value_of, double floor, const std::string& what) {
+      std::vector<std::optional<double>> values;
+      for (const PartResult& result : results) {
+        values.push_back(result.verdict == Verdict::good ? std::optional<double>(value_of(result)) : std::nullopt);
+      }
+      leave_out(values, options_.spreads, floor, what.c_str(), reasons);
+    };
+    for (std::size_t i = 0; i < seen.size(); ++i) {
+      const std::string& region = tolerance.regions[i].name;
+      look_at([&](const PartResult& result) { return result.regions[i].missing; }, kMostMissing,
+              fmt::format("the share of {} that is missing", region));
+      look_at([&](const PartResult& result) { return result.regions[i].lowest_mm; }, kMostOff,
+              fmt::format("the lowest place of {} in mm", region));
+      look_at([&](const PartResult& result) { return result.regions[i].highest_mm; }, kMostOff,
+              fmt::format("the highest place of {} in mm", region));
+    }
+    for (std::size_t part = 0; part < parts_.size(); ++part) {
+      const PartResult& result = results[part];
+      if (!reasons[part].empty()) {
         continue;
       }
       residual.add(result.placement->residual_mm);
@@ -229,9 +299,19 @@ Tolerance Learner::learn(const std::string& source) const {
       }
     }
   }
+  for (std::size_t part = 0; part < parts_.size() && left_out != nullptr; ++part) {
+    if (!reasons[part].empty()) {
+      left_out->push_back(fmt::format("part {} of {}: {}", part + 1, parts_.size(), reasons[part]));
+    }
+  }
   if (residual.count() < kMinGoodParts) {
-    throw UserError(source, fmt::format("{} of {} parts could be placed; at least {} are needed", residual.count(),
-                                        parts_.size(), kMinGoodParts));
+    const auto odd =
+        std::find_if(reasons.begin(), reasons.end(), [](const std::string& text) { return !text.empty(); });
+    throw UserError(
+        source,
+        fmt::format("{} of {} parts could be placed and are alike; at least {} are needed{}", residual.count(),
+                    parts_.size(), kMinGoodParts,
+                    odd == reasons.end() ? "" : fmt::format("; of part {}, {}", odd - reasons.begin() + 1, *odd)));
   }
   const auto far = [&](const RunningFigures& figures, double least) {
     return std::max(least, options_.spreads * figures.spread());

@@ -48,12 +48,16 @@ class Learner {
   [[nodiscard]] std::size_t parts() const { return parts_.size(); }
   [[nodiscard]] std::size_t not_kept() const { return not_kept_; }
 
-  // Throws UserError, naming `source`, if fewer than kMinGoodParts came or could be placed, or no stretch between
-  // edges is wide enough for a region.
-  [[nodiscard]] Tolerance learn(const std::string& source) const;
+  // Parts that are not as the others are left out, and named in `left_out`, a reason each: those whose length, width,
+  // heights or missing points are further from the parts' median than their spread explains, and those that cannot be
+  // placed. Throws UserError, naming `source`, if fewer than kMinGoodParts came or remain, or no stretch between edges
+  // is wide enough for a region.
+  [[nodiscard]] Tolerance learn(const std::string& source, std::vector<std::string>* left_out = nullptr) const;
 
  private:
-  [[nodiscard]] Tolerance outline(const std::string& source) const;
+  // A reason for each part that is left out; empty for the others.
+  using Reasons = std::vector<std::string>;
+  [[nodiscard]] Tolerance outline(const std::string& source, Reasons& reasons) const;
   [[nodiscard]] Tolerance whole_view() const;
   [[nodiscard]] Classifier classifier_of(const Tolerance& tolerance, const std::string& source) const;
 

@@ -2,6 +2,8 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/types.h>
+#include <unistd.h>
 
 #include <cerrno>
 #include <cstdint>
@@ -17,8 +19,10 @@
 
 #include "host/files/file_descriptor.h"
 #include "host/files/json_text.h"
+#include "host/files/notes.h"
 #include "host/files/output_file.h"
 #include "host/files/output_folder.h"
+#include "host/files/run_files.h"
 #include "host/files/signals_held.h"
 #include "host/report/map_picture.h"
 #include "selfproj/files/user_error.h"
@@ -30,6 +34,7 @@ namespace {
 
 constexpr const char* kLines = "parts.jsonl";
 constexpr const char* kTable = "parts.csv";
+constexpr const char* kStatistics = "statistics.json";
 
 int open_new(const fs::path& file) {
   const int descriptor = open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_APPEND | O_CLOEXEC, 0666);
@@ -50,6 +55,9 @@ fs::path made_folder(const std::string& name) {
   if (fs::is_directory(name, error) && !fs::is_empty(name, error)) {
     throw UserError(name, "is not empty; the results of a run need a new folder");
   }
+  for (const char* const file : {kLines, kTable, kStatistics}) {
+    files::note_output(fs::path(name) / file, fs::path(name) / file);
+  }
   fs::create_directories(name, error);
   if (error) {
     throw UserError(name, error.message());
@@ -57,9 +65,13 @@ fs::path made_folder(const std::string& name) {
   return name;
 }
 
+// Appends the whole line, or nothing.
 void append_line(const files::FileDescriptor& file, const fs::path& name, const std::string& line) {
+  const off_t before = lseek(file.number(), 0, SEEK_END);
   if (!files::write_all(file.number(), line)) {
-    throw UserError(name, files::error_text(errno));
+    const int error = errno;
+    static_cast<void>(ftruncate(file.number(), before) == 0);
+    throw UserError(name, files::error_text(error));
   }
 }
 
@@ -82,21 +94,37 @@ PartFiles::PartFiles(const std::string& folder, std::uint64_t max_folders)
       lines_(open_new(folder_ / kLines)),
       table_(open_new(folder_ / kTable)) {
   append_line(table_, folder_ / kTable, part_csv_head());
+  constexpr off_t kRoom = 1 << 16;
+  room_.emplace(folder, folder_, files::Temporary::Kind::file);
+  if (posix_fallocate(room_->descriptor().number(), 0, kRoom) == ENOSPC) {
+    throw UserError(folder, files::error_text(ENOSPC));
+  }
   const files::SignalsHeld held;  // signals are for the main thread
   thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
 }
 
-void PartFiles::rethrow() {
+void PartFiles::check() const {
   const std::lock_guard lock(mutex_);
   if (fault_) {
     std::rethrow_exception(fault_);
   }
 }
 
+void PartFiles::attempt(const std::function<void()>& write) {
+  try {
+    write();
+  } catch (const UserError& error) {
+    const std::lock_guard lock(mutex_);
+    if (!fault_) {
+      fault_ = std::current_exception();
+      files::note(fmt::format("{}; the line goes on without", error.what()));
+    }
+  }
+}
+
 void PartFiles::add(const PartResult& result, const PlacedMaps& maps) {
-  rethrow();
-  append_line(lines_, folder_ / kLines, files::json_text(part_json(result)) + "\n");
-  append_line(table_, folder_ / kTable, part_csv(result));
+  attempt([&] { append_line(lines_, folder_ / kLines, files::json_text(part_json(result)) + "\n"); });
+  attempt([&] { append_line(table_, folder_ / kTable, part_csv(result)); });
   if (result.verdict == Verdict::good) {
     return;
   }
@@ -130,22 +158,25 @@ void PartFiles::run(const std::stop_token& stop) {
     const Waiting part = std::move(waiting_.front());
     waiting_.pop_front();
     lock.unlock();
-    std::exception_ptr fault;
-    try {
-      write_folder(part);
-    } catch (...) {
-      fault = std::current_exception();
-    }
+    attempt([&] { write_folder(part); });
     lock.lock();
-    fault_ = fault_ ? fault_ : fault;
   }
 }
 
 void PartFiles::finish(const PartStatistics& statistics) {
   thread_.request_stop();
   thread_.join();
-  rethrow();
-  files::OutputFile(folder_ / "statistics.json").write(files::json_text(statistics_json(statistics), 2) + "\n");
+  room_.reset();
+  const std::string name = folder_ / kStatistics;
+  attempt([&] {
+    files::Temporary file(name, folder_, files::Temporary::Kind::file);
+    const int number = file.descriptor().number();
+    if (!files::write_all(number, files::json_text(statistics_json(statistics), 2) + "\n") || fsync(number) != 0 ||
+        rename(file.path().c_str(), name.c_str()) != 0) {
+      throw UserError(name, files::error_text(errno));
+    }
+    file.keep();
+  });
 }
 
 }  // namespace selfproj::production

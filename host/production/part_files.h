@@ -9,12 +9,15 @@
 #include <deque>
 #include <exception>
 #include <filesystem>
+#include <functional>
 #include <mutex>
+#include <optional>
 #include <stop_token>
 #include <string>
 #include <thread>
 
 #include "host/files/file_descriptor.h"
+#include "host/files/temporary.h"
 #include "host/production/part_result.h"
 
 namespace selfproj::production {
@@ -24,7 +27,9 @@ namespace selfproj::production {
 //   part_NNNNNN/             for each part that is bad or inconclusive, up to a number of folders:
 //                            result.json, height.tiff, difference.tiff, difference.png with the defects marked; it
 //                            appears whole
-//   statistics.json          at the end
+//   statistics.json          at the end, for which room is kept from the beginning
+// Where the disk is full, lines, folders and rows are left out whole until there is room again; the parts' numbers show
+// it, and check() says it at the end.
 // The folders are written by a thread of their own. If it falls behind by more than kMaxWaiting parts, folders are
 // left out and counted; the lines never are.
 class PartFiles {
@@ -36,9 +41,12 @@ class PartFiles {
   PartFiles(const PartFiles&) = delete;
   PartFiles& operator=(const PartFiles&) = delete;
 
-  // Throws UserError if a file could not be written.
+  // A file that cannot be written is noted on standard error, the first time, and the production goes on.
   void add(const PartResult& result, const PlacedMaps& maps);
   void finish(const PartStatistics& statistics);
+
+  // Throws what was the first to fail, if anything did.
+  void check() const;
 
   [[nodiscard]] std::uint64_t folders() const { return folders_; }
   [[nodiscard]] std::uint64_t folders_left_out() const { return left_out_; }
@@ -51,15 +59,16 @@ class PartFiles {
 
   void run(const std::stop_token& stop);
   void write_folder(const Waiting& part) const;
-  void rethrow();
+  void attempt(const std::function<void()>& write);
 
   std::filesystem::path folder_;
   std::uint64_t max_folders_;
   files::FileDescriptor lines_;
   files::FileDescriptor table_;
+  std::optional<files::Temporary> room_;  // for the statistics
   std::atomic<std::uint64_t> folders_{0};
   std::atomic<std::uint64_t> left_out_{0};
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
   std::condition_variable_any changed_;
   std::deque<Waiting> waiting_;
   std::exception_ptr fault_;

@@ -215,11 +215,12 @@ void Production::finish() {
   if (thread_.joinable()) {
     thread_.join();
   }
+  if (files_ && !finished_) {
+    finished_ = true;
+    files_->finish(statistics_);
+  }
   if (fault_) {
     std::rethrow_exception(std::exchange(fault_, nullptr));
-  }
-  if (files_) {
-    files_->finish(statistics_);
   }
 }
 

@@ -89,6 +89,13 @@ class Production {
   // Classifies the parts that are left, and writes their results. Throws what the thread has thrown.
   void finish();
 
+  // Throws UserError if the results of a part could not be written. For the end, after all else is done.
+  void check() const {
+    if (files_) {
+      files_->check();
+    }
+  }
+
   // What was counted so far; the end of the status line on a terminal: "12 parts: 10 good, ..."; and at the end one
   // line, or nothing where no parts are classified.
   [[nodiscard]] std::vector<report::Fact> facts() const;
@@ -130,6 +137,7 @@ class Production {
   std::atomic<std::uint64_t> lost_{0};
 
   std::optional<PartFiles> files_;
+  bool finished_ = false;
   std::optional<LivePage> page_;
   CameraView camera_;
   std::optional<ModbusServer> modbus_;

@@ -6,6 +6,7 @@
 #include <memory>
 #include <stdexcept>
 #include <string>
+#include <tuple>
 
 #include "host/images/frame_options.h"
 #include "selfproj/files/user_error.h"
@@ -64,6 +65,15 @@ void check_size(const std::string& geometry, int rows, int columns, const ImageS
 std::unique_ptr<LensTriangulation> make_lens_triangulation(const DepthGeometry& geometry, const ImageSource& source) {
   if (!geometry.rig.empty()) {
     return rig_triangulation_of_both(geometry, source);
+  }
+  for (const auto& [option, lines, bits] : {std::tuple{"--lines", geometry.lines, geometry.bits},
+                                            std::tuple{"--row-lines", geometry.row_lines, geometry.row_bits}}) {
+    if (lines > 0 && lines < std::ldexp(1.0, bits)) {
+      throw UserError(option,
+                      fmt::format("is {}, but no code of the 2^{} can be narrower than a line; leave it out where "
+                                  "each line has a code of its own",
+                                  lines, bits));
+    }
   }
   const rig::Calibration calibration = rig::read_calibration(geometry.calibration);
   if (calibration.camera_rows > 0) {

@@ -55,24 +55,36 @@ void finish(const Scanner& scanner, DepthRun& run) {
   }
 }
 
+// Notes what contradicts, if it is the first.
+void note_contradiction(DepthRun& run, const std::string& contradiction) {
+  if (run.contradiction.empty()) {
+    run.contradiction = contradiction;
+  }
+}
+
 // Reads the next 2 bits images and makes the words of one axis' code.
 class AxisDecoder {
  public:
   AxisDecoder(images::ImageSequence& images, const ScannerSettings& settings, const OnImage& on_image)
       : images_(images), settings_(settings), on_image_(on_image) {}
 
-  std::vector<std::uint16_t> words(const Triangulation& triangulation, int bits) {
+  std::vector<std::uint16_t> words(const Triangulation& triangulation, int bits, DepthRun& run) {
     const int rows = triangulation.rows();
     const int columns = triangulation.columns();
     FastGrayDecoder decoder({rows, columns, bits, settings_.threshold});
+    SequenceCheck check(rows, columns, bits);
+    std::vector<std::string> names;
     for (int pattern = 0; pattern < 2 * bits; ++pattern, ++next_) {
       images::Image& image = pair_[next_ % 2];
       image = images_.read(next_);
       decoder.add_frame(image.view(), pattern);
+      check.add(pattern, image.view());
+      names.push_back(images_.files()[next_]);
       if (on_image_) {
         on_image_(next_ + 1, {});
       }
     }
+    note_contradiction(run, contradiction_of(check, names));
     std::vector<std::uint16_t> words(triangulation.pixels());
     if (settings_.strict) {
       unambiguous_code_words(decoder.codes(), words.data());
@@ -102,14 +114,20 @@ DepthRun depth_of_images(const DepthSetup& setup, images::ImageSequence& images,
   const auto patterns = static_cast<std::size_t>(2 * setup.geometry.bits);
   std::vector<PointState> states(triangulation.pixels());
   std::array<images::Image, 2> pair;  // the scanner reads the positive when its negative comes
+  SequenceCheck check(triangulation.rows(), triangulation.columns(), setup.geometry.bits);
+  std::vector<std::string> names(patterns);
   std::string note;
   for (std::size_t i = 0; i < images.count(); ++i) {
     images::Image& image = pair[i % 2];
     image = images.read(i);
+    check.add(static_cast<int>(i % patterns), image.view());
+    names[i % patterns] = images.files()[i];
     if (scanner.add_frame(image.view(), static_cast<int>(i % patterns))) {
       const std::size_t number = i / 2;
       run.shares = shares_of(triangulation, scanner, states);
       run.all_shares.push_back({number, run.shares});
+      note_contradiction(run, contradiction_of(check, names));
+      note_contradiction(run, contradiction_of(triangulation, scanner.codes().data(), run.shares));
       note = share_text(run.shares, PointState::valid);
       if (scanner.has_background()) {
         run.moved.push_back({number, scanner.foreground()});
@@ -123,6 +141,9 @@ DepthRun depth_of_images(const DepthSetup& setup, images::ImageSequence& images,
     }
   }
   finish(scanner, run);
+  if (run.depth_images > 0) {
+    run.doubt = doubt_of(triangulation, scanner.codes().data());
+  }
   return run;
 }
 
@@ -133,8 +154,8 @@ DepthRun depth_of_both_axes(const DepthSetup& setup, images::ImageSequence& imag
   std::vector<std::uint16_t> row_codes;
   {
     AxisDecoder decoder(images, setup.scanner, on_image);
-    column_codes = decoder.words(*triangulation, setup.geometry.bits);
-    row_codes = decoder.words(*triangulation, setup.geometry.row_bits);
+    column_codes = decoder.words(*triangulation, setup.geometry.bits, run);
+    row_codes = decoder.words(*triangulation, setup.geometry.row_bits, run);
   }
   if (triangulation->rows_are_x()) {
     std::swap(column_codes, row_codes);
@@ -146,6 +167,8 @@ DepthRun depth_of_both_axes(const DepthSetup& setup, images::ImageSequence& imag
                                residuals.data());
   run.depth_images = 1;
   run.shares = count_states(states);
+  note_contradiction(run, contradiction_of(*triangulation, column_codes.data(), run.shares));
+  run.doubt = doubt_of(*triangulation, column_codes.data());
   run.all_shares.push_back({images.count() / 2 - 1, run.shares});
   residuals.erase(std::remove_if(residuals.begin(), residuals.end(), [](float value) { return std::isnan(value); }),
                   residuals.end());
@@ -166,6 +189,7 @@ bool DepthStream::add(const model::PacketView& packet) {
   if (!scanner_) {
     run_.triangulation = make_triangulation(setup_.geometry, source);
     scanner_.emplace(*run_.triangulation, setup_.scanner);
+    check_.emplace(header.rows, header.columns, setup_.geometry.bits);
     set_background(setup_, *run_.triangulation, *scanner_);
   }
   check_size("an earlier image", run_.triangulation->rows(), run_.triangulation->columns(), source);
@@ -174,8 +198,12 @@ bool DepthStream::add(const model::PacketView& packet) {
   }
   if (got == ScanStream::Got::codes) {
     scanner_->add_codes(stream_.codes().data());
-  } else if (!scanner_->add_frame(stream_.image(), stream_.pattern(2 * setup_.geometry.bits))) {
-    return false;
+  } else {
+    const int pattern = stream_.pattern(2 * setup_.geometry.bits);
+    check_->add(pattern, stream_.image());
+    if (!scanner_->add_frame(stream_.image(), pattern)) {
+      return false;
+    }
   }
   sequence_ = header.sequence;
   ++run_.depth_images;
@@ -197,6 +225,13 @@ DepthRun DepthStream::result(const driver::Counters& counters) {
   run_.shares = shares_of(*run_.triangulation, *scanner_, states);
   run_.all_shares.push_back({sequence_, run_.shares});
   run_.device = {counters, stream_.incomplete()};
+  std::vector<std::string> names;
+  for (int pattern = 0; pattern < 2 * setup_.geometry.bits; ++pattern) {
+    names.push_back(fmt::format("{}: image {} of the sequence", uri_, pattern + 1));
+  }
+  note_contradiction(run_, contradiction_of(*check_, names));
+  note_contradiction(run_, contradiction_of(*run_.triangulation, scanner_->codes().data(), run_.shares));
+  run_.doubt = doubt_of(*run_.triangulation, scanner_->codes().data());
   finish(*scanner_, run_);
   return std::move(run_);
 }

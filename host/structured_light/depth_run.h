@@ -14,6 +14,7 @@
 
 #include "host/images/image_sequence.h"
 #include "host/structured_light/scan_stream.h"
+#include "host/structured_light/sequence_check.h"
 #include "selfproj/driver/counters.h"
 #include "selfproj/images/float_image.h"
 #include "selfproj/model/packet.h"
@@ -55,6 +56,9 @@ struct DepthRun {
   std::optional<images::FloatImage> moved_depth;
   double median_residual_px = std::numeric_limits<double>::quiet_NaN();  // both axes: over the pixels with a depth
   std::optional<DeviceCounts> device;
+  // Between images, options and geometry (sequence_check.h): the first; empty: none. Of a device the newest one's.
+  std::string contradiction;
+  std::string doubt;  // likewise, of the newest depth image
 };
 
 // Receives each depth image with the number of its newest pair.
@@ -101,7 +105,8 @@ class DepthStream {
   ScanStream stream_;
   DepthRun run_;
   std::optional<Scanner> scanner_;  // made with the first image, whose size it needs
-  std::uint64_t sequence_ = 0;      // of the newest depth image
+  std::optional<SequenceCheck> check_;
+  std::uint64_t sequence_ = 0;  // of the newest depth image
 };
 
 }  // namespace selfproj::structured_light

@@ -9,6 +9,7 @@ import tempfile
 import time
 
 import materials
+from captures import Captures
 from cases import Cases
 from clients import HostileClients
 from files import Files, missed_pairs
@@ -28,6 +29,7 @@ COUNTS = {
     "files": (20, 10000),
     "images": (24, 20000),
     "options": (32, 10000),
+    "captures": (1, 8),
     "kills": (4, 500),
     "evil": (3, 300),
     "shorten": (1, 50),
@@ -43,6 +45,7 @@ def parts_of(attacker, made, counts, short):
     rings = Rings(attacker, made)
     return {
         "cases": lambda: Cases(attacker, made).run(counts["cases"]),
+        "captures": lambda: Captures(attacker, made).run(counts["captures"]),
         "onto-inputs": lambda: outputs.onto_inputs(share, counts["pairs"]),
         "standard-output": lambda: outputs.standard_output(share),
         "accounts": rings.accounts,
@@ -72,7 +75,7 @@ def main():
                         nargs="+",
                         metavar="PART",
                         help="parts to run, of: cases onto-inputs standard-output accounts "
-                        "evil shorten restarts kills files images options clients hostile-clients limits")
+                        "captures evil shorten restarts kills files images options clients hostile-clients limits")
     parser.add_argument("--record", action="store_true", help="keep the figures in the folder results")
     options = parser.parse_args()
     counts = {

@@ -24,9 +24,9 @@ struct Counters {
   std::uint64_t repeated = 0;         // good packets that had come before; they are not given out again
   std::uint64_t restarts = 0;         // times that the board's sequence or clock went back because of a reset
   std::uint64_t reattached = 0;       // ring, LitePCIe: times that a new writer, or a new ring of this name, took over
-  std::uint64_t read_errors = 0;      // file, network, LitePCIe: faults of the device after which reading continued
-  std::uint64_t lost_network = 0;     // network: packets of which a datagram did not come
-  std::uint64_t datagrams_lost = 0;   // network: datagrams that did not come, whoever lost them
+  std::uint64_t read_errors = 0;   // faults of the device after which reading continued; a ring removed and not renewed
+  std::uint64_t lost_network = 0;  // network: packets of which a datagram did not come
+  std::uint64_t datagrams_lost = 0;       // network: datagrams that did not come, whoever lost them
   std::uint64_t datagrams_overflow = 0;   // of these, those for which the socket's buffer had no room
   std::uint64_t datagrams_doubled = 0;    // network: datagrams that had come before
   std::uint64_t datagrams_reordered = 0;  // network: datagrams that came after a later one
