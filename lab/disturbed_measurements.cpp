@@ -13,17 +13,17 @@
 #include "host/images/frame_options.h"
 #include "host/images/image_files.h"
 #include "host/light_section/pattern.h"
+#include "host/light_section/scan.h"
 #include "host/structured_light/match_table.h"
 #include "host/structured_light/self_reference.h"
 #include "host/structured_light/self_scanner.h"
 #include "lab/cuboids.h"
+#include "lab/image_profiler.h"
 #include "lab/structured_light.h"
-#include "selfproj/light_section/differential_profile.h"
 #include "selfproj/light_section/profile.h"
 #include "selfproj/light_section/reference.h"
 #include "selfproj/model/column_moments.h"
 #include "selfproj/model/column_runs.h"
-#include "selfproj/model/packet_payload.h"
 #include "selfproj/structured_light/foreground.h"
 #include "selfproj/structured_light/scanner.h"
 #include "selfproj/structured_light/triangulation.h"
@@ -68,74 +68,10 @@ std::string name_of(const model::Measure& measure) {
   return std::string(name->first) + (measure.select == model::Select::strongest ? ", strongest run" : "");
 }
 
-// A rendered frame, and the profile measured in it. The moments pass through a packet's payload, as on the way to the
-// host. So a column that the host takes as invalid is invalid here as well, for example one with two runs of similar
-// strength.
-class ColumnsOfFrame {
- public:
-  explicit ColumnsOfFrame(const rig::Rig& rig) : camera_(rig.camera), pixels_(rig.camera.pixels()) {
-    runs_.resize(model::Select::strongest, rig.camera.columns);
-    payload_.resize(model::moments_payload_bytes(model::Mode::grey, rig.camera.columns));
-    profile_.resize(rig.camera.columns);
-  }
-  void take(const sim::LineRenderer& renderer, int frame) { renderer.render(frame, std::span(pixels_)); }
-
-  // Valid until the next call.
-  const light_section::Profile& measured(const model::Measure& measure,
-                                         const light_section::DifferentialProfiler& profiler) {
-    model::measure_columns({pixels_.data(), camera_.rows, camera_.columns, camera_.columns}, measure, runs_.view());
-    if (measure.select == model::Select::strongest) {
-      model::pack_runs(measure.mode, camera_.columns, runs_.view(), payload_.data());
-    } else {
-      model::pack_moments(measure.mode, camera_.columns, runs_.moments.view(), payload_.data());
-    }
-    profiler.profile(measure.select, measure.mode, payload_.data(), profile_.view());
-    return profile_;
-  }
-
- private:
-  rig::RigCamera camera_;
-  std::vector<std::uint8_t> pixels_;
-  model::Runs runs_;
-  std::vector<std::uint8_t> payload_;
-  light_section::Profile profile_;
-};
-
-// The mean centroids of the good part under its own pattern, for each of the settings. They are means over `count`
-// frames in the middle of its travel, with noise of their own. NaN unless a column has a valid line in more than half
-// of the frames.
-std::vector<std::vector<double>> centroids_of_reference(const rig::Rig& rig, const sim::Scene& good,
-                                                        const images::FloatImage& pattern,
-                                                        const sim::RenderOptions& options,
-                                                        const light_section::ReferenceProfile& known,
-                                                        const std::vector<model::Measure>& settings, int count) {
-  rig::Rig scanned = rig;
-  scanned.imaging.seed += 1000;
-  const sim::LineRenderer renderer(scanned, good, pattern, options);
-  const light_section::DifferentialProfiler profiler(rig, known);
-  const auto columns = static_cast<std::size_t>(rig.camera.columns);
-  std::vector<ColumnsOfFrame> frames(static_cast<std::size_t>(count), ColumnsOfFrame(rig));
-  const int first = good.frames() / 2 - count / 2;
-  sim::parallel_for(count, 0, [&](int i) { frames[static_cast<std::size_t>(i)].take(renderer, first + i); });
-  std::vector<std::vector<double>> result;
-  for (const model::Measure& measure : settings) {
-    std::vector<double> sums(columns, 0.0);
-    std::vector<int> counts(columns, 0);
-    for (ColumnsOfFrame& frame : frames) {
-      const light_section::Profile& profile = frame.measured(measure, profiler);
-      for (std::size_t c = 0; c < columns; ++c) {
-        if (!std::isnan(profile.z[c])) {
-          sums[c] += static_cast<double>(profile.centroid[c]);
-          ++counts[c];
-        }
-      }
-    }
-    for (std::size_t c = 0; c < columns; ++c) {
-      sums[c] = 2 * counts[c] > count ? sums[c] / counts[c] : std::numeric_limits<double>::quiet_NaN();
-    }
-    result.push_back(std::move(sums));
-  }
-  return result;
+// The rig that measures like this.
+rig::Rig with_measure(rig::Rig rig, const model::Measure& measure) {
+  rig.measure.apply(measure);
+  return rig;
 }
 
 // The depths that have at least `least` neighbours within 10 mm; NaN elsewhere.
@@ -236,21 +172,38 @@ std::vector<WayOfMeasuring> DisturbedStairs::measure(const sim::World& world, st
   options.world = world;
   const light_section::ReferenceProfile known =
       light_section::reference_of_curve(rig, sim::curve_of_scene(rig, *good_));
-  const std::vector<model::Measure> settings = all_settings(rig.measure.threshold);
-  const auto centroids = centroids_of_reference(rig, *good_, pattern_, options, known, settings, reference_frames_);
-  std::vector<light_section::DifferentialProfiler> profilers;
+  rig::Rig scanned = rig;
+  scanned.imaging.seed += 1000;  // the good part's images have noise of their own
+  const sim::LineRenderer good(scanned, *good_, pattern_, options);
+  std::vector<std::vector<std::uint8_t>> images(static_cast<std::size_t>(reference_frames_),
+                                                std::vector<std::uint8_t>(rig.camera.pixels()));
+  const int first = good_->frames() / 2 - reference_frames_ / 2;
+  sim::parallel_for(reference_frames_, 0,
+                    [&](int i) { good.render(first + i, std::span(images[static_cast<std::size_t>(i)])); });
+  std::vector<ImageProfiler> profilers;
   std::vector<WayOfMeasuring> ways;
-  for (std::size_t w = 0; w < settings.size(); ++w) {
-    profilers.emplace_back(rig, light_section::without_residual(rig, known, centroids[w]));
-    ways.push_back({name_of(settings[w]), {}});
+  const auto view_of = [&](const std::vector<std::uint8_t>& pixels) {
+    return model::ImageView{pixels.data(), rig.camera.rows, rig.camera.columns, rig.camera.columns};
+  };
+  for (const model::Measure& measure : all_settings(rig.measure.threshold)) {
+    const rig::Rig measuring = with_measure(rig, measure);
+    light_section::CentroidMean mean(measuring);  // as `selfproj pattern --residual`
+    for (const auto& image : images) {
+      mean.add(view_of(image));
+    }
+    profilers.emplace_back(measuring, light_section::without_residual(measuring, known, mean.centroids()));
+    ways.push_back({name_of(measure), {}});
   }
   const sim::LineRenderer renderer(rig, *part_, pattern_, options);
   std::vector<std::vector<ErrorSpread>> by_frame(frames_.size(), std::vector<ErrorSpread>(ways.size()));
   sim::parallel_for(static_cast<int>(frames_.size()), 0, [&](int i) {
-    ColumnsOfFrame columns(rig);
-    columns.take(renderer, frames_[static_cast<std::size_t>(i)]);
-    for (std::size_t w = 0; w < settings.size(); ++w) {
-      const light_section::Profile& profile = columns.measured(settings[w], profilers[w]);
+    std::vector<std::uint8_t> pixels(rig.camera.pixels());
+    renderer.render(frames_[static_cast<std::size_t>(i)], std::span(pixels));
+    light_section::Profile profile;
+    profile.resize(rig.camera.columns);
+    for (std::size_t w = 0; w < ways.size(); ++w) {
+      ImageProfiler profiler = profilers[w];  // a board of its own for each thread
+      profiler.profile(view_of(pixels), profile.view());
       for (int column = 0; column < rig.camera.columns; ++column) {
         const auto height = static_cast<double>(truth_.row(i)[column]);
         if (!std::isnan(height)) {

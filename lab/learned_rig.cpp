@@ -15,6 +15,7 @@
 #include "host/calibration/capture.h"
 #include "host/images/image_sequence.h"
 #include "host/light_section/height_fit.h"
+#include "host/light_section/line_finder.h"
 #include "host/light_section/pattern.h"
 #include "host/light_section/scan.h"
 #include "selfproj/files/user_error.h"
@@ -113,8 +114,9 @@ light_section::HeightPosition seen_on_plate(const rig::Rig& believed, TargetCame
   const sim::FlatPlate plate(height_mm, {assumed.tolerance_mm, assumed.flatness_mm},
                              100 * settings.seed + static_cast<std::uint64_t>(std::lround(height_mm)));
   light_section::HeightPosition position{fmt::format("plate at {:g} mm", height_mm), height_mm, {}};
+  light_section::LineFinder finder(believed);
   camera.sweep(plate, settings.every_line, [&](double line, const model::ImageView& image) {
-    light_section::add_sightings(believed, line, image, position.seen);
+    light_section::add_sightings(finder, line, image, position.seen);
   });
   return position;
 }

@@ -8,9 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "selfproj/light_section/differential_profile.h"
-#include "selfproj/model/column_moments.h"
-#include "selfproj/model/packet_payload.h"
+#include "lab/image_profiler.h"
+#include "selfproj/model/packet.h"
 #include "sim/scene/parallel.h"
 #include "sim/scene/random.h"
 
@@ -147,20 +146,15 @@ std::vector<light_section::Profile> PlantedParts::profiles_of(const DrawnPart& p
   const PlantedPart scene(actual.rig, part.pose, part.defects);
   const sim::LineRenderer renderer(actual, scene, setup_.pattern, options_);
   const rig::RigCamera& camera = setup_.rig.camera;
-  const model::Mode mode = sim::kAllModes[0];
-  const light_section::DifferentialProfiler profiler(setup_.rig, setup_.references[0]);
+  rig::Rig rig = setup_.rig;
+  rig.measure.mode = sim::kAllModes[0];
+  ImageProfiler profiler(rig, setup_.references[0]);
   std::vector<std::uint8_t> pixels(camera.pixels());
-  std::vector<std::uint8_t> payload(model::moments_payload_bytes(mode, camera.columns));
-  model::Moments moments;
-  moments.resize(camera.columns);
   std::vector<light_section::Profile> profiles(static_cast<std::size_t>(frames_of_part()));
   for (std::size_t i = 0; i < profiles.size(); ++i) {
     renderer.render(first_frame() + static_cast<int>(i), pixels);
-    model::column_moments({pixels.data(), camera.rows, camera.columns, camera.columns}, mode,
-                          setup_.rig.measure.threshold, moments.view());
-    model::pack_moments(mode, camera.columns, moments.view(), payload.data());
     profiles[i].resize(camera.columns);
-    profiler.profile(mode, payload.data(), profiles[i].view());
+    profiler.profile({pixels.data(), camera.rows, camera.columns, camera.columns}, profiles[i].view());
   }
   return profiles;
 }

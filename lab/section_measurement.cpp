@@ -15,10 +15,12 @@
 #include "host/rig/geometry.h"
 #include "selfproj/files/user_error.h"
 #include "selfproj/light_section/differential_profile.h"
+#include "selfproj/light_section/fast_moments.h"
 #include "selfproj/light_section/inspection.h"
 #include "selfproj/light_section/profile.h"
 #include "selfproj/light_section/reference.h"
 #include "selfproj/model/column_moments.h"
+#include "selfproj/model/column_runs.h"
 #include "selfproj/model/packet.h"
 #include "selfproj/rig/optics.h"
 #include "selfproj/rig/rig.h"
@@ -32,6 +34,13 @@ namespace {
 
 model::ImageView view_of(const rig::Rig& rig, const std::vector<std::uint8_t>& pixels) {
   return {pixels.data(), rig.camera.rows, rig.camera.columns, rig.camera.columns};
+}
+
+// What the board measures in this mode.
+model::Measure measure_in(const rig::Rig& rig, model::Mode mode) {
+  model::Measure measure = rig.measure.of_board();
+  measure.mode = mode;
+  return measure;
 }
 
 // For moments of grey values that are not integers, which no board has. They are counted in units of 1 / kFine, with
@@ -61,7 +70,7 @@ void fine_moments(const rig::Rig& rig, const std::vector<float>& values, model::
 struct FrameResult {
   std::vector<std::uint8_t> pixels;
   std::vector<float> values;  // used instead if nothing is quantized
-  std::array<model::Moments, sim::kAllModes.size()> moments;
+  std::array<model::Runs, sim::kAllModes.size()> runs;
   std::array<light_section::Profile, sim::kAllModes.size()> profiles;
 };
 
@@ -133,11 +142,12 @@ Measurement measure(const sim::LightSection& setup, const sim::Scene& scene, con
   result.truth = result.true_x = result.true_y = images::FloatImage(count, rig.camera.columns);
 
   constexpr int kBatch = 64;
+  const model::Select select = rig.measure.of_board().select;
   std::vector<FrameResult> batch(kBatch);
   for (FrameResult& frame : batch) {
     frame.pixels.resize(rig.camera.pixels());
     for (std::size_t m = 0; m < sim::kAllModes.size(); ++m) {
-      frame.moments[m].resize(rig.camera.columns);
+      frame.runs[m].resize(select, rig.camera.columns);
       frame.profiles[m].resize(rig.camera.columns);
     }
   }
@@ -154,12 +164,12 @@ Measurement measure(const sim::LightSection& setup, const sim::Scene& scene, con
       add_truth(ideal, number, begin + i, result);
       for (std::size_t m = 0; m < sim::kAllModes.size(); ++m) {
         if (options.quantization) {
-          model::column_moments(view_of(rig, frame.pixels), sim::kAllModes[m], rig.measure.threshold,
-                                frame.moments[m].view());
+          light_section::fast_measure_columns(view_of(rig, frame.pixels), measure_in(rig, sim::kAllModes[m]),
+                                              frame.runs[m].view());
         } else {
-          fine_moments(rig, frame.values, sim::kAllModes[m], frame.moments[m]);
+          fine_moments(rig, frame.values, sim::kAllModes[m], frame.runs[m].moments);
         }
-        profilers[m].profile(frame.moments[m].view(), frame.profiles[m].view());
+        profilers[m].profile(frame.runs[m].view(), frame.profiles[m].view());
       }
     });
     for (int i = 0; i < size; ++i) {
@@ -172,16 +182,13 @@ Measurement measure(const sim::LightSection& setup, const sim::Scene& scene, con
       header.time_stamp = static_cast<std::uint64_t>(std::llround(time * rig.pixel_clock_hz()));
       header.encoder = static_cast<std::uint32_t>(
           std::llround(time * rig.conveyor.speed_mm_per_s / rig.conveyor.encoder_mm_per_count));
-      header.columns = static_cast<std::uint16_t>(rig.camera.columns);
-      header.rows = static_cast<std::uint16_t>(rig.camera.rows);
-      header.threshold = static_cast<std::uint8_t>(rig.measure.threshold);
       for (std::size_t m = 0; m < sim::kAllModes.size(); ++m) {
-        header.mode = static_cast<std::uint8_t>(sim::kAllModes[m]);
-        result.by_mode[m].add(header, frame.moments[m].view(), frame.profiles[m].view());
+        model::describe_frame(header, rig.camera.rows, rig.camera.columns, measure_in(rig, sim::kAllModes[m]));
+        result.by_mode[m].add(header, frame.runs[m].view(), frame.profiles[m].view());
       }
       if (begin + i == count / 2) {
         result.camera.image = {rig.camera.rows, rig.camera.columns, frame.pixels};
-        result.camera.moments = frame.moments[0];
+        result.camera.moments = frame.runs[0].moments;
         result.camera.frame = static_cast<std::size_t>(begin + i + 1);
         result.line_peak = line_peak(result.camera.image);
       }

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -18,8 +19,10 @@
 #include "host/images/frame_options.h"
 #include "host/images/image_files.h"
 #include "host/light_section/height_fit.h"
+#include "host/light_section/line_finder.h"
 #include "host/light_section/scan.h"
 #include "selfproj/files/user_error.h"
+#include "selfproj/model/column_runs.h"
 #include "selfproj/rig/rig.h"
 
 namespace selfproj::app {
@@ -32,8 +35,9 @@ struct HeightsOptions {
   light_section::HeightSettings settings;
   int every = 4;
   images::PixelOptions pixels;
+  cli::SelectOptions select;
   bool check = false;
-  double within_mm = 0.03;
+  std::optional<double> within_mm;  // nothing: by the tolerances and the noise of the images
   std::string out;
   std::vector<std::string> folders;
 };
@@ -47,6 +51,7 @@ light_section::HeightPosition read_position(const HeightsOptions& options, const
                                         "{}",
                                         files.size(), options.every, lines.size(), lines.front(), lines.back()));
   }
+  light_section::LineFinder finder(rig);
   for (std::size_t i = 0; i < files.size(); ++i) {
     const images::Image image = images::read_image(files[i], options.pixels.rule());
     if (image.rows != rig.camera.rows || image.columns != rig.camera.columns) {
@@ -54,7 +59,7 @@ light_section::HeightPosition read_position(const HeightsOptions& options, const
                       fmt::format("is {}; the rig's camera has {}", images::size_text(image.rows, image.columns),
                                   images::size_text(rig.camera.rows, rig.camera.columns)));
     }
-    light_section::add_sightings(rig, lines[i], image.view(), position.seen);
+    light_section::add_sightings(finder, lines[i], image.view(), position.seen);
   }
   return position;
 }
@@ -119,16 +124,24 @@ void run_check(const HeightsOptions& options, const rig::Rig& rig,
                const std::vector<light_section::HeightPosition>& positions) {
   const std::vector<light_section::HeightLevel> levels = light_section::check_heights(rig, positions, options.settings);
   fmt::print("{}", levels_text(levels, false));
-  double greatest = 0;
+  // The part that is off most, as a share of what is allowed there.
+  double worst = -1;
+  std::string outcome;
   for (const light_section::HeightLevel& level : levels) {
-    if (level.samples == 0) {
-      throw CheckFailed(fmt::format("--check: {}: no line was found", level.name));
+    if (level.parts.empty()) {
+      throw CheckFailed(fmt::format("--check: {}: the line was found in {} places only", level.name, level.samples));
     }
-    greatest = std::max({greatest, std::abs(level.mean_mm), level.uneven_mm});
+    for (const light_section::HeightPart& part : level.parts) {
+      const double allowed = options.within_mm.value_or(allowed_mm(part, options.settings));
+      if (const double share = std::abs(part.mean_mm) / allowed; !(share <= worst)) {
+        worst = share;
+        outcome = fmt::format("{}: in columns {}..{} heights are {:.3f} mm off; {:.3f} mm are allowed{}", level.name,
+                              part.first_column + 1, part.last_column + 1, part.mean_mm, allowed,
+                              options.within_mm ? " (--within)" : "");
+      }
+    }
   }
-  const std::string outcome =
-      fmt::format("heights are up to {:.3f} mm off; {} mm are allowed (--within)", greatest, options.within_mm);
-  if (!(greatest <= options.within_mm)) {
+  if (!(worst <= 1)) {
     throw CheckFailed("--check: " + outcome);
   }
   fmt::print("{}\n", outcome);
@@ -141,7 +154,10 @@ void run_heights(HeightsOptions options) {
   if (options.check == !options.out.empty()) {
     throw UserError("--out, --check", "give one of them, not both");
   }
-  const rig::Rig rig = rig::load_rig(options.rig);
+  rig::Rig rig = rig::load_rig(options.rig);
+  model::Measure measure = rig.measure.of_board();
+  options.select.apply(measure);
+  rig.measure.apply(measure);
   if (rig.kind != rig::RigKind::light_section) {
     throw UserError(options.rig, "is not a rig of kind light-section");
   }
@@ -216,15 +232,19 @@ void add_heights_options(CLI::App& command, HeightsOptions& options) {
       ->type_name("N")
       ->capture_default_str();
   cli::add_pixel_options(command, options.pixels);
+  cli::begin_group(command, "Measuring");
+  cli::add_select_options(command, options.select, cli::kRigsSelect);
   cli::begin_group(command, "Output");
   command.add_option("--out", options.out, "Folder for rig.yaml and report.json.")->type_name("DIR");
   command.add_flag("--check", options.check,
                    "Write nothing: measure the positions with the rig as it is, and exit with status 1 if a height is "
                    "off.");
-  command.add_option("--within", options.within_mm, "What --check allows, in mm.")
+  command
+      .add_option("--within", options.within_mm,
+                  "What --check allows, in mm, for the mean of a sixteenth of the columns.")
       ->transform(cli::number_above_zero(1000))
       ->type_name("MM")
-      ->capture_default_str();
+      ->default_str("twice the tolerances, and four standard deviations of the noise in these images");
   cli::add_files(command, "DIR", options.folders,
                  "Folders with the camera images of a sweep, numbered in the order of the lines.")
       ->required();

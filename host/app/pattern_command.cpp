@@ -23,6 +23,7 @@
 #include "selfproj/images/float_image.h"
 #include "selfproj/light_section/reference.h"
 #include "selfproj/light_section/reference_file.h"
+#include "selfproj/model/column_runs.h"
 #include "selfproj/rig/rig.h"
 #include "selfproj/structured_light/gray_sequence.h"
 
@@ -44,6 +45,7 @@ struct PatternOptions {
   std::optional<int> frame;
   int every = 1;
   images::PixelOptions pixels;
+  cli::SelectOptions select;
 };
 
 // Passes on the images one after another, each of the camera's size.
@@ -155,7 +157,10 @@ void make_sweep(const rig::Rig& rig, const PatternOptions& options) {
 }
 
 void run_pattern(const PatternOptions& options) {
-  const rig::Rig rig = rig::load_rig(options.rig);
+  rig::Rig rig = rig::load_rig(options.rig);
+  model::Measure measure = rig.measure.of_board();
+  options.select.apply(measure);
+  rig.measure.apply(measure);
   if (light_section::sweep_lines(rig, options.every).empty()) {
     throw UserError(options.rig, fmt::format("measure.line_width_px is {}, too wide for the {} lines of the projector",
                                              rig.measure.line_width_px, rig.projector.lines));
@@ -268,6 +273,8 @@ void add_source_options(CLI::App& command, PatternOptions& options) {
       ->excludes(reference)
       ->excludes(line);
   cli::add_pixel_options(command, options.pixels);
+  cli::begin_group(command, "Measuring, in images of --scan and --residual");
+  cli::add_select_options(command, options.select, cli::kRigsSelect);
 }
 
 }  // namespace

@@ -88,6 +88,13 @@ bool SectionRun::is_usable(const model::PacketView& packet, const std::string& u
     ++counts_.other_select;
     return false;
   }
+  if (const std::string unlike = profiler_.unlike_reference(header); !unlike.empty()) {
+    if (counts_.profiles == 0) {
+      throw UserError(uri, unlike + "; let the rig say what counts (measure.runs, measure.window)");
+    }
+    ++counts_.other_select;
+    return false;
+  }
   return true;
 }
 

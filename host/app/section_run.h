@@ -40,7 +40,7 @@ struct SectionCounts {
   std::uint64_t profiles = 0;       // frames that became a profile
   std::uint64_t broken = 0;         // frames flagged by the board
   std::uint64_t other_size = 0;     // frames of another size than the rig's camera
-  std::uint64_t other_select = 0;   // frames of which the board sent something else than --select
+  std::uint64_t other_select = 0;   // frames measured otherwise than --select or the reference says
   std::uint64_t not_moments = 0;    // packets of images and codes
   std::uint64_t ambiguous = 0;      // columns whose second run is nearly as strong as the strongest
   std::uint64_t points = 0;         // valid columns of all profiles
@@ -68,7 +68,7 @@ class SectionRun {
       : rig_(rig), profiler_(profiler), select_(select) {}
 
   // Computes the newest packet of the device. Returns false if it gives no profile. Throws UserError if the device
-  // sends frames of another rig, or of another select, from the first on.
+  // sends frames of another rig, or measured otherwise than `select` or the reference says, from the first on.
   bool profile(const model::PacketView& packet, const driver::Device& device, const light_section::ProfileView& to);
 
   [[nodiscard]] const SectionCounts& counts() const { return counts_; }

@@ -184,6 +184,7 @@ void SelectOptions::apply(model::Measure& measure, int max_rows) const {
 }
 
 void add_select_options(CLI::App& command, SelectOptions& options, const std::string& by_default) {
+  const bool of_rig = by_default == kRigsSelect;
   command
       .add_option("--select", options.select,
                   "What of a column counts: all lit pixels, or its strongest run, which leaves out what is lit apart "
@@ -194,10 +195,10 @@ void add_select_options(CLI::App& command, SelectOptions& options, const std::st
   command.add_option("--gap", options.gap, "Dark rows that two lit pixels of one run may have between them.")
       ->transform(whole_number(0, model::kMaxGap))
       ->type_name("G")
-      ->default_str("0");
+      ->default_str(of_rig ? by_default : "0");
   command.add_option("--rows", options.rows, "First and last row that count, from 1, such as 10..80.")
       ->type_name("A..B")
-      ->default_str("all");
+      ->default_str(of_rig ? by_default : "all");
 }
 
 void add_preparation_options(CLI::App& command, images::Preparation& preparation) {

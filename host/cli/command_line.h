@@ -70,7 +70,8 @@ struct SelectOptions {
   void apply(model::Measure& measure, int max_rows = spec::kMaxRows) const;
 };
 
-// Adds --select, --gap and --rows. `by_default` is what --help says of --select.
+// Adds --select, --gap and --rows. `by_default` is what --help says of --select; with kRigsSelect of all three.
+inline constexpr const char* kRigsSelect = "the rig's";
 void add_select_options(CLI::App& command, SelectOptions& options, const std::string& by_default = "all");
 
 // Adds --channel, --shift, --roi and --transpose.

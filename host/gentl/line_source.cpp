@@ -98,6 +98,9 @@ bool LineSource::usable(const model::PacketView& packet) {
     ++work_.other_size;
     return false;
   }
+  if (const std::string unlike = profiler_.unlike_reference(header); !any_ && !unlike.empty()) {
+    throw UserError(device_->uri(), unlike);
+  }
   return packet.status == 0;
 }
 

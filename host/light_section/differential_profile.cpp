@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <memory>
 #include <stdexcept>
+#include <string>
 
 #include "host/rig/geometry.h"
 #include "model/cpu_clones.h"
@@ -153,6 +154,7 @@ DifferentialProfiler::DifferentialProfiler(const rig::Rig& rig, const ReferenceP
     throw std::invalid_argument("profile: the reference has other columns than the camera");
   }
   columns_ = reference.columns();
+  measured_ = reference.measured;
   if (!rig.is_pinholes()) {
     curves_ = std::make_shared<const ColumnCurves>(rig, reference);
     return;
@@ -173,6 +175,10 @@ DifferentialProfiler::DifferentialProfiler(const rig::Rig& rig, const ReferenceP
                                                  cosine / rig.projector.focal_length_mm));
     valid_.push_back(valid ? 1 : 0);
   }
+}
+
+std::string DifferentialProfiler::unlike_reference(const model::PacketHeader& header) const {
+  return light_section::unlike_reference(measured_, selection_of(model::measure_of(header)), header.rows);
 }
 
 ProfileTables DifferentialProfiler::tables_from(int first) const {
@@ -209,7 +215,7 @@ void DifferentialProfiler::profile(model::Select select, model::Mode mode, const
 bool DifferentialProfiler::profile(const model::PacketView& packet, const ProfileView& out) const {
   const model::PacketHeader& header = packet.header;
   if (header.kind != spec::kKindMoments || packet.status != 0 || header.columns != columns_ ||
-      static_cast<float>(header.rows) != rules_.rows) {
+      static_cast<float>(header.rows) != rules_.rows || !unlike_reference(header).empty()) {
     return false;
   }
   profile(static_cast<model::Select>(header.select), static_cast<model::Mode>(header.mode), packet.payload.data(), out);

@@ -167,7 +167,9 @@ std::vector<HeightSample> height_samples(const rig::Rig& rig, const std::vector<
   const rig::RigOptics optics(rig);
   std::vector<HeightSample> samples;
   for (std::size_t p = 0; p < positions.size(); ++p) {
-    for (const LineSighting& seen : positions[p].seen) {
+    std::vector<LineSighting> lines = positions[p].seen;
+    leave_out_reflections(rig, lines);
+    for (const LineSighting& seen : lines) {
       HeightSample sample{seen.row, seen.column, seen.line, p, p, positions[p].height_mm};
       if (place(optics, sample)) {
         samples.push_back(sample);
@@ -428,6 +430,8 @@ constexpr std::size_t kMinSamples = 200;  // of a level
 constexpr int kMaxFittedOrder = 6;
 constexpr int kMaxHeightOrder = 2;  // the rest of a geometry is hardly curved in height
 constexpr int kParts = 16;          // of the columns, for unevenness
+constexpr double kMinPartSamples = 20;
+constexpr double kSure = 4;  // standard deviations that noise does not reach
 
 std::vector<HeightLevel> levels_of(const std::vector<HeightPosition>& positions, const HeightSettings& settings) {
   std::vector<HeightLevel> levels;
@@ -442,15 +446,47 @@ std::vector<HeightLevel> levels_of(const std::vector<HeightPosition>& positions,
   return levels;
 }
 
+// The errors of one level, as sums for each column.
+struct ColumnErrors {
+  double n = 0, sum = 0;
+};
+
+// The part of the columns first..last, nothing if it has too few samples.
+std::optional<HeightPart> part_of(const std::vector<ColumnErrors>& columns, std::size_t first, std::size_t last) {
+  HeightPart part{static_cast<int>(first), static_cast<int>(last)};
+  double n = 0;
+  double seen = 0;
+  for (std::size_t c = first; c <= last; ++c) {
+    n += columns[c].n;
+    seen += columns[c].n > 0 ? 1 : 0;
+    part.mean_mm += columns[c].sum;
+  }
+  if (n <= kMinPartSamples || seen < 2) {
+    return std::nullopt;
+  }
+  part.mean_mm /= n;
+  double square = 0;
+  for (std::size_t c = first; c <= last; ++c) {
+    const double off = columns[c].n > 0 ? columns[c].sum / columns[c].n - part.mean_mm : 0;
+    square += off * off;
+  }
+  part.noise_mm = std::sqrt(square / (seen - 1) / seen);
+  return part;
+}
+
 // Errors of the samples, level by level: `error` gives that of each, NaN for one that does not count.
 template <class Error>
 void set_errors(const std::vector<HeightSample>& samples, int columns, const Error& error,
                 std::vector<HeightLevel>& levels) {
   struct Sums {
     double n = 0, sum = 0, square = 0;
-    std::array<std::pair<double, double>, kParts> parts{};
+    std::vector<ColumnErrors> columns;
   };
+  const auto width = static_cast<std::size_t>(columns);
   std::vector<Sums> all(levels.size());
+  for (Sums& sums : all) {
+    sums.columns.resize(width);
+  }
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const double off = error(i);
     if (std::isnan(off)) {
@@ -460,9 +496,9 @@ void set_errors(const std::vector<HeightSample>& samples, int columns, const Err
     sums.n += 1;
     sums.sum += off;
     sums.square += off * off;
-    auto& [count, total] = sums.parts.at(static_cast<std::size_t>(samples[i].column * kParts / columns));
-    count += 1;
-    total += off;
+    ColumnErrors& column = sums.columns[static_cast<std::size_t>(samples[i].column)];
+    column.n += 1;
+    column.sum += off;
   }
   for (std::size_t k = 0; k < levels.size(); ++k) {
     HeightLevel& level = levels[k];
@@ -471,8 +507,14 @@ void set_errors(const std::vector<HeightSample>& samples, int columns, const Err
     level.mean_mm = sums.n > 0 ? sums.sum / sums.n : 0;
     level.rms_mm = sums.n > 0 ? std::sqrt(sums.square / sums.n) : 0;
     level.uneven_mm = 0;
-    for (const auto& [count, total] : sums.parts) {
-      level.uneven_mm = count > 20 ? std::max(level.uneven_mm, std::abs(total / count)) : level.uneven_mm;
+    level.parts.clear();
+    for (std::size_t p = 0; p < kParts; ++p) {
+      const std::size_t first = (p * width + kParts - 1) / kParts;
+      const std::size_t end = ((p + 1) * width + kParts - 1) / kParts;
+      if (const auto part = first < end ? part_of(sums.columns, first, end - 1) : std::nullopt) {
+        level.parts.push_back(*part);
+        level.uneven_mm = std::max(level.uneven_mm, std::abs(part->mean_mm));
+      }
     }
   }
 }
@@ -618,17 +660,20 @@ Corrected correct(const rig::Rig& rig, const std::vector<HeightSample>& samples,
   return {std::move(last_model), std::move(last), std::move(levels)};
 }
 
-// How far a level is uneven, as a share of what is allowed. The mean of a part of the columns says more than single
-// centroids, whose noise it averages.
-double share_of(const HeightLevel& level, const HeightSettings& settings, double rms) {
-  const double noise = 4 * rms / std::sqrt(static_cast<double>(level.samples) / kParts);
-  return level.uneven_mm / (settings.flatness_mm + settings.tolerance_mm + noise);
+// How far a level is uneven, as a share of what is allowed: tolerance, flatness and kSure deviations of the noise.
+double share_of(const HeightLevel& level, const HeightSettings& settings) {
+  double greatest = 0;
+  for (const HeightPart& part : level.parts) {
+    const double allowed = settings.flatness_mm + settings.tolerance_mm + kSure * part.noise_mm;
+    greatest = std::max(greatest, std::abs(part.mean_mm) / allowed);
+  }
+  return greatest;
 }
 
 double greatest_share(const Corrected& all, const HeightSettings& settings) {
   double greatest = 0;
   for (const HeightLevel& level : all.levels) {
-    greatest = std::max(greatest, share_of(level, settings, all.fit.rms));
+    greatest = std::max(greatest, share_of(level, settings));
   }
   return greatest;
 }
@@ -739,6 +784,10 @@ std::vector<HeightLevel> check_heights(const rig::Rig& rig, const std::vector<He
       },
       levels);
   return levels;
+}
+
+double allowed_mm(const HeightPart& part, const HeightSettings& settings) {
+  return 2 * (settings.tolerance_mm + settings.flatness_mm) + kSure * part.noise_mm;
 }
 
 }  // namespace selfproj::light_section

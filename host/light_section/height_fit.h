@@ -30,6 +30,13 @@ struct HeightSettings {
   static constexpr double kCalibratedScale = 0.02;  // a rig with a calibration
 };
 
+// The mean error of a height in a sixteenth of the columns.
+struct HeightPart {
+  int first_column = 0, last_column = 0;  // from 0
+  double mean_mm = 0;
+  double noise_mm = 0;  // standard deviation of the mean, from the scatter of the columns in these very images
+};
+
 // One height: a position of the plate, or a tread.
 struct HeightLevel {
   std::string name;
@@ -37,7 +44,8 @@ struct HeightLevel {
   std::size_t samples = 0;
   double before_rms_mm = 0, before_mean_mm = 0;  // of the heights by the geometry alone
   double rms_mm = 0, mean_mm = 0;                // of the corrected heights
-  double uneven_mm = 0;                          // greatest mean error of a sixteenth of the columns
+  double uneven_mm = 0;                          // greatest mean error of a part
+  std::vector<HeightPart> parts{};               // those with enough samples
 };
 
 struct HeightFit {
@@ -61,6 +69,10 @@ HeightFit fit_heights(const rig::Rig& given, const std::vector<HeightPosition>& 
 // The same levels measured with the rig as it is.
 std::vector<HeightLevel> check_heights(const rig::Rig& rig, const std::vector<HeightPosition>& positions,
                                        const HeightSettings& settings);
+
+// How far a part of a level that is checked may be off: by tolerance and flatness, twice because the heights of the
+// calibration had them, too, and by four standard deviations of its noise.
+double allowed_mm(const HeightPart& part, const HeightSettings& settings);
 
 }  // namespace selfproj::light_section
 

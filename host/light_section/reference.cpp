@@ -1,5 +1,7 @@
 #include "selfproj/light_section/reference.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -9,6 +11,7 @@
 #include <optional>
 #include <span>
 #include <stdexcept>
+#include <string>
 #include <vector>
 
 #include "host/rig/geometry.h"
@@ -321,6 +324,7 @@ ReferenceProfile lens_without_residual(const rig::Rig& rig, const ReferenceProfi
       set_invalid(result, i);
     }
   }
+  result.measured = selection_of(rig.measure.of_board());
   return result;
 }
 
@@ -517,6 +521,24 @@ ReferenceProfile reference_of_scan(const rig::Rig& rig, std::span<const double> 
   return reference;
 }
 
+std::string unlike_reference(const std::optional<Selection>& reference, const Selection& frames, int rows) {
+  const auto with_rows = [&](Selection of) {
+    of.window = {std::max(of.window.first, 1), of.window.last == 0 ? rows : std::min(of.window.last, rows)};
+    return of;
+  };
+  if (!reference || with_rows(*reference) == with_rows(frames)) {
+    return {};
+  }
+  const auto words = [&](const Selection& of) {
+    return fmt::format(
+        "{}, rows {}..{}",
+        of.select == model::Select::all ? "all lit pixels" : fmt::format("the strongest run, gap {}", of.gap),
+        of.window.first, of.window.last);
+  };
+  return fmt::format("of its columns counted {}; in the images of the reference it was {}", words(with_rows(frames)),
+                     words(with_rows(*reference)));
+}
+
 ReferenceProfile without_residual(const rig::Rig& rig, const ReferenceProfile& reference,
                                   std::span<const double> centroid) {
   expect_columns(rig, centroid.size());
@@ -535,6 +557,7 @@ ReferenceProfile without_residual(const rig::Rig& rig, const ReferenceProfile& r
     result.tan_theta[i] = (rig.projector.x_mm - x) / (result.z_mm[i] - rig.projector.z_mm);
     result.offset_px[i] = centroid[i] - rig::middle_row(rig.camera);
   }
+  result.measured = selection_of(rig.measure.of_board());
   return result;
 }
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <filesystem>
@@ -16,9 +17,11 @@
 #include "host/files/input_file.h"
 #include "host/files/numbers.h"
 #include "host/files/text.h"
+#include "host/images/frame_options.h"
 #include "host/rig/geometry.h"
 #include "host/rig/yaml.h"
 #include "selfproj/files/user_error.h"
+#include "selfproj/model/column_runs.h"
 
 namespace selfproj::light_section {
 namespace {
@@ -33,6 +36,9 @@ struct Form {
 };
 constexpr Form kPinholes{"# selfproj reference 1", "column,tan_theta,z_mm,offset_px", 4};
 constexpr Form kLenses{"# selfproj reference 2", "column,line,line_slope,z_mm,offset_px", 5};
+
+constexpr std::array<std::string_view, 4> kMeasured{"# measured.select ", "# measured.gap_rows ",
+                                                    "# measured.first_row ", "# measured.last_row "};
 
 const Form& form_of(const rig::Rig& rig) { return rig.is_pinholes() ? kPinholes : kLenses; }
 
@@ -188,6 +194,11 @@ std::string reference_csv(const rig::Rig& rig, const ReferenceProfile& reference
   for (const auto& [key, value] : rig::geometry_of(rig)) {
     text += fmt::format("# {} {}\n", key, value);
   }
+  if (reference.measured) {
+    const auto& [select, gap, window] = *reference.measured;
+    text += fmt::format("{}{}\n{}{}\n{}{}\n{}{}\n", kMeasured[0], images::select_name(select), kMeasured[1], gap,
+                        kMeasured[2], window.first, kMeasured[3], window.last);
+  }
   text += fmt::format("{}\n", form.columns);
   for (std::size_t i = 0; i < reference.valid.size(); ++i) {
     text += fmt::format("{}", i + 1);
@@ -235,6 +246,30 @@ void read_head(const rig::Rig& rig, const std::string& source, Lines& lines, std
   }
 }
 
+// What counted in the images, in the lines from `line` on.
+Selection read_measured(Lines& lines, std::optional<std::string_view> line) {
+  std::array<std::string, kMeasured.size()> values;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    line = i == 0 ? line : lines.next();
+    if (!line || !line->starts_with(kMeasured.at(i))) {
+      lines.fail(fmt::format("is damaged: {} is expected", kMeasured.at(i).substr(2)));
+    }
+    values.at(i) = line->substr(kMeasured.at(i).size());
+  }
+  const std::vector<std::string> selects = images::select_names();
+  if (std::find(selects.begin(), selects.end(), values[0]) == selects.end()) {
+    lines.fail(fmt::format("'{}' is no selection; {} are", values[0], fmt::join(selects, ", ")));
+  }
+  const auto whole = [&](std::size_t i, int most) {
+    const std::optional<int> value = files::number_of_text<int>(values.at(i));
+    if (!value || *value < 0 || *value > most) {
+      lines.fail(fmt::format("'{}' is not a whole number from 0 to {}", values.at(i), most));
+    }
+    return *value;
+  };
+  return {images::select_of(values[0]), whole(1, model::kMaxGap), {whole(2, spec::kMaxRows), whole(3, spec::kMaxRows)}};
+}
+
 // One column. Its fields are those of the rig's form.
 void read_column(const rig::Rig& rig, const Lines& lines, const std::vector<std::string_view>& fields, std::size_t i,
                  ReferenceProfile& reference) {
@@ -263,10 +298,15 @@ ReferenceProfile parse_reference_csv(const rig::Rig& rig, const std::string& tex
   const Form& form = form_of(rig);
   Lines lines(text, source);
   read_head(rig, source, lines, std::string_view(text).substr(0, text.find('\n')));
-  if (lines.next() != form.columns) {
+  ReferenceProfile reference;
+  auto head = lines.next();
+  if (head && head->starts_with(kMeasured[0])) {
+    reference.measured = read_measured(lines, head);
+    head = lines.next();
+  }
+  if (head != form.columns) {
     lines.fail(fmt::format("is damaged: {} is expected", form.columns));
   }
-  ReferenceProfile reference;
   if (rig.is_pinholes()) {
     reference.resize(rig.camera.columns);
   } else {

@@ -5,38 +5,16 @@
 #include <cstddef>
 #include <functional>
 #include <optional>
-#include <stdexcept>
 #include <vector>
 
+#include "host/light_section/line_finder.h"
 #include "host/light_section/pattern.h"
 #include "host/rig/geometry.h"
-#include "selfproj/light_section/fast_moments.h"
-#include "selfproj/light_section/profile.h"
 #include "selfproj/light_section/reference.h"
 #include "selfproj/rig/optics.h"
 
 namespace selfproj::light_section {
 namespace {
-
-// Computes the moments of an image as the board would; throws unless it has the camera's size.
-void measure_moments(const rig::Rig& rig, const model::ImageView& image, model::Moments& moments) {
-  if (image.rows != rig.camera.rows || image.columns != rig.camera.columns) {
-    throw std::invalid_argument("scan: an image has another size than the camera's");
-  }
-  fast_column_moments(image, rig.measure.mode, rig.measure.threshold, moments.view());
-}
-
-double centroid(const model::Moments& moments, std::size_t column) {  // (3.2)
-  return static_cast<double>(moments.m1[column]) / moments.m0[column];
-}
-
-// Whether the column has a centroid by the rig's rules for lit pixels, and the whole line is in the image.
-bool has_centroid(const rig::Rig& rig, const model::Moments& moments, std::size_t column) {
-  const auto n = static_cast<int>(moments.n[column]);
-  return n >= rig.measure.min_lit_px && n <= rig.measure.max_lit_px && moments.m0[column] > 0 &&
-         !line_is_cut_off(static_cast<float>(centroid(moments, column)), static_cast<float>(n),
-                          static_cast<float>(rig.camera.rows));
-}
 
 // By how many rows the image of the line moves on the plane from one line to the next.
 double rows_per_line(const rig::Rig& rig) {
@@ -74,39 +52,51 @@ std::vector<int> sweep_lines(const rig::Rig& rig, int every) {
   return lines;
 }
 
-void add_sightings(const rig::Rig& rig, double line, const model::ImageView& image, std::vector<LineSighting>& seen) {
-  model::Moments moments;
-  moments.resize(rig.camera.columns);
-  measure_moments(rig, image, moments);
-  for (std::size_t i = 0; i < moments.m0.size(); ++i) {
-    if (has_centroid(rig, moments, i)) {
-      seen.push_back({line, centroid(moments, i) - 1, static_cast<int>(i)});
+void add_sightings(LineFinder& finder, double line, const model::ImageView& image, std::vector<LineSighting>& seen) {
+  finder.find(image);
+  for (std::size_t i = 0; i < finder.columns(); ++i) {
+    if (finder.has_line(i)) {
+      seen.push_back({line, finder.centroid(i) - 1, static_cast<int>(i), finder.light(i)});
     }
   }
 }
 
+void leave_out_reflections(const rig::Rig& rig, std::vector<LineSighting>& seen) {
+  const LineFinder finder(rig);
+  std::vector<double> most(static_cast<std::size_t>(rig.camera.columns), 0);
+  const auto most_of = [&](const LineSighting& s) -> double& { return most[static_cast<std::size_t>(s.column)]; };
+  for (const LineSighting& s : seen) {
+    most_of(s) = std::max(most_of(s), s.light);
+  }
+  std::erase_if(seen, [&](const LineSighting& s) { return s.light < finder.least_light(most_of(s)); });
+}
+
 LineScan::LineScan(const rig::Rig& rig, int every)
-    : rig_(rig), max_gap_(3.0 * every), sightings_(static_cast<std::size_t>(rig.camera.columns)) {
+    : rig_(rig),
+      finder_(rig),
+      max_gap_(3.0 * every),
+      sightings_(static_cast<std::size_t>(rig.camera.columns)),
+      most_light_(static_cast<std::size_t>(rig.camera.columns)) {
   constexpr double kRows = 4;
   rows_per_line_ = rig.is_pinholes() ? rows_per_line(rig) : lens_rows_per_line(rig);
   window_ = std::max(kRows, 1.5 * every * rows_per_line_);
-  moments_.resize(rig.camera.columns);
 }
 
 void LineScan::add(double line, const model::ImageView& image) {
-  measure_moments(rig_, image, moments_);
+  finder_.find(image);
   for (std::size_t i = 0; i < sightings_.size(); ++i) {
-    if (has_centroid(rig_, moments_, i)) {
-      const double row = centroid(moments_, i) - rig::middle_row(rig_.camera);
+    if (finder_.has_line(i)) {
+      most_light_[i] = std::max(most_light_[i], finder_.light(i));
+      const double row = finder_.centroid(i) - rig::middle_row(rig_.camera);
       if (std::abs(row) <= window_) {
-        sightings_[i].push_back({line, row, static_cast<double>(moments_.m0[i])});
+        sightings_[i].push_back({line, row, finder_.light(i)});
       }
     }
   }
 }
 
 // A run is a piece of the sweep in which the rows grow or fall steadily, and stands for one surface.
-std::optional<double> LineScan::crossing(std::vector<Sighting> seen) const {
+std::optional<double> LineScan::crossing(std::vector<Sighting> seen, double least_light) const {
   std::sort(seen.begin(), seen.end(), [](const Sighting& a, const Sighting& b) { return a.line < b.line; });
   std::optional<double> found;
   double most_light = 0;
@@ -142,7 +132,7 @@ std::optional<double> LineScan::crossing(std::vector<Sighting> seen) const {
     }
     begin = end;
     const double line = mean_line - mean_row * product / square;  // at row 0; NaN for a single sighting
-    if (above && below && light > most_light && std::isfinite(line) && can_be_lit(line)) {
+    if (above && below && light > most_light && light >= least_light && std::isfinite(line) && can_be_lit(line)) {
       most_light = light;
       found = line;
     }
@@ -156,12 +146,43 @@ bool LineScan::can_be_lit(double line) const {
          (std::isfinite(rig::tan_theta(rig_.projector, line)) && rig::tan_theta(rig_.projector, line) > 0);
 }
 
+// Hot pixels near the middle row, or a reflection in their row, take a column its crossing. Its neighbours know it.
+void LineScan::bridge(std::vector<double>& lines) const {
+  constexpr std::size_t kReach = 2;         // columns to a neighbour on each side
+  constexpr double kMaxLinesPerColumn = 1;  // steeper than 45 degrees on the built-in rig: perhaps a step
+  const std::vector<double> found = lines;
+  const auto neighbour = [&](std::size_t i, bool right) -> std::size_t {
+    for (std::size_t k = 1; k <= kReach; ++k) {
+      if (right ? i + k < found.size() : i >= k) {
+        if (const std::size_t at = right ? i + k : i - k; !std::isnan(found[at])) {
+          return at;
+        }
+      }
+    }
+    return i;
+  };
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    if (!std::isnan(found[i]) || sightings_[i].empty()) {
+      continue;
+    }
+    const std::size_t left = neighbour(i, false);
+    const std::size_t right = neighbour(i, true);
+    const auto columns = static_cast<double>(right - left);
+    if (left < i && right > i && std::abs(found[right] - found[left]) <= kMaxLinesPerColumn * columns) {
+      lines[i] = found[left] + static_cast<double>(i - left) / columns * (found[right] - found[left]);
+    }
+  }
+}
+
 ReferenceProfile LineScan::reference() const {
   std::vector<double> lines(sightings_.size(), rig::kUnknown);
   for (std::size_t i = 0; i < sightings_.size(); ++i) {
-    lines[i] = crossing(sightings_[i]).value_or(rig::kUnknown);
+    lines[i] = crossing(sightings_[i], finder_.least_light(most_light_[i])).value_or(rig::kUnknown);
   }
-  return reference_of_scan(rig_, lines);
+  bridge(lines);
+  ReferenceProfile reference = reference_of_scan(rig_, lines);
+  reference.measured = selection_of(rig_.measure.of_board());
+  return reference;
 }
 
 ReferenceProfile scan_reference(const rig::Rig& rig,
@@ -175,18 +196,16 @@ ReferenceProfile scan_reference(const rig::Rig& rig,
 }
 
 CentroidMean::CentroidMean(const rig::Rig& rig)
-    : rig_(rig),
+    : finder_(rig),
       sums_(static_cast<std::size_t>(rig.camera.columns)),
-      counts_(static_cast<std::size_t>(rig.camera.columns)) {
-  moments_.resize(rig.camera.columns);
-}
+      counts_(static_cast<std::size_t>(rig.camera.columns)) {}
 
 void CentroidMean::add(const model::ImageView& image) {
-  measure_moments(rig_, image, moments_);
+  finder_.find(image);
   ++images_;
   for (std::size_t i = 0; i < sums_.size(); ++i) {
-    if (has_centroid(rig_, moments_, i)) {
-      sums_[i] += centroid(moments_, i);
+    if (finder_.has_line(i)) {
+      sums_[i] += finder_.centroid(i);
       ++counts_[i];
     }
   }

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "host/images/image_files.h"
+#include "host/light_section/line_finder.h"
 #include "selfproj/images/float_image.h"
 #include "selfproj/light_section/reference.h"
-#include "selfproj/model/column_moments.h"
 #include "selfproj/rig/rig.h"
 
 namespace selfproj::light_section {
@@ -22,11 +22,15 @@ struct LineSighting {
   double line = 0;
   double row = 0;  // of the centroid, from 0
   int column = 0;
+  double light = 0;  // M0
 };
 
-// Adds what an image under the straight line `line` shows, column by column: whole lines with a centroid by the rig's
-// rules for lit pixels. Throws std::invalid_argument if it has not the camera's size.
-void add_sightings(const rig::Rig& rig, double line, const model::ImageView& image, std::vector<LineSighting>& seen);
+// Adds what an image under the straight line `line` shows, column by column: the lines that `finder` finds. Throws
+// std::invalid_argument if it has not the camera's size.
+void add_sightings(LineFinder& finder, double line, const model::ImageView& image, std::vector<LineSighting>& seen);
+
+// Leaves out of a whole sweep what has too little light in its column (LineFinder::least_light).
+void leave_out_reflections(const rig::Rig& rig, std::vector<LineSighting>& seen);
 
 // Assembles a sweep from its images, one at a time, in any order.
 class LineScan {
@@ -43,7 +47,9 @@ class LineScan {
   // line is fitted to the centroids within 4 rows of the middle, or within 1.5 steps of the sweep if that is more.
   // (Line and row are proportional to 1e-3 of a line there.) This averages the noise of several images. If lines cross
   // at several places, because light is thrown from one surface to another, the crossing with the most light counts. A
-  // column is invalid if the line is not seen on both sides of the middle.
+  // column is invalid if the line is not seen on both sides of the middle, or its light is too little
+  // (LineFinder::least_light); but if it is seen near the middle at all, and neighbours on both sides agree, it has the
+  // line between theirs.
   [[nodiscard]] ReferenceProfile reference() const;
 
  private:
@@ -52,15 +58,17 @@ class LineScan {
     double row;  // centroid less the middle row
     double light;
   };
-  [[nodiscard]] std::optional<double> crossing(std::vector<Sighting> seen) const;
+  [[nodiscard]] std::optional<double> crossing(std::vector<Sighting> seen, double least_light) const;
   [[nodiscard]] bool can_be_lit(double line) const;
+  void bridge(std::vector<double>& lines) const;
 
   rig::Rig rig_;
-  double max_gap_;        // most lines between neighbours of a run
-  double rows_per_line_;  // rows by which the image of the line moves on the plane
-  double window_;         // rows on each side of the middle
-  model::Moments moments_;
+  LineFinder finder_;
+  double max_gap_;                                // most lines between neighbours of a run
+  double rows_per_line_;                          // rows by which the image of the line moves on the plane
+  double window_;                                 // rows on each side of the middle
   std::vector<std::vector<Sighting>> sightings_;  // sightings within the window, for each column
+  std::vector<double> most_light_;                // of any sighting of each column
 };
 
 // Runs a whole sweep with anything that shows patterns and takes images: a real projector and camera, or a simulation.
@@ -76,13 +84,11 @@ class CentroidMean {
   // Adds an image of the camera's size; throws std::invalid_argument for another size.
   void add(const model::ImageView& image);
 
-  // C, rows from 1, one for each column; NaN if more than half of the images had no good centroid (too few lit pixels,
-  // too many, or the line cut off by the border).
+  // C, rows from 1, one for each column; NaN if more than half of the images had no line there.
   [[nodiscard]] std::vector<double> centroids() const;
 
  private:
-  rig::Rig rig_;
-  model::Moments moments_;
+  LineFinder finder_;
   int images_ = 0;
   std::vector<double> sums_;
   std::vector<int> counts_;

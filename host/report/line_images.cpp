@@ -41,10 +41,7 @@ std::vector<std::uint8_t> LineImages::ambiguous_of(const model::Runs& runs) cons
   const std::int32_t limit = light_section::sixteenths_that_are_ambiguous(measure_);
   std::vector<std::uint8_t> marked(runs.second.size());
   for (std::size_t i = 0; i < marked.size(); ++i) {
-    const std::int32_t second = measure_.mode == model::Mode::binary
-                                    ? light_section::max_of_binary_second(runs.runs[i], runs.second[i])
-                                    : runs.second[i];
-    marked[i] = second >= limit ? 1 : 0;
+    marked[i] = light_section::second_on_board(measure_.mode, runs.runs[i], runs.second[i]) >= limit ? 1 : 0;
   }
   return marked;
 }

@@ -110,7 +110,7 @@ std::vector<std::string> line_row(const CameraPicture& camera) {
       rows.push_back(static_cast<double>(camera.moments.m1[i]) / camera.moments.m0[i]);  // (3.2)
       lit += camera.moments.n[i];
       cut_off += static_cast<int>(light_section::line_is_cut_off(static_cast<float>(rows.back()),
-                                                                 static_cast<float>(camera.moments.n[i]),
+                                                                 static_cast<float>(camera.moments.n[i]), 1,
                                                                  static_cast<float>(camera.image.rows)));
     }
   }

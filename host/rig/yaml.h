@@ -14,6 +14,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -281,12 +282,14 @@ class FieldWriter {
   }
   void begin(const char* key) {
     line(key, "");
-    indent_ = "  ";
+    indent_ += kIndent;
   }
-  void end() { indent_.clear(); }
+  void end() { indent_.resize(indent_.size() - kIndent.size()); }
   [[nodiscard]] const std::string& yaml() const { return yaml_; }
 
  private:
+  static constexpr std::string_view kIndent = "  ";
+
   // The shortest text that reads back to the same value.
   static std::string shortest(double value, double unit) {
     double shown = value / unit;

@@ -14,26 +14,29 @@ COLUMN_MM = 0.233  # between columns on the plane
 PLANE_Z = 1167  # of the belt of rig A, mm
 
 
-def near_steps(truth, columns, frames, step=0.3):
-    """For each point, whether the truth has a step or a gap within so many columns and frames."""
-    def spread(rows, reach):
-        out = []
-        for row in rows:
-            marked = bytearray(len(row))
-            for i, flag in enumerate(row):
-                if flag:
-                    low, high = max(0, i - reach), min(len(row), i + reach + 1)
-                    marked[low:high] = b"\1" * (high - low)
-            out.append(marked)
-        return out
+def spread(rows, reach):
+    """Rows of flags, each set where one is set within so many places of its row."""
+    out = []
+    for row in rows:
+        marked = bytearray(len(row))
+        for i, flag in enumerate(row):
+            if flag:
+                low, high = max(0, i - reach), min(len(row), i + reach + 1)
+                marked[low:high] = b"\1" * (high - low)
+        out.append(marked)
+    return out
 
+
+def near_steps(truth, columns, frames, step=0.3, apart=1):
+    """For each point, whether the truth has a step or a gap within so many columns and frames: a change from one column
+    to the next, or from one frame to the one `apart` later. The light slides down a wall over several frames."""
     height, width = len(truth), len(truth[0])
     edges = [bytearray(width) for _ in range(height)]
     for f in range(height):
         for c in range(width):
             here = truth[f][c]
             right = truth[f][c + 1] if c + 1 < width else here
-            below = truth[f + 1][c] if f + 1 < height else here
+            below = truth[min(f + apart, height - 1)][c]
             if not (abs(here - right) <= step and abs(here - below) <= step):  # NaN is an edge
                 edges[f][c] = 1
     edges = spread(edges, columns)

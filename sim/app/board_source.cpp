@@ -17,12 +17,18 @@
 #include "selfproj/driver/counters.h"
 #include "selfproj/files/user_error.h"
 #include "selfproj/model/board.h"
-#include "selfproj/model/column_moments.h"
+#include "selfproj/model/column_runs.h"
 #include "selfproj/model/gray_decoder.h"
 #include "selfproj/model/packet.h"
 
 namespace selfproj::sim {
 namespace {
+
+model::Measure measure_of(const BoardSource& options) {
+  model::Measure measure{.mode = images::mode_of(options.mode), .threshold = options.threshold};
+  options.select.apply(measure);
+  return measure;
+}
 
 PacketRecording make_line(const BoardSource& options) {
   const auto [rows, columns] =
@@ -32,7 +38,7 @@ PacketRecording make_line(const BoardSource& options) {
                     fmt::format("is not an image size such as 512x96: columns a multiple of {} up to {}, rows up to {}",
                                 spec::kPixelsPerBeat, spec::kMaxColumns, spec::kMaxRows));
   }
-  return moving_line(rows, columns, options.line_frames, images::mode_of(options.mode), options.threshold);
+  return moving_line(rows, columns, options.line_frames, measure_of(options));
 }
 
 PacketRecording make_images(const BoardSource& options, std::uint64_t frames) {
@@ -52,11 +58,15 @@ PacketRecording make_images(const BoardSource& options, std::uint64_t frames) {
                                                         images::size_text(rows, columns), spec::kPixelsPerBeat,
                                                         spec::kMaxColumns, spec::kMaxRows));
   }
+  const model::Measure measure = measure_of(options);
   const model::BoardSettings settings{.image = !codes,
                                       .columns = columns,
                                       .rows = rows,
-                                      .mode = images::mode_of(options.mode),
-                                      .threshold = options.threshold,
+                                      .mode = measure.mode,
+                                      .threshold = measure.threshold,
+                                      .select = measure.select,
+                                      .gap = measure.gap,
+                                      .window = measure.window,
                                       .codes = codes,
                                       .code_bits = codes ? options.bits : 1,
                                       .code_threshold = options.code_threshold.value_or(kDefaultThreshold)};
@@ -131,6 +141,7 @@ void add_source_options(CLI::App& command, BoardSource& options) {
       ->transform(cli::whole_number(0, 255))
       ->type_name("T")
       ->capture_default_str();
+  cli::add_select_options(command, options.select);
   command.add_option("--line-frames", options.line_frames, "With --line: frames until the line is where it began.")
       ->transform(cli::whole_number(1, 100000))
       ->type_name("N")

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "host/cli/command_line.h"
 #include "sim/board/packet_recording.h"
 
 namespace selfproj::sim {
@@ -22,6 +23,7 @@ struct BoardSource {
   std::string line;  // COLUMNSxROWS
   std::string mode = "grey-over";
   int threshold = 60;
+  cli::SelectOptions select;
   int line_frames = 100;
 };
 

@@ -110,7 +110,7 @@ void add_measuring_options(CLI::App& command, OptionFamilies& families, CosimOpt
       ->check(cli::one_of(images::mode_names()))
       ->type_name("MODE")
       ->default_str("the rig's");
-  cli::add_select_options(command, options.select, "the rig's");
+  cli::add_select_options(command, options.select, cli::kRigsSelect);
   CLI::Option* trace =
       command.add_option("--trace", options.trace, "File for the waveforms of the board (engine rtl).")
           ->type_name("FILE.fst");

@@ -79,7 +79,7 @@ PacketRecording read_recording(const std::string& file, driver::Counters& counte
   return recording;
 }
 
-PacketRecording moving_line(int rows, int columns, int frames, model::Mode mode, int threshold) {
+PacketRecording moving_line(int rows, int columns, int frames, const model::Measure& measure) {
   constexpr double kPeak = 200;
   constexpr double kBackground = 10;
   constexpr double kSigma = 2;
@@ -90,10 +90,10 @@ PacketRecording moving_line(int rows, int columns, int frames, model::Mode mode,
   }
   PacketRecording recording;
   std::vector<std::uint8_t> pixels(static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns));
-  std::vector<std::uint8_t> payload(model::moments_payload_bytes(mode, columns));
+  std::vector<std::uint8_t> payload(model::moments_payload_bytes(measure.mode, columns));
   std::vector<std::uint8_t> packet;
-  model::Moments moments;
-  moments.resize(columns);
+  model::Runs runs;
+  runs.resize(measure.select, columns);
   for (int frame = 0; frame < frames; ++frame) {
     for (int column = 0; column < columns; ++column) {
       const double phase = static_cast<double>(column) / columns + static_cast<double>(frame) / frames;
@@ -105,13 +105,13 @@ PacketRecording moving_line(int rows, int columns, int frames, model::Mode mode,
             static_cast<std::uint8_t>(std::lround(grey));
       }
     }
-    model::column_moments({pixels.data(), rows, columns, columns}, mode, threshold, moments.view());
-    model::pack_moments(mode, columns, moments.view(), payload.data());
+    model::measure_columns({pixels.data(), rows, columns, columns}, measure, runs.view());
+    model::pack_columns(measure.select, measure.mode, columns, runs.view(), payload.data());
     model::PacketHeader header;
     header.kind = spec::kKindMoments;
     header.sequence = static_cast<std::uint64_t>(frame);
     header.encoder = static_cast<std::uint32_t>(frame) * kEncoderPerFrame;
-    model::describe_frame(header, rows, columns, {.mode = mode, .threshold = threshold});
+    model::describe_frame(header, rows, columns, measure);
     packet.clear();
     model::append_packet(header, payload, 0, packet);
     recording.add(header, packet);

@@ -14,7 +14,7 @@
 #include "model/register_file.h"
 #include "selfproj/driver/counters.h"
 #include "selfproj/model/board.h"
-#include "selfproj/model/column_moments.h"
+#include "selfproj/model/column_runs.h"
 #include "selfproj/model/packet.h"
 
 namespace selfproj::sim {
@@ -73,7 +73,7 @@ PacketRecording read_recording(const std::string& file, driver::Counters& counte
 //     (rows - 1)/2 + (rows/4) sin(2π (η/columns + k/frames))
 //
 // Every pixel and moment is thus known. Throws std::invalid_argument if a number is out of the circuit's range.
-PacketRecording moving_line(int rows, int columns, int frames, model::Mode mode, int threshold);
+PacketRecording moving_line(int rows, int columns, int frames, const model::Measure& measure);
 
 // The packets that the model of the board makes of `images` images, image i under pattern i % patterns. The settings
 // say their size and what is sent besides the moments. `image` is asked in order.

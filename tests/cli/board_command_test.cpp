@@ -131,7 +131,7 @@ TEST_F(Board, ReplaysARecordingWithItsHolesClosed) {
 }
 
 TEST_F(Board, MovingLineIsWhereItShouldBe) {
-  const sim::PacketRecording recording = sim::moving_line(96, 32, 8, model::Mode::grey_over, 60);
+  const sim::PacketRecording recording = sim::moving_line(96, 32, 8, {.mode = model::Mode::grey_over, .threshold = 60});
   model::Moments moments;
   moments.resize(32);
   for (std::uint64_t frame = 0; frame < 8; ++frame) {

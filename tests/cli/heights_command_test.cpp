@@ -57,7 +57,7 @@ TEST(HeightsCommand, CorrectsARigAndChecksIt) {
   for (const int height : {0, 10, 15, 20, 30}) {
     write_sweep(folder / ("at" + std::to_string(height)), height);
   }
-  expect_refused(folder, heights(folder, {"--heights", "15", "--check", "at15"}), "--check: heights are up to", 1);
+  expect_refused(folder, heights(folder, {"--heights", "15", "--check", "at15"}), "--check: at15: in columns ", 1);
   const Outcome made = heights(folder, {"--heights", "0,10,20,30", "--out", "line", "at0", "at10", "at20", "at30"});
   ASSERT_EQ(made.status, 0) << made.err;
   EXPECT_NE(made.out.find("left open: "), std::string::npos) << made.out;

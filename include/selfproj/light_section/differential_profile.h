@@ -4,6 +4,8 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "selfproj/light_section/column_curves.h"
@@ -44,12 +46,15 @@ class DifferentialProfiler {
   // The curves of a rig that is more than pinholes, else null.
   [[nodiscard]] const ColumnCurves* curves() const { return curves_.get(); }
 
-  // Computes the profile from the payload of a moments packet (include/selfproj/model/packet.h) in this mode, with
-  // columns() columns. `out` has columns() entries in each of its arrays, which must not overlap. Invalid entries
-  // become NaN, with the first reason of Validity that applies. A column is cut_off if line_is_cut_off says so. It is
-  // out_of_range if the light plane is not before the camera's ray, z0 tan α < x0 does not hold, or one projector line
-  // is worth more than max_z_per_line_mm. Allocates nothing and keeps no state; any number of threads may call it at
-  // once. Unknown modes count as grey.
+  // Why a frame with this header does not go with the reference, as unlike_reference says it; empty if it does.
+  [[nodiscard]] std::string unlike_reference(const model::PacketHeader& header) const;
+
+  // Computes the profile from the payload of a moments packet (model/packet.h) in this mode, with columns() columns.
+  // `out` has columns() entries in each of its arrays, which must not overlap. Invalid entries become NaN, with the
+  // first reason of Validity that applies. A column is cut_off if line_is_cut_off says so. It is out_of_range if the
+  // light plane is not before the camera's ray, z0 tan α < x0 does not hold, or one projector line is worth more than
+  // max_z_per_line_mm. Allocates nothing and keeps no state; any number of threads may call it at once. Unknown modes
+  // count as grey.
   void profile(model::Mode mode, const std::uint8_t* payload, const ProfileView& out) const {
     profile(model::Select::all, mode, payload, out);
   }
@@ -59,7 +64,7 @@ class DifferentialProfiler {
   void profile(model::Select select, model::Mode mode, const std::uint8_t* payload, const ProfileView& out) const;
 
   // The same from a packet. Returns false, and writes nothing, unless it has the moments of a good frame of the size of
-  // the rig's camera.
+  // the rig's camera, measured as the images of the reference were.
   [[nodiscard]] bool profile(const model::PacketView& packet, const ProfileView& out) const;
 
   // The same from moments, which are only read, and are as column_moments gives them (below 2^31).
@@ -74,6 +79,7 @@ class DifferentialProfiler {
   [[nodiscard]] ProfileTables tables_from(int first) const;
 
   int columns_ = 0;
+  std::optional<Selection> measured_;
   std::shared_ptr<const ColumnCurves> curves_;  // null for pinholes
   // Values of the rig:
   float middle_row_;

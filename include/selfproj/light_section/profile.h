@@ -14,24 +14,24 @@ enum class Validity : std::uint8_t {
   unlit,         // no pixel is over the threshold
   too_few,       // fewer lit pixels than the rig's min_lit_px
   too_wide,      // more lit pixels than the rig's max_lit_px
-  cut_off,       // the line reaches the image's first or last row and may continue beyond it: see line_is_cut_off
+  cut_off,       // the line reaches the first or last row that counts and may go on beyond it: see line_is_cut_off
   no_reference,  // the reference has no point in this column
   out_of_range,  // triangulation is impossible there
   ambiguous,     // the second run is nearly as strong as the strongest: see the rig's ambiguous_from
 };
 inline constexpr int kValidities = 8;
 
-// Whether a line of n lit pixels around the centroid C (rows from 1, 3.2) reaches the first or the last of `rows` rows.
-// Part of it may then lie outside the image, and its centroid is not where the line is. Moments do not say which rows
-// were lit, but a line is about equally long on both sides of its centroid, and so begins at centroid - n / 2 (row r
-// covers r - 1/2 to r + 1/2). In mode binary this is exact for lit rows without a gap. In the grey modes the centroid
-// may differ from the middle of the lit rows by half a row, so a line that leaves only the outermost row free may be
-// called cut off. A line that is cut off is always found if its centroid is within one row of the middle of its lit
-// rows.
-[[gnu::always_inline]] inline bool line_is_cut_off(float centroid, float n, float rows) {
+// Whether a line of n lit pixels around the centroid C (rows from 1, 3.2) reaches the first or the last row that
+// counts. Part of it may then lie beyond these rows, and its centroid is not where the line is. Moments do not say
+// which rows were lit, but a line is about equally long on both sides of its centroid, and so begins at centroid - n /
+// 2 (row r covers r - 1/2 to r + 1/2). In mode binary this is exact for lit rows without a gap. In the grey modes the
+// centroid may differ from the middle of the lit rows by half a row, so a line that leaves only the outermost row free
+// may be called cut off. A line that is cut off is always found if its centroid is within one row of the middle of its
+// lit rows.
+[[gnu::always_inline]] inline bool line_is_cut_off(float centroid, float n, float first, float last) {
   const float half = 0.5F * n;
   // Computes both conditions, so that a loop has no branch.
-  return static_cast<int>(centroid - half < 1.5F) + static_cast<int>(centroid + half > rows - 0.5F) != 0;
+  return static_cast<int>(centroid - half < first + 0.5F) + static_cast<int>(centroid + half > last - 0.5F) != 0;
 }
 
 // Where a profile goes: arrays with one entry for each column, owned by someone else. Millimetres in the camera's

@@ -9,8 +9,10 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
+#include "selfproj/model/column_runs.h"
 #include "selfproj/rig/rig.h"
 
 namespace selfproj::rig {
@@ -32,6 +34,20 @@ struct ReferenceCurve {
 // image column for as many rows as the wall is high, and would have no usable centroid.
 inline constexpr double kSteepest = 3;
 
+// What of a column counts in an image. A line is elsewhere where something else counts.
+struct Selection {
+  model::Select select = model::Select::all;
+  int gap = 0;
+  model::RowWindow window = {};
+
+  bool operator==(const Selection&) const = default;
+};
+inline Selection selection_of(const model::Measure& measure) { return {measure.select, measure.gap, measure.window}; }
+
+// Why frames of `rows` rows of which this counted do not go with a reference: a text for an error message, empty if
+// they do.
+std::string unlike_reference(const std::optional<Selection>& reference, const Selection& frames, int rows);
+
 // One entry for each camera column. The light of a rig that is_pinholes() is tan_theta. Other rigs have line and slope
 // in its place.
 struct ReferenceProfile {
@@ -42,6 +58,8 @@ struct ReferenceProfile {
   std::vector<double> offset_px;  // row of that point less the middle row: 0 for a perfect self-projection, the
                                   // measured residual, or the whole distance of a straight line
   std::vector<std::uint8_t> valid;
+  // What counted in the images that it was found in; nothing if it was computed without images.
+  std::optional<Selection> measured;
 
   void resize(int columns) {
     const auto size = static_cast<std::size_t>(columns);

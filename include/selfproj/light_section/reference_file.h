@@ -9,8 +9,13 @@
 //                       column,tan_theta,z_mm,offset_px
 //                       1,0.5986394557823129,1167,0
 //                       2,,,
-//                   columns count from 1; a column without reference has empty fields. Of a rig with lenses, a laser
-//                   or corrected heights it is
+//                   columns count from 1; a column without reference has empty fields. If the reference was found in
+//                   images, lines before that of the columns say what counted there (Selection):
+//                       # measured.select strongest
+//                       # measured.gap_rows 0
+//                       # measured.first_row 0
+//                       # measured.last_row 0
+//                   Of a rig with lenses, a laser or corrected heights the file is
 //                       # selfproj reference 2
 //                       column,line,line_slope,z_mm,offset_px
 //   pattern.tiff    the pattern, 32-bit floating point, projector lines x columns, 0..1

@@ -2,6 +2,7 @@
 #ifndef SELFPROJ_LIGHT_SECTION_STRIP_MOMENTS_H
 #define SELFPROJ_LIGHT_SECTION_STRIP_MOMENTS_H
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -29,6 +30,8 @@ struct StripMoments {
 // Which lines count.
 struct LineRules {
   float rows;
+  float first;  // row that counts
+  float last;
   std::int32_t min_lit;
   std::int32_t max_lit;
   std::int32_t ambiguous_from;  // in sixteenths: a column whose `second` is that or more is ambiguous
@@ -40,14 +43,25 @@ inline std::int32_t sixteenths_that_are_ambiguous(const rig::RigMeasure& measure
 }
 inline LineRules line_rules(const rig::Rig& rig) {
   const rig::RigMeasure& measure = rig.measure;
-  return {static_cast<float>(rig.camera.rows), measure.min_lit_px, measure.max_lit_px,
-          sixteenths_that_are_ambiguous(measure)};
+  const model::RowWindow window = measure.window.value_or(model::RowWindow{});
+  const int last = window.last == 0 ? rig.camera.rows : std::min(window.last, rig.camera.rows);
+  return {.rows = static_cast<float>(rig.camera.rows),
+          .first = static_cast<float>(std::max(window.first, 1)),
+          .last = static_cast<float>(last),
+          .min_lit = measure.min_lit_px,
+          .max_lit = measure.max_lit_px,
+          .ambiguous_from = sixteenths_that_are_ambiguous(measure)};
 }
 
 // The most that `second` may be, in sixteenths. A binary word says only whether it is 8 or more; what it leaves open
 // counts against the column.
 [[gnu::always_inline]] constexpr std::int32_t max_of_binary_second(std::uint32_t runs, std::uint32_t second) {
-  return second != 0 ? 16 : runs > 1 ? 7 : 0;
+  return second >= 8 ? 16 : runs > 1 ? 7 : 0;
+}
+
+// `second` as the host has it from a packet, from what RunsView has.
+constexpr std::int32_t second_on_board(model::Mode mode, std::uint32_t runs, std::uint32_t second) {
+  return mode == model::Mode::binary ? max_of_binary_second(runs, second) : static_cast<std::int32_t>(second);
 }
 
 // What for_each_binary_word and for_each_grey_word call: takes the moments of all lit pixels, which have no second run.
@@ -106,7 +120,7 @@ constexpr std::int32_t code(Validity validity) { return static_cast<std::int32_t
                                                        const LineRules& rules) {
   std::int32_t s = has_reference != 0 ? found : code(Validity::no_reference);
   s = second >= rules.ambiguous_from ? code(Validity::ambiguous) : s;
-  s = line_is_cut_off(c, static_cast<float>(n), rules.rows) ? code(Validity::cut_off) : s;
+  s = line_is_cut_off(c, static_cast<float>(n), rules.first, rules.last) ? code(Validity::cut_off) : s;
   s = n > rules.max_lit ? code(Validity::too_wide) : s;
   s = n < rules.min_lit ? code(Validity::too_few) : s;
   s = n == 0 ? code(Validity::unlit) : s;

@@ -165,5 +165,25 @@ TEST(CentroidMean, IsTheMeanOfGoodColumns) {
   EXPECT_TRUE(std::isnan(centroids[3]));
 }
 
+// A second line of a third of the light, and a hot pixel: the strongest run is the line, all lit pixels are not.
+TEST(CentroidMean, TakesWhatTheRigSelects) {
+  rig::Rig rig = rig::load_rig("light-section");
+  images::Image image{rig.camera.rows, rig.camera.columns, {}};
+  image.pixels.assign(static_cast<std::size_t>(image.rows * image.columns), 5);
+  draw(image, 0, 40, 180);
+  draw(image, 0, 70, 60);
+  image.pixels[static_cast<std::size_t>(10 * image.columns)] = 255;
+  const auto found = [&] {
+    light_section::CentroidMean mean(rig);
+    mean.add(image.view());
+    return mean.centroids()[0];
+  };
+  EXPECT_GT(std::abs(found() - 41), 1);
+  rig.measure.runs = rig::RigRuns{};
+  EXPECT_NEAR(found(), 41, 1e-9);
+  rig.measure.window = model::RowWindow{.first = 42, .last = 96};  // the line is cut off: its centroid would be wrong
+  EXPECT_TRUE(std::isnan(found()));
+}
+
 }  // namespace
 }  // namespace selfproj::test

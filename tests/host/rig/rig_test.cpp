@@ -171,6 +171,20 @@ TEST(Rig, LaserLineIsReadBackAndChecked) {
             "rig.yaml: line 31: camera_glass: unknown key; the key is camera_lens");
 }
 
+TEST(Rig, SectionsWithinMeasureAreReadBack) {
+  rig::Rig rig = rig::load_rig("light-section");
+  rig.measure.runs = rig::RigRuns{.gap_rows = 2, .ambiguous_from = 0.75};
+  rig.measure.window = model::RowWindow{.first = 3, .last = 90};
+  rig.parts = rig::RigParts{.grid_mm = 1, .gap_mm = 1, .pause_s = 1, .length_mm = 10};
+  const std::string yaml = to_yaml(rig);
+  const rig::Rig read = rig::parse_rig(yaml, "text");
+  EXPECT_EQ(to_yaml(read), yaml);
+  ASSERT_TRUE(read.measure.runs && read.measure.window);
+  EXPECT_EQ(read.measure.runs->gap_rows, 2);
+  EXPECT_EQ(read.measure.runs->ambiguous_from, 0.75);
+  EXPECT_EQ(*read.measure.window, (model::RowWindow{3, 90}));
+}
+
 TEST(Rig, HeightsAreReadBackAndChecked) {
   rig::Rig rig = rig::load_rig("light-section");
   rig.heights = rig::RigHeights{-1, 41, 1, 1, {0.5, -0.25, 1.0 / 3, 0}};

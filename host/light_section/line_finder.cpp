@@ -1,0 +1,38 @@
+#include "host/light_section/line_finder.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <stdexcept>
+
+#include "selfproj/light_section/fast_moments.h"
+
+namespace selfproj::light_section {
+
+LineFinder::LineFinder(const rig::Rig& rig)
+    : camera_(rig.camera),
+      measure_(rig.measure.of_board()),
+      rules_(line_rules(rig)),
+      least_share_(rig.measure.runs ? rig.measure.runs->ambiguous_from : 0) {
+  runs_.resize(measure_.select, camera_.columns);
+}
+
+void LineFinder::find(const model::ImageView& image) {
+  if (image.rows != camera_.rows || image.columns != camera_.columns) {
+    throw std::invalid_argument("line finder: an image has another size than the camera's");
+  }
+  fast_measure_columns(image, measure_, runs_.view());
+}
+
+Validity LineFinder::validity(std::size_t column) const {
+  const std::uint32_t m0 = runs_.moments.m0[column];
+  // A profile divides in single precision as well.
+  const float c = static_cast<float>(runs_.moments.m1[column]) / static_cast<float>(m0);
+  const std::int32_t second = measure_.select == model::Select::all
+                                  ? 0
+                                  : second_on_board(measure_.mode, runs_.runs[column], runs_.second[column]);
+  return static_cast<Validity>(validity_of(c, static_cast<std::int32_t>(m0),
+                                           static_cast<std::int32_t>(runs_.moments.n[column]), second, 1,
+                                           code(Validity::valid), rules_));
+}
+
+}  // namespace selfproj::light_section

@@ -1,0 +1,193 @@
+#!/usr/bin/env python3
+"""Tests that every file that a command writes is read again by every command that takes such a file.
+
+    pairs_test.py PROGRAMS
+
+PROGRAMS is the folder of selfproj and selfproj-sim. The rigs have every key that a rig may have, those in sections
+within sections as well, and are small.
+"""
+
+import os
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+import unittest
+
+import depth_stream
+
+programs = pathlib.Path()
+
+# What a rig may have beside what the built-in ones have.
+BOARD = "board:\n  pixel_clock_hz: 1.25e+08\n"
+RUNS = "  runs:\n    gap_rows: 1\n    ambiguous_from: 0.75\n"
+WINDOW = "  window:\n    first_row: 2\n    last_row: 95\n"
+PARTS = ("parts:\n  cut: profile\n  belt: encoder\n  grid_mm: 1\n  above_mm: 5\n  min_width_mm: 4\n  gap_mm: 3\n"
+         "  pause_ms: 50\n  min_length_mm: 5\n  length_mm: 200\n")
+SCANNER_PARTS = "parts:\n  cut: image\n  grid_mm: 2\n  pause_ms: 50\n"
+# The built-in rig as a calibration would write it: camera and projector through lenses, and the way of the belt.
+LENS = "  k1: 0\n  k2: 0\n  p1: 0\n  p2: 0\n  k3: 0\n"
+CALIBRATION = ("camera_lens:\n  fx_px: 625\n  fy_px: 5000\n  cx_px: 31.5\n  cy_px: 47.5\n" + LENS
+               + "projector_lens:\n  fx_px: 2849.00284900285\n  fy_px: -3257.328990228013\n  cx_px: 255.5\n"
+               "  cy_px: 876.0211726384365\n" + LENS
+               + "projector_pose:\n  rotation_x_deg: -20\n  rotation_y_deg: 0\n  rotation_z_deg: 0\n"
+               "  translation_x_mm: 0\n  translation_y_mm: -132.74\n  translation_z_mm: -664.47\n")
+BELT = ("belt_pose:\n  direction_x: 0\n  direction_y: 1\n  direction_z: 0\n  normal_x: 0\n  normal_y: 0\n"
+        "  normal_z: 1\n")
+LIGHT_PLANE = ("light_plane:\n  normal_x: 0\n  normal_y: 0.8575636838703195\n  normal_z: 0.5143777953893088\n"
+               "  distance_mm: 600.2789\n")
+
+
+def without(text, section):
+    return re.sub(rf"^{section}:\n(?:  .*\n)+", "", text, flags=re.M)
+
+
+class Pairs(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        scratch = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(scratch.cleanup)
+        cls.folder = pathlib.Path(scratch.name)
+        light = cls.shell("selfproj rig light-section")
+        light = light.replace("  columns: 512\n  pixel_pitch", "  columns: 64\n  pixel_pitch")
+        every_key = re.sub(r"(  max_z_per_line_mm: .*\n)", r"\g<1>" + RUNS + WINDOW, light) + PARTS
+        every_key = every_key.replace("measure:\n", BOARD + "measure:\n", 1)
+        cls.write("light.yaml", every_key)
+        cls.write("lenses.yaml", every_key + CALIBRATION + BELT)
+        laser = without(every_key, "projector") + CALIBRATION[:CALIBRATION.index("projector_lens")]
+        cls.write("laser.yaml", laser + LIGHT_PLANE + BELT)
+        scanner = (cls.folder / depth_stream.coarse_rig(cls.folder)).read_text(encoding="utf-8")
+        cls.write("scanner.yaml", scanner.replace("measure:\n", BOARD + "measure:\n", 1) + SCANNER_PARTS)
+
+    @classmethod
+    def write(cls, name, text):
+        (cls.folder / name).write_text(text, encoding="utf-8")
+
+    @classmethod
+    def shell(cls, line, status=0):
+        environment = {**os.environ, "PATH": f"{programs}:{os.environ['PATH']}", "LC_ALL": "C"}
+        done = subprocess.run(["bash", "-eu", "-c", line], cwd=cls.folder, env=environment, capture_output=True,
+                              text=True, timeout=300, check=False)
+        assert done.returncode == status, f"{line}\n{done.stdout[-2000:]}{done.stderr}"
+        return done.stdout
+
+    def read_as_written(self, rig):
+        """`selfproj rig` reads what it wrote, and no value is lost. Returns the file it wrote."""
+        self.shell(f"selfproj rig {rig} > a.yaml; selfproj rig a.yaml > b.yaml; cmp a.yaml b.yaml")
+        return (self.folder / "a.yaml").read_text(encoding="utf-8")
+
+    def test_rigs(self):
+        for rig in ("light.yaml", "lenses.yaml", "laser.yaml", "scanner.yaml"):
+            text = self.read_as_written(rig)
+            given = (self.folder / rig).read_text(encoding="utf-8")
+            for line in re.findall(r"^ *[a-z_0-9]+:(?= |$)", given, flags=re.M):
+                self.assertIn(line.strip(), text)
+
+    def light_section(self, rig):
+        """Every file of a light section, and every command that takes it."""
+        out = rig.replace(".", "_")
+        self.shell(f"""
+            mkdir {out}; cp {rig} {out}/given.yaml; cd {out}
+            selfproj rig given.yaml > given2.yaml
+            selfproj pattern --rig given2.yaml --sweep --every 8 --out lines
+            selfproj pattern --rig given2.yaml --line 200 --out line
+            selfproj pattern gray --rig given2.yaml --out gray
+            for height in 0 15 30 45; do
+              selfproj-sim capture --rig given2.yaml --patterns lines --plate $height --out at$height
+            done
+            selfproj calibrate heights --rig given2.yaml --every 8 --heights 0,15,30,45 --out heights \
+              at0 at15 at30 at45
+            selfproj rig heights/rig.yaml > rig.yaml
+            selfproj calibrate heights --rig rig.yaml --every 8 --heights 15 --check at15
+            selfproj calibrate heights --rig rig.yaml --every 8 --heights 0,15,30,45 --out again at0 at15 at30 at45
+            selfproj-sim capture --rig given2.yaml --patterns lines --scene stairs --stopped --out scan
+            selfproj pattern --rig rig.yaml --scan scan --every 8 --out good
+            selfproj-sim scene render stairs --rig given2.yaml --pattern good/pattern.tiff --first 690 --count 20 \
+              --truth truth.tiff --out seen
+            rm seen/pattern.tiff
+            selfproj pattern --rig rig.yaml --reference good --residual seen --out part
+            selfproj pattern --rig rig.yaml --reference part --residual seen --out part2
+            selfproj-sim cosim --rig rig.yaml --engine model --frames 'seen/*.png' --packets a.packets --out cosim
+            selfproj-sim board --images seen/*.png --threshold 20 --select strongest --gap 1 --rows 2..95 \
+              --record b.packets
+            selfproj record --device file:a.packets --count 20 --out c.packets
+            for reference in good part part/reference.csv part2; do
+              selfproj inspect --rig rig.yaml --device file:a.packets --reference $reference --check --count 20 \
+                --out result
+            done
+            selfproj-sim board --replay a.packets --record d.packets
+            cmp a.packets c.packets
+            for packets in b c d; do
+              selfproj inspect --rig rig.yaml --device file:$packets.packets --reference part --check --count 20 \
+                --out result
+            done
+            selfproj pattern --rig rig.yaml --reference result/height.tiff --out by_heights
+            selfproj pattern --rig rig.yaml --reference truth.tiff --out by_truth
+            selfproj inspect --rig rig.yaml --device file:a.packets --reference by_truth --out result2
+        """)
+        text = self.read_as_written(f"{out}/heights/rig.yaml")
+        for key in ("runs:", "gap_rows: 1", "ambiguous_from: 0.75", "window:", "first_row: 2", "pixel_clock_hz:",
+                    "corrections_mm:", "min_width_mm:"):
+            self.assertIn(key, text)
+
+    def test_light_section(self):
+        self.light_section("light.yaml")
+
+    def test_packets_measured_otherwise_than_the_reference(self):
+        self.shell("""
+            mkdir other; cd other
+            selfproj pattern --rig ../light.yaml --sweep --every 8 --out lines
+            selfproj-sim capture --rig ../light.yaml --patterns lines --scene stairs --stopped --out scan
+            selfproj pattern --rig ../light.yaml --scan scan --every 8 --out good
+            selfproj-sim scene render stairs --rig ../light.yaml --pattern good/pattern.tiff --first 690 --count 2 \
+              --out seen
+            selfproj-sim cosim --rig ../light.yaml --engine model --frames 'seen/*.png' --select all \
+              --packets all.packets
+        """)
+        self.shell("cd other; selfproj inspect --rig ../light.yaml --device file:all.packets --reference good "
+                   "--out result 2> said.txt", 2)
+        said = (self.folder / "other/said.txt").read_text(encoding="utf-8")
+        self.assertRegex(said, r"^selfproj: file:all.packets: .*all lit pixels.*the strongest run, gap 1")
+        self.assertEqual(said.count("\n"), 1)
+
+    def test_scanner(self):
+        self.shell("""
+            mkdir scanner; cd scanner
+            selfproj rig ../scanner.yaml > rig.yaml
+            selfproj accuracy --rig rig.yaml --out accuracy
+            selfproj pattern gray --rig rig.yaml --out codes
+            selfproj-sim capture --rig rig.yaml --scene plane --patterns codes --out captures
+            selfproj pattern stripes --rig rig.yaml --scan captures --gray-code --bits 4 --out reference
+            selfproj-sim scene render desk --rig rig.yaml --bits 6 --count 12 --out frames
+            selfproj depth --rig rig.yaml --bits 6 --out depth frames/frame_*.png
+            selfproj depth --rig rig.yaml --bits 6 --background depth/depth.tiff --compare depth/cloud.ply \
+              --out depth2 frames/frame_*.png
+            mkdir stripes; cp reference/pattern_*.png stripes
+            selfproj-sim capture --rig rig.yaml --scene block --patterns stripes --out block
+            selfproj match --rig rig.yaml --reference reference --e 8 --out match block/image_*.png
+            selfproj depth --rig rig.yaml --bits 6 --compare match/cloud.ply --out depth3 frames/frame_*.png
+            selfproj-sim board --images frames/*.png --bits 6 --record codes.packets
+            selfproj record --device file:codes.packets --out again.packets
+            selfproj depth --rig rig.yaml --bits 6 --device file:again.packets --out depth4
+            selfproj images --device file:again.packets --out images
+        """)
+
+    # With lenses, and with a laser line in place of the projector.
+    def test_calibrated_rigs(self):
+        self.shell("""
+            mkdir calibrated; cd calibrated
+            for rig in lenses laser; do
+              selfproj rig ../$rig.yaml > $rig.yaml
+              selfproj-sim scene render plane --rig ../light.yaml --count 2 --out seen_$rig
+              selfproj-sim board --images seen_$rig/frame_*.png --threshold 20 --select strongest --gap 1 \
+                --rows 2..95 --record $rig.packets
+              selfproj inspect --rig $rig.yaml --device file:$rig.packets --out result_$rig
+            done
+            selfproj pattern --rig lenses.yaml --sweep --every 8 --out lines
+        """)
+
+
+if __name__ == "__main__":
+    programs = pathlib.Path(sys.argv.pop(1)).resolve()
+    unittest.main()
