@@ -151,10 +151,11 @@ std::string report_text(const calibration::CameraReport& camera, const std::opti
   const calibration::BundleResult& found = camera.model.result;
   std::string text;
   for (const calibration::BoardImage& image : camera.images) {
-    text += image.reason.empty() ? fmt::format("{}: {} of {} corners, RMS {:.3f} px{}\n", image.name,
-                                               image.used_corners(), image.corners.size(), image.rms_px,
-                                               image.by_squares ? fmt::format(", found by {}", calibration::kBySquares) : "")
-                                 : fmt::format("{}: left out: {}\n", image.name, image.reason);
+    text += image.reason.empty()
+                ? fmt::format("{}: {} of {} corners, RMS {:.3f} px{}\n", image.name, image.used_corners(),
+                              image.corners.size(), image.rms_px,
+                              image.by_squares ? fmt::format(", found by {}", calibration::kBySquares) : "")
+                : fmt::format("{}: left out: {}\n", image.name, image.reason);
   }
   text += "camera    ";
   for (std::size_t i = 0; i < 4 + static_cast<std::size_t>(camera.model.free.camera); ++i) {

@@ -232,9 +232,10 @@ std::vector<std::string> files_of_folder(const std::string& folder) {
   }
   if (!others.empty()) {
     others = in_natural_order(std::move(others));
-    files::note(
-        fmt::format("{}: is no image and left out{}", others.front(),
-                    others.size() == 1 ? "" : fmt::format(", like {} others of this folder", others.size() - 1)));
+    files::note(fmt::format("{}: is no image and left out{}", others.front(),
+                            others.size() == 1   ? ""
+                            : others.size() == 2 ? ", like another one of its folder"
+                                                 : fmt::format(", like {} others of its folder", others.size() - 1)));
   }
   return in_natural_order(std::move(files));
 }

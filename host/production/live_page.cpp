@@ -243,8 +243,8 @@ void LivePage::send(const std::string& kind, int rows, int columns, const std::s
     const std::string json =
         fmt::format(R"({{"message":{},"kind":"{}","dropped":{},"title":{},"columns":{},"rows":{},"camera":{},)"
                     R"("figures":{},"parts":[{}],"statistics":{}}})",
-                    number, kind, dropped_.load(), files::json_text(nlohmann::json(title_)), columns, rows, camera_images_,
-                    figures_, parts, statistics_);
+                    number, kind, dropped_.load(), files::json_text(nlohmann::json(title_)), columns, rows,
+                    camera_images_, figures_, parts, statistics_);
     message_ = {number, std::make_shared<const std::string>(message_of(json, floats))};
   }
   server_->wake();

@@ -172,8 +172,9 @@ void vertices_of_text(const std::string& file, const std::string& bytes, const P
       if (axis != layout.axes.end()) {
         const std::optional<double> value = files::number_of_text<double>(word);
         if (!value) {
-          throw UserError(file,
-                          "vertex " + std::to_string(i + 1) + ": '" + std::string(word) + "' is not a coordinate");
+          const bool is_text = std::all_of(word.begin(), word.end(), [](char c) { return c > ' ' && c <= '~'; });
+          throw UserError(file, "vertex " + std::to_string(i + 1) + ": " +
+                                    (is_text ? "'" + std::string(word) + "'" : "this") + " is not a coordinate");
         }
         point[static_cast<std::size_t>(axis - layout.axes.begin())] = *value;
       }

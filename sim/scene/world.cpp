@@ -141,7 +141,8 @@ RenderOptions options_without(const std::vector<std::string>& names) {
 WorldFile load_world(const std::string& name_or_file) {
   const bool built_in = name_or_file == kBuiltInWorld;
   const std::string source = built_in ? "world.yaml" : name_or_file;
-  rig::FieldReader from(source, rig::parse_yaml(built_in ? kWorldText : files::read_text(name_or_file, kMaxBytes), source));
+  rig::FieldReader from(source,
+                        rig::parse_yaml(built_in ? kWorldText : files::read_text(name_or_file, kMaxBytes), source));
   WorldFile file;
   std::int64_t seed = 0;
   from.integer64("seed", seed);

@@ -252,7 +252,7 @@ TEST_F(MomentsCommand, PixelsMustHave8Bits) {
   save("a16.png", cv::Mat(4, 8, CV_16UC1, cv::Scalar(9)));
   expect_refused({"a16.png"}, "a16.png", "16 bits");
   save("a32.tiff", cv::Mat(4, 8, CV_32FC1, cv::Scalar(9)));
-  expect_refused({"a32.tiff"}, "a32.tiff", "32 bits");
+  expect_refused({"a32.tiff"}, "a32.tiff", "floating-point numbers");
 }
 
 TEST_F(MomentsCommand, AllImagesMustHaveOneSize) {

@@ -147,7 +147,7 @@ TEST(Ply, RefusesWhatItDoesNotUnderstand) {
       {"", "not a PLY"},
       {"plx" + good.substr(3), "not a PLY"},
       {replaced("binary_little_endian", "binary_middle_endian"), "is not a PLY of a known format"},
-      {replaced("binary_little_endian", "ascii"), "is truncated"},
+      {replaced("binary_little_endian", "ascii"), "is not a coordinate"},
       {replaced("float y", "double y"), "is truncated"},
       {replaced("float y", "float w"), "is not a PLY of a known format"},
       {"ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\nend_header\n1 2 "
