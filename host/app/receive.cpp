@@ -16,6 +16,7 @@
 #include "host/cli/progress.h"
 #include "host/driver/clock.h"
 #include "host/driver/control.h"
+#include "host/files/notes.h"
 #include "selfproj/files/user_error.h"
 
 namespace selfproj::app {
@@ -51,6 +52,26 @@ void write_setup(driver::Control& control, const BoardSetup& setup) {
                           {driver::register_part("window.first"), number(measure.window.first)},
                           {driver::register_part("window.last"), number(measure.window.last)},
                           {driver::register_part("control.run"), 1}});
+}
+
+// What may be wrong where no packet comes.
+std::string reason_of_silence(const std::string& device, const driver::Counters& counters) {
+  if (counters.other_spec > 0) {
+    return "packets come, but of another specification: this program and the board are of different versions";
+  }
+  if (counters.bad + counters.bytes_discarded + counters.datagrams_refused > 0) {
+    return "something comes, but no packets of a board: does another program send here?";
+  }
+  if (device.starts_with("udp:")) {
+    return "does the board run, do frames reach it, and does a firewall here let its datagrams in? A board sends to "
+           "the "
+           "host that has started it, until that one stops it";
+  }
+  if (device.starts_with("camera:")) {
+    return "does the camera run, is it triggered, and is it free of other programs?";
+  }
+  return device.starts_with("file:") ? "does somebody write into it?"
+                                     : "does the board run, and do frames reach it? `selfproj board status` says";
 }
 
 // All options of the command from the n-th on go only with --device.
@@ -188,13 +209,16 @@ void Receiver::start_board(const std::optional<BoardSetup>& setup) {
 void Receiver::run(const Handlers& handlers) {
   constexpr auto kPatience = std::chrono::milliseconds(50);  // so that Ctrl-C and the end of the time are noticed
   constexpr std::int64_t kShowNs = 200'000'000;
+  constexpr std::int64_t kSilenceNs = 1'000'000'000;
   const std::uint64_t max_count = options_.count > 0 ? options_.count : std::numeric_limits<std::uint64_t>::max();
   const std::int64_t time_ns = options_.seconds > 0 ? static_cast<std::int64_t>(options_.seconds * 1e9)
                                                     : std::numeric_limits<std::int64_t>::max();
   cli::StatusLine line;
   model::PacketView packet;
   std::int64_t first_ns = 0;
-  std::int64_t shown_ns = driver::now_ns();
+  const std::int64_t begin_ns = driver::now_ns();
+  std::int64_t shown_ns = begin_ns;
+  bool silent = true;  // nothing has come, and it was not said
   std::uint64_t shown = 0;
   const auto show = [&](std::int64_t now) {
     const double rate =
@@ -218,11 +242,18 @@ void Receiver::run(const Handlers& handlers) {
     const std::int64_t now = driver::now_ns();
     if (next == driver::Next::packet) {
       first_ns = first_ns == 0 ? now : first_ns;  // a backlog came in long before
+      silent = false;
       done_ = handlers.packet(packet);
       device_->release();
     }
     if (first_ns != 0 && now - first_ns >= time_ns) {
       break;
+    }
+    if (silent && now - begin_ns >= kSilenceNs) {
+      silent = false;
+      line.show("");
+      files::note(fmt::format("{}: no packet for a second: {}", options_.device,
+                              reason_of_silence(options_.device, counters())));
     }
     if (now - shown_ns >= kShowNs) {
       show(now);

@@ -13,6 +13,7 @@ import pathlib
 import re
 import shutil
 import signal
+import socket
 import subprocess
 import sys
 import tempfile
@@ -161,6 +162,18 @@ class Receive(unittest.TestCase):
                 process.send_signal(signal.SIGINT)
                 text = command.end(process)
             assert command.number is None or command.made(text) > 0, text
+
+        self.each(check)
+
+    def test_silence_is_said(self):
+        def check(command):
+            with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+                probe.bind(("127.0.0.1", 0))
+                device = f"udp:127.0.0.1:{probe.getsockname()[1]}"
+            process = command.start(*command.words, "--device", device, "--control", "none")
+            command.says(f"selfproj: {device}: no packet for a second: .*firewall", process.stderr.readline())
+            process.send_signal(signal.SIGINT)
+            process.communicate(timeout=60)
 
         self.each(check)
 
