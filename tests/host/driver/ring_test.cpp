@@ -251,6 +251,20 @@ TEST_F(Ring, DamagedSlots) {
   EXPECT_EQ(device->counters().bad, 4U);
 }
 
+TEST_F(Ring, EveryPacketWakesAReaderThatSleeps) {
+  driver::RingWriter writer(name_, kSlots);
+  driver::ring::Memory memory;
+  ASSERT_EQ(memory.attach(driver::ring::shared_name(name_).c_str()), driver::ring::Memory::Found::ring);
+  std::uint32_t woken = memory.header().wake;
+  for (int i = 0; i < 6; ++i) {  // the ring is less and less empty
+    const bool sleeping = i % 3 != 2;
+    memory.header().sleeping = sleeping ? 1 : 0;
+    write(writer, i, 1);
+    woken += sleeping ? 1 : 0;
+    EXPECT_EQ(memory.header().wake, woken) << "packet " << i;
+  }
+}
+
 TEST_F(Ring, OneWriterOneReader) {
   EXPECT_THROW(open_ring(), UserError) << "no ring";
   driver::RingWriter writer(name_, kSlots);
