@@ -65,7 +65,8 @@ CaptureResult decode(const Paths& images, const Size& projector, int threshold, 
           "threshold, contrast: must be in 0..255");
   require(!images.empty(), "images: none are given");
   calibration::Capture capture = without_gil([&] {
-    images::ImageSequence captured(images::image_arguments(names_of(images)), PixelOptions{channel, shift}.rule());
+    images::ImageSequence captured(images::image_arguments(names_of(images)),
+                                   images::PixelOptions{channel, shift}.rule());
     return calibration::decode_capture(images.front().string(), captured, sequence,
                                        {.threshold = threshold, .contrast = contrast});
   });
@@ -243,7 +244,7 @@ void bind_result(nb::module_& module) {
       .def(
           "json", [](const Result& self) { return calibration::report_json(self.report); },
           "All findings with standard deviations, as `selfproj calibrate` writes them.")
-      .def("__str__", [](const Result& self) { return shown(calibration::report_text(self.report)); })
+      .def("__str__", [](const Result& self) { return files::shown(calibration::report_text(self.report)); })
       .def("__repr__",
            [](const Result& self) { return "Result(rms_px=" + std::to_string(self.report.bundle.rms) + ")"; })
       .def(

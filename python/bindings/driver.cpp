@@ -61,7 +61,7 @@ class DeviceHandle {
   [[nodiscard]] bool ended() const { return ended_; }
 
   [[nodiscard]] std::string text() const {
-    return device_ == nullptr ? "Device(closed)" : "Device('" + shown(device_->uri()) + "')";
+    return device_ == nullptr ? "Device(closed)" : "Device('" + files::shown(device_->uri()) + "')";
   }
 
   void release() {

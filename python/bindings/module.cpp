@@ -25,7 +25,7 @@ NB_MODULE(_core, module) {
     try {
       std::rethrow_exception(thrown);
     } catch (const selfproj::UserError& error) {
-      PyErr_SetString(input_error.ptr(), selfproj::shown(error.what()).c_str());
+      PyErr_SetString(input_error.ptr(), selfproj::files::shown(error.what()).c_str());
     }
   });
   nb::module_::import_("atexit").attr("register")(nb::cpp_function(&WithoutGil::end_of_python));
@@ -33,7 +33,7 @@ NB_MODULE(_core, module) {
   module.def(
       "read_image",
       [](const Path& file, const std::string& channel, std::optional<int> shift) {
-        const selfproj::PixelRule rule = selfproj::PixelOptions{channel, shift}.rule();
+        const selfproj::images::PixelRule rule = selfproj::images::PixelOptions{channel, shift}.rule();
         selfproj::images::Image image = without_gil([&] { return selfproj::images::read_image(file.string(), rule); });
         return array_of(std::move(image.pixels),
                         {static_cast<std::size_t>(image.rows), static_cast<std::size_t>(image.columns)});

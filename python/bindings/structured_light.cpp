@@ -160,7 +160,7 @@ Scan scan(const Paths& images, const Path& rig, const Path& calibration, int bit
   }
   require(files.size() == need, "images: 2 (bits + row_bits) of them are needed; white and black may follow");
   structured_light::DepthRun run = without_gil([&] {
-    images::ImageSequence sequence(files, PixelOptions{channel, shift}.rule());
+    images::ImageSequence sequence(files, images::PixelOptions{channel, shift}.rule());
     return row_bits > 0
                ? structured_light::depth_of_both_axes(setup, sequence)
                : structured_light::depth_of_images(setup, sequence, [](std::size_t, const images::FloatImage&) {});
