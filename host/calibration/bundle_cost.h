@@ -1,4 +1,4 @@
-// The residuals of the bundle and their derivatives, as Ceres takes them. For bundle.cpp and its tests.
+// The residuals of the bundle and their derivatives, as Ceres takes them. For bundle_solver.cpp and its tests.
 #ifndef SELFPROJ_HOST_CALIBRATION_BUNDLE_COST_H
 #define SELFPROJ_HOST_CALIBRATION_BUNDLE_COST_H
 

@@ -22,7 +22,7 @@ struct CameraImage {
   model::ImageView view;        // valid until the next call of next() or stop()
   std::uint64_t number = 0;     // the camera's own number, without its wrap; from 0 at the first image after start()
   std::int64_t time_ns = 0;     // the camera's clock when it took the image; it never runs backwards
-  std::int64_t arrival_ns = 0;  // when it came in, by the clock of driver/clock.h
+  std::int64_t arrival_ns = 0;  // when it came in, by the clock of host/driver/clock.h
   bool complete = false;        // otherwise parts are missing, and the pixels mean nothing
 };
 

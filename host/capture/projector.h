@@ -43,7 +43,7 @@ class Projector {
   [[nodiscard]] int columns() const;
 
   // Shows the pattern, a pixel a pixel, and returns when the system has taken it. What light leaves the projector when
-  // is the display's own affair (capture/settle.h measures it). `name` is what the message calls it: throws UserError
+  // is the display's own affair (settle.h measures it). `name` is what the message calls it: throws UserError
   // if it has not the size of the display.
   void show(const images::Image& pattern, const std::string& name);
 

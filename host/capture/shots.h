@@ -35,9 +35,9 @@ class Shots {
   std::int64_t show(const images::Image& pattern, const std::string& name);
   std::int64_t show(std::uint8_t grey);
 
-  // Takes a whole image no earlier than at this time of driver/clock.h: triggered then, or of a camera that runs free
-  // the first that came in after it. Takes again what is incomplete or does not come; throws UserError about the camera
-  // after 20 tries, and Stopped.
+  // Takes a whole image no earlier than at this time of host/driver/clock.h: triggered then, or of a camera that runs
+  // free the first that came in after it. Takes again what is incomplete or does not come; throws UserError about the
+  // camera after 20 tries, and Stopped.
   const images::Image& take_after(std::int64_t time_ns);
 
   // When the last image was triggered, or of a camera that runs free when it came in.

@@ -76,8 +76,8 @@ constexpr std::uint32_t field_of(std::uint32_t word, int lsb, int bits) {
   return static_cast<std::uint32_t>((word >> lsb) & ((std::uint64_t{1} << bits) - 1));
 }
 
-// The URI of the control that belongs to a device (device.h); empty if the device has none, as recordings and rings
-// have none. For udp:HOST:PORT, which has the port of the packets, it is udp:HOST.
+// The URI of the control that belongs to a device (selfproj/driver/device.h); empty if the device has none, as
+// recordings and rings have none. For udp:HOST:PORT, which has the port of the packets, it is udp:HOST.
 std::string control_uri(const std::string& uri);
 
 // Opens the control of a board by URI:

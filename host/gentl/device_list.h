@@ -11,7 +11,7 @@
 namespace selfproj::gentl {
 
 // One device, in the variable as URI[?KEY=VALUE[&KEY=VALUE]...]. Keys are rig, reference, control and name. A camera
-// without a board, camera:NAME, has no control, and also takes the keys of camera/camera_uri.h.
+// without a board, camera:NAME, has no control, and also takes the keys of host/camera/camera_uri.h.
 struct DeviceEntry {
   std::string id = {};          // the URI without the keys: the device's ID
   std::string parameters = {};  // of a camera: its own keys, KEY=VALUE[&KEY=VALUE]...

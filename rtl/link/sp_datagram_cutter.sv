@@ -1,5 +1,5 @@
 // Cuts packets into datagrams, the payloads of UDP: each is a header and a piece of one packet.
-// model/datagram_cutter.h is its model.
+// model/datagram.h is its model.
 //
 //   packets, 128 bits ─┬▶ ring of beats ─▶ datagrams, 32 bits
 //   header of a piece ─┘

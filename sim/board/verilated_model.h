@@ -18,7 +18,7 @@
 
 namespace selfproj::sim {
 
-// Coverage of the RTL by a program, in builds with SELFPROJ_COVERAGE (scripts/coverage.sh).
+// Coverage of the RTL by a program, in builds with SELFPROJ_COVERAGE (scripts/coverage.py).
 //
 // Verilated models count in their own memory, which must still exist when the counts are written. In such a build a
 // model is therefore never destroyed but reused for the next test case. The counts are written when the program ends,

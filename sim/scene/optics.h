@@ -1,5 +1,5 @@
 // Camera and projector as projective pinholes behind lenses that distort and blur. Written apart from the angles of the
-// host's triangulation and from host/rig/lens.h, so that each checks the other.
+// host's triangulation and from the lenses of host/rig, so that each checks the other.
 #ifndef SELFPROJ_SIM_SCENE_OPTICS_H
 #define SELFPROJ_SIM_SCENE_OPTICS_H
 

@@ -25,7 +25,7 @@ class ResultsFile : public ::testing::Test {
   ScratchFolder folder_;
 };
 
-// The same keys in the same order as scripts/results.py writes them (tests/house/results_test.py).
+// The same keys in the same order as scripts/results.py writes them.
 TEST_F(ResultsFile, HasTheEnvelope) {
   name_folder(folder_ / "results");
   files::write_results("speed", "How fast it is", {{"per_s", 38834.2}, {"steps", {0.1234567891, 3}}});

@@ -49,12 +49,12 @@ class DifferentialProfiler {
   // Why a frame with this header does not go with the reference, as unlike_reference says it; empty if it does.
   [[nodiscard]] std::string unlike_reference(const model::PacketHeader& header) const;
 
-  // Computes the profile from the payload of a moments packet (model/packet.h) in this mode, with columns() columns.
-  // `out` has columns() entries in each of its arrays, which must not overlap. Invalid entries become NaN, with the
-  // first reason of Validity that applies. A column is cut_off if line_is_cut_off says so. It is out_of_range if the
-  // light plane is not before the camera's ray, z0 tan α < x0 does not hold, or one projector line is worth more than
-  // max_z_per_line_mm. Allocates nothing and keeps no state; any number of threads may call it at once. Unknown modes
-  // count as grey.
+  // Computes the profile from the payload of a moments packet (selfproj/model/packet.h) in this mode, with columns()
+  // columns. `out` has columns() entries in each of its arrays, which must not overlap. Invalid entries become NaN,
+  // with the first reason of Validity that applies. A column is cut_off if line_is_cut_off says so. It is out_of_range
+  // if the light plane is not before the camera's ray, z0 tan α < x0 does not hold, or one projector line is worth more
+  // than max_z_per_line_mm. Allocates nothing and keeps no state; any number of threads may call it at once. Unknown
+  // modes count as grey.
   void profile(model::Mode mode, const std::uint8_t* payload, const ProfileView& out) const {
     profile(model::Select::all, mode, payload, out);
   }

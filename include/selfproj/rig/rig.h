@@ -165,7 +165,7 @@ inline constexpr int kMaxHeightOrder = 8;
 // `order`, and whose degree in the height is at most `order_heights`.
 std::vector<std::array<int, 3>> height_terms(int order, int order_heights);
 
-// What tells one part from the next (host/parts).
+// What tells one part from the next (host/production).
 enum class PartCut : std::uint8_t {
   profile,   // a part begins where profiles are higher than above_mm, and ends where they are not any more
   distance,  // every length_mm of the belt is a part
