@@ -53,9 +53,9 @@ TEST(Evaluation, AroundStepsIsARectangle) {
 
 // Compares with the definition, entry by entry, on random maps.
 TEST(Evaluation, NearStepsIsItsDefinition) {
-  for (const std::uint64_t seed : test::seeds(50)) {
-    SCOPED_TRACE(test::how_to_repeat(seed));
-    test::Random random(seed);
+  for (const std::uint64_t seed : seeds(50)) {
+    SCOPED_TRACE(how_to_repeat(seed));
+    Random random(seed);
     images::FloatImage truth(random.between(1, 12), random.between(1, 12));
     for (float& value : truth.values) {
       value = random.chance(10) ? kNone : static_cast<float>(random.chance(90) ? 0 : random.between(0, 3));

@@ -18,10 +18,9 @@ namespace {
 
 TEST(PlantedPart, BlocksAreThoseOfTracedRays) {
   const rig::Rig rig = rig::load_rig("light-section");
-  test::expect_images_of_traced_rays(
-      rig, lab::PlantedPart(rig, {0.1, 0.3, 0.7}, {{1, 8, 10, 4, -0.5}, {0, 8, -10, 2, 0.3}}));
-  test::expect_shadows_of_points(sim::hidden_rig(rig, 1), lab::PlantedPart(rig, {0.1, 0.3, 0.7}, {{1, 8, 10, 4, -0.5}}),
-                                 {0, 21}, 20000);
+  expect_images_of_traced_rays(rig, lab::PlantedPart(rig, {0.1, 0.3, 0.7}, {{1, 8, 10, 4, -0.5}, {0, 8, -10, 2, 0.3}}));
+  expect_shadows_of_points(sim::hidden_rig(rig, 1), lab::PlantedPart(rig, {0.1, 0.3, 0.7}, {{1, 8, 10, 4, -0.5}}),
+                           {0, 21}, 20000);
 }
 
 TEST(PlantedPart, RangesHoldAndConverge) {

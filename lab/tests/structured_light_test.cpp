@@ -66,7 +66,7 @@ TEST(StructuredLight, CuboidsAreMeasured) {
 // times as much.
 TEST(MovingThings, MouseIsMeasuredInEveryDepthImage) {
   lab::MovingOptions options;
-  options.rig = test::coarse_scanner(4);
+  options.rig = coarse_scanner(4);
   options.scan = sim::ScanMethod::gray_codes;
   options.e = 2;
   options.first = 230;
@@ -99,7 +99,7 @@ TEST(MovingThings, MouseIsMeasuredInEveryDepthImage) {
 // The same of the hands, far above their references, on a rig with half of the pixels along each side.
 TEST(MovingThings, HandsAreMeasuredInEveryDepthImage) {
   lab::MovingOptions options;
-  options.rig = test::coarse_scanner(2);
+  options.rig = coarse_scanner(2);
   options.scan = sim::ScanMethod::gray_codes;
   options.first = 100;
   options.pairs = 2;
@@ -116,7 +116,7 @@ TEST(MovingThings, HandsAreMeasuredInEveryDepthImage) {
 // Runs experiments B1 to B3 with a coarse rig and few frames.
 
 // Rig B with so many times fewer pixels along each side.
-rig::Rig small_rig(int factor = 4) { return test::small_scanner(factor, factor); }
+rig::Rig small_rig(int factor = 4) { return small_scanner(factor, factor); }
 
 report::ReportTable table_of(const std::string& name, const lab::GrayMotionOptions& options, std::size_t table) {
   std::size_t done = 0;

@@ -120,8 +120,7 @@ TEST(BlockViews, WhatMayNotBeLitIsDark) {
   for (const sim::PerturbedRig& actual : {sim::PerturbedRig(rig), sim::hidden_rig(rig, 3)}) {
     const sim::BlockGrid grid(rig.camera, 3);
     sim::BlockViews views(actual, grid, {0, 40});
-    const sim::ProjectedLight light(light_section::draw_straight_line(rig, test::line_at(rig, 1, rig.plane_z_mm - 10)),
-                                    0.7);
+    const sim::ProjectedLight light(light_section::draw_straight_line(rig, line_at(rig, 1, rig.plane_z_mm - 10)), 0.7);
     EXPECT_TRUE(views.may_be_lit(0, {0, 1})) << "before a light is set, nothing is known";
     views.set_light(light);
     int not_lit = 0;
@@ -151,7 +150,7 @@ TEST(BlockViews, WhatMayNotBeLitIsDark) {
 
 TEST(BlockViews, ShadowOfABlockIsThatOfItsPoints) {
   const rig::Rig rig = rig::load_rig("light-section");
-  test::expect_shadows_of_points(sim::hidden_rig(rig, 1), *sim::make_scene("stairs", rig), {0, 39}, 80000);
+  expect_shadows_of_points(sim::hidden_rig(rig, 1), *sim::make_scene("stairs", rig), {0, 39}, 80000);
 }
 
 // What is kept of level blocks, and what is known about level pixels, equals what tracing each ray gives.
@@ -176,7 +175,7 @@ TEST(LevelBlocks, KeepsAFewHeightsOfEachBlock) {
 
 TEST(LevelBlocks, ImagesAreThoseOfRaysThatAreTraced) {
   const rig::Rig rig = rig::load_rig("light-section");
-  test::expect_images_of_traced_rays(rig, *sim::make_scene("stairs-marked", rig));
+  expect_images_of_traced_rays(rig, *sim::make_scene("stairs-marked", rig));
 }
 
 // The sights and bounds that are kept for the columns of a camera are those of its pixels' edges.

@@ -33,8 +33,8 @@ std::vector<cv::Point2d> true_corners(const rig::Rig& rig, const sim::Chessboard
   std::vector<cv::Point2d> corners;
   for (int down = 0; down < kShape.down; ++down) {
     for (int across = 0; across < kShape.across; ++across) {
-      const sim::Point3 p = test::on_board(kShape, place, across, down);
-      const test::Pixel seen = test::camera_sees(rig.camera, {p.x, p.y, p.z});
+      const sim::Point3 p = on_board(kShape, place, across, down);
+      const Pixel seen = camera_sees(rig.camera, {p.x, p.y, p.z});
       corners.emplace_back(seen.column, seen.row);
     }
   }

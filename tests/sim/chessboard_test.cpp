@@ -38,7 +38,7 @@ TEST(Chessboard, EveryPointOfItIsOnItsPlane) {
   const sim::ChessboardScene board(rig, kShape, place);
   for (double across = -3; across <= 12; across += 0.7) {
     for (double down = -3; down <= 10; down += 0.7) {
-      const sim::Point3 p = test::on_board(kShape, place, across, down);
+      const sim::Point3 p = on_board(kShape, place, across, down);
       EXPECT_NEAR(board.height(p.x, p.y, 0), rig.plane_z_mm - p.z, 1e-9);
       const sim::Box box{p.x - 2, p.x + 3, p.y - 1, p.y + 4};
       const sim::HeightRange range = board.range(box, 0, 0);
@@ -60,7 +60,7 @@ TEST(Chessboard, SquaresAreBlackAndWhiteByTurnsAndWhiteAroundThem) {
       const bool outside = across < 0 || down < 0 || across > kShape.across || down > kShape.down;
       const bool black = !outside && (across + down) % 2 == 0;
       for (const double at : {0.05, 0.5, 0.95}) {
-        const sim::Point3 p = test::on_board(kShape, place, across - 1 + at, down - 1 + 0.5);
+        const sim::Point3 p = on_board(kShape, place, across - 1 + at, down - 1 + 0.5);
         EXPECT_NEAR(board.albedo(p.x, p.y, 0), black ? sim::ChessboardScene::kBlack : 1, 1e-12)
             << across << ' ' << down;
       }
@@ -71,7 +71,7 @@ TEST(Chessboard, SquaresAreBlackAndWhiteByTurnsAndWhiteAroundThem) {
     for (int down = 0; down < kShape.down; ++down) {
       for (const auto& [i, j] : {std::pair{0.0, 0.0}, {0.0, 0.5}, {0.5, 0.0}}) {
         if (across + i <= kShape.across - 1 && down + j <= kShape.down - 1) {
-          const sim::Point3 p = test::on_board(kShape, place, across + i, down + j);
+          const sim::Point3 p = on_board(kShape, place, across + i, down + j);
           EXPECT_NEAR(board.albedo(p.x, p.y, 0), (1 + sim::ChessboardScene::kBlack) / 2, 1e-9);
         }
       }
@@ -102,9 +102,9 @@ TEST(BoardPlaces, CameraAndProjectorSeeAllOfItFromManySides) {
     EXPECT_NEAR(std::abs(facing), k == 0 ? 1 : std::cos(kTilt * std::numbers::pi / 180), 1e-9) << k;
     for (const double across : {-1.0, static_cast<double>(kShape.across)}) {
       for (const double down : {-1.0, static_cast<double>(kShape.down)}) {
-        const sim::Point3 p = test::on_board(kShape, place, across, down);
-        const test::Pixel seen = test::camera_sees(rig.camera, {p.x, p.y, p.z});
-        const test::Pixel lit = test::projector_lights(rig.projector, {p.x, p.y, p.z});
+        const sim::Point3 p = on_board(kShape, place, across, down);
+        const Pixel seen = camera_sees(rig.camera, {p.x, p.y, p.z});
+        const Pixel lit = projector_lights(rig.projector, {p.x, p.y, p.z});
         EXPECT_TRUE(seen.row >= 0 && seen.row <= rig.camera.rows - 1 && seen.column >= 0 &&
                     seen.column <= rig.camera.columns - 1)
             << k;

@@ -24,10 +24,6 @@
 namespace selfproj::test {
 namespace {
 
-using test::Frame;
-using test::ideal;
-using test::LevelScene;
-
 constexpr double kPi = std::numbers::pi;
 
 sim::Point3 direction(double polar, double azimuth) {
@@ -224,7 +220,7 @@ TEST(Defocus, VariancesOfALineAdd) {
   rig::Rig rig = rig::load_rig("light-section");
   LevelScene scene;
   scene.floor = 30;
-  const double line = std::round(test::line_at(rig, 0, rig.plane_z_mm - scene.floor));
+  const double line = std::round(line_at(rig, 0, rig.plane_z_mm - scene.floor));
   images::FloatImage pattern(512, 512);
   std::fill_n(pattern.row(static_cast<int>(line)), 512, 1.0F);
   const auto variance = [&](const sim::World& world) {
@@ -442,7 +438,7 @@ TEST(Vibration, MovesTheImage) {
 TEST(Vibration, OfTheBeltIsHeight) {
   const rig::Rig rig = rig::load_rig("light-section");
   const LevelScene scene;
-  const images::FloatImage line = light_section::draw_straight_line(rig, test::line_at(rig, 0, rig.plane_z_mm));
+  const images::FloatImage line = light_section::draw_straight_line(rig, line_at(rig, 0, rig.plane_z_mm));
   sim::RenderOptions options = ideal();
   options.camera_blur = true;
   options.world.vibration = sim::Vibration{.belt_mm = 2, .belt_hz = 2500, .camera_px = 0, .camera_hz = 50};

@@ -119,7 +119,7 @@ std::vector<Turning> random_waves(double longest, double shortest, const std::fu
 
 // The waves in 20 depth images of a coarse scanner within 0.3 s. `noise_mm` is the standard deviation of a depth.
 sim::BasinWaves seen(const std::vector<Turning>& waves, double noise_mm, std::uint64_t seed) {
-  const rig::Rig rig = test::coarse_scanner(4);
+  const rig::Rig rig = coarse_scanner(4);
   const structured_light::PlaneTriangulation triangulation(rig, 8);
   const images::FloatImage background(rig.camera.rows, rig.camera.columns, static_cast<float>(kLevel));
   std::mt19937_64 random(seed);

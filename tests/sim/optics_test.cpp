@@ -33,8 +33,6 @@
 namespace selfproj::test {
 namespace {
 
-using test::ideal;
-
 // A camera or projector in OpenCV's terms: its frame has x along columns, y along rows, z along the axis.
 struct CvView {
   cv::Matx33d rotation;  // from the world
@@ -217,7 +215,7 @@ TEST(PerturbedRig, CameraPixelsSeeTheProjectorPointsOfOpenCv) {
     const sim::PerturbedRig actual = sim::perturbed_rig(rig, camera, projector);
     const CvView cv_camera = camera_of(rig, camera);
     const CvView cv_projector = projector_of(rig, projector);
-    test::LevelScene scene;
+    LevelScene scene;
     const sim::PatternRenderer renderer(actual, scene, ideal());
     const auto image = [&](auto&& light) {
       images::FloatImage pattern(rig.projector.lines, rig.projector.columns);

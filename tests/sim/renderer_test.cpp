@@ -28,13 +28,6 @@
 namespace selfproj::test {
 namespace {
 
-using test::Frame;
-using test::ideal;
-using test::LevelScene;
-using test::line_at;
-using test::row_of;
-using test::tan_theta;
-
 // ------------------------------------------------------------------ where the line is seen
 
 // (3.4) solved for tan α: where a straight line is seen on level surfaces.

@@ -33,11 +33,6 @@
 namespace selfproj::test {
 namespace {
 
-using test::error_of;
-using test::how_to_repeat;
-using test::Random;
-using test::seeds;
-
 // Rough terrain with cliffs, 40 rows x 30 columns.
 images::FloatImage random_map(Random& random) {
   images::FloatImage map(40, 30);

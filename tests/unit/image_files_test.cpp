@@ -55,15 +55,15 @@ bool holds_in_child(const std::function<bool()>& what) {
 }
 
 bool is_refused(const std::string& file) {
-  return test::error_of([&] { images::read_image(file, std::nullopt); }) != "none";
+  return error_of([&] { images::read_image(file, std::nullopt); }) != "none";
 }
 
 // Messages of libjpeg are noticed whether or not they can be written.
 TEST(ImageFiles, DamageIsSeenWithoutADisk) {
-  const test::ScratchFolder scratch;
+  const ScratchFolder scratch;
   const std::string whole = encoded(".jpg");
-  test::write_text(scratch / "cut.jpg", whole.substr(0, whole.size() / 2));
-  test::write_text(scratch / "whole.jpg", whole);
+  write_text(scratch / "cut.jpg", whole.substr(0, whole.size() / 2));
+  write_text(scratch / "whole.jpg", whole);
   const std::string cut = scratch / "cut.jpg";
   EXPECT_FALSE(is_refused(scratch / "whole.jpg"));
   EXPECT_TRUE(is_refused(cut));
@@ -80,10 +80,10 @@ TEST(ImageFiles, DamageIsSeenWithoutADisk) {
 
 // The tag of TIFF (LibTIFF writes it at the end of the file's directory) is ignored, as that of JPEG is.
 TEST(ImageFiles, TheOrientationThatAFileNotesIsIgnored) {
-  const test::ScratchFolder scratch;
+  const ScratchFolder scratch;
   std::string bytes = encoded(".tiff");
   const images::Image upright = [&] {
-    test::write_text(scratch / "a.tiff", bytes);
+    write_text(scratch / "a.tiff", bytes);
     return images::read_image(scratch / "a.tiff", std::nullopt);
   }();
   ASSERT_EQ(upright.columns, 64);
@@ -94,7 +94,7 @@ TEST(ImageFiles, TheOrientationThatAFileNotesIsIgnored) {
   const auto patched = std::string("\x12\x01\x03\x00\x01\x00\x00\x00\x06\x00\x00\x00", 12);
   bytes.replace(at, patched.size(), patched);
   ASSERT_NE(images::image_header(bytes)->orientation_at, 0U);
-  test::write_text(scratch / "b.tiff", bytes);
+  write_text(scratch / "b.tiff", bytes);
   const images::Image turned = images::read_image(scratch / "b.tiff", std::nullopt);
   EXPECT_EQ(turned.columns, 64);
   EXPECT_EQ(turned.pixels, upright.pixels);
@@ -111,16 +111,16 @@ TEST(ImageFiles, HeadersSayTheSize) {
 
 // A few bytes that would unpack to gigabytes are refused before unpacking.
 TEST(ImageFiles, HugeImagesAreRefusedByTheirHeaders) {
-  const test::ScratchFolder scratch;
+  const ScratchFolder scratch;
   std::string png = encoded(".png");
   png.replace(16, 8, std::string("\x00\x00\xFF\xFF\x00\x00\xFF\xFF", 8));
-  test::write_text(scratch / "huge.png", png);
-  const std::string error = test::error_of([&] { images::read_image(scratch / "huge.png", std::nullopt); });
+  write_text(scratch / "huge.png", png);
+  const std::string error = error_of([&] { images::read_image(scratch / "huge.png", std::nullopt); });
   EXPECT_NE(error.find("65535 x 65535 pixels"), std::string::npos) << error;
 }
 
 TEST(FloatImage, ComesBackFromTiffWithItsGaps) {
-  const test::ScratchFolder folder;
+  const ScratchFolder folder;
   images::FloatImage image(3, 5);
   for (std::size_t i = 0; i < image.values.size(); ++i) {
     image.values[i] = 0.1F * static_cast<float>(i) - 1e6F;
@@ -141,7 +141,7 @@ TEST(FloatImage, ComesBackFromTiffWithItsGaps) {
 }
 
 TEST(FloatImage, OtherFilesAreRefused) {
-  const test::ScratchFolder folder;
+  const ScratchFolder folder;
   EXPECT_THROW(images::read_float_tiff(folder / "none.tiff"), UserError);
   std::ofstream(folder / "grey.pgm") << "P2\n2 1\n255\n1 2\n";
   EXPECT_THROW(images::read_float_tiff(folder / "grey.pgm"), UserError);

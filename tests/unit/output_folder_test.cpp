@@ -35,7 +35,7 @@ std::vector<std::string> names_in(const fs::path& folder) {
 }
 
 TEST(OutputFolder, AppearsWithTheCommit) {
-  const test::ScratchFolder scratch;
+  const ScratchFolder scratch;
   files::OutputFolder output(scratch / "results/");
   output.append("a", "1");
   output.append("b", "2");
@@ -44,29 +44,29 @@ TEST(OutputFolder, AppearsWithTheCommit) {
   output.commit();
   EXPECT_EQ(scratch.names(), std::vector<std::string>{"results"});
   EXPECT_EQ(names_in(scratch / "results"), (std::vector<std::string>{"a", "b"}));
-  EXPECT_EQ(test::read_text(scratch.path() / "results" / "a"), "13");
-  EXPECT_EQ(test::read_text(scratch.path() / "results" / "b"), "2");
+  EXPECT_EQ(read_text(scratch.path() / "results" / "a"), "13");
+  EXPECT_EQ(read_text(scratch.path() / "results" / "b"), "2");
 }
 
 TEST(OutputFolder, ReplacesItsFilesAndKeepsOthers) {
-  const test::ScratchFolder scratch;
+  const ScratchFolder scratch;
   fs::create_directory(scratch / "results");
-  test::write_text(scratch / "results" / "a", "old");
-  test::write_text(scratch / "results" / "mine", "kept");
+  write_text(scratch / "results" / "a", "old");
+  write_text(scratch / "results" / "mine", "kept");
   files::OutputFolder output(scratch / "results");
   output.append("a", "new");
   output.append("b", "more");
-  EXPECT_EQ(test::read_text(scratch.path() / "results" / "a"), "old");
+  EXPECT_EQ(read_text(scratch.path() / "results" / "a"), "old");
   output.commit();
   EXPECT_EQ(names_in(scratch / "results"), (std::vector<std::string>{"a", "b", "mine"}));
-  EXPECT_EQ(test::read_text(scratch.path() / "results" / "a"), "new");
-  EXPECT_EQ(test::read_text(scratch.path() / "results" / "mine"), "kept");
+  EXPECT_EQ(read_text(scratch.path() / "results" / "a"), "new");
+  EXPECT_EQ(read_text(scratch.path() / "results" / "mine"), "kept");
 }
 
 TEST(OutputFolder, WithoutACommitNothingRemains) {
-  const test::ScratchFolder scratch;
+  const ScratchFolder scratch;
   fs::create_directory(scratch / "there");
-  test::write_text(scratch / "there" / "a", "old");
+  write_text(scratch / "there" / "a", "old");
   {
     files::OutputFolder fresh(scratch / "fresh");
     fresh.append("a", "1");
@@ -75,14 +75,14 @@ TEST(OutputFolder, WithoutACommitNothingRemains) {
   }
   EXPECT_EQ(scratch.names(), std::vector<std::string>{"there"});
   EXPECT_EQ(names_in(scratch / "there"), std::vector<std::string>{"a"});
-  EXPECT_EQ(test::read_text(scratch.path() / "there" / "a"), "old");
+  EXPECT_EQ(read_text(scratch.path() / "there" / "a"), "old");
 }
 
 // The second of three files cannot be put in place, so the first one is replaced by the old one again.
 TEST(OutputFolder, AFailureWhileMovingIsUndone) {
-  const test::ScratchFolder scratch;
+  const ScratchFolder scratch;
   fs::create_directories(scratch / "results" / "b");
-  test::write_text(scratch / "results" / "a", "old");
+  write_text(scratch / "results" / "a", "old");
   {
     files::OutputFolder output(scratch / "results");
     for (const char* file : {"new", "a", "b", "c"}) {
@@ -91,12 +91,12 @@ TEST(OutputFolder, AFailureWhileMovingIsUndone) {
     EXPECT_THROW(output.commit(), UserError);
   }
   EXPECT_EQ(names_in(scratch / "results"), (std::vector<std::string>{"a", "b"}));
-  EXPECT_EQ(test::read_text(scratch.path() / "results" / "a"), "old");
+  EXPECT_EQ(read_text(scratch.path() / "results" / "a"), "old");
 }
 
 TEST(OutputFolder, ImpossibleNamesAreFoundAtOnce) {
-  const test::ScratchFolder scratch;
-  test::write_text(scratch / "file", "");
+  const ScratchFolder scratch;
+  write_text(scratch / "file", "");
   EXPECT_THROW(files::OutputFolder(""), UserError);
   EXPECT_THROW(files::OutputFolder(scratch / "file"), UserError);
   EXPECT_THROW(files::OutputFolder(scratch / "file" / "a"), UserError);
@@ -110,7 +110,7 @@ TEST(OutputFolder, ImpossibleNamesAreFoundAtOnce) {
 }
 
 TEST(OutputFolder, MissingFoldersAboveAreMadeWithIt) {
-  const test::ScratchFolder scratch;
+  const ScratchFolder scratch;
   {
     files::OutputFolder output(scratch / "a" / "b" / "results");
     output.append("x", "1");
@@ -120,17 +120,17 @@ TEST(OutputFolder, MissingFoldersAboveAreMadeWithIt) {
   files::OutputFolder output(scratch / "a" / "b" / "results");
   output.append("x", "1");
   output.commit();
-  EXPECT_EQ(test::read_text(scratch.path() / "a" / "b" / "results" / "x"), "1");
+  EXPECT_EQ(read_text(scratch.path() / "a" / "b" / "results" / "x"), "1");
   EXPECT_EQ(scratch.names(), std::vector<std::string>{"a"});
 }
 
 // Other contents of the folder stay: inner folders, links, permissions. The folder keeps its own permissions.
 TEST(OutputFolder, TheRestOfTheFolderIsKept) {
-  const test::ScratchFolder scratch;
+  const ScratchFolder scratch;
   const fs::path results = scratch / "results";
   fs::create_directories(results / "inner" / "deeper");
-  test::write_text(results / "inner" / "deeper" / "mine", "kept");
-  test::write_text(results / "old", "old");
+  write_text(results / "inner" / "deeper" / "mine", "kept");
+  write_text(results / "old", "old");
   fs::create_symlink("inner/deeper/mine", results / "link");
   fs::permissions(results, fs::perms::owner_all | fs::perms::group_all);
   fs::permissions(results / "inner", fs::perms::owner_all);
@@ -143,8 +143,8 @@ TEST(OutputFolder, TheRestOfTheFolderIsKept) {
   files::OutputFolder output(results);
   output.append("old", "new");
   output.commit();
-  EXPECT_EQ(test::read_text(results / "old"), "new");
-  EXPECT_EQ(test::read_text(results / "link"), "kept");
+  EXPECT_EQ(read_text(results / "old"), "new");
+  EXPECT_EQ(read_text(results / "link"), "kept");
   EXPECT_EQ(inode(results / "inner" / "deeper" / "mine"), before);
   EXPECT_EQ(fs::status(results).permissions(), fs::perms::owner_all | fs::perms::group_all);
   EXPECT_EQ(fs::status(results / "inner").permissions(), fs::perms::owner_all);
@@ -154,23 +154,23 @@ TEST(OutputFolder, TheRestOfTheFolderIsKept) {
 
 // A program whose current folder it is (a shell, for example) keeps it, even behind a link.
 TEST(OutputFolder, TheCurrentFolderIsWrittenInPlace) {
-  const test::ScratchFolder scratch;
+  const ScratchFolder scratch;
   const fs::path before = fs::current_path();
   fs::current_path(scratch.path());
-  test::write_text(scratch / "a", "old");
+  write_text(scratch / "a", "old");
   {
     files::OutputFolder output(".");
     output.append("a", "new");
     output.commit();
   }
-  EXPECT_EQ(test::read_text("a"), "new");
+  EXPECT_EQ(read_text("a"), "new");
   fs::current_path(before);
   EXPECT_EQ(scratch.names(), std::vector<std::string>{"a"});
 }
 
 // Three writers write at the same time, again and again. The files always belong to one of them.
 TEST(OutputFolder, ManyWritersAtOnce) {
-  const test::ScratchFolder scratch;
+  const ScratchFolder scratch;
   const fs::path results = scratch / "results";
   const std::vector<std::string> files{"a", "b", "c", "d", "e"};
   std::vector<pid_t> writers;
@@ -241,7 +241,7 @@ bool killed_at(int call, const std::function<void()>& what) {
 
 // Whenever a program is killed, a folder holds its old files or the new ones, and the next program tidies up.
 TEST(OutputFolder, KilledAtAnyMoment) {
-  const test::ScratchFolder scratch;
+  const ScratchFolder scratch;
   const fs::path results = scratch / "results";
   const std::vector<std::string> files{"a", "b", "c"};
   const auto write_all = [&](const char* text) {
@@ -257,7 +257,7 @@ TEST(OutputFolder, KilledAtAnyMoment) {
   for (; killed_at(calls, [&] { write_all("new"); }); ++calls) {
     std::set<std::string> contents;
     for (const std::string& file : files) {
-      contents.insert(fs::exists(results / file) ? test::read_text(results / file) : "missing");
+      contents.insert(fs::exists(results / file) ? read_text(results / file) : "missing");
     }
     ASSERT_EQ(contents.size(), 1U) << "old and new files after " << calls << " system calls";
     kept += contents.contains("old") ? 1 : 0;
@@ -270,7 +270,7 @@ TEST(OutputFolder, KilledAtAnyMoment) {
 
 // The next program that writes there removes the files of a killed one. A folder of a running program stays.
 TEST(OutputFolder, WhatAKillLeftIsTakenAway) {
-  const test::ScratchFolder scratch;
+  const ScratchFolder scratch;
   const pid_t child = fork();
   if (child == 0) {
     files::OutputFolder output(scratch / "results");
@@ -291,7 +291,7 @@ TEST(OutputFolder, WhatAKillLeftIsTakenAway) {
 
 // A signal that ends the program also removes temporary files.
 TEST(OutputFolder, SignalsLeaveNothingBehind) {
-  const test::ScratchFolder scratch;
+  const ScratchFolder scratch;
   for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGQUIT}) {
     const pid_t child = fork();
     if (child == 0) {
@@ -310,16 +310,16 @@ TEST(OutputFolder, SignalsLeaveNothingBehind) {
 
 // If no more can be written (here because of a limit on file sizes, which acts like a full disk), old files stay.
 TEST(OutputFolder, AFullDiskLeavesWhatWasThere) {
-  const test::ScratchFolder scratch;
+  const ScratchFolder scratch;
   fs::create_directory(scratch / "results");
-  test::write_text(scratch / "results" / "a", "old");
+  write_text(scratch / "results" / "a", "old");
   rlimit before{};
   ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &before), 0);
   rlimit small = before;
   small.rlim_cur = 1000;
   auto* const handler = std::signal(SIGXFSZ, SIG_IGN);
   ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &small), 0);
-  const std::string message = test::error_of([&] {
+  const std::string message = error_of([&] {
     files::OutputFolder output(scratch / "results");
     output.append("a", std::string(600, '1'));
     output.append("a", std::string(600, '2'));
@@ -328,7 +328,7 @@ TEST(OutputFolder, AFullDiskLeavesWhatWasThere) {
   std::signal(SIGXFSZ, handler);
   EXPECT_NE(message.find("results/a: "), std::string::npos) << message;
   EXPECT_EQ(names_in(scratch / "results"), std::vector<std::string>{"a"});
-  EXPECT_EQ(test::read_text(scratch.path() / "results" / "a"), "old");
+  EXPECT_EQ(read_text(scratch.path() / "results" / "a"), "old");
 }
 
 }  // namespace

@@ -18,13 +18,13 @@ namespace fs = std::filesystem;
 class RunFilesTest : public ::testing::Test {
  protected:
   void SetUp() override {
-    test::write_text(scratch_ / "in", "input");
+    write_text(scratch_ / "in", "input");
     fs::create_hard_link(scratch_ / "in", scratch_ / "hard");
     fs::create_symlink("in", scratch_ / "soft");
   }
-  void TearDown() override { EXPECT_EQ(test::read_text(scratch_ / "in"), "input"); }
+  void TearDown() override { EXPECT_EQ(read_text(scratch_ / "in"), "input"); }
 
-  const test::ScratchFolder scratch_;
+  const ScratchFolder scratch_;
   const files::RunFiles files_;
 };
 

@@ -23,7 +23,7 @@ bool is_utf8(const std::string& text) {
 }
 
 // Bytes of random characters, cut, joined and changed.
-std::string random_bytes(test::Random& random) {
+std::string random_bytes(Random& random) {
   const std::string parts[] = {"a",    "\n",           "\xC3\xA4",          "\xE2\x82\xAC",     "\xF0\x9F\x98\x80",
                                "\xE4", "\xC0\x80",     "\xED\xA0\x80",      "\xF4\x90\x80\x80", "\xFF",
                                "\x80", "\xEF\xBF\xBD", std::string(1, '\0')};
@@ -39,23 +39,23 @@ std::string random_bytes(test::Random& random) {
 }
 
 TEST(Text, IsRefusedOrShownUnlessItIsUtf8) {
-  test::for_cases(2000, [](test::Random& random) {
+  for_cases(2000, [](Random& random) {
     const std::string text = random_bytes(random);
     const bool good = is_utf8(text);
     EXPECT_TRUE(is_utf8(files::shown(text)));
     EXPECT_EQ(files::shown(text) == text, good);
     EXPECT_FALSE(files::json_text(nlohmann::json(text)).empty());
-    const std::string error = test::error_of([&] { files::utf8_text(text, "a.yaml"); });
+    const std::string error = error_of([&] { files::utf8_text(text, "a.yaml"); });
     EXPECT_EQ(error == "none", good) << error;
   });
 }
 
 TEST(Text, FilesSayTheLine) {
-  const test::ScratchFolder folder;
+  const ScratchFolder folder;
   const std::string file = folder / "a.yaml";
   const auto error_for = [&](const std::string& text) {
-    test::write_text(file, text);
-    return test::error_of([&] { files::read_text(file, 1000); });
+    write_text(file, text);
+    return error_of([&] { files::read_text(file, 1000); });
   };
   EXPECT_NE(error_for("a: 1\nname: Fl\xE4"
                       "che\n")
@@ -66,9 +66,9 @@ TEST(Text, FilesSayTheLine) {
                                   4))
                 .find("UTF-16"),
             std::string::npos);
-  test::write_text(file,
-                   "\xEF\xBB\xBF"
-                   "y_mm,z_mm\n");
+  write_text(file,
+             "\xEF\xBB\xBF"
+             "y_mm,z_mm\n");
   EXPECT_EQ(files::read_text(file, 1000), "y_mm,z_mm\n");
 }
 

@@ -26,8 +26,6 @@
 namespace selfproj::test {
 namespace {
 
-using test::World;
-
 calibration::CalibrateSettings settings_of(const World& world) {
   calibration::CalibrateSettings settings;
   settings.chessboard = {world.chessboard_columns, world.chessboard_rows, world.square};
@@ -37,7 +35,7 @@ calibration::CalibrateSettings settings_of(const World& world) {
 }
 
 // What would be observed, with normal noise of these standard deviations.
-std::vector<calibration::PoseReport> observed(const World& world, const std::vector<test::ChessboardPose>& poses,
+std::vector<calibration::PoseReport> observed(const World& world, const std::vector<ChessboardPose>& poses,
                                               double camera_noise, double projector_noise, std::uint64_t seed) {
   std::mt19937_64 random(seed);
   std::normal_distribution<double> normal;
@@ -72,9 +70,7 @@ World distorted() {
 std::array<double, 9> parameters(const rig::Lens& l) {
   return {l.fx, l.fy, l.cx, l.cy, l.k[0], l.k[1], l.k[2], l.k[3], l.k[4]};
 }
-std::array<double, 9> parameters(const test::WorldLens& l) {
-  return {l.fx, l.fy, l.cx, l.cy, l.k1, l.k2, l.p1, l.p2, l.k3};
-}
+std::array<double, 9> parameters(const WorldLens& l) { return {l.fx, l.fy, l.cx, l.cy, l.k1, l.k2, l.p1, l.p2, l.k3}; }
 
 TEST(Calibrate, ExactCornersGiveTheTruth) {
   for (const bool mirrored : {false, true}) {
@@ -231,7 +227,7 @@ TEST(Calibrate, WarnsOfWhatTheDataCannotTell) {
   const calibration::CalibrationReport two =
       calibration::calibrate(observed(world, {world.poses()[1], world.poses()[4]}, 0.05, 0.1, 1), settings);
   EXPECT_TRUE(warns(two, "only 2 poses"));
-  std::vector<test::ChessboardPose> parallel;
+  std::vector<ChessboardPose> parallel;
   for (const double x : {-40.0, 0.0, 40.0}) {
     parallel.push_back(world.pose(x, 10 + 0.1 * x, 560 + x, test::turn(0.5, 0.5, 0.3 * x)));
   }
@@ -286,7 +282,7 @@ struct Window {
   cv::Point2d camera{40.3, 37.8};
   cv::Point2d projector;
 };
-Window window_of(test::Random& random, double wrong_share) {
+Window window_of(Random& random, double wrong_share) {
   const auto real = [&](double low, double high) {
     return low + (high - low) * random.between(0, 1 << 20) / (1 << 20);
   };
@@ -320,9 +316,9 @@ TEST(CornerCode, BothWaysFindTheCorner) {
   double squares = 0;
   double predicted = 0;
   int count = 0;
-  for (const std::uint64_t seed : test::seeds(40)) {
-    SCOPED_TRACE(test::how_to_repeat(seed));
-    test::Random random(seed);
+  for (const std::uint64_t seed : seeds(40)) {
+    SCOPED_TRACE(how_to_repeat(seed));
+    Random random(seed);
     const Window window = window_of(random, random.chance(50) ? 0.1 : 0);
     for (const calibration::CornerMethod method :
          {calibration::CornerMethod::homography, calibration::CornerMethod::direct}) {
@@ -343,7 +339,7 @@ TEST(CornerCode, BothWaysFindTheCorner) {
 }
 
 TEST(CornerCode, TooLittleIsNothing) {
-  test::Random random(1);
+  Random random(1);
   for (const calibration::CornerMethod method :
        {calibration::CornerMethod::homography, calibration::CornerMethod::direct}) {
     Window window = window_of(random, 0);

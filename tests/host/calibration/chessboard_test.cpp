@@ -19,8 +19,6 @@
 namespace selfproj::test {
 namespace {
 
-using test::Random;
-
 double between(Random& random, double low, double high) {
   return low + (high - low) * random.between(0, 10000) / 10000.0;
 }
@@ -93,8 +91,8 @@ double largest_error(const std::vector<cv::Point2d>& found, std::vector<cv::Poin
 constexpr double kHalfTurn = 3.14159265358979;
 
 TEST(Chessboards, AreFoundInEveryPosition) {
-  for (const std::uint64_t seed : test::seeds(6)) {
-    SCOPED_TRACE(test::how_to_repeat(seed));
+  for (const std::uint64_t seed : seeds(6)) {
+    SCOPED_TRACE(how_to_repeat(seed));
     Random random(seed);
     const int columns = random.between(5, 10);
     const int rows = random.between(4, 7);
@@ -113,8 +111,8 @@ TEST(Chessboards, AreFoundInEveryPosition) {
 
 // On a narrow margin a detector may add a line of corners at the paper's edge, or number them as in a mirror.
 TEST(Chessboards, AreFoundOnNarrowPaper) {
-  for (const std::uint64_t seed : test::seeds(8)) {
-    SCOPED_TRACE(test::how_to_repeat(seed));
+  for (const std::uint64_t seed : seeds(8)) {
+    SCOPED_TRACE(how_to_repeat(seed));
     Random random(seed);
     const Drawing drawing = draw(random, 9, 6, between(random, -0.3, 0.3), 90, between(random, 0.08, 0.16));
     const calibration::FoundChessboard found =

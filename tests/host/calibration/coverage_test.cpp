@@ -21,8 +21,6 @@
 namespace selfproj::test {
 namespace {
 
-using test::World;
-
 constexpr double kCameraNoise = 0.05;
 constexpr double kProjectorNoise = 0.1;
 
@@ -52,7 +50,7 @@ class Case {
   double normal() { return normal_(random_); }
 
   // Most lenses have a k1; the rest is small.
-  test::WorldLens drawn(test::WorldLens lens) {
+  WorldLens drawn(WorldLens lens) {
     lens.fx *= 1 + 0.01 * normal();
     lens.fy = lens.fx * (1 + 0.002 * normal());
     lens.cx += 4 * normal();
@@ -67,9 +65,8 @@ class Case {
   void observe(int number, const std::array<double, 5>& shape, double bend) {
     const double around = 2 * CV_PI * number / 7 + 0.3 * normal();  // leans all around
     const double lean = number % 8 == 7 ? 0 : 26 + 3 * normal();
-    const test::ChessboardPose at =
-        world.pose(8 * normal(), 6 + 5 * normal(), 570 + 12 * normal(),
-                   test::turn(lean * std::cos(around), lean * std::sin(around), 4 * normal()));
+    const ChessboardPose at = world.pose(8 * normal(), 6 + 5 * normal(), 570 + 12 * normal(),
+                                         test::turn(lean * std::cos(around), lean * std::sin(around), 4 * normal()));
     const std::array<double, 3> own{0.2 * bend * normal(), 0.2 * bend * normal(), 0.2 * bend * normal()};
     calibration::PoseReport report;
     report.name = "pose" + std::to_string(number);
@@ -127,7 +124,7 @@ void add(const calibration::CalibrationReport& report, const World& world, Share
   const calibration::Bundle& found = report.bundle.bundle;
   const calibration::Bundle& deviation = report.bundle.deviation;
   const auto lens = [&](const calibration::LensParameters& l, const calibration::LensParameters& d,
-                        const test::WorldLens& truth) {
+                        const WorldLens& truth) {
     share.add(l[0], truth.fx, d[0]);
     share.add(l[1], truth.fy, d[1]);
     share.add(l[2], truth.cx, d[2]);

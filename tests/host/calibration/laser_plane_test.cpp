@@ -20,8 +20,6 @@
 namespace selfproj::test {
 namespace {
 
-using test::World;
-
 struct Laser {
   cv::Vec3d normal;
   double distance;
@@ -33,12 +31,11 @@ calibration::CameraSettings camera_settings_of(const World& world) {
   return settings;
 }
 
-std::vector<calibration::BoardImage> seen(const World& world, const std::vector<test::ChessboardPose>& poses,
-                                          double noise) {
+std::vector<calibration::BoardImage> seen(const World& world, const std::vector<ChessboardPose>& poses, double noise) {
   std::mt19937_64 random(3);
   std::normal_distribution<double> normal;
   std::vector<calibration::BoardImage> images;
-  for (const test::ChessboardPose& pose : poses) {
+  for (const ChessboardPose& pose : poses) {
     calibration::BoardImage image;
     image.name = "image" + std::to_string(images.size());
     image.rows = world.camera_rows;
@@ -55,7 +52,7 @@ std::vector<calibration::BoardImage> seen(const World& world, const std::vector<
 }
 
 // The line of a laser on the plane of a chessboard: a Gaussian across the rows, 1.2 pixels wide.
-images::Image line_on(const World& world, const test::ChessboardPose& pose, const Laser& laser) {
+images::Image line_on(const World& world, const ChessboardPose& pose, const Laser& laser) {
   const cv::Vec3d board(pose.turn(0, 2), pose.turn(1, 2), pose.turn(2, 2));
   images::Image image{world.camera_rows, world.camera_columns, {}};
   image.pixels.assign(static_cast<std::size_t>(image.rows * image.columns), 8);
@@ -86,7 +83,7 @@ images::Image line_on(const World& world, const test::ChessboardPose& pose, cons
 TEST(LaserPlane, CameraAndPlaneOfAnyOrientation) {
   World world;
   world.camera.k1 = -0.12;
-  const std::vector<test::ChessboardPose> poses = world.poses();
+  const std::vector<ChessboardPose> poses = world.poses();
   const calibration::CameraReport camera =
       calibration::calibrate_camera(seen(world, poses, 0.02), camera_settings_of(world));
   EXPECT_EQ(camera.model.refusal, "");
@@ -102,7 +99,7 @@ TEST(LaserPlane, CameraAndPlaneOfAnyOrientation) {
     const cv::Vec3d normal = test::turn(35, 0, 0) * test::turn(0, 0, roll) * cv::Vec3d(0, 1, 0);
     const Laser laser{normal, normal.dot(cv::Vec3d(0, 10, 560))};
     std::vector<images::Image> lines;
-    for (const test::ChessboardPose& pose : poses) {
+    for (const ChessboardPose& pose : poses) {
       lines.push_back(line_on(world, pose, laser));
     }
     const calibration::LaserPlane plane = calibration::laser_plane(camera, lines);
@@ -119,7 +116,7 @@ TEST(LaserPlane, CameraAndPlaneOfAnyOrientation) {
 
 TEST(LaserPlane, WhatDoesNotTellIsRefused) {
   const World world;
-  const std::vector<test::ChessboardPose> poses = world.poses();
+  const std::vector<ChessboardPose> poses = world.poses();
   const calibration::CameraReport camera =
       calibration::calibrate_camera(seen(world, poses, 0.02), camera_settings_of(world));
   std::vector<images::Image> dark(poses.size(), images::Image{world.camera_rows, world.camera_columns, {}});

@@ -25,8 +25,6 @@
 namespace selfproj::test {
 namespace {
 
-using test::World;
-
 constexpr std::array<double, 4> kHeights{0, 20, 40, 60};
 constexpr std::array<double, 2> kMoves{0, 6};
 
@@ -150,7 +148,7 @@ TEST(Plates, TellRaysLightAndBelt) {
     for (const double column : {15.0, 150.0, 256.0, 380.0, 497.0}) {
       for (const double row : {0.0, 48.0, 95.0}) {
         // The true ray by fixed points of the lens.
-        const test::WorldLens& lens = narrow.world.camera;
+        const WorldLens& lens = narrow.world.camera;
         cv::Vec3d ray((column - lens.cx) / lens.fx, (row - lens.cy) / lens.fy, 1);
         for (int i = 0; i < 20; ++i) {
           const cv::Vec2d at = lens.pixel(ray);

@@ -20,16 +20,13 @@
 namespace selfproj::test {
 namespace {
 
-using test::Distortion;
-using test::LensWorld;
-
 constexpr double kNoise = 0.02;  // rows
 
 // A perturbed rig, and a belt that leans against its camera by some degrees (along rows, along columns).
 struct HiddenRig {
   explicit HiddenRig(const Distortion& distortion)
-      : believed(rig::load_rig("light-section")), world(test::distorted_calibration(believed, distortion)) {
-    const cv::Matx33d lean = test::turned({0.4, -0.3, 0});
+      : believed(rig::load_rig("light-section")), world(distorted_calibration(believed, distortion)) {
+    const cv::Matx33d lean = turned({0.4, -0.3, 0});
     normal = lean * cv::Vec3d(0, 0, 1);
   }
 
@@ -133,7 +130,7 @@ TEST(HeightFit, RemovesWhatTheGeometryLeavesOfAHiddenRig) {
 // With the lenses known, the belt's normal is found, too.
 TEST(HeightFit, FindsTheBeltOfACalibratedRig) {
   const HiddenRig hidden(kCase[0]);
-  const rig::Rig rig = rig::rig_of(test::distorted_calibration(hidden.believed, kCase[0]), hidden.believed);
+  const rig::Rig rig = rig::rig_of(distorted_calibration(hidden.believed, kCase[0]), hidden.believed);
   std::vector<light_section::HeightPosition> positions;
   for (const double height : {0.0, 20.0, 40.0}) {
     positions.push_back(hidden.position(height));
@@ -151,7 +148,7 @@ TEST(HeightFit, FindsTheBeltOfACalibratedRig) {
 // The corrections would take up a factor that all heights have in common.
 TEST(HeightFit, HeightsAllWrongByOneFactorAreRefused) {
   const HiddenRig hidden(kCase[0]);
-  const rig::Rig calibrated = rig::rig_of(test::distorted_calibration(hidden.believed, kCase[0]), hidden.believed);
+  const rig::Rig calibrated = rig::rig_of(distorted_calibration(hidden.believed, kCase[0]), hidden.believed);
   const auto error = [&](const rig::Rig& rig, double factor) {
     std::vector<light_section::HeightPosition> positions;
     for (const double height : {0.0, 20.0, 40.0}) {

@@ -24,10 +24,6 @@
 namespace selfproj::test {
 namespace {
 
-using test::between;
-using test::Distortion;
-using test::LensWorld;
-
 constexpr std::uint32_t kLight = 1U << 20U;  // M0: the centroid is exact to 1e-6 rows
 constexpr int kEvery = 16;                   // columns between those that are looked at
 
@@ -81,7 +77,7 @@ Seen measure(const rig::Rig& rig, const light_section::ReferenceProfile& referen
 TEST(LensSection, ProfilesOfAPlaneAreTrueThroughBothLenses) {
   const rig::Rig ideal = rig::load_rig("light-section");
   for (const Distortion& distortion : kDistortions) {
-    const rig::Calibration calibration = test::distorted_calibration(ideal, distortion);
+    const rig::Calibration calibration = distorted_calibration(ideal, distortion);
     const rig::Rig rig = rig::rig_of(calibration, ideal);
     const LensWorld world(calibration);
     const light_section::ReferenceCurve curve = light_section::curve_of_heights(rig, level(rig, 0));
@@ -123,7 +119,7 @@ TEST(LensSection, ProfilesOfAPlaneAreTrueThroughBothLenses) {
 // was drawn for its neighbours.
 TEST(LensSection, SlantedPartsAreTrue) {
   const rig::Rig ideal = rig::load_rig("light-section");
-  const rig::Calibration calibration = test::distorted_calibration(ideal, kDistortions[0]);
+  const rig::Calibration calibration = distorted_calibration(ideal, kDistortions[0]);
   const rig::Rig rig = rig::rig_of(calibration, ideal);
   const LensWorld world(calibration);
   const auto height = [](double y) { return 10 + 0.3 * y; };
@@ -144,7 +140,7 @@ TEST(LensSection, SlantedPartsAreTrue) {
 
 TEST(LensSection, LasersPlaneOfAnyOrientationIsFollowed) {
   const rig::Rig ideal = rig::load_rig("light-section");
-  rig::Calibration calibration = test::distorted_calibration(ideal, kDistortions[1]);
+  rig::Calibration calibration = distorted_calibration(ideal, kDistortions[1]);
   rig::Rig rig = rig::rig_of(calibration, ideal);
   const cv::Vec3d normal = cv::normalize(cv::Vec3d(0.05, 0.85, 0.5));  // in the calibration's axes
   const double distance = normal.dot({0, 0, rig.plane_z_mm});
@@ -192,7 +188,7 @@ TEST(LensSection, LasersPlaneOfAnyOrientationIsFollowed) {
 TEST(LensSection, ScanFindsTheReferenceThroughTheLenses) {
   constexpr int kStep = 8;
   const rig::Rig ideal = rig::load_rig("light-section");
-  const rig::Calibration calibration = test::distorted_calibration(ideal, kDistortions[0]);
+  const rig::Calibration calibration = distorted_calibration(ideal, kDistortions[0]);
   rig::Rig rig = rig::rig_of(calibration, ideal);
   rig.measure.mode = model::Mode::grey;
   const LensWorld world(calibration);
@@ -225,10 +221,10 @@ TEST(LensSection, ScanFindsTheReferenceThroughTheLenses) {
 // A rig whose tilt is 0.02 degrees wrong: its residual is taken out, and the reference itself has no difference.
 TEST(LensSection, ResidualIsTakenOut) {
   const rig::Rig ideal = rig::load_rig("light-section");
-  const rig::Calibration real = test::distorted_calibration(ideal, kDistortions[0]);
+  const rig::Calibration real = distorted_calibration(ideal, kDistortions[0]);
   Distortion wrong = kDistortions[0];
   wrong.turn[0] += 0.02;
-  const rig::Rig rig = rig::rig_of(test::distorted_calibration(ideal, wrong), ideal);
+  const rig::Rig rig = rig::rig_of(distorted_calibration(ideal, wrong), ideal);
   const LensWorld world(real);
   const light_section::ReferenceCurve curve = light_section::curve_of_heights(rig, level(rig, 0));
   const auto line = between(light_section::pattern_of_curve(rig, curve));
@@ -252,7 +248,7 @@ TEST(LensSection, ResidualIsTakenOut) {
 
 TEST(LensSection, ReferenceFileIsReadBackAndKeptApart) {
   const rig::Rig ideal = rig::load_rig("light-section");
-  const rig::Rig rig = rig::rig_of(test::distorted_calibration(ideal, kDistortions[0]), ideal);
+  const rig::Rig rig = rig::rig_of(distorted_calibration(ideal, kDistortions[0]), ideal);
   std::vector<double> heights = level(rig, 0);
   heights[7] = rig::kUnknown;
   const light_section::ReferenceProfile reference =
@@ -263,7 +259,7 @@ TEST(LensSection, ReferenceFileIsReadBackAndKeptApart) {
   EXPECT_EQ(read.valid, reference.valid);
   EXPECT_EQ(read.valid[7], 0);
   const auto message = [&](const rig::Rig& other) {
-    return test::error_of([&] { light_section::parse_reference_csv(other, text, "r.csv"); });
+    return error_of([&] { light_section::parse_reference_csv(other, text, "r.csv"); });
   };
   EXPECT_EQ(message(ideal), "r.csv: was made for another rig: one with lenses, a laser or corrected heights");
   rig::Rig other = rig;
@@ -278,12 +274,12 @@ TEST(LensSection, CurvesThatCannotBeFittedAreRefused) {
   ideal.camera.columns = 16;
   ideal.camera.focal_length_mm = 6;
   ideal.measure.max_z_per_line_mm = 1000;
-  rig::Calibration calibration = test::distorted_calibration(ideal, {.k1 = 0.3, .k2 = 0.4});
+  rig::Calibration calibration = distorted_calibration(ideal, {.k1 = 0.3, .k2 = 0.4});
   calibration.camera_rows = ideal.camera.rows;
   const rig::Rig rig = rig::rig_of(calibration, ideal);
   const light_section::ReferenceProfile reference =
       light_section::reference_of_curve(rig, light_section::curve_of_heights(rig, level(rig, 0)));
-  const std::string error = test::error_of([&] { const light_section::DifferentialProfiler profiler(rig, reference); });
+  const std::string error = error_of([&] { const light_section::DifferentialProfiler profiler(rig, reference); });
   EXPECT_NE(error.find("0.001 mm is allowed"), std::string::npos) << error;
 }
 

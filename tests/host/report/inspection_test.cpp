@@ -91,7 +91,7 @@ report::CameraPicture camera_picture() {
 
 std::vector<std::vector<std::string>> read_csv(const std::filesystem::path& file) {
   std::vector<std::vector<std::string>> rows;
-  std::istringstream lines(test::read_text(file));
+  std::istringstream lines(read_text(file));
   for (std::string line; std::getline(lines, line);) {
     rows.emplace_back();
     std::istringstream cells(line);
@@ -117,7 +117,7 @@ class WrittenInspection : public ::testing::Test {
   }
   [[nodiscard]] std::filesystem::path file(const std::string& name) const { return scratch_ / "out" / name; }
 
-  test::ScratchFolder scratch_;
+  ScratchFolder scratch_;
 };
 
 TEST_F(WrittenInspection, HasAllFilesAndNothingElse) {
@@ -173,7 +173,7 @@ TEST_F(WrittenInspection, ProfileOfEveryValidColumn) {
 
 // x is less by 10 counts of 0.01 mm for each frame.
 TEST_F(WrittenInspection, CloudIsCarriedBackByTheBelt) {
-  const std::string ply = test::read_text(file("cloud.ply"));
+  const std::string ply = read_text(file("cloud.ply"));
   const std::string end = "end_header\n";
   const std::size_t header = ply.find(end) + end.size();
   EXPECT_EQ(ply.rfind("ply\nformat binary_little_endian 1.0\n", 0), 0U);
@@ -234,7 +234,7 @@ TEST_F(WrittenInspection, PicturesAreThere) {
 }
 
 TEST_F(WrittenInspection, SummaryCounts) {
-  const auto json = nlohmann::json::parse(test::read_text(file("summary.json")));
+  const auto json = nlohmann::json::parse(read_text(file("summary.json")));
   EXPECT_EQ(json["frames"], kFrames);
   EXPECT_EQ(json["columns"], kColumns);
   EXPECT_EQ(json["column_count"]["valid"], kFrames * (kColumns - 1));
@@ -257,7 +257,7 @@ TEST_F(WrittenInspection, SummaryCounts) {
 
 // One file without outside addresses, in which texts of the program are text and not markup.
 TEST_F(WrittenInspection, ReportStandsAlone) {
-  const std::string html = test::read_text(file("report.html"));
+  const std::string html = read_text(file("report.html"));
   EXPECT_EQ(html.find("http"), std::string::npos);
   EXPECT_EQ(html.find("<script"), std::string::npos);
   EXPECT_EQ(html.find("nan"), std::string::npos);
@@ -275,7 +275,7 @@ TEST_F(WrittenInspection, ReportStandsAlone) {
 }
 
 TEST(Inspection, ThePayloadSaysTheSameAsTheNumbers) {
-  const test::ScratchFolder scratch;
+  const ScratchFolder scratch;
   light_section::Inspection inspection(rig::load_rig("light-section"), kColumns, {.expected_frames = 2});
   for (int i = 0; i < kFrames; ++i) {
     Sample s = sample(i);
@@ -290,8 +290,7 @@ TEST(Inspection, ThePayloadSaysTheSameAsTheNumbers) {
   report::write_inspection(inspect(), by_numbers);
   by_numbers.commit();
   for (const auto& entry : std::filesystem::directory_iterator(scratch / "a")) {
-    EXPECT_EQ(test::read_text(entry.path()), test::read_text(scratch.path() / "b" / entry.path().filename()))
-        << entry.path();
+    EXPECT_EQ(read_text(entry.path()), read_text(scratch.path() / "b" / entry.path().filename())) << entry.path();
   }
 }
 
@@ -332,7 +331,7 @@ TEST(Inspection, CountsWhatItDoesNotKeep) {
 }
 
 TEST(Inspection, OneFrameWithoutAPointIsWritten) {
-  const test::ScratchFolder scratch;
+  const ScratchFolder scratch;
   light_section::Inspection inspection(rig::load_rig("light-section"), kColumns);
   Sample s = sample(0);
   std::fill(s.profile.validity.begin(), s.profile.validity.end(),
@@ -344,13 +343,13 @@ TEST(Inspection, OneFrameWithoutAPointIsWritten) {
   files::OutputFolder output(scratch / "out");
   report::write_inspection(inspection, output);
   output.commit();
-  EXPECT_EQ(test::read_text(scratch.path() / "out" / "profile.csv"), "frame,column,x,y,z,dx,dy,dz\n");
-  EXPECT_TRUE(nlohmann::json::parse(test::read_text(scratch.path() / "out" / "summary.json"))["height_mm"].is_null());
-  EXPECT_EQ(test::read_text(scratch.path() / "out" / "report.html").find("nan"), std::string::npos);
+  EXPECT_EQ(read_text(scratch.path() / "out" / "profile.csv"), "frame,column,x,y,z,dx,dy,dz\n");
+  EXPECT_TRUE(nlohmann::json::parse(read_text(scratch.path() / "out" / "summary.json"))["height_mm"].is_null());
+  EXPECT_EQ(read_text(scratch.path() / "out" / "report.html").find("nan"), std::string::npos);
 }
 
 TEST(Inspection, WrongWidthsAndNothingAtAll) {
-  const test::ScratchFolder scratch;
+  const ScratchFolder scratch;
   light_section::Inspection inspection(rig::load_rig("light-section"), kColumns);
   Sample s = sample(0);
   s.header.columns = 12;

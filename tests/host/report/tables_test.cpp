@@ -43,7 +43,7 @@ TEST(NumberText, TenthsOfAMicrometre) {
 
 // Whatever the number, the text is within half a unit of its last digit.
 TEST(NumberText, TextIsTheNearest) {
-  test::Random random(1);
+  Random random(1);
   for (int i = 0; i < 20000; ++i) {
     const double value =
         std::ldexp(static_cast<double>(random.between(-1000000000, 1000000000)), -random.between(0, 45));

@@ -24,14 +24,9 @@
 namespace selfproj::test {
 namespace {
 
-using test::distorted;
-using test::Random;
-using test::random_lens;
-using test::uniform;
-
 TEST(Lens, PixelAndRayAreEachOthersReverse) {
-  for (const std::uint64_t seed : test::seeds(300)) {
-    SCOPED_TRACE(test::how_to_repeat(seed));
+  for (const std::uint64_t seed : seeds(300)) {
+    SCOPED_TRACE(how_to_repeat(seed));
     Random random(seed);
     const rig::Lens lens = random_lens(random, 1500, 1280, 800);
     const double x = uniform(random, -0.4, 0.4);
@@ -78,9 +73,9 @@ TEST(RigCalibration, MapsPointsAsTheRig) {
   for (const rig::Rig& rig : rigs()) {
     const rig::Calibration c = rig::calibration_of(rig);
     EXPECT_NEAR(cv::determinant(c.rotation), 1, 1e-12);
-    for (const test::Point3 p : {test::Point3{5, -20, 500}, {-8, 31, 620}, {0, 0, 900}}) {
-      const test::Pixel camera = test::camera_sees(rig.camera, p);
-      const test::Pixel projector = test::projector_lights(rig.projector, p);
+    for (const Point3 p : {Point3{5, -20, 500}, {-8, 31, 620}, {0, 0, 900}}) {
+      const Pixel camera = camera_sees(rig.camera, p);
+      const Pixel projector = projector_lights(rig.projector, p);
       const cv::Vec3d at(p.y, p.x, p.z);  // x along columns
       const cv::Vec2d seen = c.camera.pixel({at[0] / at[2], at[1] / at[2]});
       EXPECT_NEAR(seen[0], camera.column, 1e-9);

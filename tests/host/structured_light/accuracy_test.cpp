@@ -17,7 +17,7 @@ constexpr double kMiddle = 255.5;
 
 // The line that lights a point of a pixel's ray, by pinholes.
 double line_at(const rig::Rig& rig, double row, double column, double z) {
-  return test::projector_lights(rig.projector, test::on_ray(rig.camera, row, column, z)).row;
+  return projector_lights(rig.projector, test::on_ray(rig.camera, row, column, z)).row;
 }
 
 // z at which the pixel sees the line, by halving.
@@ -45,12 +45,12 @@ TEST(Accuracy, TermsAreTheDerivativesOfTheGeometry) {
             const double r = row + sign * rows;
             return test::on_ray(rig.camera, r, column, z_at(rig, r, column, line + sign * lines));
           };
-          const test::Point3 b = at(0.5);
-          const test::Point3 a = at(-0.5);
-          return test::Point3{b.x - a.x, b.y - a.y, b.z - a.z};
+          const Point3 b = at(0.5);
+          const Point3 a = at(-0.5);
+          return Point3{b.x - a.x, b.y - a.y, b.z - a.z};
         };
-        const test::Point3 projector = difference(0, kStep);
-        const test::Point3 camera = difference(kStep, 0);
+        const Point3 projector = difference(0, kStep);
+        const Point3 camera = difference(kStep, 0);
         const double bound = 1e-6;
         EXPECT_NEAR(terms.projector.x, projector.x, bound);
         EXPECT_NEAR(terms.projector.y, projector.y, bound);

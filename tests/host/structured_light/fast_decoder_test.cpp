@@ -15,8 +15,6 @@
 namespace selfproj::test {
 namespace {
 
-using test::Random;
-
 // A frame in which neighbouring values of a pair are often close to each other, so that every outcome of the threshold
 // is frequent.
 std::vector<std::uint8_t> random_frame(Random& random, std::size_t size, int spread) {
@@ -29,8 +27,8 @@ std::vector<std::uint8_t> random_frame(Random& random, std::size_t size, int spr
 }
 
 TEST(FastGrayDecoder, EqualsTheModelOverRandomSequences) {
-  for (const std::uint64_t seed : test::seeds(150)) {
-    SCOPED_TRACE(test::how_to_repeat(seed));
+  for (const std::uint64_t seed : seeds(150)) {
+    SCOPED_TRACE(how_to_repeat(seed));
     Random random(seed);
     model::GraySettings settings;
     settings.rows = random.between(1, 24);
@@ -75,8 +73,8 @@ TEST(FastGrayDecoder, EqualsTheModelOverRandomSequences) {
 
 // Every number of measurable neighbours at every position of the border, with codes up to the largest.
 TEST(FastMedian, EqualsTheModelOverRandomCodes) {
-  for (const std::uint64_t seed : test::seeds(400)) {
-    SCOPED_TRACE(test::how_to_repeat(seed));
+  for (const std::uint64_t seed : seeds(400)) {
+    SCOPED_TRACE(how_to_repeat(seed));
     Random random(seed);
     const int rows = random.between(1, 9);
     const int columns = random.chance(50) ? random.between(1, 5) : random.between(1, 200);

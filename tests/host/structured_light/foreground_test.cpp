@@ -18,13 +18,9 @@
 namespace selfproj::test {
 namespace {
 
-using test::Random;
-using test::random_rig;
-using test::uniform;
-
 TEST(Foreground, IsTheCentroidOfTheDifferingPoints) {
-  for (const std::uint64_t seed : test::seeds(60)) {
-    SCOPED_TRACE(test::how_to_repeat(seed));
+  for (const std::uint64_t seed : seeds(60)) {
+    SCOPED_TRACE(how_to_repeat(seed));
     Random random(seed);
     const rig::Rig rig = random_rig(random);
     const structured_light::PlaneTriangulation triangulation(rig, 8);
@@ -66,8 +62,8 @@ TEST(Foreground, IsTheCentroidOfTheDifferingPoints) {
 
 // Against its definition, written out pixel by pixel.
 TEST(Foreground, SteadyFilterKeepsWhatStaysAndHasNeighbours) {
-  for (const std::uint64_t seed : test::seeds(40)) {
-    SCOPED_TRACE(test::how_to_repeat(seed));
+  for (const std::uint64_t seed : seeds(40)) {
+    SCOPED_TRACE(how_to_repeat(seed));
     Random random(seed);
     const int rows = random.between(1, 20);
     const int columns = random.between(1, 90);

@@ -36,9 +36,9 @@ TEST(GraySequence, CountsBits) {
 
 // Decoding the projected images themselves gives the column and the row of each pixel.
 TEST(GraySequence, DecodesToColumnAndRow) {
-  for (const std::uint64_t seed : test::seeds(20)) {
-    SCOPED_TRACE(test::how_to_repeat(seed));
-    test::Random random(seed);
+  for (const std::uint64_t seed : seeds(20)) {
+    SCOPED_TRACE(how_to_repeat(seed));
+    Random random(seed);
     const structured_light::GraySequence sequence(random.between(1, 200), random.between(1, 200));
     const std::size_t pixels = static_cast<std::size_t>(sequence.rows()) * static_cast<std::size_t>(sequence.columns());
     for (const bool rows : {false, true}) {

@@ -25,8 +25,6 @@
 namespace selfproj::test {
 namespace {
 
-using test::LensWorld;
-
 // Rig B with a quarter of its pixels along each side.
 rig::Rig coarse_rig() {
   rig::Rig rig = rig::load_rig("scanner");
@@ -44,7 +42,7 @@ rig::Rig coarse_rig() {
 struct Station {
   explicit Station(double k1)
       : ideal(coarse_rig()),
-        calibration(test::distorted_calibration(ideal, {.k1 = k1, .turn = {0, 0, k1 == 0 ? 0.0 : 1.0}})),
+        calibration(distorted_calibration(ideal, {.k1 = k1, .turn = {0, 0, k1 == 0 ? 0.0 : 1.0}})),
         rig(rig::rig_of(calibration, ideal)),
         world(calibration) {}
 
@@ -170,7 +168,7 @@ TEST(LensMatch, DepthOfTheReferenceIsExact) {
 
 // What the projector lights beyond the camera's view has a place near the image or none, and is read back.
 TEST(LensMatch, NothingIsExtrapolatedFar) {
-  const test::ScratchFolder scratch;
+  const ScratchFolder scratch;
   for (const double k1 : {0.08, -0.08, -0.3}) {  // the last one folds over inside the projector's image
     const Station setup(k1);
     const structured_light::SelfReference reference = setup.reference(setup.rig.plane_z_mm);

@@ -22,14 +22,6 @@
 namespace selfproj::test {
 namespace {
 
-using test::distorted;
-using test::kMeasurable;
-using test::place_of;
-using test::Point3;
-using test::Random;
-using test::random_lens;
-using test::uniform;
-
 rig::Calibration random_calibration(Random& random, int columns, int rows) {
   rig::Calibration c;
   c.camera = random_lens(random, 1.3 * std::max(columns, rows), columns, rows);
@@ -70,8 +62,8 @@ std::pair<double, double> projector_sees(const rig::Calibration& c, const Point3
 
 TEST(LensTriangulation, FindsTheDepthOfTheColumnOrOfBothCodes) {
   constexpr int kBits = 11;
-  for (const std::uint64_t seed : test::seeds(30)) {
-    SCOPED_TRACE(test::how_to_repeat(seed));
+  for (const std::uint64_t seed : seeds(30)) {
+    SCOPED_TRACE(how_to_repeat(seed));
     Random random(seed);
     const int rows = random.between(8, 24);
     const int columns = random.between(8, 32);
@@ -126,8 +118,8 @@ TEST(LensTriangulation, FindsTheDepthOfTheColumnOrOfBothCodes) {
 }
 
 TEST(LensTriangulation, WithoutDistortionIsThePlanes) {
-  for (const std::uint64_t seed : test::seeds(20)) {
-    SCOPED_TRACE(test::how_to_repeat(seed));
+  for (const std::uint64_t seed : seeds(20)) {
+    SCOPED_TRACE(how_to_repeat(seed));
     Random random(seed);
     const int rows = random.between(2, 24);
     const int columns = random.between(2, 32);

@@ -22,10 +22,6 @@
 namespace selfproj::test {
 namespace {
 
-using test::Pixel;
-using test::Point3;
-using test::Surface;
-
 // --- codes ---
 
 TEST(StripeCode, CyclicCountsAroundAndReflectedBack) {
@@ -125,7 +121,7 @@ Outcome try_all(const rig::Rig& rig, const structured_light::SelfReference& refe
       const int own = static_cast<int>(std::floor((r - 0.5 * (rig.camera.rows - 1)) / stripes.width));
       for (double z = 400; z < 640; z += 0.25) {
         const Point3 p = test::on_ray(rig.camera, r, c, z);
-        const Pixel lit = test::projector_lights(rig.projector, p);
+        const Pixel lit = projector_lights(rig.projector, p);
         if (!test::within(rig.projector, lit)) {
           continue;
         }
@@ -149,8 +145,8 @@ Outcome try_all(const rig::Rig& rig, const structured_light::SelfReference& refe
 constexpr auto kAll = [](int, int) { return true; };
 
 TEST(MatchSearch, CyclicAndCorrectedIsNeverWrongWhereTheReferenceHasNoSteps) {
-  const rig::Rig rig = test::coarse_scanner(4);
-  for (const Surface& surface : {test::plane_at(550), slanted(), bump()}) {
+  const rig::Rig rig = coarse_scanner(4);
+  for (const Surface& surface : {plane_at(550), slanted(), bump()}) {
     const structured_light::SelfReference reference = structured_light::make_self_reference(
         rig, test::points_of(rig, surface), {4, 2, structured_light::StripeCode::cyclic});
     for (int e = 0; e < 16; ++e) {
@@ -164,9 +160,9 @@ TEST(MatchSearch, CyclicAndCorrectedIsNeverWrongWhereTheReferenceHasNoSteps) {
 }
 
 TEST(MatchSearch, ReflectedCodeIsWrongWhereTwoCellsShareACode) {
-  const rig::Rig rig = test::coarse_scanner(4);
+  const rig::Rig rig = coarse_scanner(4);
   const structured_light::SelfReference reference = structured_light::make_self_reference(
-      rig, test::points_of(rig, test::plane_at(550)), {4, 2, structured_light::StripeCode::reflected});
+      rig, test::points_of(rig, plane_at(550)), {4, 2, structured_light::StripeCode::reflected});
   const Outcome outcome = try_all(rig, reference, {8}, 3, kAll);
   const double share = static_cast<double>(outcome.wrong) / static_cast<double>(outcome.wrong + outcome.right);
   RecordProperty("wrong", std::to_string(share));
@@ -175,7 +171,7 @@ TEST(MatchSearch, ReflectedCodeIsWrongWhereTwoCellsShareACode) {
 
 // A step of 60 mm: two windows away from it no match is wrong. Nearer, light may come from the other side of the step.
 TEST(MatchSearch, StepsAreFeltNoFurtherThanAWindow) {
-  const rig::Rig rig = test::coarse_scanner(2);
+  const rig::Rig rig = coarse_scanner(2);
   const auto block = [](double x, double y) { return std::abs(x) < 50 && std::abs(y - 15) < 45 ? 490.0 : 550.0; };
   const structured_light::ProjectorPoints points = test::points_of(rig, block);
   const structured_light::SelfReference reference =
@@ -213,9 +209,9 @@ TEST(MatchSearch, StepsAreFeltNoFurtherThanAWindow) {
 // The printed window of 48 lines does not hold 16 codes: some are missing, some occur twice. The window in cells holds
 // each code once, except where it leaves the projector's image.
 TEST(MatchTable, PrintedWindowMissesAndDoublesCodes) {
-  const rig::Rig rig = test::coarse_scanner(4);
+  const rig::Rig rig = coarse_scanner(4);
   const structured_light::SelfReference reference = structured_light::make_self_reference(
-      rig, test::points_of(rig, test::plane_at(550)), {4, 2, structured_light::StripeCode::cyclic});
+      rig, test::points_of(rig, plane_at(550)), {4, 2, structured_light::StripeCode::cyclic});
   const auto shares = [&](const structured_light::MatchSettings& settings) {
     const structured_light::MatchSearch search(rig, reference, settings);
     std::vector<structured_light::Match> matches;
@@ -241,7 +237,7 @@ TEST(MatchTable, PrintedWindowMissesAndDoublesCodes) {
 // On a plane that faces the camera, camera rows correspond to projector lines, so the direction of the search does not
 // matter. On a slanted plane it does.
 TEST(MatchTable, PrintedDirectionIsRightOnlyWithoutVariationAlongY) {
-  const rig::Rig rig = test::coarse_scanner(4);
+  const rig::Rig rig = coarse_scanner(4);
   const auto difference = [&](const Surface& surface) {
     const structured_light::SelfReference reference = structured_light::make_self_reference(
         rig, test::points_of(rig, surface), {4, 2, structured_light::StripeCode::cyclic});
@@ -263,12 +259,12 @@ TEST(MatchTable, PrintedDirectionIsRightOnlyWithoutVariationAlongY) {
     }
     return sum / count;
   };
-  EXPECT_LT(difference(test::plane_at(550)), 0.1);
+  EXPECT_LT(difference(plane_at(550)), 0.1);
   EXPECT_GT(difference(slanted()), 0.3);
 }
 
 TEST(MatchTable, HasTheWordsOfTheSearch) {
-  rig::Rig rig = test::coarse_scanner(8);
+  rig::Rig rig = coarse_scanner(8);
   rig.camera.columns = 63;  // odd: words go by pairs
   const structured_light::SelfReference reference = structured_light::make_self_reference(
       rig, test::points_of(rig, bump()), {3, 1, structured_light::StripeCode::cyclic});
@@ -292,9 +288,9 @@ TEST(MatchTable, HasTheWordsOfTheSearch) {
 }
 
 TEST(MatchTable, RefusesWhatIsOutOfRange) {
-  const rig::Rig rig = test::coarse_scanner(8);
+  const rig::Rig rig = coarse_scanner(8);
   const structured_light::SelfReference reference = structured_light::make_self_reference(
-      rig, test::points_of(rig, test::plane_at(550)), {4, 2, structured_light::StripeCode::cyclic});
+      rig, test::points_of(rig, plane_at(550)), {4, 2, structured_light::StripeCode::cyclic});
   EXPECT_THROW(structured_light::MatchTable(rig, reference, {-1}), std::invalid_argument);
   EXPECT_THROW(structured_light::MatchTable(rig, reference, {16}), std::invalid_argument);
   EXPECT_THROW(structured_light::MatchTable(rig, reference, {0, false, true, 0}), std::invalid_argument);

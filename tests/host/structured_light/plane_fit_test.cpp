@@ -24,8 +24,6 @@
 namespace selfproj::test {
 namespace {
 
-using test::kMeasurable;
-
 constexpr int kCodeBits = 10;
 constexpr double kZ0 = 553;
 constexpr double kA = 0.11;
@@ -41,7 +39,7 @@ rig::Rig small_rig() {
 }
 
 // The point of the plane z = kZ0 + kA x + kB y on the ray of pixel i; rows run along x.
-test::Point3 on_plane(const rig::Rig& rig, std::size_t i) {
+Point3 on_plane(const rig::Rig& rig, std::size_t i) {
   const auto columns = static_cast<std::size_t>(rig.camera.columns);
   const double scale = rig.camera.pixel_pitch_mm / rig.camera.focal_length_mm;
   const std::size_t row = i / columns;
@@ -80,7 +78,7 @@ TEST(PlaneFit, LinesRoundedToCodes) {
   std::vector<std::uint16_t> codes(triangulation.pixels());
   for (std::size_t i = 0; i < codes.size(); ++i) {
     const double first = 0.5 * (rig.projector.lines - (1 << kCodeBits));
-    codes[i] = word(test::projector_lights(rig.projector, on_plane(rig, i)).row - first, 1 << kCodeBits);
+    codes[i] = word(projector_lights(rig.projector, on_plane(rig, i)).row - first, 1 << kCodeBits);
   }
   images::FloatImage depth(rig.camera.rows, rig.camera.columns);
   triangulation.depth(codes.data(), depth.values.data());
@@ -99,7 +97,7 @@ TEST(PlaneFit, CodesOfBothAxes) {
   std::vector<std::uint16_t> lines(triangulation.pixels());
   std::vector<std::uint16_t> columns(triangulation.pixels());
   for (std::size_t i = 0; i < lines.size(); ++i) {
-    const test::Pixel lit = test::projector_lights(rig.projector, on_plane(rig, i));
+    const Pixel lit = projector_lights(rig.projector, on_plane(rig, i));
     lines[i] = word(lit.row, rig.projector.lines);
     columns[i] = word(lit.column, rig.projector.columns);
   }

@@ -23,8 +23,6 @@
 namespace selfproj::test {
 namespace {
 
-using test::Random;
-
 // The coordinates have few different values, so that many of them are equal.
 std::vector<structured_light::Point3f> random_points(Random& random, int count) {
   std::vector<structured_light::Point3f> points;
@@ -46,8 +44,8 @@ double nearest(const std::vector<structured_light::Point3f>& points, const struc
 }
 
 TEST(NearestPoint, IsTheNearestOfAll) {
-  for (const std::uint64_t seed : test::seeds(200)) {
-    SCOPED_TRACE(test::how_to_repeat(seed));
+  for (const std::uint64_t seed : seeds(200)) {
+    SCOPED_TRACE(how_to_repeat(seed));
     Random random(seed);
     const std::vector<structured_light::Point3f> points = random_points(random, random.between(0, 200));
     const structured_light::NearestPoint tree(points);
@@ -75,14 +73,14 @@ TEST(CompareClouds, CountsAndMedianAreThoseOfAllPairs) {
 }
 
 TEST(Ply, ReadsWhatItWrote) {
-  const test::ScratchFolder folder;
+  const ScratchFolder folder;
   Random random(1);
   const std::vector<structured_light::Point3f> points = random_points(random, 50);
   structured_light::PlyText ply(points.size());
   for (const structured_light::Point3f& point : points) {
     ply.add(point, 1, 2, 3);
   }
-  test::write_text(folder / "a.ply", ply.file("fifty"));
+  write_text(folder / "a.ply", ply.file("fifty"));
   const std::vector<structured_light::Point3f> found = structured_light::read_ply((folder / "a.ply").string());
   ASSERT_EQ(found.size(), points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -105,7 +103,7 @@ std::string bytes_of(T value, bool big) {
 
 // Coordinates of any scalar type in any of the three formats, with other properties between them.
 TEST(Ply, ReadsEveryFormat) {
-  const test::ScratchFolder folder;
+  const ScratchFolder folder;
   const std::vector<structured_light::Point3f> points{{-1, 2.5F, 3}, {4, -5.25F, 100}};
   for (const std::string format : {"ascii", "binary_little_endian", "binary_big_endian"}) {
     for (const std::string end : {"\n", "\r\n"}) {
@@ -122,7 +120,7 @@ TEST(Ply, ReadsEveryFormat) {
                                   : bytes_of(static_cast<double>(point.x), big) + '\7' + bytes_of(point.y, big) +
                                         bytes_of(static_cast<std::int16_t>(point.z), big);
       }
-      test::write_text(folder / "a.ply", text);
+      write_text(folder / "a.ply", text);
       const std::vector<structured_light::Point3f> found = structured_light::read_ply((folder / "a.ply").string());
       ASSERT_EQ(found.size(), points.size()) << format;
       for (std::size_t i = 0; i < points.size(); ++i) {
@@ -135,7 +133,7 @@ TEST(Ply, ReadsEveryFormat) {
 }
 
 TEST(Ply, RefusesWhatItDoesNotUnderstand) {
-  const test::ScratchFolder folder;
+  const ScratchFolder folder;
   structured_light::PlyText ply(1);
   ply.add({1, 2, 3}, 1, 2, 3);
   const std::string good = ply.file("one");
@@ -160,7 +158,7 @@ TEST(Ply, RefusesWhatItDoesNotUnderstand) {
       {good.substr(0, good.size() - 1), "is truncated"},
   };
   for (const auto& [text, reason] : cases) {
-    test::write_text(folder / "a.ply", text);
+    write_text(folder / "a.ply", text);
     const std::string error = test::error_of([&] { structured_light::read_ply((folder / "a.ply").string()); });
     EXPECT_NE(error.find(reason), std::string::npos) << error << " instead of: " << reason;
   }

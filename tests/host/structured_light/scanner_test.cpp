@@ -20,15 +20,13 @@
 namespace selfproj::test {
 namespace {
 
-using test::Random;
-
 bool same_bits(const images::FloatImage& a, const std::vector<float>& b) {
   return a.values.size() == b.size() && std::memcmp(a.values.data(), b.data(), b.size() * sizeof(float)) == 0;
 }
 
 TEST(Scanner, EqualsItsStepsByTheModels) {
-  for (const std::uint64_t seed : test::seeds(40)) {
-    SCOPED_TRACE(test::how_to_repeat(seed));
+  for (const std::uint64_t seed : seeds(40)) {
+    SCOPED_TRACE(how_to_repeat(seed));
     Random random(seed);
     rig::Rig rig = rig::load_rig("scanner");
     rig.camera.rows = random.between(1, 40);
@@ -56,9 +54,9 @@ TEST(Scanner, EqualsItsStepsByTheModels) {
       const int pattern = i % (2 * bits);
       const model::ImageView view{pixels.data(), rig.camera.rows, rig.camera.columns, rig.camera.columns};
       const bool due = decoder.add_frame(view, pattern, good, codes.data());
-      const std::uint64_t before = test::allocations();
+      const std::uint64_t before = allocations();
       const bool found = scanner.add_frame(view, pattern, good);
-      ASSERT_EQ(test::allocations(), before) << "the scanner allocates";
+      ASSERT_EQ(allocations(), before) << "the scanner allocates";
       ASSERT_EQ(found, due);
       if (!due) {
         continue;

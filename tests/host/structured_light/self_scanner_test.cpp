@@ -24,9 +24,6 @@
 namespace selfproj::test {
 namespace {
 
-using test::Random;
-using test::Surface;
-
 Surface round_bump() {
   return [](double x, double y) { return 550 - 60 * std::exp(-(x * x + y * y) / (2 * 60 * 60)); };
 }
@@ -45,7 +42,7 @@ std::vector<std::uint8_t> picture(const structured_light::ProjectorPoints& point
 }
 
 TEST(SelfReference, TurnsTheScanRound) {
-  const rig::Rig rig = test::coarse_scanner(2);
+  const rig::Rig rig = coarse_scanner(2);
   const structured_light::ProjectorPoints points = test::points_of(rig, round_bump());
   const structured_light::SelfReference reference = structured_light::make_self_reference(rig, points, {});
   int seen = 0;
@@ -58,10 +55,10 @@ TEST(SelfReference, TurnsTheScanRound) {
         continue;
       }
       ++seen;
-      const auto p = test::seen_point(rig.camera, static_cast<double>(row), static_cast<double>(column), round_bump(),
-                                      400, 620, 1);
+      const auto p =
+          seen_point(rig.camera, static_cast<double>(row), static_cast<double>(column), round_bump(), 400, 620, 1);
       ASSERT_TRUE(p);
-      const test::Pixel lit = test::projector_lights(rig.projector, *p);
+      const Pixel lit = projector_lights(rig.projector, *p);
       ASSERT_NEAR(lit.row, l, 0.05);
       ASSERT_NEAR(lit.column, c, 0.05);
     }
@@ -71,9 +68,9 @@ TEST(SelfReference, TurnsTheScanRound) {
 
 // A plane that faces the camera continues as the same plane where the camera does not see it.
 TEST(SelfReference, ContinuesAPlane) {
-  const rig::Rig rig = test::coarse_scanner(4);
+  const rig::Rig rig = coarse_scanner(4);
   const structured_light::SelfReference reference =
-      structured_light::make_self_reference(rig, test::points_of(rig, test::plane_at(550)), {});
+      structured_light::make_self_reference(rig, test::points_of(rig, plane_at(550)), {});
   int filled = 0;
   for (int l = 0; l < rig.projector.lines; ++l) {
     for (int c = 0; c < rig.projector.columns; ++c) {
@@ -81,9 +78,9 @@ TEST(SelfReference, ContinuesAPlane) {
         continue;
       }
       ++filled;
-      const test::Point3 p = test::on_ray(rig.camera, static_cast<double>(reference.row.row(l)[c]),
-                                          static_cast<double>(reference.column.row(l)[c]), 550);
-      const test::Pixel lit = test::projector_lights(rig.projector, p);
+      const Point3 p = test::on_ray(rig.camera, static_cast<double>(reference.row.row(l)[c]),
+                                    static_cast<double>(reference.column.row(l)[c]), 550);
+      const Pixel lit = projector_lights(rig.projector, p);
       ASSERT_NEAR(lit.row, l, 0.01);
       ASSERT_NEAR(lit.column, c, l < 40 ? 0.5 : 0.05);  // at this height one line of this rig is 20 mm of z
     }
@@ -93,7 +90,7 @@ TEST(SelfReference, ContinuesAPlane) {
 
 // Seen on the reference the stripes are straight: along rows, `width` rows a cell.
 TEST(SelfReference, PatternsAreStraightOnTheReference) {
-  const rig::Rig rig = test::coarse_scanner(2);
+  const rig::Rig rig = coarse_scanner(2);
   const structured_light::ProjectorPoints points = test::points_of(rig, round_bump());
   for (const structured_light::StripeCode code :
        {structured_light::StripeCode::cyclic, structured_light::StripeCode::reflected}) {
@@ -122,8 +119,8 @@ TEST(SelfReference, PatternsAreStraightOnTheReference) {
 }
 
 TEST(SelfReference, RefusesWhatDoesNotFit) {
-  const rig::Rig rig = test::coarse_scanner(8);
-  const structured_light::ProjectorPoints points = test::points_of(rig, test::plane_at(550));
+  const rig::Rig rig = coarse_scanner(8);
+  const structured_light::ProjectorPoints points = test::points_of(rig, plane_at(550));
   EXPECT_THROW(structured_light::make_self_reference(rig, points, {0, 2}), std::invalid_argument);
   EXPECT_THROW(structured_light::make_self_reference(rig, points, {9, 2}), std::invalid_argument);
   EXPECT_THROW(structured_light::make_self_reference(rig, points, {4, 0}), std::invalid_argument);
@@ -156,10 +153,10 @@ TEST(GrayPattern, IsTheEquationOverTheCodedLines) {
 
 // Frames in, depth out: compares every step with the models and with double precision. Nothing is allocated.
 TEST(SelfScanner, EqualsItsStepsByTheModels) {
-  for (const std::uint64_t seed : test::seeds(12)) {
-    SCOPED_TRACE(test::how_to_repeat(seed));
+  for (const std::uint64_t seed : seeds(12)) {
+    SCOPED_TRACE(how_to_repeat(seed));
     Random random(seed);
-    rig::Rig rig = test::coarse_scanner(8);
+    rig::Rig rig = coarse_scanner(8);
     rig.camera.columns = random.between(1, 64);
     rig.measure.max_z_per_line_mm = 40;
     const int bits = random.between(1, 6);
@@ -185,9 +182,9 @@ TEST(SelfScanner, EqualsItsStepsByTheModels) {
       const bool good = !random.chance(3);
       const model::ImageView view{pixels.data(), rig.camera.rows, rig.camera.columns, rig.camera.columns};
       const bool due = decoder.add_frame(view, i % (2 * bits), good, codes.data());
-      const std::uint64_t before = test::allocations();
+      const std::uint64_t before = allocations();
       const bool found = scanner.add_frame(view, i % (2 * bits), good);
-      ASSERT_EQ(test::allocations(), before) << "the scanner allocates";
+      ASSERT_EQ(allocations(), before) << "the scanner allocates";
       ASSERT_EQ(found, due);
       if (!due) {
         continue;
@@ -204,9 +201,9 @@ TEST(SelfScanner, EqualsItsStepsByTheModels) {
         } else if (!std::isnan(z)) {
           ++valid;
           const int r = static_cast<int>(k) / rig.camera.columns;
-          const test::Point3 p =
+          const Point3 p =
               test::on_ray(rig.camera, r, static_cast<int>(k) % rig.camera.columns, static_cast<double>(z));
-          ASSERT_NEAR(test::projector_lights(rig.projector, p).row, model::GrayMatch::line_of(lines[k]), 2e-3);
+          ASSERT_NEAR(projector_lights(rig.projector, p).row, model::GrayMatch::line_of(lines[k]), 2e-3);
           const float difference = scanner.reference_depth().values[k] - z;
           ASSERT_TRUE(scanner.difference().values[k] == difference || std::isnan(difference));
         }
@@ -252,8 +249,8 @@ TEST(SelfScanner, MeasuresWhatIsOnTheReference) {
       }
       ASSERT_EQ(states[i], structured_light::PointState::valid);
       search.find(r, c, matches);
-      const test::Point3 p = test::on_ray(narrow.camera, r, c, static_cast<double>(z));
-      const double line = test::projector_lights(narrow.projector, p).row;
+      const Point3 p = test::on_ray(narrow.camera, r, c, static_cast<double>(z));
+      const double line = projector_lights(narrow.projector, p).row;
       double half_width = 0;
       for (const structured_light::Match& match : matches) {
         half_width = match.candidates > 0 && std::abs(match.line - line) < 0.1 ? match.half_width : half_width;
@@ -261,7 +258,7 @@ TEST(SelfScanner, MeasuresWhatIsOnTheReference) {
       ASSERT_GT(half_width, 0);
       ASSERT_LE(std::abs(line - static_cast<double>(truth)), half_width + 1) << r << ' ' << c;
       ++compared;
-      const auto wanted = test::seen_point(narrow.camera, r, c, part, 400, 620, 1);
+      const auto wanted = seen_point(narrow.camera, r, c, part, 400, 620, 1);
       if (wanted && std::abs(wanted->x - 20) < 18 && std::abs(wanted->y) < 10) {
         sum += static_cast<double>(scanner.difference().values[i]);
         ++on_part;
@@ -276,7 +273,7 @@ TEST(SelfScanner, MeasuresWhatIsOnTheReference) {
 
 // A line of light, blurred and noisy, moved over both axes.
 TEST(LinePointScan, FindsThePointsOfASweep) {
-  const rig::Rig rig = test::coarse_scanner(4);
+  const rig::Rig rig = coarse_scanner(4);
   const structured_light::ProjectorPoints points = test::points_of(rig, round_bump());
   Random random(1);
   structured_light::LinePointScan scan(rig);

@@ -22,7 +22,7 @@ constexpr int kRows = 120;
 constexpr int kColumns = 200;
 
 // The images of a leaning, bent surface under `bits` pairs, of which the view holds nearly all codes.
-std::vector<images::Image> views(test::Random& random, int bits) {
+std::vector<images::Image> views(Random& random, int bits) {
   const bool along_rows = random.between(0, 1) == 1;
   const double lean = 0.002 * random.between(-100, 100);
   const double bend = 0.0005 * random.between(-100, 100);
@@ -63,9 +63,9 @@ void exchange(std::vector<images::Image>& images, std::size_t plane) {
 }
 
 TEST(SequenceCheck, RightOrdersPassAndWrongOnesAreNoticed) {
-  for (const std::uint64_t seed : test::seeds(20)) {
-    SCOPED_TRACE(test::how_to_repeat(seed));
-    test::Random random(seed);
+  for (const std::uint64_t seed : seeds(20)) {
+    SCOPED_TRACE(how_to_repeat(seed));
+    Random random(seed);
     const auto bits = static_cast<std::size_t>(random.between(4, 5));
     const std::vector<images::Image> good = views(random, static_cast<int>(bits));
     EXPECT_EQ(contradiction(good), "");
@@ -115,7 +115,7 @@ TEST(SequenceCheck, SaysNothingOfWhatIsNotLit) {
 }
 
 TEST(SequenceCheck, WhiteIsBrighterThanBlackEverywhere) {
-  test::Random random(1);
+  Random random(1);
   const std::vector<images::Image> codes = views(random, 4);
   const images::Image black{kRows, kColumns, std::vector<std::uint8_t>(kRows * kColumns, 7)};
   const images::Image white{kRows, kColumns, std::vector<std::uint8_t>(kRows * kColumns, 90)};

@@ -23,13 +23,6 @@
 namespace selfproj::test {
 namespace {
 
-using test::kMeasurable;
-using test::place_of;
-using test::Point3;
-using test::Random;
-using test::random_rig;
-using test::uniform;
-
 // The three linear equations of (4.7) for pixel (column, row) and C, by Cramer's rule.
 std::optional<Point3> solve(const rig::DepthMatrices& m, double column, double row, double c) {
   std::array<std::array<double, 4>, 3> e{};
@@ -128,15 +121,15 @@ std::size_t expect_depths(const structured_light::PlaneTriangulation& triangulat
 }
 
 TEST(DepthMatrices, AreThePinholesOfTheRig) {
-  for (const std::uint64_t seed : test::seeds(50)) {
-    SCOPED_TRACE(test::how_to_repeat(seed));
+  for (const std::uint64_t seed : seeds(50)) {
+    SCOPED_TRACE(how_to_repeat(seed));
     Random random(seed);
     const rig::Rig rig = random_rig(random);
     const int bits = random.between(1, 12);
     const rig::DepthMatrices m = rig::depth_matrices(rig, bits);
     const Point3 p{uniform(random, -100, 100), uniform(random, -100, 100), uniform(random, 400, 600)};
-    const test::Pixel camera = test::camera_sees(rig.camera, p);
-    const test::Pixel projector = test::projector_lights(rig.projector, p);
+    const Pixel camera = camera_sees(rig.camera, p);
+    const Pixel projector = projector_lights(rig.projector, p);
     const cv::Vec4d q(p.x, p.y, p.z, 1);
     const cv::Vec3d c = m.camera * q;
     const cv::Vec2d d = m.projector * q;
@@ -149,8 +142,8 @@ TEST(DepthMatrices, AreThePinholesOfTheRig) {
 
 TEST(PlaneTriangulation, SolvesTheEquationsOnRigs) {
   std::size_t valid = 0;
-  for (const std::uint64_t seed : test::seeds(60)) {
-    SCOPED_TRACE(test::how_to_repeat(seed));
+  for (const std::uint64_t seed : seeds(60)) {
+    SCOPED_TRACE(how_to_repeat(seed));
     Random random(seed);
     const rig::Rig rig = random_rig(random);
     const int bits = random.between(4, 12);
@@ -169,8 +162,8 @@ TEST(PlaneTriangulation, SolvesTheEquationsOnRigs) {
 // its own.
 TEST(PlaneTriangulation, SolvesTheEquationsInAnyWorld) {
   std::size_t valid = 0;
-  for (const std::uint64_t seed : test::seeds(60)) {
-    SCOPED_TRACE(test::how_to_repeat(seed));
+  for (const std::uint64_t seed : seeds(60)) {
+    SCOPED_TRACE(how_to_repeat(seed));
     Random random(seed);
     const rig::Rig rig = random_rig(random);
     const int bits = random.between(4, 12);
@@ -207,7 +200,7 @@ TEST(PlaneTriangulation, CodeStandsForTheMiddleOfItsCell) {
   for (std::size_t i = 0; i < codes.size(); ++i) {
     const double row = place_of(i, 512).first;
     const double x = rig.plane_z_mm * rig.camera.pixel_pitch_mm * (row - 255.5) / rig.camera.focal_length_mm;
-    const double line = test::projector_lights(rig.projector, {x, 0, rig.plane_z_mm}).row;
+    const double line = projector_lights(rig.projector, {x, 0, rig.plane_z_mm}).row;
     const double code = std::floor((line + 0.5) * 256 / rig.projector.lines);
     codes[i] = code >= 0 && code < 256 ? static_cast<std::uint16_t>(static_cast<int>(code) | kMeasurable) : 0;
   }
@@ -236,7 +229,7 @@ TEST(PlaneTriangulation, RigBLosesTheRowsFromAbout408On) {
   int first_lost = 0;
   for (int row = 0; row < 512; ++row) {
     const double x = rig.plane_z_mm * rig::tan_alpha(rig.camera, row + 1);
-    const double line = test::projector_lights(rig.projector, {x, 0, rig.plane_z_mm}).row;
+    const double line = projector_lights(rig.projector, {x, 0, rig.plane_z_mm}).row;
     const int code = std::clamp(static_cast<int>(std::floor((line + 0.5) / 3)), 0, 255);
     std::fill_n(codes.begin() + static_cast<std::ptrdiff_t>(row) * 512, 512,
                 static_cast<std::uint16_t>(code | kMeasurable));
