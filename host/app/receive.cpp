@@ -64,8 +64,7 @@ std::string reason_of_silence(const std::string& device, const driver::Counters&
   }
   if (device.starts_with("udp:")) {
     return "does the board run, do frames reach it, and does a firewall here let its datagrams in? A board sends to "
-           "the "
-           "host that has started it, until that one stops it";
+           "the host that has started it, until that one stops it";
   }
   if (device.starts_with("camera:")) {
     return "does the camera run, is it triggered, and is it free of other programs?";
