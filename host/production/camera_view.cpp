@@ -9,8 +9,8 @@
 #include <cstdint>
 
 #include "host/driver/clock.h"
+#include "host/light_section/line_finder.h"
 #include "selfproj/images/float_image.h"
-#include "selfproj/light_section/fast_moments.h"
 
 namespace selfproj::production {
 namespace {
@@ -42,17 +42,15 @@ double share(std::size_t count, std::size_t all) {
 
 }  // namespace
 
-std::vector<float> line_in_image(const model::ImageView& image, const rig::RigMeasure& measure) {
-  model::Runs runs;
-  const model::Measure of_board = measure.of_board();
-  runs.resize(of_board.select, image.columns);
-  light_section::fast_measure_columns(image, of_board, runs.view());
-  std::vector<float> line(static_cast<std::size_t>(image.columns), images::kNoValue);
+std::vector<float> line_in_image(const model::ImageView& image, rig::Rig rig) {
+  rig.camera.rows = image.rows;
+  rig.camera.columns = image.columns;
+  light_section::LineFinder finder(rig);
+  finder.find(image);
+  std::vector<float> line(finder.columns(), images::kNoValue);
   for (std::size_t c = 0; c < line.size(); ++c) {
-    const auto lit = static_cast<int>(runs.moments.n[c]);
-    if (runs.moments.m0[c] > 0 && lit >= measure.min_lit_px && lit <= measure.max_lit_px) {
-      // Moments count rows from 1.
-      line[c] = static_cast<float>(static_cast<double>(runs.moments.m1[c]) / runs.moments.m0[c] - 1);
+    if (finder.has_line(c)) {
+      line[c] = static_cast<float>(finder.centroid(c) - 1);  // moments count rows from 1
     }
   }
   return line;

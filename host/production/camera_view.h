@@ -30,9 +30,9 @@ inline constexpr double kMaxSaturated = 0.01;
 inline constexpr double kMaxWithoutLine = 0.5;
 inline constexpr int kMinBright = 100;
 
-// The row of the line in each column, from 0, as the board finds it; NaN in a column without a line, or with fewer or
-// more lit pixels than the rig allows.
-std::vector<float> line_in_image(const model::ImageView& image, const rig::RigMeasure& measure);
+// The row of the line in each column, from 0, by the rules of the rig (LineFinder), for an image of any size; NaN in a
+// column without a line.
+std::vector<float> line_in_image(const model::ImageView& image, rig::Rig rig);
 
 // Of an image of a light section, whose line is `line`, or of a scanner, where `line` is empty. Too bright is an
 // image of which more than kMaxSaturated are saturated. Too dark is one whose bright_grey is below kMinBright, or

@@ -109,11 +109,11 @@ void Production::image(const model::PacketView& packet) {
   if (!page_ || !camera_.add(packet, page_->watched())) {
     return;
   }
-  rig::RigMeasure measure = rig_.measure;
-  measure.apply(model::measure_of(camera_.header()));  // a device may measure otherwise than the rig says
+  rig::Rig rig = rig_;
+  rig.measure.apply(model::measure_of(camera_.header()));  // a device may measure otherwise than the rig says
   const std::vector<float> line =
-      rig_.kind == rig::RigKind::light_section ? line_in_image(camera_.image(), measure) : std::vector<float>();
-  page_->camera(camera_.header(), camera_.image(), line, exposure_figures(camera_.image(), line, measure));
+      rig.kind == rig::RigKind::light_section ? line_in_image(camera_.image(), rig) : std::vector<float>();
+  page_->camera(camera_.header(), camera_.image(), line, exposure_figures(camera_.image(), line, rig.measure));
 }
 
 void Production::run(const std::stop_token& stop) {

@@ -18,12 +18,12 @@
 namespace selfproj::test {
 namespace {
 
-rig::RigMeasure measure() {
-  rig::RigMeasure result;
-  result.threshold = 40;
-  result.min_lit_px = 2;
-  result.max_lit_px = 20;
-  return result;
+rig::Rig rig_of_line() {
+  rig::Rig rig = rig::load_rig("light-section");
+  rig.measure.threshold = 40;
+  rig.measure.min_lit_px = 2;
+  rig.measure.max_lit_px = 20;
+  return rig;
 }
 
 // A line of this peak in row 20 + column / 8 of the columns from `first` on, 5 rows wide, before grey 10.
@@ -40,12 +40,13 @@ images::Image line_image(int peak, int first = 0) {
 }
 
 production::ExposureFigures figures_of(const images::Image& image) {
-  return production::exposure_figures(image.view(), production::line_in_image(image.view(), measure()), measure());
+  return production::exposure_figures(image.view(), production::line_in_image(image.view(), rig_of_line()),
+                                      rig_of_line().measure);
 }
 
 TEST(CameraView, FindsTheLineWhereItIs) {
   const images::Image image = line_image(200, 16);
-  const std::vector<float> line = production::line_in_image(image.view(), measure());
+  const std::vector<float> line = production::line_in_image(image.view(), rig_of_line());
   ASSERT_EQ(line.size(), 96U);
   for (std::size_t c = 0; c < line.size(); ++c) {
     if (c < 16) {
@@ -81,7 +82,7 @@ TEST(CameraView, FiguresOfTheExposureOfAScanner) {
   const auto striped = [](std::uint8_t bright) {
     images::Image image{64, 64, std::vector<std::uint8_t>(std::size_t{64} * 64, 8)};
     std::fill(image.pixels.begin(), image.pixels.begin() + 64 * 32, bright);
-    return production::exposure_figures(image.view(), {}, measure());
+    return production::exposure_figures(image.view(), {}, rig_of_line().measure);
   };
   const production::ExposureFigures right = striped(180);
   EXPECT_TRUE(right.good) << right.advice;
