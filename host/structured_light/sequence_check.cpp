@@ -54,7 +54,7 @@ int code_of_gray(int gray) {
 }  // namespace
 
 SequenceCheck::SequenceCheck(int rows, int columns, int bits, bool cyclic)
-    : bits_(bits), cyclic_(cyclic), images_(2 * static_cast<std::size_t>(bits)) {
+    : bits_(bits), cyclic_(cyclic), side_(std::max(rows, columns)), images_(2 * static_cast<std::size_t>(bits)) {
   const auto all = static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns);
   const int every = static_cast<int>((all + kMostPixels - 1) / kMostPixels);
   for (int r = 0; r < rows; r += kTile) {
@@ -268,7 +268,9 @@ std::optional<SequenceCheck::Jump> SequenceCheck::jumping() const {
 std::optional<SequenceCheck::Coarse> SequenceCheck::coarser() const {
   constexpr double kFine = 0.1;  // borders a pixel
   constexpr double kTimes = 3;
+  constexpr double kMany = 1.5;
   constexpr double kClear = 0.5;
+  constexpr double kNyquist = 0.5;
   if (!complete()) {
     return std::nullopt;
   }
@@ -284,6 +286,12 @@ std::optional<SequenceCheck::Coarse> SequenceCheck::coarser() const {
   }
   for (std::size_t later = 1; later < rates.size(); ++later) {
     for (std::size_t plane = 0; plane < later; ++plane) {
+      // Stripes narrower than the camera's pixels may look like wide ones, if those of the plane are as many as it has.
+      const bool aliased = std::ldexp(rates[plane], static_cast<int>(later - plane)) > kNyquist &&
+                           rates[plane] * side_ <= kMany * std::ldexp(1, static_cast<int>(plane));
+      if (aliased) {
+        continue;
+      }
       const bool blurred = clear[plane] < kClear * clear[later];
       const bool finer = clear[later] >= kClear * clear[plane] && rates[plane] > std::max(kFine, kTimes * rates[later]);
       if (clear[later] >= static_cast<double>(kMinLit) && (blurred || finer)) {

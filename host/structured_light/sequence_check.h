@@ -85,6 +85,7 @@ class SequenceCheck {
 
   int bits_;
   bool cyclic_;
+  int side_;  // of the image, the longer one
   int taken_ = 0;
   std::size_t pixels_ = 0;
   std::vector<Tile> tiles_;

@@ -108,6 +108,19 @@ TEST(SequenceCheck, RightOrdersPassAndWrongOnesAreNoticed) {
   }
 }
 
+// A camera of few pixels sees the finest stripes as if they were wide.
+TEST(SequenceCheck, StripesNarrowerThanPixelsAreInOrder) {
+  for (const std::uint64_t seed : seeds(20)) {
+    SCOPED_TRACE(how_to_repeat(seed));
+    Random random(seed);
+    const int bits = random.between(6, 10);
+    std::vector<images::Image> images = views(random, bits);
+    EXPECT_EQ(contradiction(images), "") << bits << " bits";
+    std::reverse(images.begin(), images.end());
+    EXPECT_NE(contradiction(images), "") << bits << " bits, reversed";
+  }
+}
+
 TEST(SequenceCheck, SaysNothingOfWhatIsNotLit) {
   const std::vector<images::Image> dark(8,
                                         images::Image{kRows, kColumns, std::vector<std::uint8_t>(kRows * kColumns, 7)});
