@@ -160,8 +160,12 @@ std::vector<calibration::PoseReport> observe(const std::vector<std::string>& fol
   for (std::size_t i = 0; i < folders.size(); ++i) {
     images::ImageSequence images(files[i], options.pixels.rule());
     const calibration::Capture capture = calibration::decode_capture(folders[i], images, sequence, options.decode);
-    refuse_contradiction(folders[i], capture.contradiction, options.unchecked);
-    poses.push_back(calibration::observe_pose(folders[i], capture, settings));
+    calibration::PoseReport& pose = poses.emplace_back(calibration::observe_pose(folders[i], capture, settings));
+    if (options.unchecked) {
+      note_doubt(folders[i], capture.contradiction);
+    } else if (pose.reason.empty() && pose.used() > 0) {
+      pose.reason = capture.contradiction;
+    }
     progress.update(i + 1);
   }
   return poses;

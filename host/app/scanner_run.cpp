@@ -95,8 +95,7 @@ void add_strict_option(CLI::App& command, structured_light::ScannerSettings& sca
 void add_unchecked_option(CLI::App& command, bool& unchecked) {
   command.add_flag(
       "--unchecked", unchecked,
-      "Only warn where the images contradict each other, the options or the geometry. Without it, a run on files "
-      "writes nothing then, and the exit status is 1.");
+      "Only warn where the images contradict each other, the options or the geometry. Without it they are refused.");
 }
 
 void refuse_contradiction(const std::string& subject, const std::string& contradiction, bool unchecked) {

@@ -79,11 +79,13 @@ void Production::start(const std::string& title, std::size_t queued, const Measu
   }
   if (!options_.live.empty()) {
     page_.emplace(endpoint_of_text("--live", options_.live), rig_, title);
-    fmt::print(stderr, "live page: {}\n", page_->url());
   }
   if (!options_.modbus.empty()) {
     modbus_.emplace(endpoint_of_text("--modbus", options_.modbus),
                     [this] { return modbus_registers(counts(), lost_, heartbeat_, driver::now_ns()); });
+  }
+  if (page_) {  // now whoever reads this finds both servers
+    fmt::print(stderr, "live page: {}\n", page_->url());
   }
   if (!options_.folder.empty()) {
     files_.emplace(options_.folder, options_.keep);
