@@ -115,7 +115,7 @@ class AcornDriver {
   std::uint64_t served_ = 0;
 };
 
-class AcornPort final : public DevicePort {
+class AcornPort final : public driver::DevicePort {
  public:
   explicit AcornPort(AcornDriver& driver) : driver_(driver) {}
 

@@ -128,9 +128,9 @@ class Fpga {
 };
 
 // Runs the board's selftest. Returns how many checks have failed.
-std::uint64_t selftest(Control& control) {
+std::uint64_t selftest(driver::Control& control) {
   std::uint64_t failed = 0;
-  for (const BoardTestResult& result : test_board(control)) {
+  for (const driver::BoardTestResult& result : driver::test_board(control)) {
     if (!result.fault.empty()) {
       std::fprintf(stderr, "acorn_sim: %s: %s\n", result.what.c_str(), result.fault.c_str());
       ++failed;
@@ -145,10 +145,11 @@ struct Received {
 };
 
 // Reads until nothing comes for 1 ms of simulated time, or until so many frames have begun.
-void read(Device& device, CameraScoreboard& scoreboard, Received& received, AcornDriver& driver, std::uint64_t frames) {
-  PacketView packet;
+void read(driver::Device& device, CameraScoreboard& scoreboard, Received& received, AcornDriver& driver,
+          std::uint64_t frames) {
+  model::PacketView packet;
   for (int idle = 0; idle < 100; ++idle) {
-    while (device.next(packet, std::chrono::nanoseconds(0)) == Next::packet) {
+    while (device.next(packet, std::chrono::nanoseconds(0)) == driver::Next::packet) {
       ++received.packets;
       received.equal += scoreboard.matches(packet) ? 1 : 0;
       idle = 0;
@@ -165,14 +166,15 @@ int run(const std::vector<std::string>& words) {
   PcieHost host(std::size_t{AcornDriver::kBuffers} * AcornDriver::kBytes, options.ready, options.seed);
   Fpga fpga(host);
   AcornDriver driver(host, [&fpga] { fpga.step(); });
-  Control control(make_litepcie_port(std::make_unique<AcornPort>(driver), kUri));
+  driver::Control control(driver::make_litepcie_port(std::make_unique<AcornPort>(driver), kUri));
   const std::uint64_t failed = selftest(control);
-  const std::unique_ptr<Device> device = make_litepcie_device(std::make_unique<AcornPort>(driver), kUri, {});
-  control.write_together({{register_part("size.columns"), kColumns},
-                          {register_part("size.rows"), kRows},
-                          {register_part("measure.mode"), 2},
-                          {register_part("measure.threshold"), 100},
-                          {register_part("control.image"), options.images ? 1 : 0}});
+  const std::unique_ptr<driver::Device> device =
+      driver::make_litepcie_device(std::make_unique<AcornPort>(driver), kUri, {});
+  control.write_together({{driver::register_part("size.columns"), kColumns},
+                          {driver::register_part("size.rows"), kRows},
+                          {driver::register_part("measure.mode"), 2},
+                          {driver::register_part("measure.threshold"), 100},
+                          {driver::register_part("control.image"), options.images ? 1 : 0}});
   control.write("control.run", 1);
   CameraScoreboard scoreboard(kColumns, kRows, kFrameClocks);
   Received received;
@@ -182,7 +184,7 @@ int run(const std::vector<std::string>& words) {
   const std::uint64_t frames = control.read("frames");
   const std::uint64_t lost = control.read("lost_moments") + control.read("lost_image");
   const std::uint64_t sent = frames * (options.images ? 1 + kRows : 1) - lost;
-  const Counters counters = device->counters();
+  const driver::Counters counters = device->counters();
   const std::uint64_t wrong =
       counters.bad + counters.bytes_discarded + counters.read_errors + host.strangers() + failed;
   std::printf(
