@@ -17,7 +17,7 @@ using Json = nlohmann::ordered_json;
 
 class ResultsFile : public ::testing::Test {
  protected:
-  ~ResultsFile() override { unsetenv(files::kResultsFolder); }
+  void TearDown() override { unsetenv(files::kResultsFolder); }
 
   static void name_folder(const std::string& folder) { setenv(files::kResultsFolder, folder.c_str(), 1); }
 
