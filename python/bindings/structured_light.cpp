@@ -23,6 +23,7 @@
 #include "host/images/image_sequence.h"
 #include "host/structured_light/depth_run.h"
 #include "python/bindings/arrays.h"
+#include "selfproj/files/user_error.h"
 #include "selfproj/structured_light/depth_geometry.h"
 #include "selfproj/structured_light/fast_decoder.h"
 #include "selfproj/structured_light/gray_sequence.h"
@@ -138,7 +139,7 @@ struct Scan {
 };
 
 Scan scan(const Paths& images, const Path& rig, const Path& calibration, int bits, int row_bits, int threshold,
-          bool median, bool strict, const std::string& channel, std::optional<int> shift) {
+          bool median, bool strict, const std::string& channel, std::optional<int> shift, bool unchecked) {
   require(rig.empty() != calibration.empty(), "rig, calibration: give one of them");
   require(
       bits >= 1 && bits <= model::GrayDecoder::kMaxBits && row_bits >= 0 && row_bits <= model::GrayDecoder::kMaxBits,
@@ -165,6 +166,9 @@ Scan scan(const Paths& images, const Path& rig, const Path& calibration, int bit
                ? structured_light::depth_of_both_axes(setup, sequence)
                : structured_light::depth_of_images(setup, sequence, [](std::size_t, const images::FloatImage&) {});
   });
+  if (!unchecked && !run.contradiction.empty()) {
+    throw UserError("images", run.contradiction);
+  }
   return {std::make_shared<Depths>(std::move(run.triangulation)), array_of_image(std::move(run.depth))};
 }
 
@@ -257,9 +261,10 @@ void bind_structured_light(nb::module_& module) {
       .def("__repr__", [](const Scan& self) { return shape_text("Scan", sides_of(self.depth)); });
   module.def("scan", &scan, nb::arg("images"), nb::arg("rig") = "", nb::arg("calibration") = "", nb::arg("bits"),
              nb::arg("row_bits") = 0, nb::arg("threshold") = 5, nb::arg("median") = false, nb::arg("strict") = false,
-             nb::arg("channel") = "", nb::arg("shift") = nb::none(),
+             nb::arg("channel") = "", nb::arg("shift") = nb::none(), nb::arg("unchecked") = false,
              "The depth image of captured images: a folder in a list, or the files in order. rig: a built-in rig or a\n"
-             "file; or calibration: OpenCV's YAML. With row_bits both axes are coded. Otherwise as `selfproj depth`.");
+             "file; or calibration: OpenCV's YAML. With row_bits both axes are coded. Otherwise as `selfproj depth`:\n"
+             "InputError where the images contradict each other or the geometry, unless unchecked.");
   module.def("save_ply", &save_ply, nb::arg("file"), nb::arg("points").noconvert(),
              nb::arg("colours").noconvert() = nb::none(),
              "Writes a cloud, whole or not at all. points: float32, (n, 3); colours: uint8, (n, 3), or None.");

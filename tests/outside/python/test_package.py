@@ -236,6 +236,10 @@ class StructuredLight(Case):
         same(scan.depth, light_section.load_tiff(str(out / "depth.tiff")))
         points = structured_light.load_ply(str(out / "cloud.ply"))
         same(scan.points(), points)
+        backwards = sorted(recorded.iterdir(), reverse=True)
+        with self.assertRaisesRegex(selfproj.InputError, "another order"):
+            structured_light.scan(backwards, rig="scanner", bits=4)
+        structured_light.scan(backwards, rig="scanner", bits=4, unchecked=True)
         # The same by hand.
         decoder = structured_light.GrayDecoder(512, 512, 4, median=True)
         for index, file in enumerate(sorted(recorded.iterdir())):
