@@ -15,7 +15,6 @@
 #include <cerrno>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <exception>
 #include <list>
 #include <memory>
@@ -312,7 +311,7 @@ class PageServer::Implementation {
       }
     }
     const std::size_t count = std::min(size, client.text->size() - client.sent);
-    std::memcpy(buffer, client.text->data() + client.sent, count);
+    std::copy_n(client.text->data() + client.sent, count, buffer);
     client.sent += count;
     client.since_ns = driver::now_ns();
     return static_cast<ssize_t>(count);

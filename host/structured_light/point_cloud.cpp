@@ -129,7 +129,7 @@ double number_at(const std::string& bytes, std::size_t at, PlyType type, PlyLayo
     case PlyType::Kind::natural:
       return static_cast<double>(value);
     case PlyType::Kind::integer: {
-      const auto unused = static_cast<unsigned>(64 - 8 * type.size);
+      const auto unused = static_cast<unsigned>(64 - 8 * std::max<std::size_t>(type.size, 1));
       return static_cast<double>(static_cast<std::int64_t>(value << unused) >> unused);
     }
     case PlyType::Kind::real:

@@ -14,8 +14,8 @@ namespace selfproj::sim {
 // the origin and looks along z.
 struct PerturbedRig {
   // Camera and projector as the rig's file says. If it has a calibration, they are its full model, with lenses.
-  PerturbedRig(
-      const rig::Rig& of);  // NOLINT(google-explicit-constructor): a rig without deviations is a perturbed rig too
+  // NOLINTNEXTLINE(google-explicit-constructor): a rig without deviations is a perturbed rig too
+  PerturbedRig(const rig::Rig& of);
 
   PerturbedRig(const rig::Rig& of, const Pinhole& its_camera, const Pinhole& its_projector);
 
