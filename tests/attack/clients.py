@@ -120,12 +120,13 @@ class HostileClients(Part):
                 if time.monotonic() > end:
                     raise Fault("no part comes")
                 time.sleep(0.05)
-            yield host, board, page, modbus
+            yield host, page, modbus
         finally:
-            for process in (board, host):
-                if process.poll() is None:
-                    process.kill()
-                process.communicate()
+            board.send_signal(signal.SIGINT)
+            board.communicate()
+            host.kill()
+            host.communicate()
+            pathlib.Path(f"/dev/shm/selfproj-ring-{ring}").unlink(missing_ok=True)
 
     @contextlib.contextmanager
     def hostile(self, page, modbus, kinds):
@@ -166,7 +167,7 @@ class HostileClients(Part):
             self.attacker.case("clients", kind, self.of_kind, kind)
 
     def of_kind(self, kind):
-        with self.attacker.scratch() as folder, self.line(folder, SMALL_RATE) as (host, _, page, modbus):
+        with self.attacker.scratch() as folder, self.line(folder, SMALL_RATE) as (host, page, modbus):
             with self.hostile(page, modbus, {kind: CLIENTS}):
                 time.sleep(1)
                 for name, seconds in (("browser", new_browser(page)), ("controller", new_controller(modbus))):
@@ -210,7 +211,7 @@ class HostileClients(Part):
 
     def figures_of(self, seconds, counts):
         rate = RATE if self.wide else SMALL_RATE
-        with self.attacker.scratch() as folder, self.line(folder, rate) as (host, board, page, modbus):
+        with self.attacker.scratch() as folder, self.line(folder, rate) as (host, page, modbus):
             stays = Controller(modbus)
             new_browser(page)
             before, files = memory_mib(host.pid), descriptors(host.pid)
@@ -225,7 +226,6 @@ class HostileClients(Part):
                         figures[name] = max(figures[name], value)
                 niceness = os.getpriority(os.PRIO_PROCESS, host.pid)
                 figures["end_s"] = self.end(host, signal.SIGINT)
-            board.send_signal(signal.SIGINT)
             counters = json.loads((folder / "o.json").read_text())
         lost = sum(counters[key] for key in ("lost_board", "lost_ring", "missing", "bad"))
         figures |= {

@@ -56,6 +56,7 @@ class Line:
 
     def __init__(self, folder, name, live, *more):
         ring = f"hostile-{os.getpid()}-{name}"
+        self.ring = pathlib.Path("/dev/shm/selfproj-ring-" + ring)
         self.board = subprocess.Popen([PROGRAMS / "selfproj-sim", "board", "--replay", "run.packets", "--ring", ring,
                                        "--rate", "1000", "--loop"], cwd=folder, stdout=subprocess.DEVNULL)
         self.host = subprocess.Popen([PROGRAMS / "selfproj", "inspect", "--rig", "rig.yaml", "--device", "ring:" + ring,
@@ -73,10 +74,13 @@ class Line:
         return seconds
 
     def kill(self):
-        for process in (self.board, self.host):
-            if process.poll() is None:
-                process.kill()
-            process.communicate()
+        if self.board.poll() is None:
+            self.board.send_signal(signal.SIGINT)
+        self.board.communicate()
+        if self.host.poll() is None:
+            self.host.kill()
+            self.host.communicate()
+        self.ring.unlink(missing_ok=True)
 
 
 class HostileClients(unittest.TestCase):
@@ -124,6 +128,16 @@ class HostileClients(unittest.TestCase):
         self.assertLess(time.monotonic() - begin, seconds)
         return result
 
+    def first(self, port):
+        """A connection to a server that may not listen yet: the program says where the page is before that."""
+        end = time.monotonic() + 10
+        while True:
+            try:
+                return connect(port)
+            except ConnectionRefusedError:
+                self.assertLess(time.monotonic(), end)
+                time.sleep(0.01)
+
     def test_serves_others_and_ends(self):
         page, modbus = chromium.free_port(), chromium.free_port()
         line = self.line("both", str(page), "--tolerance", "tolerance.yaml", "--modbus", str(modbus))
@@ -133,7 +147,7 @@ class HostileClients(unittest.TestCase):
                 client.sendall(REQUEST)
                 return receive(client, ANSWER)
 
-        controller = connect(modbus)
+        controller = self.first(modbus)
         self.addCleanup(controller.close)
         for _ in range(20):
             self.drip(page, b"GET / HTTP/1.1\r\nHost: localhost\r\nX: yyyyyyyyyyyyyyyyyyyyyyyyyyyyy", 0.1)
