@@ -84,6 +84,8 @@ PacketHeader BoardModel::header(std::uint8_t kind) const {
   PacketHeader header;
   header.kind = kind;
   header.stream = static_cast<std::uint8_t>(settings_.stream);
+  header.region_row = static_cast<std::uint16_t>(settings_.region_row);
+  header.region_column = static_cast<std::uint16_t>(settings_.region_column);
   header.sequence = next_sequence_ - 1;
   header.time_stamp = inputs_.clock;
   header.encoder = inputs_.encoder;

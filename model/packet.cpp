@@ -101,6 +101,8 @@ PacketHeader read_header(const std::uint8_t* bytes) {
   header.first_row = load_little_endian<std::uint16_t>(bytes + spec::kHeaderFirstRow);
   header.last_row = load_little_endian<std::uint16_t>(bytes + spec::kHeaderLastRow);
   header.gap = bytes[spec::kHeaderGap];
+  header.region_row = load_little_endian<std::uint16_t>(bytes + spec::kHeaderRegionRow);
+  header.region_column = load_little_endian<std::uint16_t>(bytes + spec::kHeaderRegionColumn);
   return header;
 }
 
@@ -129,6 +131,8 @@ void write_header(const PacketHeader& header, std::uint32_t payload_size, std::u
   store_little_endian(bytes + spec::kHeaderFirstRow, header.first_row);
   store_little_endian(bytes + spec::kHeaderLastRow, header.last_row);
   store_little_endian(bytes + spec::kHeaderGap, header.gap);
+  store_little_endian(bytes + spec::kHeaderRegionRow, header.region_row);
+  store_little_endian(bytes + spec::kHeaderRegionColumn, header.region_column);
 }
 
 // Throws unless there is room for header and trailer.
@@ -185,15 +189,15 @@ PacketError judge_version(const std::uint8_t* bytes) {
   return PacketError::hash;
 }
 
-// The first byte of the header that is reserved in the packet's version, which must be known.
-std::size_t first_reserved_byte(const std::uint8_t* bytes) {
+// The bytes of the header that are reserved in the packet's version, which must be known.
+std::span<const std::uint8_t> reserved_bytes(const std::uint8_t* bytes) {
   const auto hash = load_little_endian<std::uint32_t>(bytes + spec::kHeaderSpecHash);
   for (const spec::EarlierVersion& earlier : spec::kEarlierVersions) {
     if (hash == earlier.hash) {
-      return earlier.reserved_byte;
+      return {bytes + earlier.reserved_byte, bytes + spec::kHeaderBytes};
     }
   }
-  return spec::kHeaderReserved;
+  return {bytes + spec::kHeaderReserved, 1};
 }
 
 // Checks 64 bytes of header; `header` holds their values.
@@ -207,8 +211,7 @@ PacketError judge_header(const std::uint8_t* bytes, const PacketHeader& header) 
   if (header.kind != spec::kKindMoments && header.kind != spec::kKindCodes && header.kind != spec::kKindImage) {
     return PacketError::kind;
   }
-  if (std::any_of(bytes + first_reserved_byte(bytes), bytes + spec::kHeaderBytes,
-                  [](std::uint8_t b) { return b != 0; })) {
+  if (std::ranges::any_of(reserved_bytes(bytes), [](std::uint8_t b) { return b != 0; })) {
     return PacketError::reserved;
   }
   if (!geometry_is_right(header)) {

@@ -23,7 +23,7 @@ const spec::Register* register_at(std::uint32_t address) {
 
 bool has_register(const BoardBuild& build, std::uint32_t address) {
   const bool decoder = address == spec::kRegDecode || address == spec::kRegLostCodes || address == spec::kRegAbandoned;
-  return register_at(address) != nullptr && (build.codes || !decoder);
+  return register_at(address) != nullptr && (build.codes || !decoder) && (build.region || address != spec::kRegRegion);
 }
 
 RegisterFile::RegisterFile(const BoardBuild& build) : build_(build) {
@@ -53,7 +53,7 @@ std::uint32_t RegisterFile::capability() const {
          bit(build_.grey, spec::kRegCapabilityGreyLsb) | bit(build_.image, spec::kRegCapabilityImageLsb) |
          bit(build_.codes, spec::kRegCapabilityCodesLsb) |
          bit(build_.codes && build_.median, spec::kRegCapabilityMedianLsb) |
-         bit(build_.runs, spec::kRegCapabilityRunsLsb) |
+         bit(build_.runs, spec::kRegCapabilityRunsLsb) | bit(build_.region, spec::kRegCapabilityRegionLsb) |
          static_cast<std::uint32_t>(build_.codes ? build_.code_bits : 0) << spec::kRegCapabilityCodeBitsLsb;
 }
 
@@ -183,6 +183,8 @@ BoardSettings RegisterFile::settings() const {
       .window = {.first = number(spec::kRegWindow, spec::kRegWindowFirstLsb, spec::kRegWindowFirstBits),
                  .last = number(spec::kRegWindow, spec::kRegWindowLastLsb, spec::kRegWindowLastBits)},
       .stream = number(spec::kRegMeasure, spec::kRegMeasureStreamLsb, spec::kRegMeasureStreamBits),
+      .region_row = number(spec::kRegRegion, spec::kRegRegionRowLsb, spec::kRegRegionRowBits),
+      .region_column = number(spec::kRegRegion, spec::kRegRegionColumnLsb, spec::kRegRegionColumnBits),
       .codes = field(spec::kRegDecode, spec::kRegDecodeCodesLsb, 1) != 0,
       .median = field(spec::kRegDecode, spec::kRegDecodeMedianLsb, 1) != 0,
       .code_bits = number(spec::kRegDecode, spec::kRegDecodeBitsLsb, spec::kRegDecodeBitsBits),

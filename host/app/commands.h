@@ -10,6 +10,7 @@ namespace selfproj::app {
 
 // What is built and projected: rigs, patterns, calibrations.
 void add_rig_command(CLI::App& app);
+void add_rows_command(CLI::App& app);
 void add_pattern_command(CLI::App& app);
 CLI::App* add_chessboard_command(CLI::App& pattern);  // these two below `pattern`
 CLI::App* add_stripes_command(CLI::App& pattern);

@@ -20,6 +20,7 @@ selfproj rig light-section
 )"},
       [](CLI::App& app) {
         selfproj::app::add_rig_command(app);
+        selfproj::app::add_rows_command(app);
         selfproj::app::add_pattern_command(app);
         selfproj::app::add_calibrate_command(app);
         selfproj::app::add_depth_command(app);

@@ -43,8 +43,13 @@ void write_setup(driver::Control& control, const BoardSetup& setup) {
   if (measure.select == model::Select::strongest && !control.build().runs) {
     throw UserError(control.uri(), "this board is built without the strongest run; select all lit pixels");
   }
-  control.write_together({{driver::register_part("size.columns"), number(camera.columns)},
-                          {driver::register_part("size.rows"), number(camera.rows)},
+  const rig::RigRegion sent = camera.sent();
+  if (control.build().region) {
+    control.write_together({{driver::register_part("region.row"), number(sent.row_offset)},
+                            {driver::register_part("region.column"), number(sent.column_offset)}});
+  }
+  control.write_together({{driver::register_part("size.columns"), number(sent.columns)},
+                          {driver::register_part("size.rows"), number(sent.rows)},
                           {driver::register_part("measure.mode"), number(static_cast<int>(measure.mode))},
                           {driver::register_part("measure.threshold"), number(measure.threshold)},
                           {driver::register_part("measure.select"), number(static_cast<int>(measure.select))},

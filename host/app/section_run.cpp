@@ -67,10 +67,9 @@ bool SectionRun::is_usable(const model::PacketView& packet, const std::string& u
     ++counts_.not_moments;
     return false;
   }
-  if (header.columns != rig_.camera.columns || header.rows != rig_.camera.rows) {
+  if (const std::string unlike = profiler_.unlike_camera(header); !unlike.empty()) {
     if (counts_.profiles == 0) {
-      throw UserError(uri, fmt::format("its frames are {} x {} pixels, those of the rig {} x {}", header.columns,
-                                       header.rows, rig_.camera.columns, rig_.camera.rows));
+      throw UserError(uri, unlike);
     }
     ++counts_.other_size;
     return false;
@@ -100,11 +99,9 @@ bool SectionRun::is_usable(const model::PacketView& packet, const std::string& u
 
 bool SectionRun::profile(const model::PacketView& packet, const driver::Device& device,
                          const light_section::ProfileView& to) {
-  if (!is_usable(packet, device.uri())) {
+  if (!is_usable(packet, device.uri()) || !profiler_.profile(packet, to)) {
     return false;
   }
-  profiler_.profile(static_cast<model::Select>(packet.header.select), static_cast<model::Mode>(packet.header.mode),
-                    packet.payload.data(), to);
   const std::int64_t now = driver::now_ns();
   counts_.first_done_ns = counts_.profiles == 0 ? now : counts_.first_done_ns;
   counts_.last_done_ns = now;

@@ -15,6 +15,8 @@ namespace {
 model::PacketHeader header_of(const model::BoardSettings& settings) {
   model::PacketHeader header;
   header.stream = static_cast<std::uint8_t>(settings.stream);
+  header.region_row = static_cast<std::uint16_t>(settings.region_row);
+  header.region_column = static_cast<std::uint16_t>(settings.region_column);
   model::describe_frame(header, settings.rows, settings.columns, settings.measure());
   return header;
 }
@@ -27,7 +29,8 @@ void check_settings(const model::BoardSettings& settings) {
                     model::is_known(settings.mode) && model::is_known(settings.select) &&
                     within(settings.threshold, 0, UINT8_MAX) && within(settings.gap, 0, model::kMaxGap) &&
                     within(settings.stream, 0, UINT8_MAX) && within(settings.window.first, 0, spec::kMaxRows) &&
-                    within(settings.window.last, 0, spec::kMaxRows);
+                    within(settings.window.last, 0, spec::kMaxRows) && within(settings.region_row, 0, UINT16_MAX) &&
+                    within(settings.region_column, 0, UINT16_MAX);
   if (!good) {
     throw std::invalid_argument("software board: a setting is out of range");
   }

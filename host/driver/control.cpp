@@ -67,7 +67,10 @@ Control::Control(std::unique_ptr<RegisterPort> port) : port_(std::move(port)) {
   if (words[0] != spec::kMagic) {
     throw UserError(uri(), "no selfproj board is there: its first register is " + hex(words[0]));
   }
-  if (words[1] != spec::kVersion || words[2] != spec::kHash) {
+  const bool earlier = std::ranges::any_of(spec::kEarlierVersions, [&](const spec::EarlierVersion& one) {
+    return one.control && words[1] == one.version && words[2] == one.hash;
+  });
+  if (!earlier && (words[1] != spec::kVersion || words[2] != spec::kHash)) {
     throw UserError(uri(), "the board was built from another specification: version " + std::to_string(words[1] >> 8U) +
                                "." + std::to_string(words[1] & 0xFFU) + ", hash " + hex(words[2]) + ", not " +
                                hex(spec::kHash));
@@ -82,13 +85,16 @@ Control::Control(std::unique_ptr<RegisterPort> port) : port_(std::move(port)) {
       .codes = flag(can, spec::kRegCapabilityCodesLsb),
       .median = flag(can, spec::kRegCapabilityMedianLsb),
       .runs = flag(can, spec::kRegCapabilityRunsLsb),
+      .region = flag(can, spec::kRegCapabilityRegionLsb),
       .code_bits = static_cast<int>(field_of(can, spec::kRegCapabilityCodeBitsLsb, spec::kRegCapabilityCodeBitsBits)),
   };
 }
 
 void Control::need(const spec::Register& one) const {
   if (!model::has_register(build_, one.address)) {
-    throw UserError(uri(), "this board has no register " + std::string(one.name) + ": it has no Gray-code decoder");
+    throw UserError(
+        uri(), "this board has no register " + std::string(one.name) +
+                   (one.address == spec::kRegRegion ? ": it was built without it" : ": it has no Gray-code decoder"));
   }
 }
 
@@ -190,6 +196,13 @@ void Control::set(const model::BoardSettings& settings) {
       number(settings.window.first, spec::kRegWindowFirstLsb) | number(settings.window.last, spec::kRegWindowLastLsb);
   if (port_->word(spec::kRegWindow) != window) {
     write_word(at(spec::kRegWindow), window);
+  }
+  const std::uint32_t region =
+      number(settings.region_row, spec::kRegRegionRowLsb) | number(settings.region_column, spec::kRegRegionColumnLsb);
+  if (build_.region) {
+    write_word(at(spec::kRegRegion), region);
+  } else if (region != 0) {
+    throw UserError(uri(), "this board has no register for the region of the sensor");
   }
   write_word(at(spec::kRegTimeout), number(settings.timeout, spec::kRegTimeoutClocksLsb));
   if (build_.codes) {

@@ -16,7 +16,7 @@ local format = {
   trailer_bytes = 16,
   datagram_header_bytes = 16,
   check = {init = 0xFFFFFFFF, polynomial = 0x04C11DB7},
-  versions = {[0x08691C00] = "1.0", [0xA3603834] = "1.1"},
+  versions = {[0x08691C00] = "1.0", [0xA3603834] = "1.1", [0x1A81A4C9] = "2.0"},
   datagram = {
     {"magic", 0, 16, "the letters SL, S first"},
     {"session", 2, 16, "number that tells this run of the sender from the one before; its counts begin at 0"},
@@ -55,7 +55,9 @@ local format = {
     {"first_row", 54, 16, "first row that counts for the moments, from 1; 0: the first"},
     {"last_row", 56, 16, "last row that counts for the moments, from 1; 0: the last"},
     {"gap", 58, 8, "dark rows, 0..3, that two lit pixels of one run may have between them"},
-    {"reserved", 59, 40, "0"},
+    {"reserved", 59, 8, "0"},
+    {"region_row", 60, 16, "row of the sensor, from 0, at which the frame begins; a setting"},
+    {"region_column", 62, 16, "column of the sensor, from 0, at which the frame begins; a setting"},
   },
   trailer = {
     {"sequence", 0, 64, "the sequence of the header again"},

@@ -269,13 +269,14 @@ template <int Degree>
     const std::int32_t m0 = moments.m0[static_cast<std::size_t>(i)];
     const std::int32_t n = moments.n[static_cast<std::size_t>(i)];
     const float c = static_cast<float>(moments.m1[static_cast<std::size_t>(i)]) / static_cast<float>(m0);  // (3.2)
-    std::int32_t found = c >= first[i] ? code(Validity::valid) : code(Validity::out_of_range);
-    found = c <= last[i] ? found : code(Validity::out_of_range);
+    const float row = c + rules.offset;
+    std::int32_t found = row >= first[i] ? code(Validity::valid) : code(Validity::out_of_range);
+    found = row <= last[i] ? found : code(Validity::out_of_range);
     const std::int32_t second = moments.second[static_cast<std::size_t>(i)];
     const std::int32_t s = validity_of(c, m0, n, second, valid[i], found, rules);
     state[i] = s;
-    centroid[i] = s == code(Validity::valid) ? c : images::kNoValue;
-    t[i] = s == code(Validity::valid) ? (c - row_r[i]) * per_row : images::kNoValue;
+    centroid[i] = s == code(Validity::valid) ? row : images::kNoValue;
+    t[i] = s == code(Validity::valid) ? (row - row_r[i]) * per_row : images::kNoValue;
   }
 }
 
@@ -332,15 +333,16 @@ SELFPROJ_CLONES void unpack_runs_grey(const std::uint8_t* payload, int first, in
   unpack_grey_runs(payload, first, count, moments);
 }
 
-// Calls unpack(first, count, moments) and the kernel for each strip.
+// Calls unpack(first, count, moments) and the kernel for each strip of the columns from `begin` up to `end`.
 template <class Unpack>
-void for_each_strip(const ColumnCurves& curves, const LineRules& rules, const ProfileView& out, const Unpack& unpack) {
+void for_each_strip(const ColumnCurves& curves, const LineRules& rules, int begin, int end, const ProfileView& out,
+                    const Unpack& unpack) {
   const CurveStrip strip = curves.degree() == ColumnCurves::kDegrees[0]   ? strip_3
                            : curves.degree() == ColumnCurves::kDegrees[1] ? strip_5
                                                                           : strip_8;
   StripMoments moments;
-  for (int first = 0; first < curves.columns(); first += kStrip) {
-    const int count = std::min(kStrip, curves.columns() - first);
+  for (int first = begin; first < end; first += kStrip) {
+    const int count = std::min(kStrip, end - first);
     unpack(first, count, moments);
     strip(moments, count,
           {curves.row_r.data() + first, curves.first.data() + first, curves.last.data() + first,
@@ -354,17 +356,17 @@ void for_each_strip(const ColumnCurves& curves, const LineRules& rules, const Pr
 }  // namespace
 
 void profile_by_curves(const ColumnCurves& curves, const LineRules& rules, model::Select select, model::Mode mode,
-                       const std::uint8_t* payload, const ProfileView& out) {
+                       const std::uint8_t* payload, int begin, int end, const ProfileView& out) {
   const bool runs = select == model::Select::strongest;
   const auto unpack = mode == model::Mode::binary ? (runs ? unpack_runs_binary : unpack_binary)
                                                   : (runs ? unpack_runs_grey : unpack_grey);
-  for_each_strip(curves, rules, out,
-                 [&](int first, int count, StripMoments& moments) { unpack(payload, first, count, moments); });
+  for_each_strip(curves, rules, begin, end, out,
+                 [&](int first, int count, StripMoments& moments) { unpack(payload, first - begin, count, moments); });
 }
 
 void profile_by_curves(const ColumnCurves& curves, const LineRules& rules, const model::RunsView& runs,
                        const ProfileView& out) {
-  for_each_strip(curves, rules, out,
+  for_each_strip(curves, rules, 0, curves.columns(), out,
                  [&](int first, int count, StripMoments& strip) { copy_runs(runs, first, count, strip); });
 }
 

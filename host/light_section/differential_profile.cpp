@@ -1,5 +1,7 @@
 #include "selfproj/light_section/differential_profile.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -81,7 +83,8 @@ namespace {
     const std::int32_t n = moments.n[i];
     const std::int32_t m0 = moments.m0[i];
     const float c = static_cast<float>(moments.m1[i]) / static_cast<float>(m0);  // (3.2); a result of 0/0 is discarded
-    const float tan_alpha = (c - t.middle_row) * t.tan_alpha_per_row;            // (3.3), (3.6)
+    const float row = c + t.rules.offset;
+    const float tan_alpha = (row - t.middle_row) * t.tan_alpha_per_row;  // (3.3), (3.6)
     const float sum = tan_alpha + tan_theta[i];
     // z falls with θ at the rate (x0 - z0 tan α) / (tan α + tan θ)², which must be more than 0 and, for one line of
     // the projector, within the rig's limit.
@@ -93,7 +96,7 @@ namespace {
     s = reach > 0.0F ? s : code(Validity::out_of_range);
     s = validity_of(c, m0, n, moments.second[i], valid[i], s, t.rules);
     state[i] = s;
-    centroid[i] = s == code(Validity::valid) ? c : images::kNoValue;
+    centroid[i] = s == code(Validity::valid) ? row : images::kNoValue;
     tangent[i] = s == code(Validity::valid) ? tan_alpha : images::kNoValue;
     reciprocal[i] = 1.0F / (s == code(Validity::valid) ? sum : images::kNoValue);  // makes all that follows NaN
   }
@@ -141,10 +144,20 @@ SELFPROJ_CLONES void strip_moments(const model::RunsView& from, int first, int c
   triangulate(moments, columns, tables, out);
 }
 
+// Columns that a frame has not.
+void blank(const ProfileView& out, int begin, int end) {
+  for (float* values : {out.centroid, out.x, out.y, out.z, out.dx, out.dy, out.dz}) {
+    std::fill(values + begin, values + end, images::kNoValue);
+  }
+  std::fill(out.validity + begin, out.validity + end, static_cast<std::uint8_t>(Validity::outside));
+}
+
 }  // namespace
 
 DifferentialProfiler::DifferentialProfiler(const rig::Rig& rig, const ReferenceProfile& reference)
-    : middle_row_(static_cast<float>(rig::middle_row(rig.camera))),
+    : camera_(rig.camera),
+      measure_(rig.measure),
+      middle_row_(static_cast<float>(rig::middle_row(rig.camera))),
       tan_alpha_per_row_(static_cast<float>(rig.camera.pixel_pitch_mm / rig.camera.focal_length_mm)),
       projector_x_(static_cast<float>(rig.projector.x_mm)),
       projector_z_(static_cast<float>(rig.projector.z_mm)),
@@ -178,10 +191,38 @@ DifferentialProfiler::DifferentialProfiler(const rig::Rig& rig, const ReferenceP
 }
 
 std::string DifferentialProfiler::unlike_reference(const model::PacketHeader& header) const {
-  return light_section::unlike_reference(measured_, selection_of(model::measure_of(header)), header.rows);
+  return light_section::unlike_reference(measured_, selection_of(model::measure_of(header)), place_of(header).row,
+                                         header.rows);
 }
 
-ProfileTables DifferentialProfiler::tables_from(int first) const {
+DifferentialProfiler::Place DifferentialProfiler::place_of(const model::PacketHeader& header) const {
+  const bool whole = header.rows == camera_.rows && header.columns == camera_.columns;
+  if (header.region_row == 0 && header.region_column == 0 && !whole && camera_.region &&
+      header.rows == camera_.region->rows && header.columns == camera_.region->columns) {
+    return {camera_.region->row_offset, camera_.region->column_offset};
+  }
+  return {header.region_row, header.region_column};
+}
+
+std::string DifferentialProfiler::unlike_camera(const model::PacketHeader& header) const {
+  const auto [row, column] = place_of(header);
+  if (row + header.rows > camera_.rows || column + header.columns > camera_.columns) {
+    return fmt::format(
+        "its frames of {} x {} pixels begin at row {}, column {} of the sensor, but the rig's has {} x {}",
+        header.columns, header.rows, row, column, camera_.columns, camera_.rows);
+  }
+  const bool placed = header.region_row != 0 || header.region_column != 0 || row != 0 || column != 0;
+  if (!placed && (header.rows != camera_.rows || header.columns != camera_.columns) &&
+      !(camera_.region && camera_.region->rows == header.rows && camera_.region->columns == header.columns)) {
+    return fmt::format(
+        "its frames are {} x {} pixels, those of the rig {} x {}, and they do not say where on the "
+        "sensor they lie",
+        header.columns, header.rows, camera_.columns, camera_.rows);
+  }
+  return {};
+}
+
+ProfileTables DifferentialProfiler::tables_from(int first, const LineRules& rules) const {
   return {tan_theta_.data() + first,
           tan_beta_.data() + first,
           tan_alpha_r_.data() + first,
@@ -194,31 +235,42 @@ ProfileTables DifferentialProfiler::tables_from(int first) const {
           projector_x_,
           projector_z_,
           max_z_per_line_,
-          rules_};
+          rules};
 }
 
 void DifferentialProfiler::profile(model::Select select, model::Mode mode, const std::uint8_t* payload,
                                    const ProfileView& out) const {
+  profile(select, mode, payload, 0, columns(), rules_, out);
+}
+
+// The payload begins with column `begin` of the sensor.
+void DifferentialProfiler::profile(model::Select select, model::Mode mode, const std::uint8_t* payload, int begin,
+                                   int end, const LineRules& rules, const ProfileView& out) const {
   if (curves_) {
-    profile_by_curves(*curves_, rules_, select, mode, payload, out);
+    profile_by_curves(*curves_, rules, select, mode, payload, begin, end, out);
     return;
   }
   const bool runs = select == model::Select::strongest;
   const auto strip_of =
       mode == model::Mode::binary ? (runs ? strip_binary_runs : strip_binary) : (runs ? strip_grey_runs : strip_grey);
-  for (int first = 0; first < columns(); first += kStrip) {
-    const int count = std::min(kStrip, columns() - first);
-    strip_of(payload, first, count, tables_from(first), from_column(out, first));
+  for (int first = begin; first < end; first += kStrip) {
+    const int count = std::min(kStrip, end - first);
+    strip_of(payload, first - begin, count, tables_from(first, rules), from_column(out, first));
   }
 }
 
 bool DifferentialProfiler::profile(const model::PacketView& packet, const ProfileView& out) const {
   const model::PacketHeader& header = packet.header;
-  if (header.kind != spec::kKindMoments || packet.status != 0 || header.columns != columns_ ||
-      static_cast<float>(header.rows) != rules_.rows || !unlike_reference(header).empty()) {
+  if (header.kind != spec::kKindMoments || packet.status != 0 || !unlike_camera(header).empty() ||
+      !unlike_reference(header).empty()) {
     return false;
   }
-  profile(static_cast<model::Select>(header.select), static_cast<model::Mode>(header.mode), packet.payload.data(), out);
+  const auto [row, column] = place_of(header);
+  const int end = column + header.columns;
+  profile(static_cast<model::Select>(header.select), static_cast<model::Mode>(header.mode), packet.payload.data(),
+          column, end, line_rules(camera_, measure_, row, header.rows), out);
+  blank(out, 0, column);
+  blank(out, end, columns());
   return true;
 }
 
@@ -228,7 +280,8 @@ void DifferentialProfiler::profile(const model::RunsView& runs, const ProfileVie
     return;
   }
   for (int first = 0; first < columns(); first += kStrip) {
-    strip_moments(runs, first, std::min(kStrip, columns() - first), tables_from(first), from_column(out, first));
+    strip_moments(runs, first, std::min(kStrip, columns() - first), tables_from(first, rules_),
+                  from_column(out, first));
   }
 }
 

@@ -31,8 +31,8 @@ Inspection::Inspection(const rig::Rig& rig, int columns, const InspectionOptions
 }
 
 bool Inspection::begin_frame(const model::PacketHeader& header) {
-  if (header.columns != columns_) {
-    throw std::invalid_argument("a frame of another width");
+  if (header.region_column + header.columns > columns_) {
+    throw std::invalid_argument("a frame that is wider than the profiles");
   }
   if (frames_.size() >= options_.max_frames) {
     ++not_kept_;
@@ -45,7 +45,8 @@ bool Inspection::begin_frame(const model::PacketHeader& header) {
                      .threshold = header.threshold,
                      .select = header.select,
                      .gap = header.gap,
-                     .window = {header.first_row, header.last_row}});
+                     .window = {header.first_row, header.last_row},
+                     .row_offset = header.region_row});
   const std::size_t size = frames_.size() * static_cast<std::size_t>(columns_);
   for (auto* values : {&values_.m0, &values_.m1, &values_.n}) {
     values->resize(size);
@@ -68,8 +69,8 @@ void Inspection::add_profile(const ProfileView& profile) {
   append(values_.validity, profile.validity);
 }
 
-model::RunsView Inspection::last_frame() {
-  const std::size_t begin = (frames_.size() - 1) * static_cast<std::size_t>(columns_);
+model::RunsView Inspection::last_frame(std::size_t first_column) {
+  const std::size_t begin = (frames_.size() - 1) * static_cast<std::size_t>(columns_) + first_column;
   const bool runs = has_runs();
   return {{values_.m0.data() + begin, values_.m1.data() + begin, values_.n.data() + begin},
           runs ? values_.runs.data() + begin : nullptr,
@@ -80,13 +81,13 @@ void Inspection::add(const model::PacketHeader& header, const model::RunsView& r
   if (!begin_frame(header)) {
     return;
   }
-  const model::RunsView to = last_frame();
-  std::copy_n(runs.moments.m0, columns_, to.moments.m0);
-  std::copy_n(runs.moments.m1, columns_, to.moments.m1);
-  std::copy_n(runs.moments.n, columns_, to.moments.n);
+  const model::RunsView to = last_frame(header.region_column);
+  std::copy_n(runs.moments.m0, header.columns, to.moments.m0);
+  std::copy_n(runs.moments.m1, header.columns, to.moments.m1);
+  std::copy_n(runs.moments.n, header.columns, to.moments.n);
   if (runs.runs != nullptr && runs.second != nullptr && to.runs != nullptr) {
-    std::copy_n(runs.runs, columns_, to.runs);
-    std::copy_n(runs.second, columns_, to.second);
+    std::copy_n(runs.runs, header.columns, to.runs);
+    std::copy_n(runs.second, header.columns, to.second);
   }
   add_profile(profile);
 }
@@ -94,13 +95,14 @@ void Inspection::add(const model::PacketHeader& header, const model::RunsView& r
 void Inspection::add(const model::PacketHeader& header, std::span<const std::uint8_t> payload,
                      const ProfileView& profile) {
   const auto mode = static_cast<model::Mode>(header.mode);
-  if (payload.size() != model::moments_payload_bytes(mode, columns_)) {
+  if (payload.size() != model::moments_payload_bytes(mode, header.columns)) {
     throw std::invalid_argument("a payload of another width");
   }
   if (!begin_frame(header)) {
     return;
   }
-  model::unpack_columns(static_cast<model::Select>(header.select), mode, columns_, payload.data(), last_frame());
+  model::unpack_columns(static_cast<model::Select>(header.select), mode, header.columns, payload.data(),
+                        last_frame(header.region_column));
   add_profile(profile);
 }
 
@@ -114,7 +116,7 @@ std::vector<double> Inspection::belt_mm() const {
   std::vector<double> belt;
   belt.reserve(frames_.size());
   double position = 0;
-  double step = rig_.conveyor.speed_mm_per_s / rig_.camera.frame_rate_hz;
+  double step = rig_.conveyor.speed_mm_per_s / rig_.camera.sent().frame_rate_hz;
   for (std::size_t i = 0; i < frames_.size(); ++i) {
     const bool restarted = i > 0 && frames_[i].time_stamp < frames_[i - 1].time_stamp;
     if (i > 0 && !restarted) {
@@ -133,7 +135,7 @@ std::vector<double> Inspection::belt_mm() const {
 
 double Inspection::frame_spacing_mm() const {
   return frames_.size() > 1 ? std::abs(belt_mm().back()) / static_cast<double>(frames_.size() - 1)
-                            : rig_.conveyor.speed_mm_per_s / rig_.camera.frame_rate_hz;
+                            : rig_.conveyor.speed_mm_per_s / rig_.camera.sent().frame_rate_hz;
 }
 
 double Inspection::column_spacing_mm() const {
@@ -162,7 +164,9 @@ images::FloatImage Inspection::centroid() const {
   images::FloatImage image(static_cast<int>(frames_.size()), columns_, std::numeric_limits<float>::quiet_NaN());
   for (std::size_t i = 0; i < values_.m0.size(); ++i) {
     if (values_.m0[i] > 0 && values_.validity[i] == static_cast<std::uint8_t>(Validity::valid)) {
-      image.values[i] = static_cast<float>(static_cast<double>(values_.m1[i]) / values_.m0[i]);  // (3.2)
+      const Frame& frame = frames_[i / static_cast<std::size_t>(columns_)];
+      image.values[i] =
+          static_cast<float>(frame.row_offset + static_cast<double>(values_.m1[i]) / values_.m0[i]);  // (3.2)
     }
   }
   return image;

@@ -521,12 +521,19 @@ ReferenceProfile reference_of_scan(const rig::Rig& rig, std::span<const double> 
   return reference;
 }
 
-std::string unlike_reference(const std::optional<Selection>& reference, const Selection& frames, int rows) {
-  const auto with_rows = [&](Selection of) {
-    of.window = {std::max(of.window.first, 1), of.window.last == 0 ? rows : std::min(of.window.last, rows)};
+std::string unlike_reference(const std::optional<Selection>& reference, const Selection& frames, int offset, int rows) {
+  if (!reference) {
+    return {};
+  }
+  // Rows of the sensor that the frame has
+  const auto with_rows = [&](Selection of, int moved) {
+    of.window = {std::max(of.window.first + moved, offset + 1),
+                 of.window.last == 0 ? offset + rows : std::min(of.window.last + moved, offset + rows)};
     return of;
   };
-  if (!reference || with_rows(*reference) == with_rows(frames)) {
+  const Selection wanted = with_rows(*reference, 0);
+  const Selection found = with_rows(frames, offset);
+  if (wanted == found) {
     return {};
   }
   const auto words = [&](const Selection& of) {
@@ -535,8 +542,8 @@ std::string unlike_reference(const std::optional<Selection>& reference, const Se
         of.select == model::Select::all ? "all lit pixels" : fmt::format("the strongest run, gap {}", of.gap),
         of.window.first, of.window.last);
   };
-  return fmt::format("of its columns counted {}; in the images of the reference it was {}", words(with_rows(frames)),
-                     words(with_rows(*reference)));
+  return fmt::format("of its columns counted {}; in the images of the reference it was {}", words(found),
+                     words(wanted));
 }
 
 ReferenceProfile without_residual(const rig::Rig& rig, const ReferenceProfile& reference,

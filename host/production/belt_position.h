@@ -20,7 +20,7 @@ class BeltPosition {
         mm_per_count_(rig.conveyor.encoder_mm_per_count),
         mm_per_s_(rig.conveyor.speed_mm_per_s),
         clock_hz_(rig.pixel_clock_hz()),
-        step_(rig.conveyor.speed_mm_per_s / rig.camera.frame_rate_hz) {}
+        step_(rig.conveyor.speed_mm_per_s / rig.camera.sent().frame_rate_hz) {}
 
   // Takes the next frame and returns the position.
   double add(const model::PacketHeader& header) {

@@ -172,7 +172,7 @@ DepthCutter::DepthCutter(const rig::Rig& rig, int patterns)
     : grid_(rig),
       rule_(*rig.parts),
       clock_hz_(rig.pixel_clock_hz()),
-      frame_s_(1 / rig.camera.frame_rate_hz),
+      frame_s_(1 / rig.camera.sent().frame_rate_hz),
       patterns_(static_cast<std::uint64_t>(patterns)),
       sum_(rig.camera.rows, rig.camera.columns),
       count_(rig.camera.rows, rig.camera.columns),

@@ -31,7 +31,7 @@ namespace selfproj::report {
 namespace {
 
 constexpr std::array<const char*, light_section::kValidities> kValidityNames = {
-    "valid", "unlit", "too_few", "too_wide", "cut_off", "no_reference", "out_of_range", "ambiguous"};
+    "valid", "unlit", "too_few", "too_wide", "cut_off", "no_reference", "out_of_range", "ambiguous", "outside"};
 constexpr std::array<const char*, light_section::kValidities> kValidityLabels = {
     "points",
     "columns without light",
@@ -40,7 +40,9 @@ constexpr std::array<const char*, light_section::kValidities> kValidityLabels = 
     "columns whose line the image's border cuts off",
     "columns without a reference",
     "columns out of range",
-    "columns whose second run is nearly as strong"};
+    "columns whose second run is nearly as strong",
+    "columns outside the camera's region"};
+constexpr std::size_t kOutside = static_cast<std::size_t>(light_section::Validity::outside);
 
 // Collects text and appends it to a file of the folder, one megabyte at a time.
 class Table {
@@ -242,7 +244,9 @@ std::string summary(const light_section::Inspection& inspection, const ReportPar
   json["columns"] = inspection.columns();
   const ValidityCounts counts = count_validity(inspection);
   for (std::size_t i = 0; i < counts.size(); ++i) {
-    json["column_count"][kValidityNames[i]] = counts[i];
+    if (i != kOutside || counts[i] > 0) {
+      json["column_count"][kValidityNames[i]] = counts[i];
+    }
   }
   json["height_mm"] = to_json(statistics(inspection.height()));
   json["difference_mm"] = to_json(statistics(inspection.difference()));
@@ -304,7 +308,9 @@ ReportData report_data(const light_section::Inspection& inspection, const Report
     data.highlights.push_back({"difference_rms", "difference, RMS", fmt::format("{:.3f}", d.rms), "mm"});
   }
   for (std::size_t i = 1; i < counts.size(); ++i) {
-    data.counters.push_back({kValidityNames[i], kValidityLabels[i], counts[i]});
+    if (i != kOutside || counts[i] > 0) {
+      data.counters.push_back({kValidityNames[i], kValidityLabels[i], counts[i]});
+    }
   }
   if (inspection.frames_not_kept() > 0) {
     data.counters.push_back({"frames_not_kept", "frames not kept for this report",

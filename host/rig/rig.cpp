@@ -125,6 +125,18 @@ void visit_parts(PartsT& parts, RigKind kind, Visitor& v) {
   v.end();
 }
 
+template <class RegionT, class Visitor>
+void visit_region(RegionT& region, Visitor& v) {
+  v.begin("region");
+  v.integer("row_offset", region.row_offset, 0, 1 << 14);
+  v.integer("rows", region.rows, 1, 1 << 14);
+  v.integer("column_offset", region.column_offset, 0, 1 << 14);
+  v.integer("columns", region.columns, 4, 1 << 14);
+  v.number("frame_rate_hz", region.frame_rate_hz, 1, kPositive);
+  v.number("exposure_us", region.exposure_s, kMicro, kNotNegative);
+  v.end();
+}
+
 template <class ProjectorT, class Visitor>
 void visit_pinhole(ProjectorT& projector, Visitor& v) {
   v.begin("projector");
@@ -154,6 +166,9 @@ void visit_rig(RigT& rig, Visitor& v) {
   v.number("focal_length_mm", rig.camera.focal_length_mm, 1, kPositive);
   v.number("frame_rate_hz", rig.camera.frame_rate_hz, 1, kPositive);
   v.number("exposure_us", rig.camera.exposure_s, kMicro, kNotNegative);
+  if (v.has_any({"region"}, rig.camera.region)) {
+    visit_region(*rig.camera.region, v);
+  }
   v.end();
   if (!v.has_any({"light_plane"}, rig.light_plane)) {
     visit_pinhole(rig.projector, v);
@@ -227,6 +242,22 @@ void check_sections(const Rig& rig, const std::string& source) {
       throw UserError(source, fmt::format("{} has the length {:.6g}; 1 is expected", name, length));
     }
   };
+  if (rig.camera.region) {
+    const RigRegion& region = *rig.camera.region;
+    if (region.row_offset + region.rows > rig.camera.rows ||
+        region.column_offset + region.columns > rig.camera.columns) {
+      throw UserError(source, fmt::format("camera.region ends at row {}, column {}; the camera has {} rows, {} columns",
+                                          region.row_offset + region.rows, region.column_offset + region.columns,
+                                          rig.camera.rows, rig.camera.columns));
+    }
+    if (region.columns % spec::kPixelsPerBeat != 0) {
+      throw UserError(source, fmt::format("camera.region.columns is {}; a multiple of {} is expected", region.columns,
+                                          spec::kPixelsPerBeat));
+    }
+    if (rig.kind != RigKind::light_section) {
+      throw UserError(source, "camera.region goes only with kind light-section");
+    }
+  }
   if (rig.light_plane) {
     expect_unit("light_plane.normal", rig.light_plane->normal);
   }

@@ -32,7 +32,7 @@ DATAGRAM = HERE / "generated" / "datagram_format.h"
 PACKAGE = ROOT / "rtl" / "common" / "sp_spec_pkg.sv"
 DISSECTOR = ROOT / "host" / "driver" / "selfproj.lua"
 TABLES = {
-    ROOT / "docs" / "packet-reference.md": ["formats", "header", "versions", "trailer", "values", "check",
+    ROOT / "docs" / "packet-reference.md": ["formats", "planned", "header", "versions", "trailer", "values", "check",
                                                 "reader", "datagram", "replay"],
     ROOT / "docs" / "register-reference.md": ["registers", "link", "sources"],
     ROOT / "docs" / "circuits" / "gray.md": ["gray_memory"],
@@ -43,7 +43,8 @@ FRAME_FIELDS = [("stream", "HeaderStreamBits"), ("pattern", "HeaderPatternBits")
                 ("threshold", "HeaderThresholdBits"), ("sequence", "HeaderSequenceBits"),
                 ("time_stamp", "HeaderTimeStampBits"), ("encoder", "HeaderEncoderBits"), ("columns", "column_bits"),
                 ("rows", "row_bits"), ("lines", "row_bits"), ("flags", "FlagBits"), ("select", "SelectBits"),
-                ("first_row", "row_bits"), ("last_row", "row_bits"), ("gap", "RegMeasureGapBits")]
+                ("first_row", "row_bits"), ("last_row", "row_bits"), ("gap", "RegMeasureGapBits"),
+                ("region_row", "HeaderRegionRowBits"), ("region_column", "HeaderRegionColumnBits")]
 PROSE = ("description", "effect", "after_reset")  # keys that are for readers only and do not concern programs
 LINK_BASE = 0x100  # first address of the registers of the link
 REGISTER_WORDS = 32  # addresses of the register file, four bytes each
@@ -76,9 +77,9 @@ def spec_hash(spec):
     """First 32 bits of the SHA-256 of the specification without its prose, keys sorted.
 
     Datagrams, replay and the link only carry packets, frames and accesses, and have their own magic numbers; they do
-    not count.
+    not count. Neither does what is only planned.
     """
-    agreed = {key: value for key, value in spec.items() if key not in ("datagram", "replay", "link")}
+    agreed = {key: value for key, value in spec.items() if key not in ("datagram", "replay", "link", "planned")}
     canonical = json.dumps(without_descriptions(agreed), sort_keys=True, separators=(",", ":"))
     return int.from_bytes(hashlib.sha256(canonical.encode()).digest()[:4], "big")
 
@@ -147,10 +148,13 @@ class Spec:
         return total // 8
 
     def _prove_formats(self):
-        for fmt in self.raw["formats"]:
+        for fmt in self.raw["formats"] + self.raw["planned"]:
             end = 0
+            names = self.names
+            if "pixel_bits" in fmt:
+                names = {"rows": fmt["rows"], "pixel": (1 << fmt["pixel_bits"]) - 1}
             for field in fmt["fields"]:
-                field["max_value"] = evaluate(field["max"], self.names)
+                field["max_value"] = evaluate(field["max"], names)
                 if field["max_value"] >> field["bits"]:
                     raise SpecError(f"{fmt['name']}.{field['name']}: {field['max_value']} needs more than "
                                     f"{field['bits']} bits")
@@ -163,8 +167,8 @@ class Spec:
         ends = {field["lsb"] // 8 for field in self.header}
         for earlier in self.raw["earlier_versions"]:
             earlier["version"] = earlier["major"] << 8 | earlier["minor"]
-            if earlier["major"] != self.version >> 8 or earlier["version"] >= self.version:
-                raise SpecError("an earlier version has the same major number and a smaller minor one")
+            if earlier["version"] >= self.version:
+                raise SpecError("an earlier version has a smaller number")
             if earlier["reserved_byte"] not in ends:
                 raise SpecError(f"earlier version {earlier['major']}.{earlier['minor']}: its reserved bytes begin "
                                 "within a field")
@@ -200,11 +204,13 @@ def hex32(value):
 
 def cpp_earlier_versions(spec):
     earlier = spec.raw["earlier_versions"]
-    return ["// Earlier versions: their packets differ only in the header, whose bytes from `reserved_byte` on were 0.",
+    return ["// Earlier versions: their packets differ only in the header, whose bytes from `reserved_byte` on were 0. With",
+            "// `control` their registers are those of this version, but for what `capability` says.",
             "struct EarlierVersion {", "  std::uint32_t hash;", "  std::uint16_t version;",
-            "  std::size_t reserved_byte;", "};",
+            "  std::size_t reserved_byte;", "  bool control;", "};",
             f"constexpr std::array<EarlierVersion, {len(earlier)}> kEarlierVersions{{{{",
-            *(f"    {{{item['hash']}U, 0x{item['version']:04X}, {item['reserved_byte']}}},  // {item['description']}"
+            *(f"    {{{item['hash']}U, 0x{item['version']:04X}, {item['reserved_byte']}, "
+              f"{'true' if item['control'] else 'false'}}},  // {item['description']}"
               for item in earlier), "}};"]
 
 

@@ -28,6 +28,17 @@ def formats(spec):
     return out
 
 
+def planned(spec):
+    """Words that version 2 has room for, and that nothing builds yet."""
+    out = ["| word | pixels | rows | bits | field | meaning | it fits |", "|---|---:|---:|---|---|---|---|"]
+    for fmt in spec.raw["planned"]:
+        out.append(f"| **{fmt['name']}**, {fmt['word_bits']} bits | {fmt['pixel_bits']} bits | {fmt['rows']:,} | | | "
+                   f"{fmt['description']} | |")
+        out += [f"| | | | {bit_range(f['lsb'], f['bits'])} | {f['name']} | {f['description']} | "
+                f"{f['max_value']:,} < 2^{f['bits']} |" for f in fmt["fields"]]
+    return out
+
+
 def fields_by_byte(fields):
     out = ["| byte | bits | field | meaning |", "|---:|---:|---|---|"]
     return out + [f"| {f['lsb'] // 8} | {f['bits']} | {f['name']} | {f['description']} |" for f in fields]
@@ -189,6 +200,6 @@ def replay(spec):
     return fields_by_byte(spec.replay_header)
 
 
-MAKERS = {"formats": formats, "header": header, "versions": versions, "trailer": trailer, "values": values, "check":
+MAKERS = {"formats": formats, "planned": planned, "header": header, "versions": versions, "trailer": trailer, "values": values, "check":
           check, "reader": reader, "datagram": datagram, "link": link, "replay": replay, "sources": sources,
           "registers": registers, "fields": fields, "gray_memory": gray_memory}

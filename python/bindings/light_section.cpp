@@ -203,7 +203,8 @@ void bind_profiles(nb::module_& module) {
       .value("CUT_OFF", light_section::Validity::cut_off)
       .value("NO_REFERENCE", light_section::Validity::no_reference)
       .value("OUT_OF_RANGE", light_section::Validity::out_of_range)
-      .value("AMBIGUOUS", light_section::Validity::ambiguous);
+      .value("AMBIGUOUS", light_section::Validity::ambiguous)
+      .value("OUTSIDE", light_section::Validity::outside);
   nb::class_<ProfileResult>(module, "Profile",
                             "Profiles: float32 arrays of shape (columns,) or (frames, columns), mm in the camera's\n"
                             "frame, NaN where a column has no point.")

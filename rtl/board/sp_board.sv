@@ -16,6 +16,7 @@ module sp_board #(
   parameter bit Grey = 1'b1,   // modes grey and grey_over
   parameter bit Runs = 1'b0,   // the strongest run of a column
   parameter bit Image = 1'b1,  // raw-image packets
+  parameter bit Region = 1'b0,  // the register region: where on the sensor frames begin
   parameter bit Codes = 1'b0,  // Gray-code decoder, with on-chip memory for its state
   parameter bit CodesMedian = 1'b1,  // 3 x 3 median behind the decoder
   parameter int CodeBits = sp_spec_pkg::CodeCodeBits,  // largest number of code bits: 1..12
@@ -80,6 +81,7 @@ module sp_board #(
   logic [3:0]            set_bits;
   logic [7:0]            set_threshold, set_stream, set_code_threshold;
   logic [2*RowBits+2:0]  set_select, select;
+  logic [31:0]           set_region, region;
   logic [23:0]           set_timeout, trigger_period, trigger_camera;
   logic                  trigger_run, trigger_on_frame, frame_open, taking;
   logic [7:0]            trigger_last_pattern;
@@ -125,6 +127,7 @@ module sp_board #(
     .Grey      (Grey),
     .Runs      (Runs),
     .Image     (Image),
+    .Region    (Region),
     .Codes     (Codes),
     .Median    (CodesMedian),
     .MaxBits   (CodeBits)
@@ -147,6 +150,7 @@ module sp_board #(
     .threshold_o           (set_threshold),
     .stream_o              (set_stream),
     .select_o              (set_select),
+    .region_o              (set_region),
     .timeout_o             (set_timeout),
     .trigger_run_o         (trigger_run),
     .trigger_on_frame_o    (trigger_on_frame),
@@ -205,6 +209,7 @@ module sp_board #(
     .threshold_i        (set_threshold),
     .stream_i           (set_stream),
     .select_i           (set_select),
+    .region_i           (set_region),
     .timeout_i          (set_timeout),
     .taking_o           (taking),
     .take_o             (take),
@@ -215,6 +220,7 @@ module sp_board #(
     .threshold_o        (threshold),
     .stream_o           (stream),
     .select_o           (select),
+    .region_o           (region),
     .one_group_o        (one_group),
     .two_groups_o       (two_groups),
     .beat_valid_o       (beat_valid),
@@ -280,6 +286,7 @@ module sp_board #(
     .threshold_i   (threshold),
     .stream_i      (stream),
     .select_i      (select),
+    .region_i      (region),
     .encoder_i     (encoder_count),
     .pattern_i     (pattern_now),
     .time_o        (time_now),

@@ -46,6 +46,7 @@ module sp_frame_info #(
   input  wire logic [7:0]            threshold_i,
   input  wire logic [7:0]            stream_i,
   input  wire logic [2*RowBits+2:0]  select_i,  // {last row that counts, first, strongest, gap}
+  input  wire logic [31:0]           region_i,  // {column, row}
 
   input  wire logic [31:0]           encoder_i,
   input  wire logic [15:0]           pattern_i,
@@ -83,6 +84,8 @@ module sp_frame_info #(
   localparam int GapBeat = sp_spec_pkg::HeaderGapLsb / BeatBits;
   localparam int FirstRowBeat = sp_spec_pkg::HeaderFirstRowLsb / BeatBits;
   localparam int LastRowBeat = sp_spec_pkg::HeaderLastRowLsb / BeatBits;
+  localparam int RegionRowBeat = sp_spec_pkg::HeaderRegionRowLsb / BeatBits;
+  localparam int RegionColumnBeat = sp_spec_pkg::HeaderRegionColumnLsb / BeatBits;
 
   // Clocks from the edge that takes the first beat at the video input to the edge that captures the
   // time
@@ -205,6 +208,7 @@ module sp_frame_info #(
   logic                  strongest_q;
   logic [1:0]            gap_q;
   logic [RowBits-1:0]    first_row_q, last_row_q;
+  logic [15:0]           region_row_q, region_column_q;
   logic                  stray_before_q;  // belongs to the frame, not to the settings
 
   always_ff @(posedge clk_i) begin
@@ -218,6 +222,8 @@ module sp_frame_info #(
     if (taken_q[3+GapBeat]) gap_q <= select_i[1:0];
     if (taken_q[3+FirstRowBeat]) first_row_q <= select_i[3+:RowBits];
     if (taken_q[3+LastRowBeat]) last_row_q <= select_i[3+RowBits+:RowBits];
+    if (taken_q[3+RegionRowBeat]) region_row_q <= region_i[15:0];
+    if (taken_q[3+RegionColumnBeat]) region_column_q <= region_i[31:16];
     if (started_q[3+FlagsBeat]) stray_before_q <= stray_q[3+FlagsBeat];
   end
 
@@ -237,6 +243,8 @@ module sp_frame_info #(
     info_o[sp_spec_pkg::HeaderGapLsb+:2]                 = gap_q;
     info_o[sp_spec_pkg::HeaderFirstRowLsb+:RowBits]      = first_row_q;
     info_o[sp_spec_pkg::HeaderLastRowLsb+:RowBits]       = last_row_q;
+    info_o[sp_spec_pkg::HeaderRegionRowLsb+:16]          = region_row_q;
+    info_o[sp_spec_pkg::HeaderRegionColumnLsb+:16]       = region_column_q;
     info_o[sp_spec_pkg::HeaderFlagsLsb+sp_spec_pkg::FlagStrayBeforeBit] = stray_before_q;
   end
 

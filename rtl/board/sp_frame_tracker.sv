@@ -58,6 +58,7 @@ module sp_frame_tracker #(
   input  wire logic [7:0]            threshold_i,
   input  wire logic [7:0]            stream_i,
   input  wire logic [2*RowBits+2:0]  select_i,  // as in sp_registers
+  input  wire logic [31:0]           region_i,  // as in sp_registers
   input  wire logic [23:0]           timeout_i,
 
   output logic                       taking_o,  // one clock before take_o: the settings are taken
@@ -70,6 +71,7 @@ module sp_frame_tracker #(
   output logic      [7:0]            threshold_o,
   output logic      [7:0]            stream_o,
   output logic      [2*RowBits+2:0]  select_o,
+  output logic      [31:0]           region_o,
   output logic                       one_group_o,
   output logic                       two_groups_o,
 
@@ -166,6 +168,7 @@ module sp_frame_tracker #(
       threshold_o <= threshold_i;
       stream_o    <= stream_i;
       select_o    <= select_i;
+      region_o    <= region_i;
     end
   end
 

@@ -26,6 +26,7 @@ module sp_registers #(
   parameter bit Grey = 1'b1,
   parameter bit Runs = 1'b0,  // the strongest run of a column
   parameter bit Image = 1'b1,
+  parameter bit Region = 1'b0,  // the register region
   parameter bit Codes = 1'b0,  // Gray-code decoder
   parameter bit Median = 1'b0,
   parameter int MaxBits = sp_spec_pkg::CodeCodeBits,  // 1..12
@@ -55,6 +56,7 @@ module sp_registers #(
   output logic      [7:0]             threshold_o,
   output logic      [7:0]             stream_o,
   output logic      [2*RowBits+2:0]   select_o,  // {last row that counts, first, strongest, gap}
+  output logic      [31:0]            region_o,  // {column, row}; 0 without Region
   output logic      [23:0]            timeout_o,
   output logic                        trigger_run_o,
   output logic                        trigger_on_frame_o,
@@ -124,8 +126,10 @@ module sp_registers #(
   localparam logic [Words-1:0] CodesWords = Words'(1) << sp_spec_pkg::RegDecode / 4 |
                                             Words'(1) << sp_spec_pkg::RegLostCodes / 4 |
                                             Words'(1) << sp_spec_pkg::RegAbandoned / 4;
+  localparam logic [Words-1:0] RegionWords = Words'(1) << sp_spec_pkg::RegRegion / 4;
   localparam logic [Words-1:0] Present = sp_spec_pkg::RegisterWords &
-                                         ~(Codes ? {Words{1'b0}} : CodesWords);
+                                         ~(Codes ? {Words{1'b0}} : CodesWords) &
+                                         ~(Region ? {Words{1'b0}} : RegionWords);
   // no gap between them, so their end is enough
   localparam bit NoHoles = (Present & (Present + Words'(1))) == '0;
   localparam logic [7:0] LastRegister = 8'(4 * ($clog2({1'b0, Present} + (Words + 1)'(1)) - 1));
@@ -146,6 +150,7 @@ module sp_registers #(
                                        32'(MaxRows) << sp_spec_pkg::RegCapabilityMaxRowsLsb |
                                        32'(Grey) << sp_spec_pkg::RegCapabilityGreyLsb |
                                        32'(Runs) << sp_spec_pkg::RegCapabilityRunsLsb |
+                                       32'(Region) << sp_spec_pkg::RegCapabilityRegionLsb |
                                        32'(Image) << sp_spec_pkg::RegCapabilityImageLsb |
                                        32'(Codes) << sp_spec_pkg::RegCapabilityCodesLsb |
                                        32'(Codes && Median) << sp_spec_pkg::RegCapabilityMedianLsb |
@@ -155,7 +160,7 @@ module sp_registers #(
   // Writes, one clock later still
   localparam int WriteControl = 0, WriteSize = 1, WriteMeasure = 2, WriteDecode = 3,
                  WriteTimeout = 4, WriteTrigger = 5, WritePeriod = 6, WriteCamera = 7,
-                 WriteWidth = 8, WriteWindow = 9, Writes = 10;
+                 WriteWidth = 8, WriteWindow = 9, WriteRegion = 10, Writes = 11;
   // This register takes data_i: one bit for one clock, or none. In reset all are set, and every
   // register takes its reset value; so this bit alone is its enable.
   logic [Writes-1:0] put_q;
@@ -174,13 +179,15 @@ module sp_registers #(
     asked_q[4]   <= rst_i ? 1'b0 : asked_q[3];
     hold_o       <= rst_i || asked_q[2:0] != '0 && write_i || hold_q;
     pending_q    <= put_q[WriteControl] || put_q[WriteSize] || put_q[WriteMeasure] ||
-                    put_q[WriteDecode] || put_q[WriteWindow] || pending_q && !take_i;
+                    put_q[WriteDecode] || put_q[WriteWindow] || put_q[WriteRegion] ||
+                    pending_q && !take_i;
   end
 
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
       put_q              <= '1;
       put_q[WriteDecode] <= Codes;
+      put_q[WriteRegion] <= Region;
     end else begin
       put_q <= '0;
       if (asked_q[1] && write_i) begin
@@ -189,6 +196,7 @@ module sp_registers #(
         put_q[WriteMeasure] <= hit_q[sp_spec_pkg::RegMeasure/4] && measure_good_q;
         put_q[WriteDecode]  <= hit_q[sp_spec_pkg::RegDecode/4] && decode_good_q;
         put_q[WriteWindow]  <= hit_q[sp_spec_pkg::RegWindow/4] && window_good_q;
+        put_q[WriteRegion]  <= Region && hit_q[sp_spec_pkg::RegRegion/4];
         put_q[WriteTimeout] <= hit_q[sp_spec_pkg::RegTimeout/4];
         put_q[WriteTrigger] <= hit_q[sp_spec_pkg::RegTriggerControl/4] &&
                                !((trigger_run_o || trigger_on_frame_o) && trigger_wanted);
@@ -261,6 +269,7 @@ module sp_registers #(
   logic [31:0] time_high_q;
   logic [31:0] control_word, size_word, measure_word, trigger_word, status_word, decode_word;
   logic [31:0] timeout_word, period_word, camera_word, width_word, errors_word, window_word;
+  logic [31:0] region_q;  // the word of region, if it is asked for
 
   assign control_word = 32'(run_o) << sp_spec_pkg::RegControlRunLsb |
                         32'(hold_q) << sp_spec_pkg::RegControlHoldLsb |
@@ -356,13 +365,21 @@ module sp_registers #(
                      word_if(hit_q[sp_spec_pkg::RegEncoderErrors/4], errors_word);
       decode_q    <= word_if(Codes && hit_q[sp_spec_pkg::RegDecode/4], decode_word) |
                      word_if(hit_q[sp_spec_pkg::RegWindow/4], window_word);
+      region_q    <= word_if(Region && hit_q[sp_spec_pkg::RegRegion/4], region_o);
     end
     if (asked_q[2]) begin
       error_o  <= put_q == '0 && !read_good_q;
       set_q    <= control_q | size_q | period_q | width_q;
       moving_q <= fixed_q | frames_q | time_q | encoder_q;
     end
-    if (asked_q[3]) data_o <= set_q | moving_q | broken_q | lost_q | codes_q | decode_q;
+    if (asked_q[3]) data_o <= set_q | moving_q | broken_q | lost_q | codes_q | decode_q | region_q;
+  end
+
+  // --- Region: a build without it has nothing to set ---
+  if (Region) begin : gen_region
+    always_ff @(posedge clk_i) if (put_q[WriteRegion]) region_o <= rst_q ? sp_spec_pkg::RegRegionReset : data_i;
+  end else begin : gen_no_region
+    assign region_o = 32'd0;
   end
 
   // --- Decoder: a build without one has nothing to set ---
@@ -427,7 +444,7 @@ module sp_registers #(
       assert ($stable(trigger_last_pattern_o));
     end
     if (!($stable(columns_o) && $stable(rows_o) && $stable(mode_o) && $stable(threshold_o) &&
-          $stable(stream_o) && $stable(select_o) && $stable(image_o) && $stable(decode_o) &&
+          $stable(stream_o) && $stable(select_o) && $stable(region_o) && $stable(image_o) && $stable(decode_o) &&
           $stable(median_o) && $stable(bits_o) && $stable(code_threshold_o)))
       assert (hold_o && f_hold_q == 2'b11);
     cover (answer_o && error_o && write_i && trigger_run_o &&

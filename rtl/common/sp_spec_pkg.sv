@@ -3,8 +3,8 @@
 // verilator lint_off UNUSEDPARAM
 package sp_spec_pkg;
 
-  localparam logic [31:0] SpecHash = 32'hA3603834;
-  localparam logic [15:0] SpecVersion = 16'h0101;
+  localparam logic [31:0] SpecHash = 32'h1A81A4C9;
+  localparam logic [15:0] SpecVersion = 16'h0200;
 
   localparam int PixelBits = 8;
   localparam int PixelsPerBeat = 4;
@@ -111,7 +111,11 @@ package sp_spec_pkg;
   localparam int HeaderGapLsb = 464;
   localparam int HeaderGapBits = 8;
   localparam int HeaderReservedLsb = 472;
-  localparam int HeaderReservedBits = 40;
+  localparam int HeaderReservedBits = 8;
+  localparam int HeaderRegionRowLsb = 480;
+  localparam int HeaderRegionRowBits = 16;
+  localparam int HeaderRegionColumnLsb = 496;
+  localparam int HeaderRegionColumnBits = 16;
   localparam int TrailerSequenceLsb = 0;
   localparam int TrailerSequenceBits = 64;
   localparam int TrailerStatusLsb = 64;
@@ -170,6 +174,8 @@ package sp_spec_pkg;
   localparam int RegCapabilityMedianBits = 1;
   localparam int RegCapabilityRunsLsb = 26;
   localparam int RegCapabilityRunsBits = 1;
+  localparam int RegCapabilityRegionLsb = 27;
+  localparam int RegCapabilityRegionBits = 1;
   localparam int RegCapabilityCodeBitsLsb = 28;
   localparam int RegCapabilityCodeBitsBits = 4;
   localparam logic [7:0] RegControl = 8'h10;
@@ -276,8 +282,14 @@ package sp_spec_pkg;
   localparam int RegWindowFirstBits = 10;
   localparam int RegWindowLastLsb = 16;
   localparam int RegWindowLastBits = 10;
+  localparam logic [7:0] RegRegion = 8'h68;
+  localparam logic [31:0] RegRegionReset = 32'h00000000;
+  localparam int RegRegionRowLsb = 0;
+  localparam int RegRegionRowBits = 16;
+  localparam int RegRegionColumnLsb = 16;
+  localparam int RegRegionColumnBits = 16;
   // Words of the register file's address space in which there is a register
-  localparam logic [31:0] RegisterWords = 32'h03FFFFFF;
+  localparam logic [31:0] RegisterWords = 32'h07FFFFFF;
 
   // Registers of the link, for boards on the network
   localparam logic [31:0] LinkId = 32'h00000100;
@@ -373,7 +385,9 @@ package sp_spec_pkg;
                  ~({HeaderBits{1'b1}} << SelectBits) << HeaderSelectLsb |
                  ~({HeaderBits{1'b1}} << row_bits) << HeaderFirstRowLsb |
                  ~({HeaderBits{1'b1}} << row_bits) << HeaderLastRowLsb |
-                 ~({HeaderBits{1'b1}} << RegMeasureGapBits) << HeaderGapLsb;
+                 ~({HeaderBits{1'b1}} << RegMeasureGapBits) << HeaderGapLsb |
+                 ~({HeaderBits{1'b1}} << HeaderRegionRowBits) << HeaderRegionRowLsb |
+                 ~({HeaderBits{1'b1}} << HeaderRegionColumnBits) << HeaderRegionColumnLsb;
   endfunction
 
 endpackage

@@ -79,6 +79,7 @@ class BoardDevice {
   void reset() {
     beats_.clear();
     packet_.clear();
+    region_ = 0;
     model_->rst_i = 1;
     model_->bus_rst_i = 1;
     model_->s_axil_awvalid = 0;
@@ -207,6 +208,12 @@ class BoardDevice {
                                  static_cast<std::uint32_t>(settings.stream) << spec::kRegMeasureStreamLsb);
     write(spec::kRegWindow, static_cast<std::uint32_t>(settings.window.first) << spec::kRegWindowFirstLsb |
                                 static_cast<std::uint32_t>(settings.window.last) << spec::kRegWindowLastLsb);
+    const std::uint32_t region = static_cast<std::uint32_t>(settings.region_row) << spec::kRegRegionRowLsb |
+                                 static_cast<std::uint32_t>(settings.region_column) << spec::kRegRegionColumnLsb;
+    if (region != region_) {  // 0 after reset, and always in a build without it
+      write(spec::kRegRegion, region);
+      region_ = region;
+    }
     write(spec::kRegTimeout, static_cast<std::uint32_t>(settings.timeout));
     if (!decodes_) {
       decodes_ = (read(spec::kRegCapability) >> spec::kRegCapabilityCodesLsb & 1U) != 0;
@@ -410,6 +417,7 @@ class BoardDevice {
   ClockHook clock_hook_;
   BeatHook beat_hook_;
 
+  std::uint32_t region_ = 0;     // in the register, after reset and in a build without it
   std::optional<bool> decodes_;  // whether the build has the decoder; empty until asked
   model::RegisterAnswer answer_;
   bool access_done_ = true;

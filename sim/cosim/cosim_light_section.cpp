@@ -113,22 +113,45 @@ Setup scene_setup(const CosimOptions& options, const SceneInfo& info) {
   setup.rig = rig_of(options);
   const rig::Rig& rig = setup.rig;
   const rig::Rig actual = perturbed_rig_of(options, rig);
-  setup.scene = make_scene(info.name, actual);
+  const rig::RigRegion sent = rig.camera.sent();
+  // A shorter exposure collects less light; noise and dark level of the sensor stay. The reference is scanned with that
+  // exposure as well, by the whole sensor and so more slowly.
+  rig::Rig exposed = actual;
+  if (rig.camera.region) {
+    const double share = sent.exposure_s / rig.camera.exposure_s;
+    exposed.camera.exposure_s = sent.exposure_s;
+    exposed.imaging.white *= share;
+    exposed.imaging.ambient *= share;
+  }
+  rig::Rig running = exposed;
+  running.camera.frame_rate_hz = rig.camera.region ? sent.frame_rate_hz : actual.camera.frame_rate_hz;
+  setup.scene = make_scene(info.name, running);
   const RenderOptions render = options.render();
   const LightSection light =
-      self_projection(rig, actual, *make_scene(info.reference_name(), actual), render, options.residual);
+      self_projection(rig, exposed, *make_scene(info.reference_name(), exposed), render, options.residual);
   const auto mode =
       static_cast<std::size_t>(std::find(kAllModes.begin(), kAllModes.end(), rig.measure.mode) - kAllModes.begin());
   const light_section::ReferenceProfile& reference = light.references.at(mode);
   if (reference.valid_columns() == 0) {
     throw UserError("--scene " + options.scene, "the rig's camera sees the projected line in no column");
   }
-  setup.renderer = std::make_unique<LineRenderer>(actual, *setup.scene, light.pattern, render);
+  setup.renderer = std::make_unique<LineRenderer>(running, *setup.scene, light.pattern, render);
   const std::size_t count =
       frames_of_run(options, static_cast<std::size_t>(setup.scene->frames()), "scene " + options.scene);
   setup.source = std::make_unique<SceneFrames>(
-      [renderer = setup.renderer.get()](int frame, std::span<std::uint8_t> pixels) { renderer->render(frame, pixels); },
-      rig.camera.rows, rig.camera.columns, options.first - 1, count);
+      [renderer = setup.renderer.get(), sent, camera = rig.camera](int frame, std::span<std::uint8_t> pixels) {
+        if (!camera.region) {
+          renderer->render(frame, pixels);
+          return;
+        }
+        std::vector<std::uint8_t> sensor(camera.pixels());
+        renderer->render(frame, sensor);
+        for (int row = 0; row < sent.rows; ++row) {
+          std::copy_n(sensor.begin() + (sent.row_offset + row) * camera.columns + sent.column_offset, sent.columns,
+                      pixels.begin() + row * sent.columns);
+        }
+      },
+      sent.rows, sent.columns, options.first - 1, count);
   setup.profiler = std::make_unique<light_section::DifferentialProfiler>(rig, reference);
   setup.facts = scene_facts(options, info, rig, reference);
   return setup;
@@ -163,11 +186,11 @@ std::unique_ptr<RecordedFrames> recorded_frames(const CosimOptions& options) {
   }
   auto source = std::make_unique<RecordedFrames>(images::PreparedImages(files, preparation), 0, count);
   if (!options.rig.empty()) {
-    const rig::RigCamera& camera = light_section_rig(options.rig).camera;
-    if (source->rows() != camera.rows || source->image_columns() != camera.columns) {
-      throw UserError(files.front(), fmt::format("is {}, but the camera of --rig {} has {}",
+    const rig::RigRegion sent = light_section_rig(options.rig).camera.sent();
+    if (source->rows() != sent.rows || source->image_columns() != sent.columns) {
+      throw UserError(files.front(), fmt::format("is {}, but the camera of --rig {} sends {}",
                                                  images::size_text(source->rows(), source->image_columns()),
-                                                 options.rig, images::size_text(camera.rows, camera.columns)));
+                                                 options.rig, images::size_text(sent.rows, sent.columns)));
     }
   }
   return source;
@@ -212,9 +235,9 @@ class LightSectionCosim final : public CosimMeasurement {
         line_images_(setup_.source->rows(), setup_.image_columns > 0 ? setup_.image_columns : columns_,
                      setup_.rig.measure) {
     if (setup_.profiler != nullptr) {
-      inspection_.emplace(setup_.rig, columns_,
+      inspection_.emplace(setup_.rig, setup_.profiler->columns(),
                           light_section::InspectionOptions{.expected_frames = setup_.source->total()});
-      profile_.resize(columns_);
+      profile_.resize(setup_.profiler->columns());
     }
     runs_.resize(measure_.select, columns_);
   }
@@ -223,6 +246,7 @@ class LightSectionCosim final : public CosimMeasurement {
 
   [[nodiscard]] PlatformOptions platform() const override {
     const rig::Rig& rig = setup_.rig;
+    const rig::RigRegion sent = rig.camera.sent();
     PlatformOptions platform;
     platform.engine = engine_of(options_);
     platform.settings = {.columns = columns_,
@@ -231,8 +255,10 @@ class LightSectionCosim final : public CosimMeasurement {
                          .threshold = measure_.threshold,
                          .select = measure_.select,
                          .gap = measure_.gap,
-                         .window = measure_.window};
-    platform.frame_rate_hz = rig.camera.frame_rate_hz;
+                         .window = measure_.window,
+                         .region_row = setup_.profiler != nullptr ? sent.row_offset : 0,
+                         .region_column = setup_.profiler != nullptr ? sent.column_offset : 0};
+    platform.frame_rate_hz = sent.frame_rate_hz;
     platform.pixel_clock_hz = rig.pixel_clock_hz();
     if (rig.conveyor.encoder_mm_per_count > 0 && setup_.profiler != nullptr) {
       platform.encoder_steps_per_s = rig.conveyor.speed_mm_per_s / rig.conveyor.encoder_mm_per_count;
@@ -284,8 +310,9 @@ class LightSectionCosim final : public CosimMeasurement {
       picture->second = line_images_.picture(frame, std::move(picture->second.image), runs_);
     }
     if (inspection_) {
-      setup_.profiler->profile(measure_.select, measure_.mode, packet.payload.data(), profile_.view());
-      inspection_->add(packet.header, packet.payload, profile_.view());
+      if (setup_.profiler->profile(packet, profile_.view())) {
+        inspection_->add(packet.header, packet.payload, profile_.view());
+      }
     } else {
       line_images_.add(frame, runs_);
     }
@@ -341,7 +368,8 @@ class LightSectionCosim final : public CosimMeasurement {
 
  private:
   [[nodiscard]] CameraTiming timing() const {
-    return camera_timing(setup_.source->rows(), columns_, setup_.rig.camera.frame_rate_hz, setup_.rig.pixel_clock_hz());
+    return camera_timing(setup_.source->rows(), columns_, setup_.rig.camera.sent().frame_rate_hz,
+                         setup_.rig.pixel_clock_hz());
   }
   [[nodiscard]] double rate(const CameraTiming& timing) const {
     return setup_.rig.pixel_clock_hz() / static_cast<double>(timing.frame_clocks);

@@ -103,7 +103,7 @@ class GeneratorTest(unittest.TestCase):
         self.refused(lambda spec: named(spec["registers"], "frames")["fields"][0].update(bits=33), "leaves the word")
 
     def test_earlier_version_that_is_none(self):
-        self.refused(lambda spec: spec["earlier_versions"][0].update(minor=spec["version"]["minor"]), "smaller minor")
+        self.refused(lambda spec: spec["earlier_versions"][0].update(spec["version"]), "smaller number")
         self.refused(lambda spec: spec["earlier_versions"][0].update(reserved_byte=55), "within a field")
 
     def test_missing_file(self):

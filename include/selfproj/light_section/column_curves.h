@@ -62,9 +62,11 @@ class ColumnCurves {
   double fit_error_ = 0;
 };
 
-// What DifferentialProfiler::profile does, for all columns.
+// What DifferentialProfiler::profile does, for the columns from `begin` up to, without, `end`; the payload begins with
+// column `begin`.
 void profile_by_curves(const ColumnCurves& curves, const LineRules& rules, model::Select select, model::Mode mode,
-                       const std::uint8_t* payload, const ProfileView& out);
+                       const std::uint8_t* payload, int begin, int end, const ProfileView& out);
+// The same for all columns, from runs.
 void profile_by_curves(const ColumnCurves& curves, const LineRules& rules, const model::RunsView& runs,
                        const ProfileView& out);
 

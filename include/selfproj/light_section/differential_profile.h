@@ -63,8 +63,12 @@ class DifferentialProfiler {
   // the share of the strongest one's M0 that the rig calls ambiguous. Unknown selects count as `all`.
   void profile(model::Select select, model::Mode mode, const std::uint8_t* payload, const ProfileView& out) const;
 
-  // The same from a packet. Returns false, and writes nothing, unless it has the moments of a good frame of the size of
-  // the rig's camera, measured as the images of the reference were.
+  // Why a frame of this size and place is not one of the rig's camera; empty if it is: the whole sensor, or a region of
+  // it. Where a header says no place (a board without the register), the rig's region counts.
+  [[nodiscard]] std::string unlike_camera(const model::PacketHeader& header) const;
+
+  // The same from a packet. Returns false, and writes nothing, unless it has the moments of a good frame for which
+  // unlike_camera and unlike_reference are empty. Columns outside its region become Validity::outside.
   [[nodiscard]] bool profile(const model::PacketView& packet, const ProfileView& out) const;
 
   // The same from moments, which are only read, and are as column_moments gives them (below 2^31).
@@ -76,9 +80,19 @@ class DifferentialProfiler {
   void profile(const model::RunsView& runs, const ProfileView& out) const;
 
  private:
-  [[nodiscard]] ProfileTables tables_from(int first) const;
+  // Where a frame lies on the sensor.
+  struct Place {
+    int row = 0;
+    int column = 0;
+  };
+  [[nodiscard]] Place place_of(const model::PacketHeader& header) const;
+  [[nodiscard]] ProfileTables tables_from(int first, const LineRules& rules) const;
+  void profile(model::Select select, model::Mode mode, const std::uint8_t* payload, int begin, int end,
+               const LineRules& rules, const ProfileView& out) const;
 
   int columns_ = 0;
+  rig::RigCamera camera_;
+  rig::RigMeasure measure_;
   std::optional<Selection> measured_;
   std::shared_ptr<const ColumnCurves> curves_;  // null for pinholes
   // Values of the rig:

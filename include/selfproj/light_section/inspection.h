@@ -33,6 +33,7 @@ class Inspection {
     std::uint8_t select = 0;  // a value of Select
     std::uint8_t gap = 0;
     model::RowWindow window = {};
+    std::uint16_t row_offset = 0;  // rows of the sensor before the frame
 
     [[nodiscard]] model::Measure measure() const {
       return {.mode = static_cast<model::Mode>(mode),
@@ -58,8 +59,9 @@ class Inspection {
   Inspection(const rig::Rig& rig, int columns, const InspectionOptions& options = {});
 
   // Adds a frame: the header of its packet, its moments or runs as numbers, or the packet's payload, and its profile,
-  // all with `columns` columns. Allocates nothing while there are no more frames than expected_frames. Throws
-  // std::invalid_argument if the header or the payload has another width.
+  // the moments with the header's columns, the profile with `columns`. Columns that the frame has not have no light.
+  // Allocates nothing while there are no more frames than expected_frames. Throws std::invalid_argument if the frame
+  // does not lie within the columns, or the payload has another width than the header says.
   void add(const model::PacketHeader& header, const model::RunsView& runs, const ProfileView& profile);
   void add(const model::PacketHeader& header, const model::MomentsView& moments, const ProfileView& profile) {
     add(header, model::RunsView{moments, nullptr, nullptr}, profile);
@@ -92,7 +94,7 @@ class Inspection {
   [[nodiscard]] images::FloatImage height() const;
   [[nodiscard]] images::FloatImage difference() const;
 
-  // Centroids (rows from 1), and x (not carried back by the belt) and y in mm, in the same layout.
+  // Centroids (rows of the sensor, from 1), and x (not carried back by the belt) and y in mm, in the same layout.
   [[nodiscard]] images::FloatImage centroid() const;
   [[nodiscard]] images::FloatImage x() const;
   [[nodiscard]] images::FloatImage y() const;
@@ -104,8 +106,8 @@ class Inspection {
   // Makes room for one more frame. Returns false if the frame is not to be kept.
   bool begin_frame(const model::PacketHeader& header);
   void add_profile(const ProfileView& profile);
-  // Where the moments and runs of the frame go that begin_frame() made room for.
-  model::RunsView last_frame();
+  // Where the moments and runs of the frame go that begin_frame() made room for, from its first column on.
+  model::RunsView last_frame(std::size_t first_column);
   [[nodiscard]] images::FloatImage map(const std::vector<float>& values, double offset, double factor) const;
 
   rig::Rig rig_;

@@ -18,8 +18,9 @@ enum class Validity : std::uint8_t {
   no_reference,  // the reference has no point in this column
   out_of_range,  // triangulation is impossible there
   ambiguous,     // the second run is nearly as strong as the strongest: see the rig's ambiguous_from
+  outside,       // the camera's region has not this column
 };
-inline constexpr int kValidities = 8;
+inline constexpr int kValidities = 9;
 
 // Whether a line of n lit pixels around the centroid C (rows from 1, 3.2) reaches the first or the last row that
 // counts. Part of it may then lie beyond these rows, and its centroid is not where the line is. Moments do not say
@@ -37,7 +38,7 @@ inline constexpr int kValidities = 8;
 // Where a profile goes: arrays with one entry for each column, owned by someone else. Millimetres in the camera's
 // frame. Entries of invalid columns are NaN.
 struct ProfileView {
-  float* centroid = nullptr;  // C = M1/M0, rows from 1 (3.2)
+  float* centroid = nullptr;  // C = M1/M0 (3.2), rows of the sensor from 1
   float* x = nullptr;         // shape (3.10, 3.11), x not carried back by the belt
   float* y = nullptr;
   float* z = nullptr;

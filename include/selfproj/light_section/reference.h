@@ -44,9 +44,9 @@ struct Selection {
 };
 inline Selection selection_of(const model::Measure& measure) { return {measure.select, measure.gap, measure.window}; }
 
-// Why frames of `rows` rows of which this counted do not go with a reference: a text for an error message, empty if
-// they do.
-std::string unlike_reference(const std::optional<Selection>& reference, const Selection& frames, int rows);
+// Why frames of `rows` rows that begin after `offset` rows of the sensor, and of which this counted, do not go with a
+// reference: a text for an error message, empty if they do. Rows that a frame has not need not have counted in it.
+std::string unlike_reference(const std::optional<Selection>& reference, const Selection& frames, int offset, int rows);
 
 // One entry for each camera column. The light of a rig that is_pinholes() is tan_theta. Other rigs have line and slope
 // in its place.

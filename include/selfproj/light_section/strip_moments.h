@@ -29,8 +29,9 @@ struct StripMoments {
 
 // Which lines count.
 struct LineRules {
-  float rows;
-  float first;  // row that counts
+  float rows;    // of the sensor
+  float offset;  // rows of the sensor before the frame
+  float first;   // row of the frame that counts
   float last;
   std::int32_t min_lit;
   std::int32_t max_lit;
@@ -41,17 +42,20 @@ struct LineRules {
 inline std::int32_t sixteenths_that_are_ambiguous(const rig::RigMeasure& measure) {
   return static_cast<std::int32_t>(std::ceil(16 * measure.runs.value_or(rig::RigRuns{}).ambiguous_from));
 }
-inline LineRules line_rules(const rig::Rig& rig) {
-  const rig::RigMeasure& measure = rig.measure;
+// For frames of `rows` rows that begin after `offset` rows of the sensor. The rig's window
+// counts rows of the frame, as the board does.
+inline LineRules line_rules(const rig::RigCamera& camera, const rig::RigMeasure& measure, int offset, int rows) {
   const model::RowWindow window = measure.window.value_or(model::RowWindow{});
-  const int last = window.last == 0 ? rig.camera.rows : std::min(window.last, rig.camera.rows);
-  return {.rows = static_cast<float>(rig.camera.rows),
+  const int last = window.last == 0 ? rows : std::min(window.last, rows);
+  return {.rows = static_cast<float>(camera.rows),
+          .offset = static_cast<float>(offset),
           .first = static_cast<float>(std::max(window.first, 1)),
           .last = static_cast<float>(last),
           .min_lit = measure.min_lit_px,
           .max_lit = measure.max_lit_px,
           .ambiguous_from = sixteenths_that_are_ambiguous(measure)};
 }
+inline LineRules line_rules(const rig::Rig& rig) { return line_rules(rig.camera, rig.measure, 0, rig.camera.rows); }
 
 // The most that `second` may be, in sixteenths. A binary word says only whether it is 8 or more; what it leaves open
 // counts against the column.

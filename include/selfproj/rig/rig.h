@@ -24,6 +24,19 @@ namespace selfproj::rig {
 
 enum class RigKind : std::uint8_t { light_section, scanner };
 
+// What of its sensor a camera sends while it measures. Rows and columns that lie before it count from 0, as OffsetY and
+// OffsetX of GenICam.
+struct RigRegion {
+  int row_offset = 0;  // rows of the sensor before the first one that is sent
+  int rows = 0;
+  int column_offset = 0;
+  int columns = 0;  // a multiple of 4
+  double frame_rate_hz = 0;
+  double exposure_s = 0;
+
+  bool operator==(const RigRegion&) const = default;
+};
+
 // A pinhole at the origin that looks along z. Pixel (row r, column c) has its centre at
 //     Xc = pixel_pitch_mm (r - (rows - 1)/2),  Yc = pixel_pitch_mm (c - (columns - 1)/2)      (3.3)
 struct RigCamera {
@@ -33,6 +46,17 @@ struct RigCamera {
   double focal_length_mm = 0;
   double frame_rate_hz = 0;
   double exposure_s = 0;
+  std::optional<RigRegion> region = {};  // while it measures; nothing: the whole sensor
+
+  // What is sent while it measures.
+  [[nodiscard]] RigRegion sent() const {
+    return region.value_or(RigRegion{.row_offset = 0,
+                                     .rows = rows,
+                                     .column_offset = 0,
+                                     .columns = columns,
+                                     .frame_rate_hz = frame_rate_hz,
+                                     .exposure_s = exposure_s});
+  }
 
   [[nodiscard]] std::size_t pixels() const {
     return static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns);

@@ -49,7 +49,7 @@ inline constexpr std::array<RegisterField, 1> kFieldsOfVersion{{
 inline constexpr std::array<RegisterField, 1> kFieldsOfSpecHash{{
     {"hash", 0, 32, "its hash, the same as in every packet header"},
 }};
-inline constexpr std::array<RegisterField, 8> kFieldsOfCapability{{
+inline constexpr std::array<RegisterField, 9> kFieldsOfCapability{{
     {"max_columns", 0, 12, "largest image width"},
     {"max_rows", 12, 10, "largest image height"},
     {"grey", 22, 1, "1: modes grey and grey_over are built in"},
@@ -57,6 +57,7 @@ inline constexpr std::array<RegisterField, 8> kFieldsOfCapability{{
     {"codes", 24, 1, "1: the Gray-code decoder is built in"},
     {"median", 25, 1, "1: the 3 x 3 median of its codes is built in"},
     {"runs", 26, 1, "1: the strongest run of a column is built in"},
+    {"region", 27, 1, "1: the register region is built in"},
     {"code_bits", 28, 4, "largest number of code bits; 0 without the decoder"},
 }};
 inline constexpr std::array<RegisterField, 3> kFieldsOfControl{{
@@ -139,12 +140,16 @@ inline constexpr std::array<RegisterField, 2> kFieldsOfWindow{{
     {"first", 0, 10, "first row that counts, from 1; 0: the first"},
     {"last", 16, 10, "last row that counts, from 1; 0: the last"},
 }};
+inline constexpr std::array<RegisterField, 2> kFieldsOfRegion{{
+    {"row", 0, 16, "row of the sensor, from 0"},
+    {"column", 16, 16, "column of the sensor, from 0"},
+}};
 
 // In the order of their addresses.
-inline constexpr std::array<Register, 26> kRegisters{{
+inline constexpr std::array<Register, 27> kRegisters{{
     {"id", 0x00, false, false, 0x50464C53U, "marks a selfproj board", kFieldsOfId},
-    {"version", 0x04, false, false, 0x00000101U, "version of the specification", kFieldsOfVersion},
-    {"spec_hash", 0x08, false, false, 0xA3603834U, "specification that the board was built from", kFieldsOfSpecHash},
+    {"version", 0x04, false, false, 0x00000200U, "version of the specification", kFieldsOfVersion},
+    {"spec_hash", 0x08, false, false, 0x1A81A4C9U, "specification that the board was built from", kFieldsOfSpecHash},
     {"capability", 0x0C, false, false, 0x00000000U, "what this build can do", kFieldsOfCapability},
     {"control", 0x10, true, false, 0x00000000U, "starts and stops the board", kFieldsOfControl},
     {"size", 0x14, true, true, 0x00600200U, "image size; a size that the build cannot do is refused, and so is a word whose other bits are not 0; in a build smaller than 512 x 96 the reset value is limited to the build's maxima", kFieldsOfSize},
@@ -168,6 +173,7 @@ inline constexpr std::array<Register, 26> kRegisters{{
     {"lost_codes", 0x5C, false, false, 0x00000000U, "code packets lost; not there in a build without the decoder", kFieldsOfLostCodes},
     {"abandoned", 0x60, false, false, 0x00000000U, "good frames after which the decoder waits for plane 0, because its memory was late or the frame came too soon after the one before; not there in a build without the decoder", kFieldsOfAbandoned},
     {"window", 0x64, true, true, 0x00000000U, "rows that count for the moments; pixels of other rows are dark for them; codes and images do not change; where no row of the frame counts, all columns are dark; a row above the build's max_rows is refused", kFieldsOfWindow},
+    {"region", 0x68, true, true, 0x00000000U, "where on the sensor the camera's frames begin: only reported, in the header of each packet; not there in a build without it", kFieldsOfRegion},
 }};
 
 // The registers of the link, for boards on the network.

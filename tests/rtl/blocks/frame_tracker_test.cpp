@@ -27,6 +27,7 @@ struct Settings {
   int threshold = 0;
   int stream = 0;
   std::uint32_t select = 0;
+  std::uint32_t region = 0;
 };
 
 // All outputs in one clock. Fields of a beat count only if beat is set, those of a break only if break_status is set.
@@ -164,7 +165,7 @@ class FrameTrackerBench {
                          "beat_line_start_o", "beat_line_end_o"},
                         beat);
     tracker_.valid_when({"break_in_last_row_o", "break_status_o"}, [this] { return tracker_->break_o != 0; });
-    tracker_.valid_when({"image_o", "columns_o", "rows_o", "mode_o", "threshold_o", "stream_o", "select_o",
+    tracker_.valid_when({"image_o", "columns_o", "rows_o", "mode_o", "threshold_o", "stream_o", "select_o", "region_o",
                          "one_group_o", "two_groups_o"},
                         [this] { return reference_.taken; });
     tracker_->s_axis_tvalid_i = 0;
@@ -243,6 +244,7 @@ class FrameTrackerBench {
     tracker_->threshold_i = static_cast<CData>(settings.threshold);
     tracker_->stream_i = static_cast<CData>(settings.stream);
     tracker_->select_i = settings.select;
+    tracker_->region_i = settings.region;
     tracker_->timeout_i = static_cast<IData>(timeout);
   }
 
@@ -285,6 +287,7 @@ class FrameTrackerBench {
       ASSERT_EQ(tracker_->threshold_o, reference_.in_force.threshold);
       ASSERT_EQ(tracker_->stream_o, reference_.in_force.stream);
       ASSERT_EQ(tracker_->select_o, reference_.in_force.select);
+      ASSERT_EQ(tracker_->region_o, reference_.in_force.region);
       ASSERT_EQ(tracker_->one_group_o, reference_.in_force.columns == 4);
       ASSERT_EQ(tracker_->two_groups_o, reference_.in_force.columns == 8);
     }
@@ -432,7 +435,8 @@ TEST(FrameTracker, SettingsChangeAtAFramesStartOnly) {
              random.between(0, 2),
              random.between(0, 255),
              random.between(0, 255),
-             static_cast<std::uint32_t>(random.between(0, (1 << 23) - 1))};
+             static_cast<std::uint32_t>(random.between(0, (1 << 23) - 1)),
+             static_cast<std::uint32_t>(random.bits())};
       }
       bench.set(s);
       bench.hold = random.chance(20) && bench.reference().taken;

@@ -26,6 +26,7 @@ struct Build {
   bool image;
   int code_bits = 0;  // of the Gray-code decoder, which then has the median; 0: no decoder
   bool runs = false;
+  bool region = false;
 };
 
 template <typename Dut>
@@ -40,7 +41,7 @@ struct BuildOf<Vsp_registers_small> {
 };
 template <>
 struct BuildOf<Vsp_registers_codes> {
-  static constexpr Build kBuild = {640, 480, false, true, 9, true};
+  static constexpr Build kBuild = {640, 480, false, true, 9, true, true};
 };
 
 // State inputs, all different and with upper bits set.
@@ -87,7 +88,7 @@ const std::vector<Writable> kWritable = {
     {spec::kRegTriggerWidth, spec::kRegTriggerWidthReset, field(0, spec::kRegTriggerWidthClocksBits)},
 };
 
-// Those of a build with the decoder.
+// Those of the build.
 std::vector<Writable> writable_of(const Build& build) {
   std::vector<Writable> all = kWritable;
   if (build.code_bits != 0) {
@@ -95,6 +96,9 @@ std::vector<Writable> writable_of(const Build& build) {
                    field(spec::kRegDecodeThresholdLsb, spec::kRegDecodeThresholdBits) |
                        field(spec::kRegDecodeBitsLsb, spec::kRegDecodeBitsBits) | field(spec::kRegDecodeCodesLsb, 1) |
                        field(spec::kRegDecodeMedianLsb, 1)});
+  }
+  if (build.region) {
+    all.push_back({spec::kRegRegion, spec::kRegRegionReset, 0xFFFF'FFFF});
   }
   return all;
 }
@@ -185,7 +189,8 @@ class RegistersBench {
         }
       }
       pending_ = pending_ || address == spec::kRegControl || address == spec::kRegSize ||
-                 address == spec::kRegMeasure || address == spec::kRegDecode || address == spec::kRegWindow;
+                 address == spec::kRegMeasure || address == spec::kRegDecode || address == spec::kRegWindow ||
+                 address == spec::kRegRegion;
     }
     begin_clock(false);
     EXPECT_EQ(registers_->answer_o, 0);
@@ -239,6 +244,8 @@ class RegistersBench {
       }
       case spec::kRegTimeout:
         return true;
+      case spec::kRegRegion:
+        return kBuild.region;
       default:
         return false;
     }
@@ -246,7 +253,7 @@ class RegistersBench {
 
   static bool readable(std::uint32_t address) {
     const bool there = address <= (kBuild.code_bits != 0 ? spec::kRegAbandoned : spec::kRegEncoderErrors);
-    return (there || address == spec::kRegWindow) && address % 4 == 0;
+    return (there || address == spec::kRegWindow || (kBuild.region && address == spec::kRegRegion)) && address % 4 == 0;
   }
 
   std::uint32_t expected_read(std::uint32_t address) const {
@@ -263,6 +270,7 @@ class RegistersBench {
                (kBuild.grey ? 1U << spec::kRegCapabilityGreyLsb : 0) |
                (kBuild.image ? 1U << spec::kRegCapabilityImageLsb : 0) |
                (kBuild.runs ? 1U << spec::kRegCapabilityRunsLsb : 0) |
+               (kBuild.region ? 1U << spec::kRegCapabilityRegionLsb : 0) |
                (kBuild.code_bits != 0 ? 1U << spec::kRegCapabilityCodesLsb | 1U << spec::kRegCapabilityMedianLsb : 0) |
                static_cast<std::uint32_t>(kBuild.code_bits) << spec::kRegCapabilityCodeBitsLsb;
       case spec::kRegStatus:
@@ -347,6 +355,7 @@ class RegistersBench {
                                         value(kRegMeasure, kRegMeasureSelectLsb, 1) << 2 |
                                         value(kRegWindow, kRegWindowFirstLsb, kRegWindowFirstBits) << 3 |
                                         value(kRegWindow, kRegWindowLastLsb, kRegWindowLastBits) << (3 + row_bits));
+    EXPECT_EQ(registers_->region_o, kBuild.region ? value(kRegRegion, 0, 32) : 0);
     EXPECT_EQ(registers_->timeout_o, value(kRegTimeout, kRegTimeoutClocksLsb, kRegTimeoutClocksBits));
     EXPECT_EQ(registers_->trigger_run_o, value(kRegTriggerControl, kRegTriggerControlRunLsb, 1));
     EXPECT_EQ(registers_->trigger_on_frame_o, value(kRegTriggerControl, kRegTriggerControlOnFrameLsb, 1));

@@ -29,7 +29,7 @@ int small_gap(model::Mode mode) { return mode == model::Mode::binary ? 8 : 14; }
 // Together with the tests of the small build and of faults below, 10^5 frames.
 TEST(Board, RandomSmallFramesEqualTheModel) { play_all_random_frames<Vboard>(80, {}); }
 TEST(OriginalBoard, RandomSmallFramesEqualTheModel) {
-  play_all_random_frames<Vboard_original>(80, {.grey = false, .image = false});
+  play_all_random_frames<Vboard_original>(80, {.grey = false, .image = false, .region = false});
 }
 
 // Lines that are missing, repeated, cut or of wrong length; frame starts that are missing or in mid-frame; pauses
@@ -45,7 +45,7 @@ TEST(Board, RandomFaultsEqualTheModel) {
 }
 TEST(OriginalBoard, RandomFaultsEqualTheModel) {
   play_all_random_frames<Vboard_original>(
-      40, {.max_columns = 40, .max_rows = 12, .grey = false, .image = false, .fault_percent = 40});
+      40, {.max_columns = 40, .max_rows = 12, .grey = false, .image = false, .region = false, .fault_percent = 40});
 }
 
 // Plants each fault in the first, a middle and the last row, and in the first, a middle and the last beat. The good

@@ -51,6 +51,8 @@ void play_random_sequences(std::uint64_t seed, bool full_build, int fault_percen
     settings.stream = random.between(0, 255);
     settings.select = settings.stream % 2 == 0 ? model::Select::strongest : model::Select::all;
     settings.gap = settings.stream / 2 % 4;
+    settings.region_row = 257 * settings.stream;
+    settings.region_column = 65535 - settings.region_row;
     settings.timeout = random.chance(70) ? 0 : random.between(20, 200);
     settings.codes = random.chance(95);
     settings.median = full_build && random.chance(60);

@@ -10,17 +10,20 @@
 namespace selfproj {
 namespace spec {
 
-constexpr std::uint32_t kHash = 0xA3603834U;
-constexpr std::uint16_t kVersion = 0x0101;
+constexpr std::uint32_t kHash = 0x1A81A4C9U;
+constexpr std::uint16_t kVersion = 0x0200;
 
-// Earlier versions: their packets differ only in the header, whose bytes from `reserved_byte` on were 0.
+// Earlier versions: their packets differ only in the header, whose bytes from `reserved_byte` on were 0. With
+// `control` their registers are those of this version, but for what `capability` says.
 struct EarlierVersion {
   std::uint32_t hash;
   std::uint16_t version;
   std::size_t reserved_byte;
+  bool control;
 };
-constexpr std::array<EarlierVersion, 1> kEarlierVersions{{
-    {0x08691C00U, 0x0100, 53},  // no rows that count, no gap, no strongest run: the fields from select on were 0
+constexpr std::array<EarlierVersion, 2> kEarlierVersions{{
+    {0x08691C00U, 0x0100, 53, false},  // no rows that count, no gap, no strongest run: the fields from select on were 0
+    {0xA3603834U, 0x0101, 59, true},  // no region of the sensor: frames were whole, or their place was not known
 }};
 
 // Sizes
@@ -141,7 +144,9 @@ constexpr std::size_t kHeaderSelect = 53;  // 8 bits
 constexpr std::size_t kHeaderFirstRow = 54;  // 16 bits
 constexpr std::size_t kHeaderLastRow = 56;  // 16 bits
 constexpr std::size_t kHeaderGap = 58;  // 8 bits
-constexpr std::size_t kHeaderReserved = 59;  // 40 bits
+constexpr std::size_t kHeaderReserved = 59;  // 8 bits
+constexpr std::size_t kHeaderRegionRow = 60;  // 16 bits
+constexpr std::size_t kHeaderRegionColumn = 62;  // 16 bits
 constexpr std::size_t kTrailerSequence = 0;  // 64 bits
 constexpr std::size_t kTrailerStatus = 8;  // 32 bits
 constexpr std::size_t kTrailerCheck = 12;  // 32 bits
@@ -164,11 +169,11 @@ constexpr std::uint32_t kRegIdReset = 0x50464C53U;
 constexpr int kRegIdIdLsb = 0;
 constexpr int kRegIdIdBits = 32;
 constexpr std::uint32_t kRegVersion = 0x04;  // ro
-constexpr std::uint32_t kRegVersionReset = 0x00000101U;
+constexpr std::uint32_t kRegVersionReset = 0x00000200U;
 constexpr int kRegVersionVersionLsb = 0;
 constexpr int kRegVersionVersionBits = 16;
 constexpr std::uint32_t kRegSpecHash = 0x08;  // ro
-constexpr std::uint32_t kRegSpecHashReset = 0xA3603834U;
+constexpr std::uint32_t kRegSpecHashReset = 0x1A81A4C9U;
 constexpr int kRegSpecHashHashLsb = 0;
 constexpr int kRegSpecHashHashBits = 32;
 constexpr std::uint32_t kRegCapability = 0x0C;  // ro
@@ -187,6 +192,8 @@ constexpr int kRegCapabilityMedianLsb = 25;
 constexpr int kRegCapabilityMedianBits = 1;
 constexpr int kRegCapabilityRunsLsb = 26;
 constexpr int kRegCapabilityRunsBits = 1;
+constexpr int kRegCapabilityRegionLsb = 27;
+constexpr int kRegCapabilityRegionBits = 1;
 constexpr int kRegCapabilityCodeBitsLsb = 28;
 constexpr int kRegCapabilityCodeBitsBits = 4;
 constexpr std::uint32_t kRegControl = 0x10;  // rw
@@ -305,6 +312,12 @@ constexpr int kRegWindowFirstLsb = 0;
 constexpr int kRegWindowFirstBits = 10;
 constexpr int kRegWindowLastLsb = 16;
 constexpr int kRegWindowLastBits = 10;
+constexpr std::uint32_t kRegRegion = 0x68;  // rw
+constexpr std::uint32_t kRegRegionReset = 0x00000000U;
+constexpr int kRegRegionRowLsb = 0;
+constexpr int kRegRegionRowBits = 16;
+constexpr int kRegRegionColumnLsb = 16;
+constexpr int kRegRegionColumnBits = 16;
 
 }  // namespace spec
 }  // namespace selfproj
