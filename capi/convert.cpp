@@ -41,6 +41,8 @@ void each_field(Header& header, Packet& packet, const Each& each) {
   each(header.gap, packet.gap);
   each(header.first_row, packet.first_row);
   each(header.last_row, packet.last_row);
+  each(header.region_row, packet.region_row);
+  each(header.region_column, packet.region_column);
 }
 
 }  // namespace

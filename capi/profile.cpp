@@ -98,17 +98,22 @@ std::int32_t selfproj_profile_of_packet(selfproj_profiler* profiler, const selfp
     if (header.kind != SELFPROJ_KIND_MOMENTS || packet->status != 0) {
       return failed(SELFPROJ_BAD_INPUT, "the packet has no moments of a good frame");
     }
-    const rig::RigCamera& camera = profiler->rig.camera;
-    if (header.columns != static_cast<std::uint32_t>(camera.columns) ||
-        header.rows != static_cast<std::uint32_t>(camera.rows)) {
-      return failed(SELFPROJ_BAD_INPUT, "the packet is of a frame of another size than the rig's camera");
-    }
     const model::Mode mode =
         mode_of(static_cast<std::int32_t>(std::min<std::uint32_t>(header.mode, SELFPROJ_GREY_OVER + 1)));
-    require(packet->payload_bytes >= model::moments_payload_bytes(mode, camera.columns),
+    static_cast<void>(select_of(static_cast<std::int32_t>(std::min<std::uint32_t>(header.select, 2))));
+    model::PacketView view;
+    selfproj_header given = header;
+    given.size = sizeof given;  // need not be set
+    view.header = header_of(&given);
+    if (!profiler->profiler.unlike_camera(view.header).empty()) {
+      return failed(SELFPROJ_BAD_INPUT, "the packet is of a frame of another size than the rig's camera");
+    }
+    require(packet->payload_bytes >= model::moments_payload_bytes(mode, view.header.columns),
             "packet: the payload is too short");
-    const model::Select select = select_of(static_cast<std::int32_t>(std::min<std::uint32_t>(header.select, 2)));
-    profiler->profiler.profile(select, mode, packet->payload, profiler->profile.view());
+    view.payload = {packet->payload, packet->payload_bytes};
+    if (!profiler->profiler.profile(view, profiler->profile.view())) {
+      return failed(SELFPROJ_BAD_INPUT, "the packet was not measured as the images of the reference were");
+    }
     hand_out(profiler->profile, wanted);
     return SELFPROJ_OK;
   });

@@ -129,7 +129,8 @@ typedef struct selfproj_header {
   uint32_t gap;
   uint32_t first_row;
   uint32_t last_row;
-  uint32_t reserved; /* 0 */
+  uint16_t region_row; /* row and column of the sensor, from 0, at which the frame begins */
+  uint16_t region_column;
 } selfproj_header;
 
 /* A packet that was found right. The pointers lead into the bytes where it was found. */

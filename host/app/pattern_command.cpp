@@ -54,7 +54,9 @@ void for_each_image(const rig::Rig& rig, const std::vector<std::string>& files, 
   cli::Progress progress("image", files.size());
   for (std::size_t i = 0; i < files.size(); ++i) {
     const images::Image image = images::read_image(files[i], rule);
-    if (image.rows != rig.camera.rows || image.columns != rig.camera.columns) {
+    const rig::RigRegion sent = rig.camera.sent();
+    if ((image.rows != rig.camera.rows || image.columns != rig.camera.columns) &&
+        (image.rows != sent.rows || image.columns != sent.columns)) {
       throw UserError(files[i], fmt::format("has {} x {} pixels; the rig's camera has {} rows x {} columns", image.rows,
                                             image.columns, rig.camera.rows, rig.camera.columns));
     }

@@ -45,8 +45,12 @@ struct RowsOptions {
   std::optional<double> lit_rows;
   std::optional<double> row_us;
   double overhead_us = 0;
+  std::optional<double> rate_hz;
   std::string out;
 };
+
+// The share of a frame's time in which light is collected; the rest resets the pixels.
+constexpr double kExposed = 0.9;
 
 // The grey over the dark that the brightest row of a line reaches on the built-in scenes: about 0.7 of white.
 constexpr double kPeakOfWhite = 0.7;
@@ -103,7 +107,8 @@ void run_rows(const RowsOptions& options) {
     const light_section::RowTable::Choice choice = table.best(rows, options.share);
     const double board = light_section::board_rate_hz(rig, rows, columns);
     const double wire = light_section::ethernet_rate_hz(rig, columns);
-    const double exposure_s = std::min(rig.camera.exposure_s, 0.9 / board);
+    const double rate = std::min(std::floor(board), options.rate_hz.value_or(board));
+    const double exposure_s = std::min(rig.camera.exposure_s, kExposed / rate);
     const bool some = choice.range.low_mm < choice.range.high_mm;
     const Shot shot = shot_of(rig, exposure_s, lit);
     fmt::print("  {:4}   {:8}   {:<18} {:>9.0f}   {:>9.0f}   {:5.1f} µs   {:9}   {}\n", rows, choice.first_row + 1,
@@ -119,7 +124,7 @@ void run_rows(const RowsOptions& options) {
                               .rows = rows,
                               .column_offset = 0,
                               .columns = columns,
-                              .frame_rate_hz = std::floor(board),
+                              .frame_rate_hz = rate,
                               .exposure_s = exposure_s};
     }
   }
@@ -152,21 +157,22 @@ void run_rows(const RowsOptions& options) {
 
 void add_rows_command(CLI::App& app) {
   CLI::App* command = cli::add_command(
-      app, {.name = "rows",
-            .purpose = "Says how many rows of the sensor a light section needs, and how fast they can come.",
-            .details =
-                "On a good part the line stays where the reference has it, so that few rows around it are enough, and "
-                "a camera reads few rows faster. For regions of different heights this says which heights over and "
-                "under the reference they measure, the frames a second that the board's circuit and Gigabit Ethernet "
-                "take, the longest exposure at the board's rate (at most the rig's), and the noise of a height that "
-                "camera and light of the rig's section `imaging` give with it. With --rows and --out it writes the rig "
-                "with that region, from which inspect and the simulation take it.",
-            .examples = R"(
+      app,
+      {.name = "rows",
+       .purpose = "Says how many rows of the sensor a light section needs, and how fast they can come.",
+       .details =
+           "On a good part the line stays where the reference has it, so that few rows around it are enough, and "
+           "a camera reads few rows faster. For regions of different heights this says which heights over and "
+           "under the reference they measure, the frames a second that the board's circuit and Gigabit Ethernet "
+           "take, the longest exposure at that rate or at --rate (at most the rig's), and the noise of a height that "
+           "camera and light of the rig's section `imaging` give with it. With --rows and --out it writes the rig "
+           "with that region, from which inspect and the simulation take it.",
+       .examples = R"(
 # What the built-in rig needs for 2 mm to both sides of the plane.
 selfproj rows
 
 # A rig whose camera sends the best 20 rows.
-selfproj rows --rows 20 --out few.yaml
+selfproj rows --rows 20 --rate 50000 --out few.yaml
 )"});
   const auto options = std::make_shared<RowsOptions>();
   options->section.rig = "light-section";
@@ -182,6 +188,10 @@ selfproj rows --rows 20 --out few.yaml
       ->transform(cli::real_number(0.01, 1))
       ->type_name("SHARE")
       ->capture_default_str();
+  command->add_option("--rate", options->rate_hz, "Frames a second at which the camera is to run, at most the board's.")
+      ->transform(cli::real_number(0.1, 1e7))
+      ->type_name("HZ")
+      ->default_str("what the board takes");
   command
       ->add_option("--lit-rows", options->lit_rows,
                    "Rows that the line lights, as `selfproj lines` counts them (n in its table).")

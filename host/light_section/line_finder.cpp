@@ -11,16 +11,30 @@ namespace selfproj::light_section {
 LineFinder::LineFinder(const rig::Rig& rig)
     : camera_(rig.camera),
       measure_(rig.measure.of_board()),
+      rig_measure_(rig.measure),
       rules_(line_rules(rig)),
       least_share_(rig.measure.runs ? rig.measure.runs->ambiguous_from : 0) {
   runs_.resize(measure_.select, camera_.columns);
 }
 
 void LineFinder::find(const model::ImageView& image) {
-  if (image.rows != camera_.rows || image.columns != camera_.columns) {
+  const bool whole = image.rows == camera_.rows && image.columns == camera_.columns;
+  const rig::RigRegion sent = camera_.sent();
+  if (!whole && (image.rows != sent.rows || image.columns != sent.columns)) {
     throw std::invalid_argument("line finder: an image has another size than the camera's");
   }
-  fast_measure_columns(image, measure_, runs_.view());
+  const int first = whole ? 0 : sent.column_offset;
+  row_offset_ = whole ? 0 : sent.row_offset;
+  rules_ = line_rules(camera_, rig_measure_, row_offset_, image.rows);
+  if (!whole) {
+    runs_ = {};
+    runs_.resize(measure_.select, camera_.columns);
+  }
+  const model::RunsView all = runs_.view();
+  fast_measure_columns(image, measure_,
+                       {{all.moments.m0 + first, all.moments.m1 + first, all.moments.n + first},
+                        all.runs == nullptr ? nullptr : all.runs + first,
+                        all.second == nullptr ? nullptr : all.second + first});
 }
 
 Validity LineFinder::validity(std::size_t column) const {

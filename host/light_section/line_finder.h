@@ -17,15 +17,16 @@ class LineFinder {
   explicit LineFinder(const rig::Rig& rig);
 
   // Measures the columns of an image as the board does with the rig's `measure`. Throws std::invalid_argument unless it
-  // has the camera's size.
+  // has the size of the camera's sensor, or of the region that it sends while it measures; columns outside the region
+  // then have no line.
   void find(const model::ImageView& image);
 
   // What a profile with a reference everywhere says of a column; valid if it has a line.
   [[nodiscard]] Validity validity(std::size_t column) const;
   [[nodiscard]] bool has_line(std::size_t column) const { return validity(column) == Validity::valid; }
-  // C of its line, rows from 1 (3.2), and the line's light, M0.
+  // C of its line, rows of the sensor from 1 (3.2), and the line's light, M0.
   [[nodiscard]] double centroid(std::size_t column) const {
-    return static_cast<double>(runs_.moments.m1[column]) / runs_.moments.m0[column];
+    return row_offset_ + static_cast<double>(runs_.moments.m1[column]) / runs_.moments.m0[column];
   }
   [[nodiscard]] double light(std::size_t column) const { return runs_.moments.m0[column]; }
   [[nodiscard]] std::size_t columns() const { return runs_.moments.m0.size(); }
@@ -38,7 +39,9 @@ class LineFinder {
  private:
   rig::RigCamera camera_;
   model::Measure measure_;
+  rig::RigMeasure rig_measure_;
   LineRules rules_;
+  int row_offset_ = 0;  // of the image found last
   double least_share_;
   model::Runs runs_;
 };

@@ -125,7 +125,6 @@ class Chain:
         """Frames of a scene on the moving belt under the pattern of a reference."""
         self.take("scene", "render", scene, "--rig", "drawn.yaml", "--pattern", f"{reference}/pattern.tiff", "--out",
                   out, *more)
-        (self.folder / out / "pattern.tiff").unlink(missing_ok=True)  # a camera does not write it
 
     def noticed(self, rig, every):
         """Whether the user's check finds fault with a rig."""

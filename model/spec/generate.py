@@ -44,7 +44,7 @@ FRAME_FIELDS = [("stream", "HeaderStreamBits"), ("pattern", "HeaderPatternBits")
                 ("time_stamp", "HeaderTimeStampBits"), ("encoder", "HeaderEncoderBits"), ("columns", "column_bits"),
                 ("rows", "row_bits"), ("lines", "row_bits"), ("flags", "FlagBits"), ("select", "SelectBits"),
                 ("first_row", "row_bits"), ("last_row", "row_bits"), ("gap", "RegMeasureGapBits"),
-                ("region_row", "HeaderRegionRowBits"), ("region_column", "HeaderRegionColumnBits")]
+                ("region_row", "region_bits"), ("region_column", "region_bits")]
 PROSE = ("description", "effect", "after_reset")  # keys that are for readers only and do not concern programs
 LINK_BASE = 0x100  # first address of the registers of the link
 REGISTER_WORDS = 32  # addresses of the register file, four bytes each
@@ -296,8 +296,10 @@ def cpp_header(spec):
 def sv_frame_mask():
     """Returns the function that selects the header bits that describe the frame, in a build of that size."""
     terms = [f"~({{HeaderBits{{1'b1}}}} << {bits}) << Header{camel(name)}Lsb" for name, bits in FRAME_FIELDS]
-    return ["  // Bits of a header that tell of the frame; columns have column_bits, rows and lines row_bits",
-            "  function automatic logic [HeaderBits-1:0] frame_mask(input int column_bits, input int row_bits);",
+    return ["  // Bits of a header that tell of the frame; columns have column_bits, rows and lines row_bits,",
+            "  // the place of a region region_bits",
+            "  function automatic logic [HeaderBits-1:0] frame_mask(input int column_bits, input int row_bits,",
+            "                                                     input int region_bits);",
             "    frame_mask = " + " |\n                 ".join(terms) + ";", "  endfunction"]
 
 

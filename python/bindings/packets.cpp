@@ -110,7 +110,7 @@ template <class Header>
 auto fields_of(Header& h) {
   return std::tie(h.kind, h.stream, h.lost, h.sequence, h.time_stamp, h.encoder, h.payload_size, h.columns, h.rows,
                   h.pattern, h.mode, h.threshold, h.first_line, h.lines, h.flags, h.select, h.first_row, h.last_row,
-                  h.gap);
+                  h.gap, h.region_row, h.region_column);
 }
 
 template <class... Fields>
@@ -143,6 +143,8 @@ void bind_header(nb::module_& module) {
       .def_rw("first_row", &model::PacketHeader::first_row)
       .def_rw("last_row", &model::PacketHeader::last_row)
       .def_rw("gap", &model::PacketHeader::gap)
+      .def_rw("region_row", &model::PacketHeader::region_row)
+      .def_rw("region_column", &model::PacketHeader::region_column)
       .def("__eq__", [](const model::PacketHeader& one, const model::PacketHeader& other) { return one == other; })
       .def("__copy__", [](const model::PacketHeader& header) { return header; })
       .def("__repr__", [](const model::PacketHeader& header) { return "Header(" + text_of_header(header) + ")"; })

@@ -191,7 +191,8 @@ module sp_board #(
 
   sp_frame_tracker #(
     .MaxColumns(MaxColumns),
-    .MaxRows   (MaxRows)
+    .MaxRows   (MaxRows),
+    .Region    (Region)
   ) u_tracker (
     .clk_i              (clk_i),
     .rst_i              (rst_i),
@@ -273,7 +274,8 @@ module sp_board #(
 
   sp_frame_info #(
     .ColumnBits(ColumnBits),
-    .RowBits   (RowBits)
+    .RowBits   (RowBits),
+    .Region    (Region)
   ) u_info (
     .clk_i         (clk_i),
     .rst_i         (rst_i),
@@ -305,6 +307,7 @@ module sp_board #(
     .MaxRows   (MaxRows),
     .Grey      (Grey),
     .Runs      (Runs),
+    .Region    (Region),
     .LogDepth  (MomentsLogDepth)
   ) u_moments_path (
     .clk_i              (clk_i),
@@ -343,6 +346,7 @@ module sp_board #(
     sp_image_path #(
       .MaxColumns(MaxColumns),
       .MaxRows   (MaxRows),
+      .Region    (Region),
       .LogDepth  (ImageLogDepth)
     ) u_image_path (
       .clk_i              (clk_i),
@@ -381,6 +385,7 @@ module sp_board #(
       .MaxRows   (MaxRows),
       .MaxBits   (CodeBits),
       .Median    (CodesMedian),
+      .Region    (Region),
       .LogDepth  (CodesLogDepth)
     ) u_codes_path (
       .clk_i              (clk_i),

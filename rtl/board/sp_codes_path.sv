@@ -16,6 +16,7 @@ module sp_codes_path #(
   parameter int MaxRows = sp_spec_pkg::MaxRows,  // 1 or more
   parameter int MaxBits = sp_spec_pkg::CodeCodeBits,  // 1..12
   parameter bit Median = 1'b1,
+  parameter bit Region = 1'b1,  // headers say where on the sensor frames begin
   parameter int LogDepth = 9,  // log2 of the depth of the packet FIFO, in beats of 16 bytes: 3..15
   // derived, do not set
   parameter int ColumnBits = $clog2(MaxColumns + 1),
@@ -155,7 +156,7 @@ module sp_codes_path #(
   // fills a half, because fields of 64 bits are aligned.
   localparam int HalfBits = sp_spec_pkg::PacketBeatBits / 2;
   localparam logic [sp_spec_pkg::HeaderBits-1:0] FrameBits =
-      sp_spec_pkg::frame_mask(ColumnBits, RowBits);
+      sp_spec_pkg::frame_mask(ColumnBits, RowBits, Region ? 16 : 0);
   for (genvar half = 0; half < sp_spec_pkg::HeaderBits / HalfBits; half++) begin : gen_half
     localparam bit HasSequence = half == sp_spec_pkg::HeaderSequenceLsb / HalfBits;
     always_ff @(posedge clk_i) begin
@@ -212,6 +213,7 @@ module sp_codes_path #(
     .Kind       (sp_spec_pkg::KindCodes),
     .ColumnBits (ColumnBits),
     .RowBits    (RowBits),
+    .Region     (Region),
     .PayloadBits(PayloadBits),
     .LogDepth   (LogDepth)
   ) u_packets (

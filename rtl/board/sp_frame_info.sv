@@ -31,7 +31,8 @@
 
 module sp_frame_info #(
   parameter int ColumnBits = 12,  // 1..16
-  parameter int RowBits = 10  // 1..16
+  parameter int RowBits = 10,  // 1..16
+  parameter bit Region = 1'b1  // region_i counts; else its fields are 0
 ) (
   input  wire logic                  clk_i,
   input  wire logic                  rst_i,
@@ -208,7 +209,7 @@ module sp_frame_info #(
   logic                  strongest_q;
   logic [1:0]            gap_q;
   logic [RowBits-1:0]    first_row_q, last_row_q;
-  logic [15:0]           region_row_q, region_column_q;
+  logic [15:0]           region_row, region_column;
   logic                  stray_before_q;  // belongs to the frame, not to the settings
 
   always_ff @(posedge clk_i) begin
@@ -222,9 +223,20 @@ module sp_frame_info #(
     if (taken_q[3+GapBeat]) gap_q <= select_i[1:0];
     if (taken_q[3+FirstRowBeat]) first_row_q <= select_i[3+:RowBits];
     if (taken_q[3+LastRowBeat]) last_row_q <= select_i[3+RowBits+:RowBits];
-    if (taken_q[3+RegionRowBeat]) region_row_q <= region_i[15:0];
-    if (taken_q[3+RegionColumnBeat]) region_column_q <= region_i[31:16];
     if (started_q[3+FlagsBeat]) stray_before_q <= stray_q[3+FlagsBeat];
+  end
+
+  if (Region) begin : gen_region
+    always_ff @(posedge clk_i) begin
+      if (taken_q[3+RegionRowBeat]) region_row <= region_i[15:0];
+      if (taken_q[3+RegionColumnBeat]) region_column <= region_i[31:16];
+    end
+  end else begin : gen_no_region
+    logic unused;
+
+    assign region_row    = 16'd0;
+    assign region_column = 16'd0;
+    assign unused        = ^region_i;
   end
 
   always_comb begin
@@ -243,8 +255,8 @@ module sp_frame_info #(
     info_o[sp_spec_pkg::HeaderGapLsb+:2]                 = gap_q;
     info_o[sp_spec_pkg::HeaderFirstRowLsb+:RowBits]      = first_row_q;
     info_o[sp_spec_pkg::HeaderLastRowLsb+:RowBits]       = last_row_q;
-    info_o[sp_spec_pkg::HeaderRegionRowLsb+:16]          = region_row_q;
-    info_o[sp_spec_pkg::HeaderRegionColumnLsb+:16]       = region_column_q;
+    info_o[sp_spec_pkg::HeaderRegionRowLsb+:16]          = region_row;
+    info_o[sp_spec_pkg::HeaderRegionColumnLsb+:16]       = region_column;
     info_o[sp_spec_pkg::HeaderFlagsLsb+sp_spec_pkg::FlagStrayBeforeBit] = stray_before_q;
   end
 

@@ -32,6 +32,7 @@
 module sp_frame_tracker #(
   parameter int MaxColumns = sp_spec_pkg::MaxColumns,  // a multiple of 4, 12..2048
   parameter int MaxRows = sp_spec_pkg::MaxRows,  // 2..1023
+  parameter bit Region = 1'b1,  // hand region_i on; else region_o is 0
   // derived, do not set
   parameter int GroupBits = $clog2(MaxColumns / 4),
   parameter int ColumnBits = $clog2(MaxColumns + 1),
@@ -168,8 +169,16 @@ module sp_frame_tracker #(
       threshold_o <= threshold_i;
       stream_o    <= stream_i;
       select_o    <= select_i;
-      region_o    <= region_i;
     end
+  end
+
+  if (Region) begin : gen_region
+    always_ff @(posedge clk_i) if (s1_take_q) region_o <= region_i;
+  end else begin : gen_no_region
+    logic unused;
+
+    assign region_o = 32'd0;
+    assign unused   = ^region_i;
   end
 
   // --- Size: facts in force, and facts of a frame that starts with the beat in stage 1 (s1_) ---

@@ -9,6 +9,7 @@
 module sp_image_path #(
   parameter int MaxColumns = sp_spec_pkg::MaxColumns,  // a multiple of 4
   parameter int MaxRows = sp_spec_pkg::MaxRows,  // 1 or more
+  parameter bit Region = 1'b1,  // headers say where on the sensor frames begin
   parameter int LogDepth = 9,  // log2 of the depth of the packet FIFO, in beats of 16 bytes: 3..15
   // derived, do not set
   parameter int ColumnBits = $clog2(MaxColumns + 1),
@@ -82,6 +83,7 @@ module sp_image_path #(
     .Kind       (sp_spec_pkg::KindImage),
     .ColumnBits (ColumnBits),
     .RowBits    (RowBits),
+    .Region     (Region),
     .PayloadBits(PayloadBits),
     .LogDepth   (LogDepth)
   ) u_packets (

@@ -10,6 +10,7 @@ module sp_moments_path #(
   parameter int MaxRows = sp_spec_pkg::MaxRows,  // 2..1023
   parameter bit Grey = 1'b1,
   parameter bit Runs = 1'b0,    // the strongest run of a column
+  parameter bit Region = 1'b1,  // headers say where on the sensor frames begin
   parameter int LogDepth = 11,  // log2 of the depth of the packet FIFO, in beats of 16 bytes: 3..15
   // derived, do not set
   parameter int GroupBits = $clog2(MaxColumns / 4),
@@ -142,6 +143,7 @@ module sp_moments_path #(
     .Kind       (sp_spec_pkg::KindMoments),
     .ColumnBits (ColumnBits),
     .RowBits    (RowBits),
+    .Region     (Region),
     .PayloadBits(PayloadBits),
     .LogDepth   (LogDepth)
   ) u_packets (

@@ -8,6 +8,7 @@ module sp_packet_output #(
   parameter logic [7:0] Kind = sp_spec_pkg::KindMoments,
   parameter int         ColumnBits = 12,  // 1..16
   parameter int         RowBits = 10,  // 1..16
+  parameter bit         Region = 1'b1,  // headers say where on the sensor frames begin
   parameter int         PayloadBits = 11,  // of the number of payload beats: 1..28
   parameter int         LogDepth = 11  // log2 of the depth of the FIFO, in beats of 16 bytes: 3..15
 ) (
@@ -54,6 +55,7 @@ module sp_packet_output #(
     .Kind       (Kind),
     .ColumnBits (ColumnBits),
     .RowBits    (RowBits),
+    .Region     (Region),
     .PayloadBits(PayloadBits),
     .LogDepth   (LogDepth)
   ) u_packetizer (

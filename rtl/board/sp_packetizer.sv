@@ -38,6 +38,7 @@ module sp_packetizer #(
   parameter logic [7:0] Kind = sp_spec_pkg::KindMoments,
   parameter int         ColumnBits = 12,  // 1..16
   parameter int         RowBits = 10,  // 1..16
+  parameter bit         Region = 1'b1,  // headers say where on the sensor frames begin
   parameter int         PayloadBits = 11,  // of the number of payload beats: 1..28
   parameter int         LogDepth = 11      // log2 of the depth of the FIFO: 3 or more
 ) (
@@ -106,7 +107,8 @@ module sp_packetizer #(
 
   // The bits taken from info_i. A packet of a line has its own number of lines, and the sequence is
   // kept for the trailer.
-  localparam logic [HeaderBits-1:0] FrameBits = sp_spec_pkg::frame_mask(ColumnBits, RowBits) &
+  localparam logic [HeaderBits-1:0] FrameBits =
+    sp_spec_pkg::frame_mask(ColumnBits, RowBits, Region ? 16 : 0) &
     ~(~({HeaderBits{1'b1}} << 64) << sp_spec_pkg::HeaderSequenceLsb) &
     ~(~({HeaderBits{1'b1}} << (PerLine ? 16 : 0)) << sp_spec_pkg::HeaderLinesLsb);
   // What all packets have in common

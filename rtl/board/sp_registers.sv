@@ -160,7 +160,8 @@ module sp_registers #(
   // Writes, one clock later still
   localparam int WriteControl = 0, WriteSize = 1, WriteMeasure = 2, WriteDecode = 3,
                  WriteTimeout = 4, WriteTrigger = 5, WritePeriod = 6, WriteCamera = 7,
-                 WriteWidth = 8, WriteWindow = 9, WriteRegion = 10, Writes = 11;
+                 WriteWidth = 8, WriteWindow = 9, Writes = Region ? 11 : 10;
+  localparam int WriteRegion = Writes - 1;  // with Region
   // This register takes data_i: one bit for one clock, or none. In reset all are set, and every
   // register takes its reset value; so this bit alone is its enable.
   logic [Writes-1:0] put_q;
@@ -179,7 +180,7 @@ module sp_registers #(
     asked_q[4]   <= rst_i ? 1'b0 : asked_q[3];
     hold_o       <= rst_i || asked_q[2:0] != '0 && write_i || hold_q;
     pending_q    <= put_q[WriteControl] || put_q[WriteSize] || put_q[WriteMeasure] ||
-                    put_q[WriteDecode] || put_q[WriteWindow] || put_q[WriteRegion] ||
+                    put_q[WriteDecode] || put_q[WriteWindow] || Region && put_q[WriteRegion] ||
                     pending_q && !take_i;
   end
 
@@ -187,7 +188,6 @@ module sp_registers #(
     if (rst_i) begin
       put_q              <= '1;
       put_q[WriteDecode] <= Codes;
-      put_q[WriteRegion] <= Region;
     end else begin
       put_q <= '0;
       if (asked_q[1] && write_i) begin
@@ -196,8 +196,8 @@ module sp_registers #(
         put_q[WriteMeasure] <= hit_q[sp_spec_pkg::RegMeasure/4] && measure_good_q;
         put_q[WriteDecode]  <= hit_q[sp_spec_pkg::RegDecode/4] && decode_good_q;
         put_q[WriteWindow]  <= hit_q[sp_spec_pkg::RegWindow/4] && window_good_q;
-        put_q[WriteRegion]  <= Region && hit_q[sp_spec_pkg::RegRegion/4];
         put_q[WriteTimeout] <= hit_q[sp_spec_pkg::RegTimeout/4];
+        if (Region) put_q[WriteRegion] <= hit_q[sp_spec_pkg::RegRegion/4];
         put_q[WriteTrigger] <= hit_q[sp_spec_pkg::RegTriggerControl/4] &&
                                !((trigger_run_o || trigger_on_frame_o) && trigger_wanted);
         put_q[WritePeriod]  <= hit_q[sp_spec_pkg::RegTriggerPeriod/4] && period_good_q &&
@@ -269,7 +269,7 @@ module sp_registers #(
   logic [31:0] time_high_q;
   logic [31:0] control_word, size_word, measure_word, trigger_word, status_word, decode_word;
   logic [31:0] timeout_word, period_word, camera_word, width_word, errors_word, window_word;
-  logic [31:0] region_q;  // the word of region, if it is asked for
+  logic [31:0] decode_or_region;
 
   assign control_word = 32'(run_o) << sp_spec_pkg::RegControlRunLsb |
                         32'(hold_q) << sp_spec_pkg::RegControlHoldLsb |
@@ -365,21 +365,27 @@ module sp_registers #(
                      word_if(hit_q[sp_spec_pkg::RegEncoderErrors/4], errors_word);
       decode_q    <= word_if(Codes && hit_q[sp_spec_pkg::RegDecode/4], decode_word) |
                      word_if(hit_q[sp_spec_pkg::RegWindow/4], window_word);
-      region_q    <= word_if(Region && hit_q[sp_spec_pkg::RegRegion/4], region_o);
     end
     if (asked_q[2]) begin
       error_o  <= put_q == '0 && !read_good_q;
       set_q    <= control_q | size_q | period_q | width_q;
       moving_q <= fixed_q | frames_q | time_q | encoder_q;
     end
-    if (asked_q[3]) data_o <= set_q | moving_q | broken_q | lost_q | codes_q | decode_q | region_q;
+    if (asked_q[3]) data_o <= set_q | moving_q | broken_q | lost_q | codes_q | decode_or_region;
   end
 
   // --- Region: a build without it has nothing to set ---
   if (Region) begin : gen_region
-    always_ff @(posedge clk_i) if (put_q[WriteRegion]) region_o <= rst_q ? sp_spec_pkg::RegRegionReset : data_i;
+    logic [31:0] region_q;  // its word, if it is asked for
+
+    always_ff @(posedge clk_i) begin
+      if (put_q[WriteRegion]) region_o <= rst_q ? sp_spec_pkg::RegRegionReset : data_i;
+      if (asked_q[1]) region_q <= word_if(hit_q[sp_spec_pkg::RegRegion/4], region_o);
+    end
+    assign decode_or_region = decode_q | region_q;
   end else begin : gen_no_region
-    assign region_o = 32'd0;
+    assign region_o         = 32'd0;
+    assign decode_or_region = decode_q;
   end
 
   // --- Decoder: a build without one has nothing to set ---

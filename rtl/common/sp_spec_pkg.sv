@@ -369,8 +369,10 @@ package sp_spec_pkg;
   localparam int ReplayReservedLsb = 144;
   localparam int ReplayReservedBits = 16;
 
-  // Bits of a header that tell of the frame; columns have column_bits, rows and lines row_bits
-  function automatic logic [HeaderBits-1:0] frame_mask(input int column_bits, input int row_bits);
+  // Bits of a header that tell of the frame; columns have column_bits, rows and lines row_bits,
+  // the place of a region region_bits
+  function automatic logic [HeaderBits-1:0] frame_mask(input int column_bits, input int row_bits,
+                                                     input int region_bits);
     frame_mask = ~({HeaderBits{1'b1}} << HeaderStreamBits) << HeaderStreamLsb |
                  ~({HeaderBits{1'b1}} << HeaderPatternBits) << HeaderPatternLsb |
                  ~({HeaderBits{1'b1}} << ModeBits) << HeaderModeLsb |
@@ -386,8 +388,8 @@ package sp_spec_pkg;
                  ~({HeaderBits{1'b1}} << row_bits) << HeaderFirstRowLsb |
                  ~({HeaderBits{1'b1}} << row_bits) << HeaderLastRowLsb |
                  ~({HeaderBits{1'b1}} << RegMeasureGapBits) << HeaderGapLsb |
-                 ~({HeaderBits{1'b1}} << HeaderRegionRowBits) << HeaderRegionRowLsb |
-                 ~({HeaderBits{1'b1}} << HeaderRegionColumnBits) << HeaderRegionColumnLsb;
+                 ~({HeaderBits{1'b1}} << region_bits) << HeaderRegionRowLsb |
+                 ~({HeaderBits{1'b1}} << region_bits) << HeaderRegionColumnLsb;
   endfunction
 
 endpackage

@@ -32,6 +32,7 @@
 #include "sim/scene/parallel.h"
 #include "sim/scene/pattern_renderer.h"
 #include "sim/scene/perturbed_rig.h"
+#include "sim/scene/region.h"
 #include "sim/scene/renderer.h"
 #include "sim/scene/scene.h"
 #include "sim/scene/scenes.h"
@@ -51,7 +52,8 @@ struct SceneOptions {
   std::string scene;
   std::string height_map;
   double mm_per_pixel = 0;
-  std::string rig;  // empty: the scene's own
+  std::string rig;        // empty: the scene's own
+  std::string region_of;  // the rig whose region the camera sends; empty: the whole sensor
   std::vector<std::string> patterns;
   int bits = 0;  // 0: not given
   std::string out;
@@ -80,6 +82,17 @@ rig::Rig rig_of(const SceneOptions& options) {
   }
   rig::Rig rig = rig::load_rig(name);
   rig.imaging.seed = options.seed.value_or(rig.imaging.seed);
+  if (options.region_of.empty()) {
+    rig.camera.region.reset();
+    return rig;
+  }
+  const rig::RigCamera camera = rig::load_rig(options.region_of).camera;
+  if (!camera.region || camera.rows != rig.camera.rows || camera.columns != rig.camera.columns) {
+    throw UserError("--region-of " + options.region_of,
+                    camera.region ? "has a camera of another size" : "has no region (camera.region)");
+  }
+  rig.camera.region = camera.region;
+  rig.camera.frame_rate_hz = camera.region->frame_rate_hz;  // of all that moves
   return rig;
 }
 
@@ -207,7 +220,9 @@ void render(const SceneOptions& options) {
   }
   const int count = options.count > 0 ? options.count : scene->frames() + 1 - options.first;
   const RenderOptions render_with = render_options(options);
-  const PerturbedRig actual = rig_of_seed(rig, options.perturbed_rig_seed);
+  PerturbedRig actual = rig_of_seed(rig, options.perturbed_rig_seed);
+  expose_as_sent(rig.camera, actual.rig);
+  const rig::RigRegion sent = rig.camera.sent();
   const bool quantized = render_with.quantization;
   check_for_other_frames(options.out, options.first, count, quantized);
   const FrameMaker maker = rig.kind == rig::RigKind::scanner ? whole_patterns(options, actual, *scene, render_with)
@@ -216,7 +231,7 @@ void render(const SceneOptions& options) {
     throw UserError("--truth " + options.truth,
                     fmt::format("takes at most {} frames of depth, not {}", kMaxDepths, count));
   }
-  if (!maker.pattern.values.empty()) {
+  if (!maker.pattern.values.empty() && options.patterns.empty()) {
     out.append(kPatternFile, images::encode_float_tiff(kPatternFile, maker.pattern));
   }
   images::FloatImage truth(options.truth.empty() ? 0 : count * maker.truth_rows, rig.camera.columns);
@@ -230,6 +245,11 @@ void render(const SceneOptions& options) {
       std::string bytes;
       images::FloatImage values(rig.camera.rows, rig.camera.columns);
       maker.render(number - 1, values.values);
+      if (rig.camera.region) {
+        images::FloatImage part(sent.rows, sent.columns);
+        crop_as_sent<float>(rig.camera, values.values, part.values);
+        values = std::move(part);
+      }
       if (quantized) {
         images::Image image{values.rows, values.columns, std::vector<std::uint8_t>(values.values.size())};
         quantize(values.values, image.pixels);
@@ -253,10 +273,9 @@ void render(const SceneOptions& options) {
   if (truth_file) {
     truth_file->write(images::encode_float_tiff(options.truth, truth));
   }
-  fmt::print("{} {} of {} x {}, {}, rig {}, seed {}{} → {}\n", count, count == 1 ? "frame" : "frames",
-             rig.camera.columns, rig.camera.rows,
-             options.height_map.empty() ? "scene " + options.scene : "height map " + options.height_map, rig.name,
-             rig.imaging.seed,
+  fmt::print("{} {} of {} x {}, {}, rig {}, seed {}{} → {}\n", count, count == 1 ? "frame" : "frames", sent.columns,
+             sent.rows, options.height_map.empty() ? "scene " + options.scene : "height map " + options.height_map,
+             rig.name, rig.imaging.seed,
              (options.without.empty() ? "" : fmt::format(", without {}", fmt::join(options.without, ", "))) +
                  (options.world.disturb.empty() ? "" : fmt::format(", {}", fmt::join(options.world.disturb, ", "))),
              out.name());
@@ -310,6 +329,11 @@ void add_light_options(CLI::App& command, SceneOptions& options) {
   add_error_source_option(
       command, "--without", options.without,
       "Sources of error to leave out, with commas between them. Without quantization the frames are 32-bit TIFF.");
+  command
+      .add_option("--region-of", options.region_of,
+                  "Rig whose region (camera.region) the camera sends, with its exposure and frame rate.")
+      ->type_name("RIG")
+      ->default_str("the whole sensor");
   command.add_flag("--falloff", options.falloff, "Light falls with the squared distance from the projector.");
   add_world_options(command, options.world);
   add_perturbed_rig_option(command, options.perturbed_rig_seed);

@@ -29,6 +29,7 @@
 #include "sim/cosim/cosim_options.h"
 #include "sim/cosim/light_section.h"
 #include "sim/platform/platform.h"
+#include "sim/scene/region.h"
 #include "sim/scene/renderer.h"
 #include "sim/scene/scene.h"
 #include "sim/scene/scenes.h"
@@ -114,15 +115,9 @@ Setup scene_setup(const CosimOptions& options, const SceneInfo& info) {
   const rig::Rig& rig = setup.rig;
   const rig::Rig actual = perturbed_rig_of(options, rig);
   const rig::RigRegion sent = rig.camera.sent();
-  // A shorter exposure collects less light; noise and dark level of the sensor stay. The reference is scanned with that
-  // exposure as well, by the whole sensor and so more slowly.
+  // The reference is scanned with the same exposure, by the whole sensor and so more slowly.
   rig::Rig exposed = actual;
-  if (rig.camera.region) {
-    const double share = sent.exposure_s / rig.camera.exposure_s;
-    exposed.camera.exposure_s = sent.exposure_s;
-    exposed.imaging.white *= share;
-    exposed.imaging.ambient *= share;
-  }
+  expose_as_sent(rig.camera, exposed);
   rig::Rig running = exposed;
   running.camera.frame_rate_hz = rig.camera.region ? sent.frame_rate_hz : actual.camera.frame_rate_hz;
   setup.scene = make_scene(info.name, running);
@@ -139,17 +134,14 @@ Setup scene_setup(const CosimOptions& options, const SceneInfo& info) {
   const std::size_t count =
       frames_of_run(options, static_cast<std::size_t>(setup.scene->frames()), "scene " + options.scene);
   setup.source = std::make_unique<SceneFrames>(
-      [renderer = setup.renderer.get(), sent, camera = rig.camera](int frame, std::span<std::uint8_t> pixels) {
+      [renderer = setup.renderer.get(), camera = rig.camera](int frame, std::span<std::uint8_t> pixels) {
         if (!camera.region) {
           renderer->render(frame, pixels);
           return;
         }
         std::vector<std::uint8_t> sensor(camera.pixels());
         renderer->render(frame, sensor);
-        for (int row = 0; row < sent.rows; ++row) {
-          std::copy_n(sensor.begin() + (sent.row_offset + row) * camera.columns + sent.column_offset, sent.columns,
-                      pixels.begin() + row * sent.columns);
-        }
+        crop_as_sent<std::uint8_t>(camera, sensor, pixels);
       },
       sent.rows, sent.columns, options.first - 1, count);
   setup.profiler = std::make_unique<light_section::DifferentialProfiler>(rig, reference);

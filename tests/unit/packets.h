@@ -36,6 +36,8 @@ inline model::PacketHeader header_of(std::uint8_t kind, model::Mode mode, int co
   header.first_row = 0x0181;
   header.last_row = 0x0291;
   header.gap = 3;
+  header.region_row = 0x1234;
+  header.region_column = 0x8765;
   return header;
 }
 

@@ -18,7 +18,7 @@ import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent.parent
 SCRIPT = ROOT / "host" / "driver" / "selfproj.lua"
-HEADER = struct.Struct("<4sIHBBHBBQQiIHHIHHBBHHB5x")
+HEADER = struct.Struct("<4sIHBBHBBQQiIHHIHHBBHHBxHH")
 MOST = 1456  # bytes of a packet in a datagram
 
 # Bits of the words, lowest first; None: bits that belong to no field.
@@ -67,12 +67,12 @@ def packet(r, spec_hash, kind, mode, select, columns, good_check=True):
         shown["selfproj.pixels"] = [payload.hex()]
     payload += bytes(-len(payload) % 16)
     status = r.choice([0, 1, 16])
-    of_header = {"version": 0x0101, "kind": KINDS[kind], "stream": r.getrandbits(8), "pattern": r.getrandbits(16),
+    of_header = {"version": 0x0200, "kind": KINDS[kind], "stream": r.getrandbits(8), "pattern": r.getrandbits(16),
                  "mode": MODES[mode], "threshold": r.getrandbits(8), "sequence": r.getrandbits(64),
                  "time_stamp": r.getrandbits(64), "encoder": r.getrandbits(32) - (1 << 31), "lost": r.getrandbits(32),
                  "columns": columns, "rows": 96, "payload_size": len(payload), "first_line": 1, "lines": 1,
                  "flags": r.getrandbits(1), "select": int(select == "strongest"), "first_row": 3, "last_row": 90,
-                 "gap": r.randrange(4)}
+                 "gap": r.randrange(4), "region_row": r.getrandbits(16), "region_column": r.getrandbits(16)}
     shown |= {"selfproj." + key: [str(value)] for key, value in of_header.items() if key != "flags"}
     shown["selfproj.flags.stray_before"] = [str(of_header["flags"])]
     shown["selfproj.status.short_line"] = [str(status & 1)]

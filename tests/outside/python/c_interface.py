@@ -24,7 +24,8 @@ class Header(ctypes.Structure):
                 ("lost", ctypes.c_uint32), ("sequence", ctypes.c_uint64), ("time_stamp", ctypes.c_uint64),
                 *((name, ctypes.c_uint32) for name in
                   ("encoder", "columns", "rows", "pattern", "mode", "threshold", "first_line", "lines", "flags",
-                   "select", "gap", "first_row", "last_row", "reserved"))]
+                   "select", "gap", "first_row", "last_row")),
+                ("region_row", ctypes.c_uint16), ("region_column", ctypes.c_uint16)]
 
 
 class Profile(ctypes.Structure):

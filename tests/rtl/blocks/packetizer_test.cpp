@@ -198,6 +198,8 @@ class PacketizerBench {
     header_.first_row = static_cast<std::uint16_t>(random_.between(0, 1023));
     header_.last_row = static_cast<std::uint16_t>(random_.between(0, 1023));
     header_.gap = static_cast<std::uint8_t>(random_.between(0, 3));
+    header_.region_row = static_cast<std::uint16_t>(random_.bits());
+    header_.region_column = static_cast<std::uint16_t>(random_.bits());
     header_.first_line = static_cast<std::uint16_t>(kPerLine ? d.line : 1);
     header_.lines = kPerLine ? std::uint16_t{1} : header_.rows;
     header_.flags = random_.chance(50) ? spec::kFlagStrayBefore : std::uint8_t{0};
@@ -347,6 +349,8 @@ class PacketizerBench {
     mark(spec::kHeaderFirstRow, 2);
     mark(spec::kHeaderLastRow, 2);
     mark(spec::kHeaderGap, 1);
+    mark(spec::kHeaderRegionRow, 2);
+    mark(spec::kHeaderRegionColumn, 2);
     return bytes;
   }
 
