@@ -129,7 +129,7 @@ typedef struct selfproj_header {
   uint32_t gap;
   uint32_t first_row;
   uint32_t last_row;
-  uint16_t region_row; /* row and column of the sensor, from 0, at which the frame begins */
+  uint16_t region_row; /* row and column of the sensor, from 1, at which the frame begins; 0: not said */
   uint16_t region_column;
 } selfproj_header;
 

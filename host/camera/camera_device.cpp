@@ -34,6 +34,8 @@ model::BoardSettings board_settings(const Camera& camera, const CameraBoardSetti
   board.gap = given.gap.value_or(board.gap);
   board.window = given.window.value_or(board.window);
   board.stream = given.stream.value_or(board.stream);
+  board.region_row = given.region_row;
+  board.region_column = given.region_column;
   board.codes = given.code_bits.has_value();
   board.code_bits = given.code_bits.value_or(board.code_bits);
   board.code_threshold = given.code_threshold.value_or(board.code_threshold);
@@ -120,12 +122,17 @@ std::unique_ptr<driver::Device> make_camera_device(std::unique_ptr<Camera> camer
 }
 
 CameraDefaults camera_of_rig(const rig::Rig& rig, const model::Measure& measure) {
-  return {.region = images::ImagePart{.columns = rig.camera.columns, .rows = rig.camera.rows},
+  const rig::RigRegion sent = rig.camera.sent();
+  return {.region =
+              images::ImagePart{
+                  .columns = sent.columns, .rows = sent.rows, .left = sent.column_offset, .top = sent.row_offset},
           .board = {.mode = measure.mode,
                     .threshold = measure.threshold,
                     .select = measure.select,
                     .gap = measure.gap,
                     .window = measure.window,
+                    .region_row = rig.camera.region ? sent.row_offset + 1 : 0,
+                    .region_column = rig.camera.region ? sent.column_offset + 1 : 0,
                     .pixel_clock_hz = rig.pixel_clock_hz()}};
 }
 
@@ -135,8 +142,12 @@ std::unique_ptr<driver::Device> open_any_device(const std::string& uri, const dr
     return driver::open_device(uri, options);
   }
   CameraUri camera = parse_camera_uri(uri);
-  fill(camera.camera.region, defaults.region);
   CameraBoardSettings& board = camera.board;
+  if (!camera.camera.region) {
+    camera.camera.region = defaults.region;
+    board.region_row = defaults.board.region_row;
+    board.region_column = defaults.board.region_column;
+  }
   fill(board.mode, defaults.board.mode);
   fill(board.threshold, defaults.board.threshold);
   fill(board.select, defaults.board.select);

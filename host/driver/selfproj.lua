@@ -56,8 +56,9 @@ local format = {
     {"last_row", 56, 16, "last row that counts for the moments, from 1; 0: the last"},
     {"gap", 58, 8, "dark rows, 0..3, that two lit pixels of one run may have between them"},
     {"reserved", 59, 8, "0"},
-    {"region_row", 60, 16, "row of the sensor, from 0, at which the frame begins; a setting"},
-    {"region_column", 62, 16, "column of the sensor, from 0, at which the frame begins; a setting"},
+    {"region_row", 60, 16, "row of the sensor, from 1, at which the frame begins, a setting; 0: it is not said"},
+    {"region_column", 62, 16,
+      "column of the sensor, from 1, at which the frame begins, a setting; 0: it is not said"},
   },
   trailer = {
     {"sequence", 0, 64, "the sequence of the header again"},

@@ -191,33 +191,35 @@ DifferentialProfiler::DifferentialProfiler(const rig::Rig& rig, const ReferenceP
 }
 
 std::string DifferentialProfiler::unlike_reference(const model::PacketHeader& header) const {
-  return light_section::unlike_reference(measured_, selection_of(model::measure_of(header)), place_of(header).row,
-                                         header.rows);
+  return light_section::unlike_reference(measured_, selection_of(model::measure_of(header)),
+                                         place_of_frame(camera_, header).value_or(FramePlace{}).row, header.rows);
 }
 
-DifferentialProfiler::Place DifferentialProfiler::place_of(const model::PacketHeader& header) const {
-  const bool whole = header.rows == camera_.rows && header.columns == camera_.columns;
-  if (header.region_row == 0 && header.region_column == 0 && !whole && camera_.region &&
-      header.rows == camera_.region->rows && header.columns == camera_.region->columns) {
-    return {camera_.region->row_offset, camera_.region->column_offset};
+std::optional<FramePlace> place_of_frame(const rig::RigCamera& camera, const model::PacketHeader& header) {
+  if (header.region_row > 0 && header.region_column > 0) {
+    return FramePlace{header.region_row - 1, header.region_column - 1};
   }
-  return {header.region_row, header.region_column};
+  if (header.rows == camera.rows && header.columns == camera.columns) {
+    return FramePlace{0, 0};
+  }
+  if (camera.region && header.rows == camera.region->rows && header.columns == camera.region->columns) {
+    return FramePlace{camera.region->row_offset, camera.region->column_offset};
+  }
+  return std::nullopt;
 }
 
 std::string DifferentialProfiler::unlike_camera(const model::PacketHeader& header) const {
-  const auto [row, column] = place_of(header);
-  if (row + header.rows > camera_.rows || column + header.columns > camera_.columns) {
-    return fmt::format(
-        "its frames of {} x {} pixels begin at row {}, column {} of the sensor, but the rig's has {} x {}",
-        header.columns, header.rows, row, column, camera_.columns, camera_.rows);
-  }
-  const bool placed = header.region_row != 0 || header.region_column != 0 || row != 0 || column != 0;
-  if (!placed && (header.rows != camera_.rows || header.columns != camera_.columns) &&
-      !(camera_.region && camera_.region->rows == header.rows && camera_.region->columns == header.columns)) {
+  const std::optional<FramePlace> place = place_of_frame(camera_, header);
+  if (!place) {
     return fmt::format(
         "its frames are {} x {} pixels, those of the rig {} x {}, and they do not say where on the "
         "sensor they lie",
         header.columns, header.rows, camera_.columns, camera_.rows);
+  }
+  if (place->row + header.rows > camera_.rows || place->column + header.columns > camera_.columns) {
+    return fmt::format(
+        "its frames of {} x {} pixels begin at row {}, column {} of the sensor, but the rig's has {} x {}",
+        header.columns, header.rows, place->row + 1, place->column + 1, camera_.columns, camera_.rows);
   }
   return {};
 }
@@ -265,7 +267,7 @@ bool DifferentialProfiler::profile(const model::PacketView& packet, const Profil
       !unlike_reference(header).empty()) {
     return false;
   }
-  const auto [row, column] = place_of(header);
+  const auto [row, column] = place_of_frame(camera_, header).value_or(FramePlace{});
   const int end = column + header.columns;
   profile(static_cast<model::Select>(header.select), static_cast<model::Mode>(header.mode), packet.payload.data(),
           column, end, line_rules(camera_, measure_, row, header.rows), out);

@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "selfproj/light_section/differential_profile.h"
 #include "selfproj/model/pixel_clock.h"
 
 namespace selfproj::light_section {
@@ -31,7 +32,8 @@ Inspection::Inspection(const rig::Rig& rig, int columns, const InspectionOptions
 }
 
 bool Inspection::begin_frame(const model::PacketHeader& header) {
-  if (header.region_column + header.columns > columns_) {
+  const FramePlace place = place_of_frame(rig_.camera, header).value_or(FramePlace{});
+  if (place.column + header.columns > columns_) {
     throw std::invalid_argument("a frame that is wider than the profiles");
   }
   if (frames_.size() >= options_.max_frames) {
@@ -46,7 +48,7 @@ bool Inspection::begin_frame(const model::PacketHeader& header) {
                      .select = header.select,
                      .gap = header.gap,
                      .window = {header.first_row, header.last_row},
-                     .row_offset = header.region_row});
+                     .row_offset = static_cast<std::uint16_t>(place.row)});
   const std::size_t size = frames_.size() * static_cast<std::size_t>(columns_);
   for (auto* values : {&values_.m0, &values_.m1, &values_.n}) {
     values->resize(size);
@@ -69,7 +71,8 @@ void Inspection::add_profile(const ProfileView& profile) {
   append(values_.validity, profile.validity);
 }
 
-model::RunsView Inspection::last_frame(std::size_t first_column) {
+model::RunsView Inspection::last_frame(const model::PacketHeader& header) {
+  const auto first_column = static_cast<std::size_t>(place_of_frame(rig_.camera, header).value_or(FramePlace{}).column);
   const std::size_t begin = (frames_.size() - 1) * static_cast<std::size_t>(columns_) + first_column;
   const bool runs = has_runs();
   return {{values_.m0.data() + begin, values_.m1.data() + begin, values_.n.data() + begin},
@@ -81,7 +84,7 @@ void Inspection::add(const model::PacketHeader& header, const model::RunsView& r
   if (!begin_frame(header)) {
     return;
   }
-  const model::RunsView to = last_frame(header.region_column);
+  const model::RunsView to = last_frame(header);
   std::copy_n(runs.moments.m0, header.columns, to.moments.m0);
   std::copy_n(runs.moments.m1, header.columns, to.moments.m1);
   std::copy_n(runs.moments.n, header.columns, to.moments.n);
@@ -102,7 +105,7 @@ void Inspection::add(const model::PacketHeader& header, std::span<const std::uin
     return;
   }
   model::unpack_columns(static_cast<model::Select>(header.select), mode, header.columns, payload.data(),
-                        last_frame(header.region_column));
+                        last_frame(header));
   add_profile(profile);
 }
 

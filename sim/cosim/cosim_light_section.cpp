@@ -248,8 +248,8 @@ class LightSectionCosim final : public CosimMeasurement {
                          .select = measure_.select,
                          .gap = measure_.gap,
                          .window = measure_.window,
-                         .region_row = setup_.profiler != nullptr ? sent.row_offset : 0,
-                         .region_column = setup_.profiler != nullptr ? sent.column_offset : 0};
+                         .region_row = rig.camera.region ? sent.row_offset + 1 : 0,
+                         .region_column = rig.camera.region ? sent.column_offset + 1 : 0};
     platform.frame_rate_hz = sent.frame_rate_hz;
     platform.pixel_clock_hz = rig.pixel_clock_hz();
     if (rig.conveyor.encoder_mm_per_count > 0 && setup_.profiler != nullptr) {

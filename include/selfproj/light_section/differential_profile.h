@@ -21,6 +21,14 @@ namespace selfproj::light_section {
 
 struct ProfileTables;  // defined in the .cpp file
 
+// Where a frame begins on the camera's sensor, row and column from 0: as its header says; else the whole sensor, or the
+// rig's region, whichever has its size. Nothing if neither has.
+struct FramePlace {
+  int row = 0;
+  int column = 0;
+};
+std::optional<FramePlace> place_of_frame(const rig::RigCamera& camera, const model::PacketHeader& header);
+
 // Holds what is the same for all frames. With tan α of the column's centroid C = M1/M0 (3.2, 3.3, 3.6), and tan α_r of
 // the reference's row (0 in a perfect self-projection):
 //
@@ -64,7 +72,7 @@ class DifferentialProfiler {
   void profile(model::Select select, model::Mode mode, const std::uint8_t* payload, const ProfileView& out) const;
 
   // Why a frame of this size and place is not one of the rig's camera; empty if it is: the whole sensor, or a region of
-  // it. Where a header says no place (a board without the register), the rig's region counts.
+  // it. See place_of_frame.
   [[nodiscard]] std::string unlike_camera(const model::PacketHeader& header) const;
 
   // The same from a packet. Returns false, and writes nothing, unless it has the moments of a good frame for which
@@ -80,12 +88,6 @@ class DifferentialProfiler {
   void profile(const model::RunsView& runs, const ProfileView& out) const;
 
  private:
-  // Where a frame lies on the sensor.
-  struct Place {
-    int row = 0;
-    int column = 0;
-  };
-  [[nodiscard]] Place place_of(const model::PacketHeader& header) const;
   [[nodiscard]] ProfileTables tables_from(int first, const LineRules& rules) const;
   void profile(model::Select select, model::Mode mode, const std::uint8_t* payload, int begin, int end,
                const LineRules& rules, const ProfileView& out) const;

@@ -107,7 +107,7 @@ class Inspection {
   bool begin_frame(const model::PacketHeader& header);
   void add_profile(const ProfileView& profile);
   // Where the moments and runs of the frame go that begin_frame() made room for, from its first column on.
-  model::RunsView last_frame(std::size_t first_column);
+  model::RunsView last_frame(const model::PacketHeader& header);
   [[nodiscard]] images::FloatImage map(const std::vector<float>& values, double offset, double factor) const;
 
   rig::Rig rig_;

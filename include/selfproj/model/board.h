@@ -31,7 +31,7 @@ struct BoardSettings {
   int gap = 0;             // 0..3
   RowWindow window = {};   // rows that count for the moments, each up to the build's maximum
   int stream = 0;          // 0..255
-  int region_row = 0;      // row of the sensor, from 0, at which frames begin, 0..65535; only reported
+  int region_row = 0;      // row of the sensor, from 1, at which frames begin; 0: not said; only reported
   int region_column = 0;   // the same for columns
   bool codes = false;      // the board decodes Gray codes and sends them
   bool median = false;     // the codes pass through the 3 x 3 median

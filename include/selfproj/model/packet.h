@@ -42,8 +42,8 @@ struct PacketHeader {
   std::uint16_t first_row = 0;      // first row that counts for the moments, from 1; 0: the first
   std::uint16_t last_row = 0;       // last row that counts, from 1; 0: the last
   std::uint8_t gap = 0;             // dark rows between two lit pixels of one run
-  std::uint16_t region_row = 0;     // row of the sensor, from 0, at which the frame begins
-  std::uint16_t region_column = 0;  // column of the sensor, from 0, at which the frame begins
+  std::uint16_t region_row = 0;     // row of the sensor, from 1, at which the frame begins; 0: not said
+  std::uint16_t region_column = 0;  // column of the sensor, from 1, at which the frame begins; 0: not said
 
   bool operator==(const PacketHeader&) const = default;
 

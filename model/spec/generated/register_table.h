@@ -141,8 +141,8 @@ inline constexpr std::array<RegisterField, 2> kFieldsOfWindow{{
     {"last", 16, 10, "last row that counts, from 1; 0: the last"},
 }};
 inline constexpr std::array<RegisterField, 2> kFieldsOfRegion{{
-    {"row", 0, 16, "row of the sensor, from 0"},
-    {"column", 16, 16, "column of the sensor, from 0"},
+    {"row", 0, 16, "row of the sensor, from 1; 0: it is not said"},
+    {"column", 16, 16, "column of the sensor, from 1; 0: it is not said"},
 }};
 
 // In the order of their addresses.

@@ -185,6 +185,27 @@ TEST(Rig, SectionsWithinMeasureAreReadBack) {
   EXPECT_EQ(*read.measure.window, (model::RowWindow{3, 90}));
 }
 
+TEST(Rig, ARegionIsReadBackAndChecked) {
+  rig::Rig rig = rig::load_rig("light-section");
+  rig.camera.region = rig::RigRegion{
+      .row_offset = 38, .rows = 20, .column_offset = 0, .columns = 512, .frame_rate_hz = 50000, .exposure_s = 18e-6};
+  const std::string yaml = rig::to_yaml(rig);
+  const rig::Rig read = rig::parse_rig(yaml, "text");
+  EXPECT_EQ(rig::to_yaml(read), yaml);
+  EXPECT_EQ(read.camera.region, rig.camera.region);
+  EXPECT_EQ(read.camera.sent(), *rig.camera.region);
+  // What was measured with the whole sensor goes on.
+  EXPECT_EQ(rig::geometry_of(read), rig::geometry_of(rig::load_rig("light-section")));
+  const auto changed = [&](const std::string& from, const std::string& to) {
+    std::string text = yaml;
+    return error_of(text.replace(text.find(from), from.size(), to));
+  };
+  EXPECT_EQ(changed("row_offset: 38", "row_offset: 80"),
+            "rig.yaml: camera.region ends at row 100, column 512; the camera has 96 rows, 512 columns");
+  EXPECT_EQ(changed("column_offset: 0\n    columns: 512", "column_offset: 0\n    columns: 510"),
+            "rig.yaml: camera.region.columns is 510; a multiple of 4 is expected");
+}
+
 TEST(Rig, HeightsAreReadBackAndChecked) {
   rig::Rig rig = rig::load_rig("light-section");
   rig.heights = rig::RigHeights{-1, 41, 1, 1, {0.5, -0.25, 1.0 / 3, 0}};
