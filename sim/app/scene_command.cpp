@@ -349,7 +349,8 @@ void add_render(CLI::App& scene) {
       scene,
       {.name = "render",
        .purpose = "Renders the camera images of a scene, and the true heights.",
-       .details = "The output folder gets frame_00001.png and so on, and pattern.tiff with what the projector shows. "
+       .details = "The output folder gets frame_00001.png and so on, and pattern.tiff with the straight line "
+                  "that is shown without --pattern. "
                   "Frames of another run in the folder are an error. With a scanner the first frame that is rendered "
                   "shows the first pattern, and there is no pattern.tiff.",
        .examples = R"(

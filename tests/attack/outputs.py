@@ -36,7 +36,7 @@ ONTO_INPUTS = [
      "depth.tiff"),
     ("scanner.yaml SEEN", "selfproj depth --rig scanner.yaml --bits 2 --out . --compare cloud.ply NAMES", "cloud.ply"),
     ("heights.tiff:frame_00001.png rig.yaml",
-     "selfproj-sim scene render plane --rig rig.yaml --count 1 --pattern pattern.tiff --out .", "pattern.tiff"),
+     "selfproj-sim scene render plane --rig rig.yaml --count 1 --pattern frame_00001.png --out .", "frame_00001.png"),
     ("heights.tiff rig.yaml", "selfproj-sim scene render --height-map heights.tiff --mm-per-pixel 1 --rig rig.yaml "
      "--count 1 --truth heights.tiff --out o", "heights.tiff")
 ]
@@ -122,9 +122,8 @@ class Outputs(Part):
             if "depth.tiff" in command or "cloud.ply" in command:
                 first = [w for w in command if w not in ("--background", "depth.tiff", "--compare", "cloud.ply")]
                 self.attacker.attack(first, folder)
-            if "pattern.tiff" in kept and not (folder / "pattern.tiff").exists():
-                (folder / "pattern.tiff").write_bytes((self.made / "reference" / "pattern.tiff").read_bytes())
-                (folder / "frame_00001.png").unlink()
+            if "frame_00001.png" in kept:
+                (folder / "frame_00001.png").write_bytes((self.made / "reference" / "pattern.png").read_bytes())
             inputs = [folder / name for name in kept]
             outcome = self.attacker.attack(command, folder, inputs)
             if kept and (outcome.status != 2 or "is an input of this command" not in outcome.err):

@@ -105,7 +105,6 @@ class Pairs(unittest.TestCase):
             selfproj pattern --rig rig.yaml --scan scan --every 8 --out good
             selfproj-sim scene render stairs --rig given2.yaml --pattern good/pattern.tiff --first 690 --count 20 \
               --truth truth.tiff --out seen
-            rm seen/pattern.tiff
             selfproj pattern --rig rig.yaml --reference good --residual seen --out part
             selfproj pattern --rig rig.yaml --reference part --residual seen --out part2
             selfproj-sim cosim --rig rig.yaml --engine model --frames 'seen/*.png' --packets a.packets --out cosim

@@ -186,7 +186,7 @@ TEST_F(SceneCommand, PatternFromTiffOrPng) {
   save("line.tiff", pattern);
   write_text(folder_ / "line.png", light_section::encode_pattern_png(pattern));
   EXPECT_EQ(render({"plane", "--count", "1", "--pattern", "line.tiff"}).status, 0);
-  EXPECT_EQ(images::read_float_tiff((folder_ / "out" / "pattern.tiff").string()), pattern);
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "out" / "pattern.tiff")) << "the user has it";
   const images::Image from_tiff = frame("frame_00001.png");
   EXPECT_EQ(render({"plane", "--count", "1", "--pattern", "line.png"}).status, 0);
   const images::Image from_png = frame("frame_00001.png");

@@ -88,7 +88,7 @@ class GeneratorTest(unittest.TestCase):
         self.refused(lambda spec: self.field(spec, "binary", "m0").update(max="lines"), "cannot evaluate")
 
     def test_header_not_whole_beats(self):
-        self.refused(lambda spec: named(spec["packet"]["header"], "reserved").update(bits=80), "whole number of beats")
+        self.refused(lambda spec: named(spec["packet"]["header"], "region_column").update(bits=48), "whole number of beats")
 
     def test_field_not_aligned(self):
         def change(spec):
