@@ -21,7 +21,7 @@ namespace selfproj::test {
 namespace {
 
 TEST(Control, EveryRegisterAndFieldByName) {
-  model::RegisterFile board({.codes = true, .median = true, .code_bits = 12});
+  model::RegisterFile board({.codes = true, .median = true, .region = true, .code_bits = 12});
   driver::Control control(port_of(board));
   for (const spec::Register& one : spec::kRegisters) {
     for (const spec::RegisterField& field : one.fields) {
@@ -88,6 +88,30 @@ TEST(Control, OtherBoards) {
     const std::string error = error_of([&] { driver::Control control(std::make_unique<sim::AccessPort>(port)); });
     EXPECT_NE(error.find(wrong == spec::kRegId ? "no selfproj board" : "another specification"), std::string::npos)
         << error;
+  }
+}
+
+// A board of version 1.1 has the registers of today but the region; one of 1.0 had others.
+TEST(Control, EarlierVersions) {
+  for (const spec::EarlierVersion& earlier : spec::kEarlierVersions) {
+    model::RegisterFile board;
+    const auto port = [&](bool write, std::uint32_t address, std::uint32_t data) {
+      model::RegisterAnswer answer = write ? board.write(address, data) : board.read(address, {});
+      answer.data = address == spec::kRegVersion    ? earlier.version
+                    : address == spec::kRegSpecHash ? earlier.hash
+                                                    : answer.data;
+      return answer;
+    };
+    std::unique_ptr<driver::Control> control;
+    const std::string error =
+        error_of([&] { control = std::make_unique<driver::Control>(std::make_unique<sim::AccessPort>(port)); });
+    EXPECT_EQ(error.find("another specification") == std::string::npos, earlier.version == 0x0101) << error;
+    if (earlier.version == 0x0101) {
+      control->set({.columns = 256, .rows = 20});
+      EXPECT_EQ(board.settings().columns, 256);
+      EXPECT_EQ(error_of([&] { control->set({.columns = 256, .rows = 20, .region_row = 39, .region_column = 1}); }),
+                "sim:: this board has no register for the region of the sensor");
+    }
   }
 }
 
