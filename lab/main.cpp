@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "host/cli/command_line.h"
+#include "host/cli/completion.h"
 #include "host/cli/program_main.h"
 #include "host/structured_light/self_reference.h"
 #include "lab/experiment.h"
@@ -144,6 +145,7 @@ selfproj-lab experiment A1 --null-test --every 50 --out mountain
       [](CLI::App& app) {
         selfproj::lab::add_experiment_command(app);
         selfproj::lab::add_thesis_command(app);
+        selfproj::cli::add_completion_command(app);
       },
       argc, argv);
 }
