@@ -1,6 +1,6 @@
 """Structured light: patterns, the decoder at full speed, depth images, clouds; self-projected stripes.
 
-    scan = selfproj.structured_light.scan(images, rig="scanner", bits=8, median=True)     # images: uint8, (n, rows, columns)
+    scan = selfproj.structured_light.scan(images, rig="scanner", bits=8, median=True)     # uint8, (n, rows, columns)
     selfproj.structured_light.save_ply("cloud.ply", scan.points())
 
     stripes = selfproj.structured_light.stripes_of_scan(rig, images_of_the_reference)

@@ -1,5 +1,5 @@
-"""Virtual environments for the tests of the Python package: one has what builds it from PyPI, and one, a user's, only the
-wheel and NumPy."""
+"""Virtual environments for the tests of the Python package: one has what the tests need, and one, a user's, only the wheel
+and NumPy."""
 
 import os
 import pathlib

@@ -3,8 +3,9 @@
 
     run.py BUILD PROGRAMS
 
-nanobind, scikit-build-core and NumPy come from PyPI, into build/python-tests and build/python-user of the project. Where
-PyPI is not reached it says that it was skipped, and its exit status is 77. SELFPROJ_SEED draws other cases.
+nanobind, scikit-build-core and NumPy come from PyPI, into build/wheel-tools, build/python-tests and build/python-user of
+the project. Where PyPI is not reached it says that it was skipped, and its exit status is 77. SELFPROJ_SEED draws other
+cases.
 """
 
 import pathlib

@@ -285,7 +285,8 @@ class Stripes(Case):
         with self.assertRaises(IndexError):
             stripes.pattern(2 * stripes.bits)
         stripes.save(self.folder / "saved")
-        self.assertEqual((self.folder / "saved/reference.yaml").read_bytes(), (reference / "reference.yaml").read_bytes())
+        self.assertEqual((self.folder / "saved/reference.yaml").read_bytes(),
+                         (reference / "reference.yaml").read_bytes())
         with self.assertRaisesRegex(selfproj.InputError, "another order"):
             structured_light.stripes_of_scan(rig, sorted(seen.iterdir(), reverse=True))
 
