@@ -485,7 +485,7 @@ ThesisFigure figure_4_10() {
     }
     const double pitch = kStep * (rig.plane_z_mm - level) * rig.camera.pixel_pitch_mm / rig.camera.focal_length_mm;
     const std::string title = fmt::format("4.10: error of z at {:g} mm (mm)", level);
-    figure.pictures.push_back(map_picture(title, map, {report::ColourMap::sequential, 0, 2.5}, {pitch, pitch}));
+    figure.pictures.push_back(map_picture(title, map, {report::ColourMap::sequential, 0, 7}, {pitch, pitch}));
     const structured_light::CameraPoint middle{0.5 * (rig.camera.rows - 1), 0.5 * (rig.camera.columns - 1),
                                                rig.plane_z_mm - level};
     figure.values.emplace_back(fmt::format("centre_at_{:g}_mm", level),
