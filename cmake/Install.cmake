@@ -24,8 +24,15 @@ foreach(set core vision)
 endforeach()
 
 # For the Python package, which can take its libraries from this build (python/CMakeLists.txt).
-set_target_properties(selfproj_calibration PROPERTIES EXPORT_NAME calibration)
-export(TARGETS ${selfproj_core} ${selfproj_vision} selfproj_calibration NAMESPACE selfproj::
+set(selfproj_of_python selfproj_calibration selfproj_camera selfproj_report selfproj_parts)
+if(TARGET selfproj_aravis)
+  list(APPEND selfproj_of_python selfproj_aravis)
+endif()
+foreach(target IN LISTS selfproj_of_python)
+  string(REPLACE "selfproj_" "" name ${target})
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${name})
+endforeach()
+export(TARGETS ${selfproj_core} ${selfproj_vision} ${selfproj_of_python} NAMESPACE selfproj::
   FILE "${PROJECT_BINARY_DIR}/selfproj_libraries.cmake")
 
 install(FILES host/driver/selfproj.lua DESTINATION ${CMAKE_INSTALL_DATADIR}/selfproj COMPONENT programs)

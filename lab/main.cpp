@@ -6,9 +6,11 @@
 #include <vector>
 
 #include "host/cli/command_line.h"
+#include "host/cli/completion.h"
 #include "host/cli/program_main.h"
 #include "host/structured_light/self_reference.h"
 #include "lab/experiment.h"
+#include "lab/thesis.h"
 #include "sim/cosim/render_options.h"
 #include "sim/scene/virtual_capture.h"
 
@@ -140,5 +142,10 @@ int main(int argc, char** argv) {
 # A null test of A1 on every 50th frame, as a quick look.
 selfproj-lab experiment A1 --null-test --every 50 --out mountain
 )"},
-      selfproj::lab::add_experiment_command, argc, argv);
+      [](CLI::App& app) {
+        selfproj::lab::add_experiment_command(app);
+        selfproj::lab::add_thesis_command(app);
+        selfproj::cli::add_completion_command(app);
+      },
+      argc, argv);
 }

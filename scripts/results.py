@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """results.py: handles figures as data, and the tables of the documents that are generated from them: results/*.json
-and results/tables.toml, those of the laboratory in lab/results/.
+and results/*.toml, those of the laboratory in lab/results/.
 
     results.py update [ROOT]     rewrites the tables and figures in all Markdown files
     results.py check [ROOT]      exit status 1 where one differs from what results/ says, or is typed a second time
@@ -9,7 +9,7 @@ and results/tables.toml, those of the laboratory in lab/results/.
 Programs write a result where the environment variable SELFPROJ_RESULTS names a folder: C++ by host/files/results_file.h,
 Python by write() below. Both give the same envelope: about, command, date, commit, machine, results.
 
-tables.toml defines the tables. In a document a table stands between two comments, and so does a figure within
+The TOML files define the tables. In a document a table stands between two comments, and so does a figure within
 a sentence, which is named by a reference as in a cell:
 
     <!-- table NAME -->               <!-- =bench_gray/decode/cache_per_s:,.0f -->38,834<!-- end -->
@@ -19,8 +19,8 @@ a sentence, which is named by a reference as in a cell:
 A cell is a text with references in braces. NAME/KEY/KEY:FORMAT is a value of NAME.json in Python's format; M
 before the format shows millions, % a percentage. Of a table that a program wrote (header, rows) the keys are the names
 of a row and of a column. NAME/KEY >= NUMBER is a goal: it shows the sign and the number, and the column `met` follows
-from it. In a table with `each`, /KEY is a value of the row's own object and @ is its name; `for` has a list of words
-for each row, which stand for $1, $2, ... in the columns. Standard library only.
+from it, unless the row says `met` itself. In a table with `each`, /KEY is a value of the row's own object and @ is its
+name; `for` has a list of words for each row, which stand for $1, $2, ... in the columns. Standard library only.
 """
 
 import argparse
@@ -215,7 +215,7 @@ class Cells:
         if goal := re.fullmatch(r"(.+?) (>=|<=|==) (.*)", reference):
             self.results.value(goal[1])
             return SIGNS[goal[2]] + goal[3]
-        path, _, spec = reference.partition(":")
+        path, spec = re.fullmatch(r"(.+?)(?::([^/]*))?", reference).groups(default="")  # a key may have a colon, too
         text = formatted(self.results.value(path, row), spec)
         for figure in LONG.findall(text):
             if is_distinct(figure):
@@ -243,18 +243,18 @@ def with_words(text, words):
 
 
 class Tables:
-    """The tables that tables.toml in each folder defines."""
+    """The tables that the TOML files in each folder define."""
 
     def __init__(self, root):
         self.results = Results(root)
         self.cells = Cells(self.results)
         self.definitions = {}
         for folder in FOLDERS:
-            file = root / folder / "tables.toml"
-            try:
-                self.definitions |= tomllib.loads(file.read_text(encoding="utf-8")) if file.exists() else {}
-            except tomllib.TOMLDecodeError as error:
-                raise ResultsError(f"{folder}/tables.toml: {error}") from None
+            for file in sorted((root / folder).glob("*.toml")):
+                try:
+                    self.definitions |= tomllib.loads(file.read_text(encoding="utf-8"))
+                except tomllib.TOMLDecodeError as error:
+                    raise ResultsError(f"{folder}/{file.name}: {error}") from None
         self.rows = {row["id"]: row for table in self.definitions.values() for row in table.get("rows", [])
                      if isinstance(row, dict) and "id" in row}
 
@@ -262,7 +262,7 @@ class Tables:
         if name in ("sources", "lab-sources"):
             head, rows = self.sources(FOLDERS[name == "lab-sources"])
         elif name not in self.definitions:
-            raise ResultsError(f"no tables.toml has a table {name}")
+            raise ResultsError(f"no TOML file of results has a table {name}")
         else:
             head, rows = self.defined(self.definitions[name])
         lines = ["| " + " | ".join(cell.replace("|", "\\|") for cell in row) + " |" for row in [head, *rows]]
@@ -295,7 +295,7 @@ class Tables:
         row = {"brief_" + key: row.get(key, "–") for key in ("goal", "result")} | {"brief": row.get("what", "–"), **row}
         cells = {key: self.cells.fill(row.get(key, "–")) for key in columns if key not in ("met", "command")}
         if "met" in columns:
-            cells["met"] = self.cells.met(row.get("goal", ""))
+            cells["met"] = row["met"] if "met" in row else self.cells.met(row.get("goal", ""))
         if "command" in columns:
             cells["command"] = (self.cells.fill(row["command"]) if "command" in row else
                                 self.cells.commands(row["result"]))

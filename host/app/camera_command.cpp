@@ -90,21 +90,6 @@ std::vector<images::Image> read_lines(const CameraOptions& options, const calibr
   return lines;
 }
 
-rig::Rig rig_of_laser(const CameraOptions& options, const calibration::CameraReport& camera,
-                      const calibration::LaserPlane& laser) {
-  const calibration::LensParameters& p = camera.model.result.bundle.camera;
-  rig::Rig rig = rig::load_rig(options.rig);
-  rig.camera.rows = camera.images.front().rows;
-  rig.camera.columns = camera.images.front().columns;
-  rig.camera.focal_length_mm = 0.5 * (p[0] + p[1]) * rig.camera.pixel_pitch_mm;
-  rig.calibration.emplace();
-  rig.calibration->camera = {p[0], p[1], p[2], p[3], p[4], p[5], p[6], p[7], p[8]};
-  rig.light_plane = laser.plane;
-  rig.belt_pose.reset();
-  rig.heights.reset();
-  return rig;
-}
-
 std::string camera_yaml(const calibration::CameraReport& camera) {
   const calibration::LensParameters& p = camera.model.result.bundle.camera;
   const calibration::BoardImage& first = camera.images.front();
@@ -197,7 +182,7 @@ void run_camera(CameraOptions options) {
   std::optional<calibration::LaserPlane> laser;
   if (!options.laser.empty()) {
     laser = calibration::laser_plane(camera, read_lines(options, camera));
-    folder.append("rig.yaml", rig::to_yaml(rig_of_laser(options, camera, *laser)));
+    folder.append("rig.yaml", rig::to_yaml(calibration::rig_of_laser(rig::load_rig(options.rig), camera, *laser)));
   }
   folder.append("camera.yaml", camera_yaml(camera));
   folder.append("report.json", report_json(camera, laser));

@@ -1,6 +1,8 @@
 // selfproj: the program for the production PC.
 
 #include "host/app/commands.h"
+#include "host/cli/command_line.h"
+#include "host/cli/completion.h"
 #include "host/cli/program_main.h"
 
 int main(int argc, char** argv) {
@@ -23,20 +25,28 @@ selfproj rig light-section
         selfproj::app::add_rows_command(app);
         selfproj::app::add_pattern_command(app);
         selfproj::app::add_calibrate_command(app);
-        selfproj::app::add_depth_command(app);
-        selfproj::app::add_match_command(app);
         selfproj::app::add_accuracy_command(app);
-        selfproj::app::add_board_command(app);
-        selfproj::app::add_devices_command(app);
+        selfproj::cli::set_heading(app, "Set up: rigs, patterns, calibration",
+                                   {"rig", "pattern", "calibrate", "accuracy"});
         selfproj::app::add_project_command(app);
         selfproj::app::add_capture_command(app);
         selfproj::app::add_scan_command(app);
         selfproj::app::add_measure_command(app);
-        selfproj::app::add_record_command(app);
-        selfproj::app::add_images_command(app);
+        selfproj::cli::set_heading(app, "Capture with camera and projector", {"project", "capture", "scan", "measure"});
         selfproj::app::add_inspect_command(app);
         selfproj::app::add_tolerance_command(app);
         selfproj::app::add_lines_command(app);
+        selfproj::cli::set_heading(app, "Light section and parts on a line", {"inspect", "tolerance", "lines"});
+        selfproj::app::add_depth_command(app);
+        selfproj::app::add_match_command(app);
+        selfproj::app::add_compare_command(app);
+        selfproj::cli::set_heading(app, "Structured light, maps and clouds", {"depth", "match", "compare"});
+        selfproj::app::add_board_command(app);
+        selfproj::app::add_devices_command(app);
+        selfproj::app::add_record_command(app);
+        selfproj::app::add_images_command(app);
+        selfproj::cli::set_heading(app, "Boards and their packets", {"board", "devices", "record", "images"});
+        selfproj::cli::add_completion_command(app);
       },
       argc, argv);
 }

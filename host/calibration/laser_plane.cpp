@@ -363,4 +363,18 @@ LaserPlane laser_plane(const CameraReport& camera, const std::vector<images::Ima
   return result;
 }
 
+rig::Rig rig_of_laser(const rig::Rig& drawn, const CameraReport& camera, const LaserPlane& laser) {
+  const LensParameters& p = camera.model.result.bundle.camera;
+  rig::Rig rig = drawn;
+  rig.camera.rows = camera.images.front().rows;
+  rig.camera.columns = camera.images.front().columns;
+  rig.camera.focal_length_mm = 0.5 * (p[0] + p[1]) * rig.camera.pixel_pitch_mm;
+  rig.calibration.emplace();
+  rig.calibration->camera = {p[0], p[1], p[2], p[3], p[4], p[5], p[6], p[7], p[8]};
+  rig.light_plane = laser.plane;
+  rig.belt_pose.reset();
+  rig.heights.reset();
+  return rig;
+}
+
 }  // namespace selfproj::calibration

@@ -70,6 +70,9 @@ std::vector<cv::Point2d> line_centres(const images::Image& image, int threshold)
 // on all of them.
 LaserPlane laser_plane(const CameraReport& camera, const std::vector<images::Image>& lines);
 
+// The rig of this camera and laser. What they do not tell, such as the pixel pitch and the belt, is that of `drawn`.
+rig::Rig rig_of_laser(const rig::Rig& drawn, const CameraReport& camera, const LaserPlane& laser);
+
 }  // namespace selfproj::calibration
 
 #endif  // SELFPROJ_HOST_CALIBRATION_LASER_PLANE_H

@@ -69,6 +69,12 @@ void set_text(CLI::App& app, const CommandText& text) {
   }
 }
 
+void set_heading(CLI::App& program, const std::string& heading, const std::vector<std::string>& commands) {
+  for (const std::string& command : commands) {
+    program.get_subcommand(command)->group(heading);
+  }
+}
+
 void begin_group(CLI::App& command, const std::string& name) { command.option_defaults()->group(name); }
 
 void add_old_name(CLI::App& command, const std::string& old_name, const std::string& name) {
@@ -106,6 +112,12 @@ CLI::Validator number_above_zero(double max) {
   return real_validator({"above 0", "above 0, at most " + short_text(max)}, 0, max, false);
 }
 
+namespace {
+
+constexpr const char* kOneOf = "one of";  // the name of its validators, by which they are found again
+
+}  // namespace
+
 CLI::Validator one_of(const std::vector<std::string>& names) {
   std::string list;
   for (std::size_t i = 0; i < names.size(); ++i) {
@@ -120,7 +132,25 @@ CLI::Validator one_of(const std::vector<std::string>& names) {
         }
         return expected(text, list);
       },
-      list);
+      list, kOneOf);
+}
+
+std::vector<std::string> names_of_choice(const CLI::Option& option) {
+  std::vector<std::string> names;
+  std::string list;
+  try {
+    list = const_cast<CLI::Option&>(option).get_validator(kOneOf)->get_description();  // has no const form
+  } catch (const CLI::OptionNotFound&) {
+    return names;
+  }
+  for (std::size_t begin = 0; begin < list.size();) {
+    const std::size_t comma = std::min(list.find(", ", begin), list.size());
+    const std::size_t last = std::min(list.find(" or ", begin), list.size());
+    const std::size_t end = std::min(comma, last);
+    names.push_back(list.substr(begin, end - begin));
+    begin = end + (end == comma ? 2 : 4);
+  }
+  return names;
 }
 
 std::vector<double> ascending_lengths(const char* option, const std::string& text) {

@@ -32,6 +32,9 @@ CLI::App* add_command(CLI::App& parent, const CommandText& text);
 // Sets the same texts for a program.
 void set_text(CLI::App& app, const CommandText& text);
 
+// These commands of the program stand under this heading in its help. Commands of a heading follow each other.
+void set_heading(CLI::App& program, const std::string& heading, const std::vector<std::string>& commands);
+
 // Options added from now on appear in this group of the command's help.
 void begin_group(CLI::App& command, const std::string& name);
 
@@ -48,6 +51,9 @@ CLI::Validator number_above_zero(double max = 1e6);
 
 // One of these names. For Option::check.
 CLI::Validator one_of(const std::vector<std::string>& names);
+
+// The names of an option's one_of; none if it has no such check.
+std::vector<std::string> names_of_choice(const CLI::Option& option);
 
 // Numbers of mm with commas between them, ascending. Throws UserError, naming the option, if one is not a number, not
 // within 1e5 of 0, or not greater than the one before.

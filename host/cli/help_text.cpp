@@ -265,7 +265,12 @@ std::string HelpFormatter::make_help(const CLI::App* app, std::string name, CLI:
   }
   if (!commands_of(*app).empty()) {
     help += "\nCommands:\n";
+    std::string heading = CLI::App().get_group();  // which the library gives to commands without one
     for (const CLI::App* command : commands_of(*app)) {
+      if (command->get_group() != heading) {
+        heading = command->get_group();
+        help += "  " + heading + ":\n";
+      }
       help += entry(command->get_name(), texts_of(*command).purpose);
     }
   }

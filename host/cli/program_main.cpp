@@ -59,6 +59,53 @@ std::string full_name(const CLI::App* command) {
   return parent == nullptr ? command->get_name() : full_name(parent) + " " + command->get_name();
 }
 
+// How many letters must be changed, added, left out or exchanged with their neighbours to make one word of the other
+// (Damerau and Levenshtein).
+std::size_t letters_between(const std::string& one, const std::string& other) {
+  std::vector<std::vector<std::size_t>> d(one.size() + 1, std::vector<std::size_t>(other.size() + 1));
+  for (std::size_t i = 0; i <= one.size(); ++i) {
+    for (std::size_t j = 0; j <= other.size(); ++j) {
+      if (i == 0 || j == 0) {
+        d[i][j] = i + j;
+        continue;
+      }
+      d[i][j] = std::min({d[i - 1][j] + 1, d[i][j - 1] + 1, d[i - 1][j - 1] + (one[i - 1] == other[j - 1] ? 0 : 1)});
+      if (i > 1 && j > 1 && one[i - 1] == other[j - 2] && one[i - 2] == other[j - 1]) {
+        d[i][j] = std::min(d[i][j], d[i - 2][j - 2] + 1);
+      }
+    }
+  }
+  return d[one.size()][other.size()];
+}
+
+// " (did you mean --threshold?)" if one of the command's names is near the word, which is none of them; else empty.
+std::string suggestion(const CLI::App& command, const std::string& typed) {
+  const std::string word = typed.substr(0, typed.find('='));
+  std::vector<std::string> names;
+  if (word.starts_with("-")) {
+    for (const CLI::Option* option : command.get_options()) {
+      for (const std::string& name : option->get_group().empty() ? std::vector<std::string>() : option->get_lnames()) {
+        names.push_back("--" + name);
+      }
+    }
+  } else {
+    for (const CLI::App* inner : command.get_subcommands([](const CLI::App*) { return true; })) {
+      names.push_back(inner->get_name());
+    }
+  }
+  const std::size_t letters = word.size() - std::min(word.find_first_not_of('-'), word.size());
+  std::string best;
+  std::size_t least = std::max<std::size_t>(letters / 3 + 1, 2);  // as far away it may be another word
+  for (const std::string& name : names) {
+    const std::size_t away = letters_between(word, name);
+    if (away < least) {
+      least = away;
+      best = name;
+    }
+  }
+  return best.empty() ? "" : fmt::format(" (did you mean {}?)", best);
+}
+
 // "--a requires --b" becomes "--a: goes only with --b".
 std::string with_relation(const std::string& text, const std::string& word, const std::string& relation) {
   const std::size_t at = text.find(" " + word + " ");
@@ -78,7 +125,7 @@ std::string explained(const CLI::App& program, const CLI::ParseError& error) {
            (option       ? ": unknown option"
             : no_command ? ": unknown command"
                          : ": unexpected argument") +
-           see;
+           suggestion(*command, unknown.front()) + see;
   }
   if (dynamic_cast<const CLI::RequiredError*>(&error) != nullptr) {
     return (text == "A subcommand is required" ? "a command is missing" : with_relation(text, "is", "is")) + see;
@@ -152,9 +199,9 @@ int run_commands(const CommandText& text, const std::function<void(CLI::App&)>& 
     app.require_subcommand(1);
     app.set_help_flag("-h,--help", "Print this help and end.");
     app.set_version_flag("--version",
-                         fmt::format("{}, specification {}.{}, hash 0x{:08X}", name, spec::kVersion >> 8U,
-                                     spec::kVersion & 0xFFU, spec::kHash),
-                         "Print the version of the packets' specification and end.");
+                         fmt::format("{} {}, specification {}.{}, hash 0x{:08X}", name, SELFPROJ_VERSION,
+                                     spec::kVersion >> 8U, spec::kVersion & 0xFFU, spec::kHash),
+                         "Print the versions of the program and of the packets' specification, and end.");
     set_text(app, text);
     add_commands(app);
     refuse_values_of_flags(app);

@@ -235,13 +235,41 @@ void bind_model(nb::module_& module);
 void bind_packets(nb::module_& module);
 void bind_driver(nb::module_& module);
 void bind_light_section(nb::module_& module);
+void bind_references(nb::module_& module);  // of light_section
 void bind_structured_light(nb::module_& module);
+void bind_stripes(nb::module_& module);  // of structured_light
 void bind_calibration(nb::module_& module);
+void bind_lasers(nb::module_& module);  // of calibration
+void bind_parts(nb::module_& module);
+void bind_cameras(nb::module_& module);
+void bind_pictures(nb::module_& module);
+
+inline std::vector<std::size_t> sides_of_image(int rows, int columns) {
+  return {static_cast<std::size_t>(rows), static_cast<std::size_t>(columns)};
+}
 
 // The memory of the image as an array, (rows, columns), without a copy.
 inline Out<float> array_of_image(images::FloatImage image) {
-  return array_of(std::move(image.values),
-                  {static_cast<std::size_t>(image.rows), static_cast<std::size_t>(image.columns)});
+  return array_of(std::move(image.values), sides_of_image(image.rows, image.columns));
+}
+
+// A map or depth image as an argument, and its copy.
+using FloatArray = In<float, nb::ndim<2>, nb::c_contig>;
+inline images::FloatImage float_image_of(const FloatArray& array) {
+  constexpr std::size_t kMaxSide = 65535;
+  require(array.shape(0) > 0 && array.shape(1) > 0 && array.shape(0) <= kMaxSide && array.shape(1) <= kMaxSide,
+          "image: both sides must be in 1..65535");
+  images::FloatImage image(static_cast<int>(array.shape(0)), static_cast<int>(array.shape(1)));
+  image.values.assign(array.data(), array.data() + array.size());
+  return image;
+}
+
+// One value for each column, and its copy.
+using ColumnValues = In<double, nb::ndim<1>, nb::c_contig>;
+inline std::vector<double> vector_of(const ColumnValues& array) { return {array.data(), array.data() + array.size()}; }
+inline Out<double> array_of_values(std::vector<double> values) {
+  const std::size_t count = values.size();
+  return array_of(std::move(values), {count});
 }
 
 }  // namespace selfproj::python

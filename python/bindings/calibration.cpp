@@ -12,6 +12,7 @@
 #include <string>
 #include <type_traits>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "host/calibration/calibrate.h"
@@ -21,34 +22,13 @@
 #include "host/files/output_file.h"
 #include "host/files/text.h"
 #include "host/images/image_files.h"
-#include "host/images/image_sequence.h"
 #include "python/bindings/arrays.h"
+#include "python/bindings/chessboards.h"
+#include "python/bindings/images_input.h"
 #include "selfproj/rig/calibration_file.h"
 
 namespace selfproj::python {
 namespace {
-
-using Size = std::pair<int, int>;
-
-// A matrix of OpenCV as an array.
-template <int Rows, int Columns>
-Out<double> array_of_matrix(const cv::Matx<double, Rows, Columns>& matrix) {
-  const std::vector<std::size_t> shape =
-      Columns == 1 ? std::vector<std::size_t>{Rows} : std::vector<std::size_t>{Rows, Columns};
-  auto array = new_array<double>(shape);
-  std::memcpy(array.data(), matrix.val, sizeof matrix.val);
-  return array;
-}
-
-Out<double> camera_matrix(const rig::Lens& lens) {
-  return array_of_matrix(cv::Matx33d(lens.fx, 0, lens.cx, 0, lens.fy, lens.cy, 0, 0, 1));
-}
-
-Out<double> distortion(const rig::Lens& lens) {
-  auto array = new_array<double>({lens.k.size()});
-  std::memcpy(array.data(), lens.k.data(), sizeof lens.k);
-  return array;
-}
 
 // Codes of both axes, moved into arrays; and the mean image.
 struct CaptureResult {
@@ -58,31 +38,24 @@ struct CaptureResult {
   Out<std::uint8_t> mean;
 };
 
-CaptureResult decode(const Paths& images, const Size& projector, int threshold, int contrast,
+CaptureResult decode(const ImagesArgument& images, const Size& projector, int threshold, int contrast,
                      const std::string& channel, std::optional<int> shift) {
   const structured_light::GraySequence sequence(projector.first, projector.second);
   require(threshold >= 0 && threshold <= 255 && contrast >= 0 && contrast <= 255,
           "threshold, contrast: must be in 0..255");
-  require(!images.empty(), "images: none are given");
+  const auto* paths = std::get_if<Paths>(&images);
+  const auto* path = std::get_if<Path>(&images);
+  const GivenImages given(images, {channel, shift});
+  std::string name = path != nullptr ? path->string() : paths != nullptr ? paths->front().string() : "images";
   calibration::Capture capture = without_gil([&] {
-    images::ImageSequence captured(images::image_arguments(names_of(images)),
-                                   images::PixelOptions{channel, shift}.rule());
-    return calibration::decode_capture(images.front().string(), captured, sequence,
-                                       {.threshold = threshold, .contrast = contrast});
+    images::ImageSequence captured = given.sequence();
+    return calibration::decode_capture(name, captured, sequence, {.threshold = threshold, .contrast = contrast});
   });
-  const std::vector<std::size_t> shape{static_cast<std::size_t>(capture.rows),
-                                       static_cast<std::size_t>(capture.columns)};
+  const std::vector<std::size_t> shape = sides_of_image(capture.rows, capture.columns);
   auto column = array_of(capture.projector_column, shape);
   auto row = array_of(capture.projector_row, shape);
   auto mean = array_of(capture.mean.pixels, shape);
-  return {std::move(capture), images.front().string(), std::move(column), std::move(row), std::move(mean)};
-}
-
-calibration::Chessboard chessboard_of(const Size& corners, double square_mm) {
-  require(corners.first >= 3 && corners.second >= 3 && corners.first <= 200 && corners.second <= 200,
-          "corners: must be 3..200 along both sides");
-  require(square_mm > 0 && square_mm < 1e6, "square_mm: must be above 0");
-  return {.columns = corners.first, .rows = corners.second, .square_mm = square_mm};
+  return {std::move(capture), std::move(name), std::move(column), std::move(row), std::move(mean)};
 }
 
 std::optional<Out<double>> find_corners(const In<std::uint8_t>& array, const Size& corners) {
@@ -110,7 +83,7 @@ struct Result {
 };
 
 Result calibrate_captures(const std::vector<const CaptureResult*>& captures, const Size& corners, double square_mm,
-                          const Size& projector, int camera_distortion, int projector_distortion) {
+                          const Size& projector, int camera_distortion, int projector_distortion, bool unchecked) {
   calibration::CalibrateSettings settings;
   settings.chessboard = chessboard_of(corners, square_mm);
   require(projector.first >= 1 && projector.second >= 1, "projector: its sides must be 1 or more");
@@ -127,7 +100,11 @@ Result calibrate_captures(const std::vector<const CaptureResult*>& captures, con
   return without_gil([&] {
     std::vector<calibration::PoseReport> poses;
     for (const CaptureResult* capture : captures) {
-      poses.push_back(calibration::observe_pose(capture->name, capture->capture, settings));
+      calibration::PoseReport& pose =
+          poses.emplace_back(calibration::observe_pose(capture->name, capture->capture, settings));
+      if (!unchecked && pose.reason.empty() && pose.used() > 0) {
+        pose.reason = capture->capture.contradiction;
+      }
     }
     return Result{calibration::calibrate(std::move(poses), settings)};
   });
@@ -171,17 +148,18 @@ void set_calibration(rig::Calibration& self, const std::vector<double>& numbers)
 nb::tuple state_of_capture(const CaptureResult& self) {
   const auto array = [](const auto& values) { return nb::cast(values, nb::rv_policy::reference); };
   return nb::make_tuple(nb::bytes(self.name.data(), self.name.size()), array(self.projector_column),
-                        array(self.projector_row), array(self.mean), self.capture.lit);
+                        array(self.projector_row), array(self.mean), self.capture.lit, self.capture.contradiction);
 }
 
 void set_capture(CaptureResult& self, const nb::tuple& state) {
-  require(state.size() == 5, "state: is none of a Capture");
+  require(state.size() == 6, "state: is none of a Capture");
   const auto name = nb::cast<nb::bytes>(state[0]);
   auto column = nb::cast<Out<std::int16_t>>(state[1]);
   auto row = nb::cast<Out<std::int16_t>>(state[2]);
   auto mean = nb::cast<Out<std::uint8_t>>(state[3]);
   calibration::Capture capture;
   capture.lit = nb::cast<std::vector<bool>>(state[4]);
+  capture.contradiction = nb::cast<std::string>(state[5]);
   require(mean.ndim() == 2 && column.size() == mean.size() && row.size() == mean.size() &&
               capture.lit.size() == mean.size(),
           "state: is none of a Capture");
@@ -266,23 +244,29 @@ void bind_calibration(nb::module_& module) {
               "From 0, int16; -1 if there is no code.")
       .def_ro("mean", &CaptureResult::mean, nb::rv_policy::reference,
               "The mean of all images, in which the patterns cancel, uint8.")
+      .def_prop_ro(
+          "contradiction", [](const CaptureResult& self) { return self.capture.contradiction; },
+          "What the images contradict in each other, such as another order; empty: nothing.")
       .def("__repr__", [](const CaptureResult& self) { return shape_text("Capture", sides_of(self.mean)); })
       .def("__getstate__", &state_of_capture)
       .def("__setstate__", &set_capture);
-  module.def("decode_capture", &decode, nb::arg("images"), nb::arg("projector"), nb::arg("threshold") = 5,
+  module.def("decode_capture", &decode, nb::arg("images").noconvert(), nb::arg("projector"), nb::arg("threshold") = 5,
              nb::arg("contrast") = 20, nb::arg("channel") = "", nb::arg("shift") = nb::none(),
-             "Decodes the images of a whole GraySequence: a folder in a list, or the files in order. projector: its\n"
-             "columns and rows. A pair that differs by no more than threshold is ambiguous; white must exceed black\n"
-             "by more than contrast. InputError names the file that is wrong.");
+             "Decodes the images of a whole GraySequence: a uint8 array (images, rows, columns), a list of arrays, a\n"
+             "folder, or the files in order. projector: its columns and rows. A pair that differs by no more than\n"
+             "threshold is ambiguous; white must exceed black by more than contrast. InputError names the file that\n"
+             "is wrong.");
   module.def("find_chessboard", &find_corners, nb::arg("image").noconvert(), nb::arg("corners"),
              "The inner corners of a chessboard in an image (uint8): x, y in pixels from 0, float64, (n, 2); None if\n"
              "it is not found. corners: along both sides.");
   bind_result(module);
+  bind_lasers(module);
   module.def("calibrate", &calibrate_captures, nb::arg("captures"), nb::arg("corners"), nb::arg("square_mm"),
              nb::arg("projector"), nb::arg("camera_distortion") = -1, nb::arg("projector_distortion") = -1,
+             nb::arg("unchecked") = false,
              "Calibrates camera and projector from captures of a chessboard in two or more poses. Distortion\n"
-             "coefficients: 0, 1, 2, 4, 5, or -1: as many as the captures support. InputError if the captures do\n"
-             "not suffice.");
+             "coefficients: 0, 1, 2, 4, 5, or -1: as many as the captures support. A capture whose images contradict\n"
+             "each other is left out, unless unchecked. InputError if the captures do not suffice.");
   module.def(
       "read_calibration", [](const Path& file) { return rig::read_calibration(file.string()); }, nb::arg("file"),
       "Reads OpenCV's YAML.");

@@ -13,41 +13,15 @@
 #include "python/bindings/arrays.h"
 #include "python/bindings/moments_result.h"
 #include "python/bindings/packet_view.h"
+#include "python/bindings/profiler.h"
 #include "selfproj/images/float_image.h"
-#include "selfproj/light_section/differential_profile.h"
 #include "selfproj/light_section/fast_moments.h"
 #include "selfproj/light_section/inspection.h"
 #include "selfproj/light_section/profile.h"
-#include "selfproj/light_section/reference.h"
-#include "selfproj/light_section/reference_file.h"
 #include "selfproj/rig/rig.h"
 
 namespace selfproj::python {
 namespace {
-
-using Column = In<std::uint32_t, nb::c_contig>;
-
-// New arrays for one or several profiles.
-struct ProfileResult {
-  explicit ProfileResult(const std::vector<std::size_t>& shape)
-      : centroid(new_array<float>(shape)),
-        x(new_array<float>(shape)),
-        y(new_array<float>(shape)),
-        z(new_array<float>(shape)),
-        dx(new_array<float>(shape)),
-        dy(new_array<float>(shape)),
-        dz(new_array<float>(shape)),
-        validity(new_array<std::uint8_t>(shape)) {}
-
-  [[nodiscard]] light_section::ProfileView view(std::size_t first) const {
-    return light_section::from_column(
-        {centroid.data(), x.data(), y.data(), z.data(), dx.data(), dy.data(), dz.data(), validity.data()},
-        static_cast<int>(first));
-  }
-
-  Out<float> centroid, x, y, z, dx, dy, dz;
-  Out<std::uint8_t> validity;
-};
 
 // Pickled as its arrays.
 nb::tuple state_of(const ProfileResult& self) {
@@ -65,59 +39,6 @@ void set_state(ProfileResult& self, const nb::tuple& state) {
   }
   self.validity = nb::cast<Out<std::uint8_t>>(state[next]);
 }
-
-class Profiler {
- public:
-  Profiler(const rig::Rig& rig, const std::optional<Path>& reference)
-      : rig_(rig),
-        profiler_(rig, reference ? light_section::load_reference(rig, reference->string())
-                                 : light_section::reference_of_plane(rig)) {}
-
-  [[nodiscard]] const rig::Rig& rig() const { return rig_; }
-
-  [[nodiscard]] ProfileResult of_packet(const PacketHandle& packet) const {
-    const model::PacketView& view = packet.view();
-    ProfileResult result({static_cast<std::size_t>(profiler_.columns())});
-    const PacketHandle::Use use(packet);
-    require(without_gil([&] { return profiler_.profile(view, result.view(0)); }),
-            "the packet has no moments of a good frame of the size of the rig's camera");
-    return result;
-  }
-
-  [[nodiscard]] ProfileResult of_moments(const Column& m0, const Column& m1, const Column& n) const {
-    const auto columns = static_cast<std::size_t>(profiler_.columns());
-    require(m0.ndim() == 1 || m0.ndim() == 2, "m0: an array of 1 dimension is needed, or of 2 for several frames");
-    for (const Column* other : {&m1, &n}) {
-      bool same = other->ndim() == m0.ndim();
-      for (std::size_t i = 0; same && i < m0.ndim(); ++i) {
-        same = other->shape(i) == m0.shape(i);
-      }
-      require(same, "m0, m1, n: their shapes differ");
-    }
-    require(m0.shape(m0.ndim() - 1) == columns, "m0: its columns are not those of the rig's camera");
-    const std::size_t frames = m0.ndim() == 2 ? m0.shape(0) : 1;
-    constexpr std::size_t kMaxValues = std::size_t{1} << 31U;
-    require(frames * columns < kMaxValues, "m0: too many frames at once");
-    ProfileResult result(m0.ndim() == 2 ? std::vector<std::size_t>{frames, columns}
-                                        : std::vector<std::size_t>{columns});
-    without_gil([&] {
-      for (std::size_t i = 0; i < frames * columns; i += columns) {
-        // The view is one of arrays that may be written; profile only reads them.
-        profiler_.profile(
-            model::MomentsView{const_cast<std::uint32_t*>(m0.data()) + i, const_cast<std::uint32_t*>(m1.data()) + i,
-                               const_cast<std::uint32_t*>(n.data()) + i},
-            result.view(i));
-      }
-    });
-    return result;
-  }
-
-  [[nodiscard]] const light_section::DifferentialProfiler& profiler() const { return profiler_; }
-
- private:
-  rig::Rig rig_;
-  light_section::DifferentialProfiler profiler_;
-};
 
 // Collects the frames of an inspection, for one thread at a time.
 class Collected {
@@ -154,14 +75,8 @@ class Collected {
   Busy busy_;
 };
 
-void save_tiff(const Path& file, const In<float, nb::ndim<2>, nb::c_contig>& image) {
-  require(image.shape(0) > 0 && image.shape(1) > 0 && image.shape(0) <= 65535 && image.shape(1) <= 65535,
-          "image: both sides must be in 1..65535");
-  without_gil([&] {
-    images::FloatImage copy(static_cast<int>(image.shape(0)), static_cast<int>(image.shape(1)));
-    copy.values.assign(image.data(), image.data() + image.size());
-    images::write_float_tiff(file.string(), copy);
-  });
+void save_tiff(const Path& file, const FloatArray& image) {
+  without_gil([&] { images::write_float_tiff(file.string(), float_image_of(image)); });
 }
 
 void bind_rig(nb::module_& module) {
@@ -220,10 +135,15 @@ void bind_profiles(nb::module_& module) {
       .def("__getstate__", &state_of)
       .def("__setstate__", &set_state);
   nb::class_<Profiler>(module, "Profiler", "Computes profiles; any number of threads may use it at once.")
-      .def(nb::init<const rig::Rig&, const std::optional<Path>&>(), nb::arg("rig"), nb::arg("reference") = nb::none(),
-           "reference: a folder that `selfproj pattern` wrote, or its reference.csv; None: the empty plane.")
+      .def(nb::init<const rig::Rig&, const std::optional<Profiler::Reference>&>(), nb::arg("rig"),
+           nb::arg("reference") = nb::none(),
+           "reference: a Reference, a folder that `selfproj pattern` wrote, or its reference.csv; None: the empty\n"
+           "plane.")
       .def_prop_ro(
           "rig", [](const Profiler& profiler) { return profiler.rig(); }, "A copy of its rig.")
+      .def_prop_ro(
+          "reference", [](const Profiler& profiler) { return profiler.reference(); }, "A copy of its reference.")
+      .def("__repr__", [](const Profiler& profiler) { return "Profiler('" + profiler.rig().name + "')"; })
       .def("profile", &Profiler::of_packet, nb::arg("packet"),
            "The profile of a packet of moments. ValueError if it is another packet, or of a broken frame.")
       .def("profile_of_moments", &Profiler::of_moments, nb::arg("m0").noconvert(), nb::arg("m1").noconvert(),
@@ -238,6 +158,7 @@ void bind_light_section(nb::module_& module) {
   def_moments(module, light_section::fast_measure_columns,
               "The same as selfproj.model.moments, at the speed of memory.");
   bind_rig(module);
+  bind_references(module);
   bind_profiles(module);
   nb::class_<Collected>(module, "Inspection", "Collects frames, for one thread at a time.")
       .def(nb::init<const Profiler&, std::size_t>(), nb::arg("profiler"), nb::arg("max_frames") = 20000,

@@ -54,6 +54,9 @@ NB_MODULE(_core, module) {
   part("packets", "Packets as boards send them.", bind_packets);
   part("driver", "Devices that bring packets.", bind_driver);
   part("light_section", "Profiles of a light section.", bind_light_section);
-  part("structured_light", "Gray codes and depth.", bind_structured_light);
+  part("structured_light", "Gray codes, self-projected stripes and depth.", bind_structured_light);
   part("calibration", "Calibration of camera and projector.", bind_calibration);
+  part("parts", "Parts, tolerances and verdicts.", bind_parts);
+  part("cameras", "Cameras.", bind_cameras);
+  part("pictures", "Maps and images as PNG.", bind_pictures);
 }

@@ -18,11 +18,10 @@
 #include <vector>
 
 #include "host/files/output_file.h"
-#include "host/images/frame_options.h"
-#include "host/images/image_files.h"
 #include "host/images/image_sequence.h"
 #include "host/structured_light/depth_run.h"
 #include "python/bindings/arrays.h"
+#include "python/bindings/images_input.h"
 #include "selfproj/files/user_error.h"
 #include "selfproj/structured_light/depth_geometry.h"
 #include "selfproj/structured_light/fast_decoder.h"
@@ -35,13 +34,11 @@ namespace {
 using Depth = In<float, nb::ndim<2>, nb::c_contig>;
 using CodeImage = In<std::uint16_t, nb::ndim<2>, nb::c_contig>;
 
-// The fast decoder, for one thread at a time. It reads a positive again when its negative comes, so the positive is
-// copied: what Python does with the array meanwhile does not matter.
+// The fast decoder, for one thread at a time.
 class FastDecoder {
  public:
   FastDecoder(int rows, int columns, int bits, int threshold, bool median)
-      : decoder_({.rows = rows, .columns = columns, .bits = bits, .threshold = threshold}),
-        positive_(static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns)) {
+      : decoder_({.rows = rows, .columns = columns, .bits = bits, .threshold = threshold}) {
     if (median) {
       median_.emplace(columns);
     }
@@ -52,7 +49,7 @@ class FastDecoder {
     const model::ImageView view = image_of(image);
     const model::GraySettings& settings = decoder_.settings();
     require(view.rows == settings.rows && view.columns == settings.columns, "image: its size is not the decoder's");
-    if (!without_gil([&] { return decoder_.add_frame(kept(view, pattern), pattern, good); })) {
+    if (!without_gil([&] { return decoder_.add_frame(positive_.keep(view, pattern), pattern, good); })) {
       return std::nullopt;
     }
     auto codes =
@@ -73,21 +70,9 @@ class FastDecoder {
   }
 
  private:
-  model::ImageView kept(const model::ImageView& image, int pattern) {
-    if (pattern % 2 != 0) {
-      return image;
-    }
-    const auto columns = static_cast<std::size_t>(image.columns);
-    for (int row = 0; row < image.rows; ++row) {
-      std::memcpy(positive_.data() + static_cast<std::size_t>(row) * columns, image.pixels + row * image.stride,
-                  columns);
-    }
-    return {positive_.data(), image.rows, image.columns, image.columns};
-  }
-
   structured_light::FastGrayDecoder decoder_;
   std::optional<structured_light::FastMedian> median_;
-  std::vector<std::uint8_t> positive_;
+  KeptPositive positive_;
   Busy busy_;
 };
 
@@ -138,7 +123,7 @@ struct Scan {
   Out<float> depth;
 };
 
-Scan scan(const Paths& images, const Path& rig, const Path& calibration, int bits, int row_bits, int threshold,
+Scan scan(const ImagesArgument& images, const Path& rig, const Path& calibration, int bits, int row_bits, int threshold,
           bool median, bool strict, const std::string& channel, std::optional<int> shift, bool unchecked) {
   require(rig.empty() != calibration.empty(), "rig, calibration: give one of them");
   require(
@@ -154,14 +139,14 @@ Scan scan(const Paths& images, const Path& rig, const Path& calibration, int bit
   setup.scanner.threshold = threshold;
   setup.scanner.median = median;
   setup.scanner.strict = strict;
-  std::vector<std::string> files = images::image_arguments(names_of(images));
+  GivenImages given(images, {channel, shift});
   const std::size_t need = 2 * static_cast<std::size_t>(bits + row_bits);
-  if (files.size() == need + 2) {
-    files.resize(need);  // white and black come last
+  if (given.count() == need + 2) {
+    given.resize(need);  // white and black come last
   }
-  require(files.size() == need, "images: 2 (bits + row_bits) of them are needed; white and black may follow");
+  require(given.count() == need, "images: 2 (bits + row_bits) of them are needed; white and black may follow");
   structured_light::DepthRun run = without_gil([&] {
-    images::ImageSequence sequence(files, images::PixelOptions{channel, shift}.rule());
+    images::ImageSequence sequence = given.sequence();
     return row_bits > 0
                ? structured_light::depth_of_both_axes(setup, sequence)
                : structured_light::depth_of_images(setup, sequence, [](std::size_t, const images::FloatImage&) {});
@@ -235,6 +220,7 @@ void bind_patterns(nb::module_& module) {
 
 void bind_structured_light(nb::module_& module) {
   bind_patterns(module);
+  bind_stripes(module);
   nb::class_<Depths>(module, "Triangulation", "From code images to depth. Any number of threads may use it at once.")
       .def_prop_ro("rows", [](const Depths& self) { return self.triangulation().rows(); })
       .def_prop_ro("columns", [](const Depths& self) { return self.triangulation().columns(); })
@@ -259,12 +245,14 @@ void bind_structured_light(nb::module_& module) {
           "points", [](const Scan& self) { return self.depths->points(Depth(self.depth)); },
           "The points x, y, z in mm, float32, (n, 3).")
       .def("__repr__", [](const Scan& self) { return shape_text("Scan", sides_of(self.depth)); });
-  module.def("scan", &scan, nb::arg("images"), nb::arg("rig") = "", nb::arg("calibration") = "", nb::arg("bits"),
-             nb::arg("row_bits") = 0, nb::arg("threshold") = 5, nb::arg("median") = false, nb::arg("strict") = false,
-             nb::arg("channel") = "", nb::arg("shift") = nb::none(), nb::arg("unchecked") = false,
-             "The depth image of captured images: a folder in a list, or the files in order. rig: a built-in rig or a\n"
-             "file; or calibration: OpenCV's YAML. With row_bits both axes are coded. Otherwise as `selfproj depth`:\n"
-             "InputError where the images contradict each other or the geometry, unless unchecked.");
+  module.def(
+      "scan", &scan, nb::arg("images").noconvert(), nb::arg("rig") = "", nb::arg("calibration") = "", nb::arg("bits"),
+      nb::arg("row_bits") = 0, nb::arg("threshold") = 5, nb::arg("median") = false, nb::arg("strict") = false,
+      nb::arg("channel") = "", nb::arg("shift") = nb::none(), nb::arg("unchecked") = false,
+      "The depth image of captured images: a uint8 array (images, rows, columns), a list of arrays, a folder, or\n"
+      "the files in order. rig: a built-in rig or a file; or calibration: OpenCV's YAML. With row_bits both axes\n"
+      "are coded. Otherwise as `selfproj depth`:\n"
+      "InputError where the images contradict each other or the geometry, unless unchecked.");
   module.def("save_ply", &save_ply, nb::arg("file"), nb::arg("points").noconvert(),
              nb::arg("colours").noconvert() = nb::none(),
              "Writes a cloud, whole or not at all. points: float32, (n, 3); colours: uint8, (n, 3), or None.");

@@ -1,10 +1,18 @@
-"""Calibration of camera and projector from captures of a chessboard under Gray codes (docs/calibration.md).
+"""Calibration of camera and projector from captures of a chessboard under Gray codes; of a camera and its laser from
+plain images (docs/calibration.md).
 
-    poses = [selfproj.calibration.decode_capture([folder], projector=(1024, 768)) for folder in folders]
+    poses = [selfproj.calibration.decode_capture(images, projector=(1024, 768)) for images in captures]
     result = selfproj.calibration.calibrate(poses, corners=(9, 7), square_mm=21, projector=(1024, 768))
+
+    camera = selfproj.calibration.calibrate_camera(boards, corners=(9, 7), square_mm=21)
+    rig = selfproj.calibration.laser_plane(camera, lines).rig(drawn)
 """
 
-from ._core.calibration import (Calibration, Capture, Result, calibrate, decode_capture, find_chessboard,
-                                read_calibration)
+from . import pictures as _pictures
+from ._core.calibration import (Calibration, CameraResult, Capture, LaserPlane, Result, calibrate, calibrate_camera,
+                                decode_capture, find_chessboard, laser_plane, read_calibration)
 
-__all__ = ["Calibration", "Capture", "Result", "calibrate", "decode_capture", "find_chessboard", "read_calibration"]
+__all__ = ["Calibration", "CameraResult", "Capture", "LaserPlane", "Result", "calibrate", "calibrate_camera",
+           "decode_capture", "find_chessboard", "laser_plane", "read_calibration"]
+
+_pictures.shows(Capture, lambda capture: [_pictures.image_html(capture.mean, "mean of all images")])

@@ -1,10 +1,24 @@
-"""Structured light: patterns, the decoder at full speed, depth images, clouds.
+"""Structured light: patterns, the decoder at full speed, depth images, clouds; self-projected stripes.
 
-    scan = selfproj.structured_light.scan(["captures"], rig="scanner", bits=8, median=True)
+    scan = selfproj.structured_light.scan(images, rig="scanner", bits=8, median=True)     # uint8, (n, rows, columns)
     selfproj.structured_light.save_ply("cloud.ply", scan.points())
+
+    stripes = selfproj.structured_light.stripes_of_scan(rig, images_of_the_reference)
+    difference = selfproj.structured_light.StripeScanner(stripes).scan(images).difference
 """
 
-from ._core.structured_light import (GrayDecoder, GraySequence, Scan, Triangulation, load_ply, save_ply, scan,
-                                     triangulation)
+from . import pictures as _pictures
+from ._core.structured_light import (GrayDecoder, GraySequence, Scan, StripeReference, StripeScan, StripeScanner,
+                                     Triangulation, load_ply, load_stripes, save_ply, scan, stripes_of_points,
+                                     stripes_of_scan, triangulation)
 
-__all__ = ["GrayDecoder", "GraySequence", "Scan", "Triangulation", "load_ply", "save_ply", "scan", "triangulation"]
+__all__ = ["GrayDecoder", "GraySequence", "Scan", "StripeReference", "StripeScan", "StripeScanner", "Triangulation",
+           "load_ply", "load_stripes", "save_ply", "scan", "stripes_of_points", "stripes_of_scan", "triangulation"]
+
+_pictures.shows(Scan, lambda scan: [_pictures.map_html(scan.depth, "depth z")])
+_pictures.shows(StripeScan, lambda scan: [_pictures.map_html(scan.depth, "depth z"),
+                                          _pictures.map_html(scan.difference, "towards the camera", signed=True)])
+_pictures.shows(StripeReference, lambda stripes: [_pictures.image_html(stripes.pattern(2 * bit), f"pattern {2 * bit}")
+                                                  for bit in range(stripes.bits)])
+_pictures.shows(GraySequence, lambda sequence: [_pictures.image_html(sequence.image(2 * bit), f"pattern {2 * bit}")
+                                                for bit in range(min(4, sequence.column_bits))])

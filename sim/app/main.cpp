@@ -1,5 +1,7 @@
 // selfproj-sim: the world around the board, in simulation.
 
+#include "host/cli/command_line.h"
+#include "host/cli/completion.h"
 #include "host/cli/program_main.h"
 #include "sim/app/commands.h"
 
@@ -24,8 +26,11 @@ selfproj-sim cosim --count 20 --out part
         selfproj::sim::add_moments_command(app);
         selfproj::sim::add_decode_command(app);
         selfproj::sim::add_board_command(app);
+        selfproj::cli::set_heading(app, "Circuits and boards", {"cosim", "moments", "decode", "board"});
         selfproj::sim::add_scene_command(app);
         selfproj::sim::add_capture_command(app);
+        selfproj::cli::set_heading(app, "Scenes and their images", {"scene", "capture"});
+        selfproj::cli::add_completion_command(app);
       },
       argc, argv);
 }

@@ -1,8 +1,11 @@
-"""A virtual environment for the tests of the Python package: it holds the package and what it needs from PyPI."""
+"""Virtual environments for the tests of the Python package: one has what the tests need, and one, a user's, only the wheel
+and NumPy."""
 
 import os
 import pathlib
+import subprocess
 import sys
+import time
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 sys.path.insert(0, str(ROOT / "scripts"))
@@ -12,11 +15,22 @@ PACKAGE = pypi.Environment(ROOT / "build" / "python-tests",
                            ["nanobind==3.1.0", "numpy==2.4.6", "scikit-build-core==1.1.2"], "--only-binary", ":all:")
 
 
+USER = pypi.Environment(ROOT / "build" / "python-user", ["numpy==2.4.6"], "--only-binary", ":all:")
+
+
 def install(build):
-    """Installs selfproj with the libraries of a build. Returns pip's output if it failed, otherwise an empty string."""
-    done = PACKAGE.pip("--no-build-isolation", "--no-deps", "--no-index", "--config-settings",
-                       f"cmake.define.SELFPROJ_BUILT={build}", ROOT)
-    return done.stdout + done.stderr if done.returncode else ""
+    """Makes a wheel with the libraries of a build, and installs it into both environments. Returns what was printed if
+    that failed, otherwise an empty string."""
+    made = subprocess.run([ROOT / "scripts" / "wheel.sh", build], capture_output=True, text=True, check=False)
+    if made.returncode:
+        return made.stdout + made.stderr
+    for environment in (PACKAGE, USER):
+        begin = time.monotonic()
+        done = environment.pip("--no-deps", "--no-index", "--force-reinstall", made.stdout.split()[-1])
+        if done.returncode:
+            return done.stdout + done.stderr
+    print(f"the wheel was installed in {time.monotonic() - begin:.1f} s")
+    return ""
 
 
 def variables(build, programs):

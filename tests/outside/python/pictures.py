@@ -22,24 +22,53 @@ def turned(x, y):
     return about_y @ about_x
 
 
+POSES = [(0.0, 0.0), (0.35, 0.1), (-0.3, 0.25), (0.1, -0.4), (-0.2, -0.2)]
+
+
+def chessboard_rays(rows, columns, fine):
+    """The rays of the sub-pixels, fine along each side of a pixel, of a camera with a focal length of 400 px."""
+    camera = numpy.array([[400, 0, (columns - 1) / 2], [0, 400, (rows - 1) / 2], [0, 0, 1.0]])
+    y, x = numpy.mgrid[0:rows * fine, 0:columns * fine]
+    rays = numpy.stack([(x + 0.5) / fine - 0.5, (y + 0.5) / fine - 0.5, numpy.ones(x.shape)], -1)
+    return rays @ numpy.linalg.inv(camera).T
+
+
+def chessboard_seen(rays, angles):
+    """The points of a 7 x 5 chessboard, squares of 40 mm, that the rays meet, and its albedo there."""
+    board, corner = turned(*angles), numpy.array([-120, -80, 780.0])
+    points = rays * ((board[:, 2] @ corner) / (rays @ board[:, 2]))[..., None]
+    place = (points - corner) @ board / 40
+    dark = (numpy.floor(place[..., 0]) + numpy.floor(place[..., 1])) % 2 == 0
+    on_board = (abs(place[..., 0] - 3) < 4) & (abs(place[..., 1] - 2) < 3)
+    return points, numpy.where(on_board & dark, 60.0, 200.0)
+
+
+def laser_poses(normal, distance):
+    """Images of the chessboard in five poses, and the same with a laser's line: normal . point = distance, mm."""
+    rows, columns, fine = 240, 320, 3
+    rays = chessboard_rays(rows, columns, fine)
+
+    def image(light):
+        return numpy.clip(light.reshape(rows, fine, columns, fine).mean((1, 3)), 0, 255).astype("uint8")
+
+    boards, lines = [], []
+    for angles in POSES:
+        points, albedo = chessboard_seen(rays, angles)
+        boards.append(image(20 + 0.8 * albedo))
+        lines.append(image(5 + 1.2 * albedo * numpy.exp(-0.5 * ((points @ normal - distance) / 1.5) ** 2)))
+    return boards, lines
+
+
 def write_chessboard_poses(folder, sequence):
     """Writes the images of a 7 x 5 chessboard, squares of 40 mm, in five poses under a sequence of 96 x 80 patterns.
     Returns the folders."""
     rows, columns, fine = 240, 320, 3  # fine: places along a side of a pixel
-    camera = numpy.array([[400, 0, 159.5], [0, 400, 119.5], [0, 0, 1.0]])
     projector = numpy.array([[130, 0, 47.5], [0, 130, 39.5], [0, 0, 1.0]])
     rotation, translation = turned(0, 0.25), numpy.array([-220, 0, 40.0])
-    y, x = numpy.mgrid[0:rows * fine, 0:columns * fine]
-    rays = numpy.stack([(x + 0.5) / fine - 0.5, (y + 0.5) / fine - 0.5, numpy.ones(x.shape)], -1)
-    rays = rays @ numpy.linalg.inv(camera).T
+    rays = chessboard_rays(rows, columns, fine)
     folders = []
-    for pose, angles in enumerate([(0.0, 0.0), (0.35, 0.1), (-0.3, 0.25), (0.1, -0.4), (-0.2, -0.2)]):
-        board, corner = turned(*angles), numpy.array([-120, -80, 780.0])
-        points = rays * ((board[:, 2] @ corner) / (rays @ board[:, 2]))[..., None]
-        place = (points - corner) @ board / 40
-        dark = (numpy.floor(place[..., 0]) + numpy.floor(place[..., 1])) % 2 == 0
-        on_board = (abs(place[..., 0] - 3) < 4) & (abs(place[..., 1] - 2) < 3)
-        white = numpy.where(on_board & dark, 60.0, 200.0)
+    for pose, angles in enumerate(POSES):
+        points, white = chessboard_seen(rays, angles)
         lit = (points @ rotation.T + translation) @ projector.T
         column, row = (numpy.rint(lit[..., i] / lit[..., 2]).astype(int) for i in (0, 1))
         inside = (column >= 0) & (column < 96) & (row >= 0) & (row < 80)

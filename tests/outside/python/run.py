@@ -3,8 +3,9 @@
 
     run.py BUILD PROGRAMS
 
-nanobind, scikit-build-core and NumPy come from PyPI, into build/python-tests of the project. Where PyPI is not reached
-it says that it was skipped, and its exit status is 77. SELFPROJ_SEED draws other cases.
+nanobind, scikit-build-core and NumPy come from PyPI, into build/wheel-tools, build/python-tests and build/python-user of
+the project. Where PyPI is not reached it says that it was skipped, and its exit status is 77. SELFPROJ_SEED draws other
+cases.
 """
 
 import pathlib
@@ -41,9 +42,10 @@ def run_examples(variables, programs):
 
 def main():
     build, programs = (pathlib.Path(word).resolve() for word in sys.argv[1:])
-    if not environment.PACKAGE.get():
-        print(environment.PACKAGE.missing())
-        return 77
+    for needed in (environment.PACKAGE, environment.USER):
+        if not needed.get():
+            print(needed.missing())
+            return 77
     variables = environment.variables(build, programs)
     wrong = environment.install(build)
     if wrong:
@@ -51,6 +53,10 @@ def main():
         return 1
     tests = pathlib.Path(__file__).with_name("test_package.py")
     if subprocess.run([environment.PACKAGE.python, tests], env=variables, check=False).returncode:
+        return 1
+    print("notebooks, by plain Python and not by Jupyter:", flush=True)
+    if subprocess.run([environment.USER.python, tests.with_name("notebooks.py"), "research", "fpga"],
+                      check=False).returncode:
         return 1
     wrong = run_examples(variables, programs)
     print(wrong)

@@ -15,10 +15,12 @@ import threading
 import unittest
 
 import c_interface as c
+import notebooks
 import numpy
 import pictures
 import selfproj
-from selfproj import calibration, driver, light_section, model, packets, structured_light
+from selfproj import (calibration, cameras, driver, light_section, model, packets, parts, structured_light)
+from selfproj import pictures as selfproj_pictures
 
 SEED = int(os.environ.get("SELFPROJ_SEED", "1"))
 SELFPROJ, SIMULATION = os.environ["SELFPROJ_PROGRAM"], os.environ["SELFPROJ_SIMULATION"]
@@ -236,6 +238,14 @@ class StructuredLight(Case):
         same(scan.depth, light_section.load_tiff(str(out / "depth.tiff")))
         points = structured_light.load_ply(str(out / "cloud.ply"))
         same(scan.points(), points)
+        files = sorted(recorded.iterdir())
+        images = [selfproj.read_image(file) for file in files]
+        for given in (recorded, files, images, numpy.stack(images), numpy.stack(images)[:, ::-1][:, ::-1]):
+            same(structured_light.scan(given, rig="scanner", bits=4, median=True).depth, scan.depth)
+        with self.assertRaisesRegex(ValueError, "for files"):
+            structured_light.scan(numpy.stack(images), rig="scanner", bits=4, channel="red")
+        with self.assertRaisesRegex(selfproj.InputError, "image 3.*size"):
+            structured_light.scan([*images[:3], images[3][:-1], *images[4:]], rig="scanner", bits=4)
         backwards = sorted(recorded.iterdir(), reverse=True)
         with self.assertRaisesRegex(selfproj.InputError, "another order"):
             structured_light.scan(backwards, rig="scanner", bits=4)
@@ -252,7 +262,116 @@ class StructuredLight(Case):
         same(structured_light.load_ply(str(out / "again.ply")), points)
 
 
+class Stripes(Case):
+    def test_reference_and_depth_equal_those_of_the_commands(self):
+        codes, seen, reference = self.folder / "codes", self.folder / "seen", self.folder / "reference"
+        run(SELFPROJ, "pattern", "gray", "--rig", "scanner", "--out", codes)
+        run(SIMULATION, "capture", "--rig", "scanner", "--scene", "plane", "--patterns", codes, "--out", seen)
+        run(SELFPROJ, "pattern", "stripes", "--scan", seen, "--gray-code", "--out", reference)
+        rig = light_section.load_rig("scanner")
+        stripes = structured_light.stripes_of_scan(rig, numpy.stack([selfproj.read_image(file)
+                                                                     for file in sorted(seen.iterdir())]))
+        same(stripes.line, light_section.load_tiff(reference / "x_r_line.tiff"))
+        again = structured_light.stripes_of_points(rig, stripes.line, stripes.column)
+        loaded = structured_light.load_stripes(rig, reference)
+        for other in (again, loaded, pickle.loads(pickle.dumps(stripes))):
+            same(other.camera_row, stripes.camera_row)
+        patterns = self.folder / "patterns"
+        patterns.mkdir()
+        for index in range(2 * stripes.bits):
+            name = f"pattern_{index:02}.png"
+            same(stripes.pattern(index), selfproj.read_image(reference / name))
+            (patterns / name).write_bytes((reference / name).read_bytes())
+        with self.assertRaises(IndexError):
+            stripes.pattern(2 * stripes.bits)
+        stripes.save(self.folder / "saved")
+        self.assertEqual((self.folder / "saved/reference.yaml").read_bytes(),
+                         (reference / "reference.yaml").read_bytes())
+        with self.assertRaisesRegex(selfproj.InputError, "another order"):
+            structured_light.stripes_of_scan(rig, sorted(seen.iterdir(), reverse=True))
+
+        block, out = self.folder / "block", self.folder / "out"
+        run(SIMULATION, "capture", "--rig", "scanner", "--scene", "block", "--patterns", patterns, "--out", block)
+        images = sorted(block.iterdir())
+        run(SELFPROJ, "match", "--reference", reference, "--e", "8", "--out", out, *images)
+        scanner = structured_light.StripeScanner(stripes, e=8)
+        scan = scanner.scan(numpy.stack([selfproj.read_image(file) for file in images]))
+        same(scan.depth, light_section.load_tiff(out / "depth.tiff"))
+        same(scan.difference, light_section.load_tiff(out / "difference.tiff"))
+        self.assertGreater(numpy.isfinite(scan.depth).mean(), 0.3)
+        for index, file in enumerate(images):  # the same by hand
+            taken = scanner.take(selfproj.read_image(file), index)
+        same(taken.depth, scan.depth)
+        same(pickle.loads(pickle.dumps(scan)).points(), scan.points())
+        self.assertEqual(scanner.table.shape, (512, 512, 16))
+        decoder = model.GrayDecoder(512, 512, 4)
+        for index, file in enumerate(images):
+            words = decoder.take(selfproj.read_image(file), index)
+        matched = model.match(words, scanner.table) != 0xFFFF
+        self.assertTrue((matched | ~numpy.isfinite(scan.depth)).all())
+        for thing in (stripes, scan):
+            self.assertIn("data:image/png;base64,", thing._repr_html_())
+
+
+class References(Case):
+    def test_equal_those_of_the_commands(self):
+        rig = light_section.load_rig("light-section")
+        heights = numpy.where(abs(numpy.arange(rig.columns) - 250) < 120, 12.5, 0.0)
+        light_section.save_tiff(self.folder / "part.tiff", heights[None].astype("float32"))
+        run(SELFPROJ, "pattern", "--reference", self.folder / "part.tiff", "--out", self.folder / "part")
+        reference = light_section.reference_of_heights(rig, heights)
+        reference.save(rig, self.folder / "saved")
+        self.assertEqual((self.folder / "saved/reference.csv").read_bytes(),
+                         (self.folder / "part/reference.csv").read_bytes())
+        self.assertIn("<svg", reference._repr_html_())
+        moments = light_section.moments(self.pixels(96, 512), 20)
+        profiles = [light_section.Profiler(rig, given).profile_of_moments(moments.m0, moments.m1, moments.n)
+                    for given in (reference, self.folder / "part", pickle.loads(pickle.dumps(reference)))]
+        for other in profiles[1:]:
+            same(other.z, profiles[0].z)
+        plane = light_section.reference_of_plane(rig)
+        self.assertTrue(plane.valid.all() and abs(plane.z - rig.plane_z_mm).max() < 1e-6)
+
+    def test_sweeps_and_heights_equal_those_of_the_commands(self):
+        every, lines = 16, self.folder / "lines"
+        run(SELFPROJ, "pattern", "--sweep", "--every", every, "--out", lines)
+        rig = light_section.load_rig("light-section")
+        numbers = light_section.sweep_lines(rig, every)
+        self.assertEqual(len(numbers), len(list(lines.iterdir())))
+        pattern = light_section.pattern_of_line(rig, numbers[3])
+        same(numpy.rint(255 * pattern).astype("uint8"), selfproj.read_image(sorted(lines.iterdir())[3]))
+        sweeps = []
+        for height in (0, 10, 20):
+            seen = self.folder / f"at{height}"
+            run(SIMULATION, "capture", "--rig", "light-section", "--plate", height, "--patterns", lines, "--out", seen)
+            sweeps.append(numpy.stack([selfproj.read_image(file) for file in sorted(seen.iterdir())]))
+        run(SELFPROJ, "pattern", "--scan", self.folder / "at10", "--every", every, "--out", self.folder / "plate")
+        swept = light_section.reference_of_sweep(rig, sweeps[1], every)
+        same(swept.z, light_section.load_reference(rig, self.folder / "plate").z)
+        fit = light_section.fit_heights(rig, sweeps, heights_mm=[0, 10, 20], every=every)
+        run(SELFPROJ, "calibrate", "heights", "--heights", "0,10,20", "--every", every, "--out", self.folder / "fit",
+            *(self.folder / f"at{height}" for height in (0, 10, 20)))
+        self.assertEqual(fit.rig.to_yaml(), light_section.load_rig(self.folder / "fit/rig.yaml").to_yaml())
+        self.assertEqual([level["height_mm"] for level in fit.levels], [0, 10, 20])
+        with self.assertRaisesRegex(ValueError, "one is needed for each line"):
+            light_section.reference_of_sweep(rig, sweeps[0][1:], every)
+
+
 class Calibration(Case):
+    def test_a_laser_on_a_chessboard(self):
+        normal, distance = numpy.array([0.0, 0.87, 0.5]) / numpy.hypot(0.87, 0.5), 420.0
+        boards, lines = pictures.laser_poses(normal, distance)
+        camera = calibration.calibrate_camera(boards, corners=(7, 5), square_mm=40, bent=False)
+        self.assertEqual(camera.left_out, [])
+        numpy.testing.assert_allclose(numpy.diag(camera.matrix)[:2], 400, atol=2)
+        laser = calibration.laser_plane(camera, lines)
+        turn = numpy.degrees(numpy.arccos(min(1.0, abs(laser.normal @ normal))))
+        self.assertLess(turn, 0.3)
+        self.assertLess(laser.rms_mm, 0.5)
+        self.assertIn("light_plane", laser.rig(light_section.load_rig("light-section")).to_yaml())
+        with self.assertRaisesRegex(ValueError, "one of each pose"):
+            calibration.laser_plane(camera, lines[1:])
+
     def test_equals_that_of_calibrate(self):
         folders = pictures.write_chessboard_poses(self.folder, structured_light.GraySequence(96, 80))
         out = self.folder / "out"
@@ -273,6 +392,10 @@ class Calibration(Case):
                          ((96, 80), (3,), (8,)))
         numpy.testing.assert_allclose(found.camera_matrix, result.calibration.camera_matrix, rtol=1e-9)
         corners = calibration.find_chessboard(captures[0].mean, (7, 5))
+        stack = numpy.stack([selfproj.read_image(file) for file in sorted(folders[0].iterdir())])
+        same(calibration.decode_capture(stack, projector=(96, 80)).projector_row, captures[0].projector_row)
+        self.assertEqual(captures[0].contradiction, "")
+        self.assertIn("data:image/png", captures[0]._repr_html_())
         self.assertEqual(corners.shape, (35, 2))
         self.assertIsNone(calibration.find_chessboard(self.pixels(50, 50), (7, 5)))
         column = captures[0].projector_column
@@ -284,6 +407,69 @@ class Calibration(Case):
         self.assertEqual(twin.json(), result.json())
         same(pickle.loads(pickle.dumps(found)).camera_matrix, found.camera_matrix)
         self.assertTrue((column.max() < 96) and (column >= 0).mean() > 0.1 and column.dtype == numpy.int16)
+
+
+class Cameras(Case):
+    def test_the_simulated_camera(self):
+        try:
+            camera = cameras.open("camera:Fake_1?region=64x48+0+0")
+        except selfproj.InputError as error:
+            self.assertIn("without Aravis", str(error))
+            return
+        with camera:
+            camera.start()
+            image = camera.next(timeout=20)
+            self.assertEqual((image.pixels.shape, image.pixels.dtype, camera.rows), ((48, 64), "uint8", 48))
+            self.assertIn("data:image/png", image._repr_html_())
+            self.assertGreaterEqual(camera.counters()["complete"], 1)
+        self.assertEqual(repr(camera), "Camera(closed)")
+        with self.assertRaisesRegex(ValueError, "closed"):
+            camera.next()
+
+    def test_refusals(self):
+        for uri in ("camera:no-such-camera", "ring:x", "camera:Fake_1?colour=blue"):
+            with self.assertRaises(selfproj.InputError):
+                cameras.open(uri)
+
+
+class Pictures(Case):
+    def test_maps_and_images(self):
+        values = self.random.random((30, 40), dtype="float32")
+        values[0] = numpy.nan
+        for signed in (False, True):
+            png = selfproj_pictures.map_png(values, "a map", signed_values=signed)
+            self.assertTrue(png.startswith(b"\x89PNG"))
+        file = self.folder / "image.png"
+        image = self.pixels(7, 9)
+        file.write_bytes(selfproj_pictures.image_png(image))
+        same(selfproj.read_image(file), image)
+        with self.assertRaises(ValueError):
+            selfproj_pictures.map_png(values, low=2, high=1)
+
+
+class Notebooks(Case):
+    def test_parts_of_the_production_notebook_equal_those_of_inspect(self):
+        names = notebooks.run("production", self.folder)
+        run(SELFPROJ, "tolerance", "learn", "--rig", self.folder / "rig.yaml", "--device",
+            f"file:{self.folder}/good.slfp", "--out", self.folder / "learned.yaml")
+        learned = (self.folder / "learned.yaml").read_text(encoding="utf-8").split("\n", 1)[1]
+        self.assertEqual(learned, (self.folder / "tolerance.yaml").read_text(encoding="utf-8"))
+        run(SELFPROJ, "inspect", "--rig", self.folder / "rig.yaml", "--device", f"file:{self.folder}/run.slfp",
+            "--tolerance", self.folder / "learned.yaml", "--parts", self.folder / "parts", "--out", self.folder / "out")
+        wanted = [json.loads(line) for line in (self.folder / "parts/parts.jsonl").read_text("utf-8").splitlines()]
+        found = [json.loads(result.json()) for result in names["results"]]
+        for number, part in enumerate(found, 1):
+            self.assertEqual({**part, "part": number}, wanted[number - 1])
+        self.assertEqual(len(found), len(wanted))
+        tolerance = names["tolerance"]
+        self.assertEqual(pickle.loads(pickle.dumps(tolerance)).to_yaml(), tolerance.to_yaml())
+        self.assertEqual(parts.load_tolerance(self.folder / "tolerance.yaml").to_yaml(), tolerance.to_yaml())
+        part = names["good"][0]
+        same(pickle.loads(pickle.dumps(part)).heights, part.heights)
+        twin = parts.Part(part.heights, part.pitch_mm, part.along_mm, part.across_mm)
+        self.assertEqual(names["classifier"].classify(twin).verdict, "good")
+        for thing in (part, names["results"][1]):
+            self.assertIn("data:image/png;base64,", thing._repr_html_())
 
 
 class Refusals(Case):
@@ -440,7 +626,8 @@ time.sleep(float(sys.argv[1]))
 class Documentation(unittest.TestCase):
     def test_everything_has_a_text_and_a_type(self):
         types = pathlib.Path(selfproj.__file__).parent / "_core"
-        for module in (model, packets, driver, light_section, structured_light, calibration):
+        for module in (model, packets, driver, light_section, structured_light, calibration, parts, cameras,
+                       selfproj_pictures):
             name = module.__name__.split(".")[-1]
             self.assertTrue(module.__doc__)
             known = (types / f"{name}.pyi").read_text(encoding="utf-8")
@@ -449,7 +636,7 @@ class Documentation(unittest.TestCase):
             for word in module.__all__:
                 thing = getattr(module, word)
                 self.assertTrue(isinstance(thing, int) or thing.__doc__, word)
-                if word != "split":
+                if word not in ("split", "cut"):  # written in Python
                     self.assertRegex(known, rf"(?m)^(def|class) {word}\b|^{word}: ", word)
 
 

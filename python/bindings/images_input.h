@@ -1,0 +1,102 @@
+// Images as arguments: arrays, or files.
+#ifndef SELFPROJ_PYTHON_BINDINGS_IMAGES_INPUT_H
+#define SELFPROJ_PYTHON_BINDINGS_IMAGES_INPUT_H
+
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/variant.h>
+#include <nanobind/stl/vector.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "host/images/image_files.h"
+#include "host/images/image_sequence.h"
+#include "python/bindings/arrays.h"
+
+namespace selfproj::python {
+
+// An array of (images, rows, columns) or of one image, a folder or file, several of them, or several arrays.
+using ImagesArgument = std::variant<In<std::uint8_t>, Path, Paths, std::vector<In<std::uint8_t>>>;
+
+// The images of an argument, which must outlive this object.
+class GivenImages {
+ public:
+  // Throws ValueError if there are none, for arrays of another shape, and for options of files with arrays.
+  GivenImages(const ImagesArgument& images, const images::PixelOptions& pixels) : rule_(pixels.rule()) {
+    if (const auto* path = std::get_if<Path>(&images)) {
+      names_ = images::image_arguments({path->string()});
+    } else if (const auto* paths = std::get_if<Paths>(&images)) {
+      require(!paths->empty(), "images: none are given");
+      names_ = images::image_arguments(names_of(*paths));
+    } else {
+      require(pixels.given().empty(), "channel, shift: are for files; arrays have 8 bits already");
+      if (const auto* array = std::get_if<In<std::uint8_t>>(&images)) {
+        add(*array);
+      } else {
+        for (const In<std::uint8_t>& one : std::get<std::vector<In<std::uint8_t>>>(images)) {
+          require(one.ndim() == 2, "images: each array of a list must have 2 dimensions");
+          add(one);
+        }
+      }
+      require(!views_.empty(), "images: none are given");
+    }
+  }
+
+  // Names for messages: the files, or "image 0", "image 1", ...
+  [[nodiscard]] const std::vector<std::string>& names() const { return names_; }
+  [[nodiscard]] std::size_t count() const { return names_.size(); }
+
+  // Leaves out those from `count` on.
+  void resize(std::size_t count) { names_.resize(count); }
+
+  // May be called, and read, without the GIL.
+  [[nodiscard]] images::ImageSequence sequence() const {
+    if (views_.empty()) {
+      return {names_, rule_};
+    }
+    return {names_, [this](std::size_t i) { return images::copy_of(views_[i]); }};
+  }
+
+ private:
+  void add(const In<std::uint8_t>& array) {
+    const Images several(array);
+    for (std::size_t i = 0; i < several.count(); ++i) {
+      require(several.rows() > 0 && several.columns() > 0, "images: have no pixels");
+      names_.push_back("image " + std::to_string(views_.size()));
+      views_.push_back(several.view(i));
+    }
+  }
+
+  images::PixelRule rule_;
+  std::vector<std::string> names_;
+  std::vector<model::ImageView> views_;  // empty: files
+};
+
+// Decoders read the positive of a pair again when its negative comes. It is copied, so that what Python does with the
+// array meanwhile does not matter.
+class KeptPositive {
+ public:
+  // The image, or for a positive its copy, which lives until the next one.
+  model::ImageView keep(const model::ImageView& image, int pattern) {
+    if (pattern % 2 != 0) {
+      return image;
+    }
+    const auto columns = static_cast<std::size_t>(image.columns);
+    pixels_.resize(static_cast<std::size_t>(image.rows) * columns);
+    for (int row = 0; row < image.rows; ++row) {
+      std::memcpy(pixels_.data() + static_cast<std::size_t>(row) * columns, image.pixels + row * image.stride, columns);
+    }
+    return {pixels_.data(), image.rows, image.columns, image.columns};
+  }
+
+ private:
+  std::vector<std::uint8_t> pixels_;
+};
+
+}  // namespace selfproj::python
+
+#endif  // SELFPROJ_PYTHON_BINDINGS_IMAGES_INPUT_H

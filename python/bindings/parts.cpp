@@ -1,0 +1,333 @@
+// selfproj.parts: parts cut out of what is measured, tolerances, verdicts.
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/unique_ptr.h>
+#include <nanobind/stl/variant.h>
+#include <nanobind/stl/vector.h>
+
+#include <chrono>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <new>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "host/files/input_file.h"
+#include "host/files/json_text.h"
+#include "host/files/output_file.h"
+#include "host/production/classifier.h"
+#include "host/production/cutter.h"
+#include "host/production/height_map.h"
+#include "host/production/learn.h"
+#include "host/production/part_reference.h"
+#include "host/production/part_result.h"
+#include "host/production/tolerance.h"
+#include "python/bindings/arrays.h"
+#include "python/bindings/packet_view.h"
+#include "python/bindings/profiler.h"
+#include "selfproj/files/user_error.h"
+#include "selfproj/light_section/profile.h"
+#include "selfproj/rig/rig.h"
+
+namespace selfproj::python {
+namespace {
+
+using production::CutPart;
+using production::PartResult;
+using production::Tolerance;
+
+// What a part is compared with: the section of a light section, or a depth image.
+using PartReference = std::variant<Profiler, std::tuple<rig::Rig, FloatArray>>;
+
+std::int64_t now_ns() {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch())
+      .count();
+}
+
+images::FloatImage depth_of_camera(const rig::Rig& rig, const FloatArray& depth) {
+  images::FloatImage image = float_image_of(depth);
+  require(image.rows == rig.camera.rows && image.columns == rig.camera.columns,
+          "depth: its size is not that of the rig's camera");
+  return image;
+}
+
+production::SectionReference section_of_profiler(const Profiler& profiler) {
+  return production::section_of(profiler.rig(), profiler.reference(), profiler.profiler());
+}
+
+production::HeightCells cells_of_depth(const rig::Rig& rig, const FloatArray& depth) {
+  production::DepthGrid grid(rig);
+  return grid.cells(depth_of_camera(rig, depth));
+}
+
+// Cuts profiles, for one thread at a time.
+class ProfileCutting {
+ public:
+  explicit ProfileCutting(const Profiler& profiler) : profiler_(profiler), cutter_(profiler.rig()) {
+    profile_.resize(profiler.profiler().columns());
+  }
+
+  std::optional<CutPart> add(const PacketHandle& packet) {
+    const Busy::Entered entered(busy_);
+    const model::PacketView& view = packet.view();
+    const PacketHandle::Use use(packet);
+    return without_gil([&]() -> std::optional<CutPart> {
+      return profiler_.profiler().profile(view, profile_.view()) ? cutter_.add(view.header, profile_.view(), now_ns())
+                                                                 : std::nullopt;
+    });
+  }
+  std::optional<CutPart> finish() {
+    const Busy::Entered entered(busy_);
+    return cutter_.finish();
+  }
+  [[nodiscard]] std::uint64_t specks() const { return cutter_.specks(); }
+
+ private:
+  Profiler profiler_;
+  production::ProfileCutter cutter_;
+  light_section::Profile profile_;
+  Busy busy_;
+};
+
+// A part from heights that were measured elsewhere.
+CutPart part_of_heights(const FloatArray& heights, double pitch_mm, double along_mm, double across_mm) {
+  require(pitch_mm > 0 && std::isfinite(along_mm) && std::isfinite(across_mm), "pitch_mm: must be above 0");
+  CutPart part;
+  part.cells.height = float_image_of(heights);
+  part.cells.grid = {part.cells.height.rows, part.cells.height.columns, pitch_mm, along_mm, across_mm};
+  part.cells.weight = images::FloatImage(part.cells.height.rows, part.cells.height.columns);
+  for (std::size_t i = 0; i < part.cells.height.values.size(); ++i) {
+    part.cells.weight.values[i] = std::isnan(part.cells.height.values[i]) ? 0.0F : 1.0F;
+  }
+  part.length_mm = pitch_mm * (part.cells.height.rows - 1);
+  return part;
+}
+
+CutPart part_of_depth(const rig::Rig& rig, const FloatArray& depth) {
+  CutPart part;
+  part.cells = cells_of_depth(rig, depth);
+  part.length_mm = part.cells.grid.pitch_mm * (part.cells.grid.rows - 1);
+  return part;
+}
+
+nb::tuple state_of_part(const CutPart& p) {
+  const production::MapGrid& g = p.cells.grid;
+  return nb::make_tuple(array_of_image(p.cells.height), array_of_image(p.cells.weight),
+                        std::vector<double>{g.pitch_mm, g.along_mm, g.across_mm, p.begin_mm, p.length_mm},
+                        std::vector<std::uint64_t>{p.first, p.last, p.frames, p.missing}, p.too_long, p.restarted);
+}
+
+void set_part(CutPart& self, const nb::tuple& state) {
+  require(state.size() == 6, "state: is none of a Part");
+  CutPart p;
+  p.cells.height = float_image_of(nb::cast<FloatArray>(state[0]));
+  p.cells.weight = float_image_of(nb::cast<FloatArray>(state[1]));
+  const auto numbers = nb::cast<std::vector<double>>(state[2]);
+  const auto counts = nb::cast<std::vector<std::uint64_t>>(state[3]);
+  require(numbers.size() == 5 && counts.size() == 4, "state: is none of a Part");
+  p.cells.grid = {p.cells.height.rows, p.cells.height.columns, numbers[0], numbers[1], numbers[2]};
+  p.begin_mm = numbers[3];
+  p.length_mm = numbers[4];
+  p.first = counts[0], p.last = counts[1], p.frames = counts[2], p.missing = counts[3];
+  p.too_long = nb::cast<bool>(state[4]);
+  p.restarted = nb::cast<bool>(state[5]);
+  new (&self) CutPart(std::move(p));
+}
+
+// A result with its maps.
+struct Judged {
+  PartResult result;
+  production::PlacedMaps maps;
+};
+
+// Places and classifies parts; any number of threads may use it at once.
+class Judge {
+ public:
+  Judge(const PartReference& reference, const Tolerance& tolerance)
+      : classifier_(std::visit([&](const auto& of) { return make(of, tolerance); }, reference)) {}
+
+  [[nodiscard]] Judged classify(const CutPart& part) const {
+    return without_gil([&] {
+      Judged judged;
+      judged.result = classifier_.classify(part, judged.maps);
+      return judged;
+    });
+  }
+
+ private:
+  static production::Classifier make(const Profiler& profiler, const Tolerance& tolerance) {
+    return {profiler.rig(), section_of_profiler(profiler), tolerance, "tolerance"};
+  }
+  static production::Classifier make(const std::tuple<rig::Rig, FloatArray>& of, const Tolerance& tolerance) {
+    const rig::Rig& rig = std::get<0>(of);
+    return {rig, cells_of_depth(rig, std::get<1>(of)), tolerance, "tolerance"};
+  }
+
+  production::Classifier classifier_;
+};
+
+Tolerance learn_tolerance(const PartReference& reference, const std::vector<CutPart>& parts, double min_defect_mm2,
+                          double edge_mm, double spreads, double max_shift_mm, double max_turn_deg) {
+  require(min_defect_mm2 > 0 && edge_mm >= 0 && spreads >= 1 && max_shift_mm >= 0 && max_turn_deg >= 0,
+          "min_defect_mm2 must be above 0, spreads 1 or more, the others 0 or more");
+  production::LearnOptions options;
+  options.min_defect_mm2 = min_defect_mm2;
+  options.edge_mm = edge_mm;
+  options.spreads = spreads;
+  options.max_shift_mm = max_shift_mm;
+  options.max_turn_deg = max_turn_deg;
+  const auto learn = [&](production::Learner learner) {
+    return without_gil([&] {
+      for (const CutPart& part : parts) {
+        learner.add(CutPart(part));
+      }
+      return learner.learn("parts");
+    });
+  };
+  if (const auto* profiler = std::get_if<Profiler>(&reference)) {
+    return learn({profiler->rig(), section_of_profiler(*profiler), options});
+  }
+  const auto& [rig, depth] = std::get<1>(reference);
+  return learn({rig, cells_of_depth(rig, depth), options});
+}
+
+void bind_part(nb::module_& module) {
+  nb::class_<CutPart>(module, "Part", "A part as it was cut out of the stream: heights on an even grid.")
+      .def(
+          "__init__",
+          [](CutPart* self, const FloatArray& heights, double pitch_mm, double along_mm, double across_mm) {
+            new (self) CutPart(part_of_heights(heights, pitch_mm, along_mm, across_mm));
+          },
+          nb::arg("heights").noconvert(), nb::arg("pitch_mm"), nb::arg("along_mm") = 0.0, nb::arg("across_mm") = 0.0,
+          "Of heights above the belt in mm, float32, rows along the belt, NaN where there is none. along_mm and\n"
+          "across_mm: the place of the first cell.")
+      .def_prop_ro(
+          "heights", [](const CutPart& self) { return array_of_image(self.cells.height); }, nb::rv_policy::reference,
+          "mm above the belt, float32, a copy; NaN where nothing was seen.")
+      .def_prop_ro(
+          "pitch_mm", [](const CutPart& self) { return self.cells.grid.pitch_mm; }, "Distance of cells.")
+      .def_prop_ro(
+          "along_mm", [](const CutPart& self) { return self.cells.grid.along_mm; }, "Of the first row.")
+      .def_prop_ro(
+          "across_mm", [](const CutPart& self) { return self.cells.grid.across_mm; }, "Of the first column.")
+      .def_ro("begin_mm", &CutPart::begin_mm, "Where the belt was at its first frame.")
+      .def_ro("length_mm", &CutPart::length_mm)
+      .def_ro("frames", &CutPart::frames)
+      .def_ro("missing_frames", &CutPart::missing)
+      .def("__repr__",
+           [](const CutPart& self) {
+             return shape_text("Part", sides_of_image(self.cells.grid.rows, self.cells.grid.columns));
+           })
+      .def("__getstate__", &state_of_part)
+      .def("__setstate__", &set_part);
+  nb::class_<ProfileCutting>(module, "Cutter",
+                             "Cuts the profiles of packets into parts, by the section `parts` of the profiler's rig;\n"
+                             "for one thread at a time.")
+      .def(nb::init<const Profiler&>(), nb::arg("profiler"), "InputError if the rig has no section `parts`.")
+      .def("add", &ProfileCutting::add, nb::arg("packet"),
+           "Takes the next packet. Returns the Part that is then complete, else None.")
+      .def("finish", &ProfileCutting::finish, "No packet comes any more: returns the Part that is there so far.")
+      .def_prop_ro("specks", &ProfileCutting::specks, "How often something was too short to be a part.");
+  module.def("part_of_depth", &part_of_depth, nb::arg("rig"), nb::arg("depth").noconvert(),
+             "The part that a depth image of the rig's camera shows: z in mm, float32, NaN where there is none.");
+}
+
+void bind_tolerance(nb::module_& module) {
+  nb::class_<Tolerance>(module, "Tolerance", "What a good part may be (docs/parts.md).")
+      .def_ro("length_mm", &Tolerance::length_mm)
+      .def_prop_ro("width_mm", [](const Tolerance& self) { return self.right_mm - self.left_mm; })
+      .def_prop_ro(
+          "regions",
+          [](const Tolerance& self) {
+            std::vector<std::tuple<std::string, double, double, double>> regions;
+            for (const production::ToleranceRegion& region : self.regions) {
+              regions.emplace_back(region.name, region.low_mm, region.high_mm, region.max_missing);
+            }
+            return regions;
+          },
+          "Of each region: name, lowest and highest difference in mm, and the share of points that may be missing.")
+      .def(
+          "to_yaml", [](const Tolerance& self) { return production::to_yaml(self); }, "The text of its file.")
+      .def(
+          "save",
+          [](const Tolerance& self, const Path& file) {
+            files::OutputFile(file.string()).write(production::to_yaml(self));
+          },
+          nb::arg("file"), "Writes the file that --tolerance takes.")
+      .def("__repr__",
+           [](const Tolerance& self) { return "Tolerance(" + std::to_string(self.regions.size()) + " regions)"; })
+      .def("__getstate__", [](const Tolerance& self) { return production::to_yaml(self); })
+      .def("__setstate__", [](Tolerance& self, const std::string& yaml) {
+        new (&self) Tolerance(production::parse_tolerance(yaml, "a pickled tolerance"));
+      });
+  module.def(
+      "load_tolerance", [](const Path& file) { return production::load_tolerance(file.string()); }, nb::arg("file"),
+      "Reads a tolerance file. InputError with file, line and reason.");
+  module.def("learn", &learn_tolerance, nb::arg("reference"), nb::arg("parts"), nb::arg("min_defect_mm2") = 0.5,
+             nb::arg("edge_mm") = 1.5, nb::arg("spreads") = 6.0, nb::arg("max_shift_mm") = 2.0,
+             nb::arg("max_turn_deg") = 3.0,
+             "The tolerance of 5 or more good parts, as `selfproj tolerance learn`. reference: the profiler of a\n"
+             "light section, or (rig, depth image of the reference) of a scanner. InputError if they do not suffice.");
+}
+
+void bind_results(nb::module_& module) {
+  nb::class_<production::Defect>(module, "Defect", "A place outside the band of its region.")
+      .def_ro("region", &production::Defect::region)
+      .def_ro("along_mm", &production::Defect::along_mm, "Its middle on the placed map.")
+      .def_ro("across_mm", &production::Defect::across_mm)
+      .def_ro("size_along_mm", &production::Defect::size_along_mm)
+      .def_ro("size_across_mm", &production::Defect::size_across_mm)
+      .def_ro("area_mm2", &production::Defect::area_mm2)
+      .def_ro("depth_mm", &production::Defect::depth_mm, "From the middle of the band; less than 0 is too low.")
+      .def("__repr__", [](const production::Defect& self) {
+        return "Defect('" + self.region + "', area_mm2=" + std::to_string(self.area_mm2) +
+               ", depth_mm=" + std::to_string(self.depth_mm) + ")";
+      });
+  nb::class_<Judged>(module, "PartResult", "The verdict on a part.")
+      .def_prop_ro(
+          "verdict", [](const Judged& self) { return production::verdict_name(self.result.verdict); },
+          "good, bad or inconclusive.")
+      .def_prop_ro(
+          "reason", [](const Judged& self) { return self.result.reason; }, "One line; empty if good.")
+      .def_prop_ro(
+          "defects", [](const Judged& self) { return self.result.defects; }, "A list of Defect.")
+      .def_prop_ro(
+          "heights", [](const Judged& self) { return array_of_image(self.maps.height); }, nb::rv_policy::reference,
+          "Heights placed on the reference, mm, float32, a copy.")
+      .def_prop_ro(
+          "difference", [](const Judged& self) { return array_of_image(self.maps.difference); },
+          nb::rv_policy::reference, "Heights less those of the reference, mm, float32, a copy.")
+      .def_prop_ro(
+          "pitch_mm", [](const Judged& self) { return self.maps.grid.pitch_mm; }, "Distance of cells.")
+      .def(
+          "json", [](const Judged& self) { return files::json_text(production::part_json(self.result), 2); },
+          "As parts.jsonl has it (docs/parts.md).")
+      .def("__repr__", [](const Judged& self) {
+        return std::string("PartResult('") + production::verdict_name(self.result.verdict) + "', " +
+               std::to_string(self.result.defects.size()) + " defects)";
+      });
+  nb::class_<Judge>(module, "Classifier",
+                    "Places parts on the reference and compares them with a tolerance; any number of threads may use\n"
+                    "it at once.")
+      .def(nb::init<const PartReference&, const Tolerance&>(), nb::arg("reference"), nb::arg("tolerance"),
+           "reference: as in learn. InputError if the tolerance is of another part.")
+      .def("classify", &Judge::classify, nb::arg("part"), "The PartResult of a Part.");
+}
+
+}  // namespace
+
+void bind_parts(nb::module_& module) {
+  bind_part(module);
+  bind_tolerance(module);
+  bind_results(module);
+}
+
+}  // namespace selfproj::python
