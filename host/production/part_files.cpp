@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "host/files/file_descriptor.h"
+#include "host/files/give_way.h"
 #include "host/files/json_text.h"
 #include "host/files/notes.h"
 #include "host/files/output_file.h"
@@ -150,6 +151,7 @@ void PartFiles::write_folder(const Waiting& part) const {
 }
 
 void PartFiles::run(const std::stop_token& stop) {
+  files::give_way();
   std::unique_lock lock(mutex_);
   for (;;) {
     if (!changed_.wait(lock, stop, [this] { return !waiting_.empty(); })) {
