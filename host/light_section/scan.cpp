@@ -93,39 +93,29 @@ SweepCheck::SweepCheck(const rig::Rig& rig)
 
 void SweepCheck::add(double line, const model::ImageView& image, const std::string& name) {
   finder_.find(image);
-  Image& added = images_.emplace_back(Image{line, name, std::vector<Seen>(most_light_.size())});
+  Image& added = images_.emplace_back(Image{line, name, std::vector<Seen>(most_light_.size()), 0});
   for (std::size_t i = 0; i < most_light_.size(); ++i) {
     const bool second = finder_.validity(i) == Validity::ambiguous;
     second_lines_ += second ? 1 : 0;
     lines_ += second || finder_.has_line(i) ? 1 : 0;
     if (finder_.has_line(i)) {
+      ++added.lines;
       added.seen[i] = {finder_.centroid(i), finder_.light(i)};
       most_light_[i] = std::max(most_light_[i], finder_.light(i));
     }
   }
 }
 
-// How far the line moves from each image to the next, in most columns, beside how far it would on the plane.
-std::vector<std::optional<double>> SweepCheck::paces() const {
-  constexpr std::size_t kFew = 16;  // of the columns are too few
-  std::vector<std::optional<double>> paces;
-  for (std::size_t k = 1; k < images_.size(); ++k) {
-    const Image& here = images_[k - 1];
-    const Image& next = images_[k];
-    std::vector<double> steps;
-    for (std::size_t i = 0; i < most_light_.size(); ++i) {
-      const double least = finder_.least_light(most_light_[i]);
-      if (here.seen[i].light > 0 && next.seen[i].light > 0 && here.seen[i].light >= least &&
-          next.seen[i].light >= least) {
-        steps.push_back(next.seen[i].row - here.seen[i].row);
-      }
+// By how many rows the line moves from one image to another, in most columns that show it in both.
+std::optional<double> SweepCheck::moved(const Image& from, const Image& to) const {
+  std::vector<double> rows;
+  for (std::size_t i = 0; i < most_light_.size(); ++i) {
+    const double least = std::max(1.0, finder_.least_light(most_light_[i]));
+    if (from.seen[i].light >= least && to.seen[i].light >= least) {
+      rows.push_back(to.seen[i].row - from.seen[i].row);
     }
-    const bool enough = steps.size() >= std::max<std::size_t>(4, most_light_.size() / kFew);
-    paces.push_back(enough
-                        ? std::optional(files::median_of(std::move(steps)) / (rows_per_line_ * (next.line - here.line)))
-                        : std::nullopt);
   }
-  return paces;
+  return rows.size() >= few() ? std::optional(files::median_of(std::move(rows))) : std::nullopt;
 }
 
 std::string SweepCheck::contradiction() const {
@@ -133,22 +123,34 @@ std::string SweepCheck::contradiction() const {
   constexpr double kSteps = 0.15;    // of a step
   constexpr double kManySecond = 0.05;
   constexpr std::size_t kFewest = 3;
-  const std::vector<std::optional<double>> paces = this->paces();
-  double way = 0;
+  const auto expected = [&](const Image& from, const Image& to) { return rows_per_line_ * (to.line - from.line); };
+  double way = 0;  // rows
   double net = 0;
-  std::size_t known = 0;
-  for (const std::optional<double>& pace : paces) {
-    known += pace ? 1 : 0;
-    way += std::abs(pace.value_or(0));
-    net += pace.value_or(0);
+  double right = 0;
+  std::size_t pairs = 0;
+  const Image* last = nullptr;
+  for (const Image& image : images_) {
+    if (image.lines < few()) {
+      continue;
+    }
+    if (const std::optional<double> rows = last != nullptr ? moved(*last, image) : std::nullopt) {
+      ++pairs;
+      way += std::abs(*rows);
+      net += expected(*last, image) < 0 ? -*rows : *rows;
+      right += std::abs(expected(*last, image));
+    }
+    last = &image;
   }
-  if (known >= kFewest && net < kOrdered * way) {
+  if (pairs >= kFewest && net < kOrdered * way) {
     return fmt::format(
-        "from {} to {} the line moves by {:.1f} rows, back and forth by {:.1f}, and not by {:.1f} as on the plane: are "
-        "the images in the order of the lines, and is the picture not mirrored?",
-        images_.front().name, images_.back().name, net * rows_per_line_ * (images_[1].line - images_[0].line),
-        way * std::abs(rows_per_line_ * (images_[1].line - images_[0].line)),
-        rows_per_line_ * (images_.back().line - images_.front().line));
+        "the line moves by {:.0f} rows on a way of {:.0f}, not steadily by {:.0f} as on the plane: are the images in "
+        "the order of the lines, and is the picture not mirrored?",
+        net, way, right);
+  }
+  std::vector<std::optional<double>> paces;  // of neighbours, beside that on the plane
+  for (std::size_t k = 1; k < images_.size(); ++k) {
+    const std::optional<double> rows = moved(images_[k - 1], images_[k]);
+    paces.push_back(rows ? std::optional(*rows / expected(images_[k - 1], images_[k])) : std::nullopt);
   }
   // Among even steps some that are whole ones, but others: an image is late, early, or exchanged with the next.
   const auto are = [&](std::size_t first, std::initializer_list<double> wanted) {

@@ -2,6 +2,7 @@
 #ifndef SELFPROJ_HOST_LIGHT_SECTION_SCAN_H
 #define SELFPROJ_HOST_LIGHT_SECTION_SCAN_H
 
+#include <algorithm>
 #include <cstddef>
 #include <functional>
 #include <optional>
@@ -57,8 +58,10 @@ class SweepCheck {
     double line;
     std::string name;
     std::vector<Seen> seen;  // of each column
+    std::size_t lines;       // columns with a line
   };
-  [[nodiscard]] std::vector<std::optional<double>> paces() const;
+  [[nodiscard]] std::size_t few() const { return std::max<std::size_t>(4, most_light_.size() / 16); }  // columns
+  [[nodiscard]] std::optional<double> moved(const Image& from, const Image& to) const;
 
   LineFinder finder_;  // of the strongest run
   bool sums_;

@@ -68,8 +68,9 @@ def new_browser(port):
     for path, least in (("/", 1000), ("/stream", 100)):
         with socket.create_connection(("127.0.0.1", port), timeout=5) as client:
             client.sendall(f"GET {path} HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\n\r\n".encode())
-            if not all_of(client, least).startswith(b"HTTP/1.1 200 "):
-                raise Fault(f"no {path} for a new browser")
+            answer = all_of(client, least)
+            if not answer.startswith(b"HTTP/1.1 200 "):
+                raise Fault(f"no {path} for a new browser: {answer}")
     return time.monotonic() - begin
 
 

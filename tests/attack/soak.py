@@ -12,6 +12,7 @@ import subprocess
 import sys
 import threading
 import time
+import traceback
 
 import hostile
 from clients import Controller, HostileClients, descriptors, free_port, memory_mib, new_browser
@@ -20,8 +21,9 @@ from rings import Rings
 
 SMALL_RATE, WIDE_RATE = 1000, 2000  # profiles a second of each board
 PATIENCE = 5  # seconds that a good client waits, on a machine that has other work
-GROWTH_MIB = 4  # from a quarter of a round to its end
-GROWTH_DESCRIPTORS = 8  # besides those of clients who come and go
+# From the second quarter of a round to its last, the least of each; what slow clients hold comes and goes.
+GROWTH_MIB = 8, 16  # of a long round, and of a short one
+GROWTH_DESCRIPTORS = 8
 SENT = re.compile(r"(\d+) packets, (?:(\d+) lost in the full ring|\d+ datagrams)")
 
 
@@ -32,6 +34,7 @@ class Line:
         self.sent = self.delivered = self.lost = self.parts = 0
         self.rounds = self.boards_killed = self.hosts_killed = self.exact_rounds = 0
         self.growth_mib = 0.0
+        self.growth_files = 0
         self.answers = 0
 
 
@@ -58,8 +61,11 @@ class Soak(HostileClients):
             try:
                 with self.attacker.scratch() as folder:
                     results[name] = way(folder, random.Random(f"{self.attacker.seed} {name}"))
-            except Exception as fault:  # it is the line's, and told below
-                faults.append(f"{name}: {fault!r}" if not isinstance(fault, Fault) else f"{name}: {fault}")
+            except Fault as fault:
+                faults.append(f"{name}: {fault}")
+            except Exception:  # of this script
+                faults.append(f"{name}: {traceback.format_exc()}")
+            if faults:
                 self.end = 0.0
 
         threads = [threading.Thread(target=run, args=work) for work in (("ring", self.by_ring), ("udp", self.by_udp))]
@@ -109,8 +115,8 @@ class Soak(HostileClients):
         """Boards one after the other, and good clients beside, until the round ends. Returns the packets of the boards
         that said how many they had sent, and how many boards were killed."""
         until = min(time.monotonic() + seconds, self.end)
-        sent = killed = 0
-        before = None
+        begin, sent, killed = time.monotonic(), 0, 0
+        least = {}  # memory and open files, by quarter
         controller = None
         while time.monotonic() < until:
             board = start_board()
@@ -127,8 +133,9 @@ class Soak(HostileClients):
                 except ConnectionRefusedError:  # the program is still starting
                     controller = None
                 time.sleep(0.1)
-                if before is None and time.monotonic() > until - 0.75 * seconds:
-                    before = memory_mib(host.pid), descriptors(host.pid)
+                quarter = int(4 * (time.monotonic() - begin) / seconds)
+                now = memory_mib(host.pid), descriptors(host.pid)
+                least[quarter] = tuple(map(min, now, least.get(quarter, now)))
             if chance.random() < 0.25:
                 self.ended(board, signal.SIGKILL, "a board")
                 killed += 1
@@ -138,18 +145,17 @@ class Soak(HostileClients):
         line.boards_killed += killed
         if controller is None:
             raise Fault("the Modbus server never answered")
-        if before is not None:
-            growth = memory_mib(host.pid) - before[0]
+        if 1 in least and 3 in least:
+            growth, files = (after - before for before, after in zip(least[1], least[3]))
             line.growth_mib = max(line.growth_mib, growth)
-            if growth > GROWTH_MIB:
-                raise Fault(f"{growth:.1f} MiB more memory at the end of a round of {seconds:.0f} s")
-            if descriptors(host.pid) > before[1] + GROWTH_DESCRIPTORS:
-                raise Fault(f"{descriptors(host.pid)} open files, {before[1]} before")
+            line.growth_files = max(line.growth_files, files)
+            if growth > GROWTH_MIB[0 if self.wide else 1] or files > GROWTH_DESCRIPTORS:
+                raise Fault(f"{growth:.1f} MiB and {files} open files more at the end of a round of {seconds:.0f} s")
         return sent, killed
 
-    def end_of_round(self, line, chance, folder, number, host):
+    def end_of_round(self, line, folder, number, host):
         """Ends the program or kills it; checks its files. Returns its counters, or nothing if it was killed."""
-        how = chance.choice((signal.SIGINT, signal.SIGTERM, signal.SIGKILL))
+        how = (signal.SIGTERM, signal.SIGINT, signal.SIGKILL)[number % 3]
         self.ended(host, how, "the program")
         line.rounds += 1
         lines = (folder / f"parts-{number}" / "parts.jsonl").read_bytes().split(b"\n")
@@ -178,7 +184,7 @@ class Soak(HostileClients):
             process.communicate()
 
     def seconds_of_round(self):
-        return 1800 if self.wide else 12
+        return 900 if self.wide else 8
 
     # --- through a ring: every packet in it is read by a reader that lives, or was by one that was killed ---
 
@@ -198,7 +204,7 @@ class Soak(HostileClients):
                     host = self.host(folder, number, page, modbus, *device, "--wait-for-board")
                     self.play(line, chance, self.seconds_of_round(),
                               lambda: self.board(folder, "--ring", self.rings.name, "--keep"), host, page, modbus)
-                    counters = self.end_of_round(line, chance, folder, number, host)
+                    counters = self.end_of_round(line, folder, number, host)
                     if counters is None:
                         killed += self.rings.header()["read"] - read
                     else:
@@ -248,7 +254,7 @@ class Soak(HostileClients):
                     line, chance, self.seconds_of_round(),
                     lambda: self.board(folder, "--udp", f"127.0.0.1:{port}", "--from", "127.0.0.2"), host, page, modbus)
                 time.sleep(0.5)  # for what is still on its way
-                counters = self.end_of_round(line, chance, folder, number, host)
+                counters = self.end_of_round(line, folder, number, host)
                 if counters is None:
                     continue
                 got = counters["delivered"] + counters["bad"]
