@@ -48,8 +48,9 @@ double rows_per_line(const rig::Rig& rig) {
   return rig.is_pinholes() ? pinhole_rows_per_line(rig) : lens_rows_per_line(rig);
 }
 
+// A second line with a quarter of the light counts where the rig would sum it.
 rig::Rig with_runs(rig::Rig rig) {
-  rig.measure.runs = rig.measure.runs.value_or(rig::RigRuns{});
+  rig.measure.runs = rig.measure.runs.value_or(rig::RigRuns{.ambiguous_from = 0.25});
   return rig;
 }
 
