@@ -98,7 +98,7 @@ PartFiles::PartFiles(const std::string& folder, std::uint64_t max_folders)
   constexpr off_t kRoom = 1 << 16;
   room_.emplace(folder, folder_, files::Temporary::Kind::file);
   const int error = posix_fallocate(room_->descriptor().number(), 0, kRoom);
-  if (error == ENOSPC || error == EDQUOT || error == EFBIG) {  // otherwise the file system cannot tell
+  if (error == ENOSPC || error == EDQUOT) {  // otherwise the file system cannot tell
     throw UserError(folder, files::error_text(error));
   }
   const files::SignalsHeld held;  // signals are for the main thread

@@ -22,7 +22,7 @@ from rings import Rings
 SMALL_RATE, WIDE_RATE = 1000, 2000  # profiles a second of each board
 PATIENCE = 5  # seconds that a good client waits, on a machine that has other work
 # From the second quarter of a round to its last, the least of each; what slow clients hold comes and goes.
-GROWTH_MIB = 8, 16  # of a long round, and of a short one
+GROWTH_MIB = 8, 24  # of a long round; and of a short one, in which up to 16 MiB are kept for slow clients
 GROWTH_DESCRIPTORS = 8
 SENT = re.compile(r"(\d+) packets, (?:(\d+) lost in the full ring|\d+ datagrams)")
 
@@ -46,7 +46,9 @@ class Soak(HostileClients):
         self.rings.name = f"soak-{os.getpid()}"
         self.rings.file = self.rings.file.with_name(f"selfproj-ring-{self.rings.name}")
         self.rate = WIDE_RATE if wide else SMALL_RATE
+        self.seconds = 0
         self.end = 0.0
+        self.local = threading.local()  # the programs of a line
 
     def measure(self, seconds):
         return self.attacker.case("soak", "measure", self.measured, seconds)
@@ -54,12 +56,13 @@ class Soak(HostileClients):
     def measured(self, seconds):
         if self.wide:
             self.make_wide()
+        self.seconds = seconds
         self.end = time.monotonic() + seconds
         results, faults = {}, []
 
         def run(name, way):
             try:
-                with self.attacker.scratch() as folder:
+                with self.attacker.scratch() as folder, self.none_left():
                     results[name] = way(folder, random.Random(f"{self.attacker.seed} {name}"))
             except Fault as fault:
                 faults.append(f"{name}: {fault}")
@@ -86,16 +89,33 @@ class Soak(HostileClients):
         return self.made / ("wide" if self.wide else "parts"), \
             self.made / ("wide-tolerance.yaml" if self.wide else "tolerance.yaml")
 
+    @contextlib.contextmanager
+    def none_left(self):
+        """Programs that a fault has left running are killed."""
+        self.local.programs = []
+        try:
+            yield
+        finally:
+            for program in self.local.programs:
+                if program.poll() is None:
+                    program.kill()
+                    program.communicate()
+
+    def start(self, words, folder):
+        self.local.programs = [one for one in self.local.programs if one.poll() is None]
+        self.local.programs.append(self.attacker.start(words, folder))
+        return self.local.programs[-1]
+
     def board(self, folder, *to):
         parts, _ = self.files()
-        return self.attacker.start(["selfproj-sim", "board", "--replay", f"{parts}.bin", "--rate", self.rate, "--loop",
-                                    *to], folder)
+        words = ["selfproj-sim", "board", "--replay", f"{parts}.bin", "--rate", self.rate, "--loop", *to]
+        return self.start(words, folder)
 
     def host(self, folder, number, page, modbus, *device):
         parts, tolerance = self.files()
-        return self.attacker.start(["selfproj", "inspect", "--rig", f"{parts}.yaml", *device, "--tolerance", tolerance,
-                                    "--parts", f"parts-{number}", "--keep-parts", "4", "--json", f"{number}.json",
-                                    "--live", page, "--modbus", modbus], folder)
+        return self.start(["selfproj", "inspect", "--rig", f"{parts}.yaml", *device, "--tolerance", tolerance,
+                           "--parts", f"parts-{number}", "--keep-parts", "4", "--json", f"{number}.json",
+                           "--live", page, "--modbus", modbus], folder)
 
     @staticmethod
     def ended(process, how, what):
@@ -184,7 +204,7 @@ class Soak(HostileClients):
             process.communicate()
 
     def seconds_of_round(self):
-        return 900 if self.wide else 8
+        return min(900, self.seconds / 8)
 
     # --- through a ring: every packet in it is read by a reader that lives, or was by one that was killed ---
 
@@ -198,7 +218,7 @@ class Soak(HostileClients):
             killed = reported = lost = 0
             number = 0
             with self.clients(page, modbus):
-                while time.monotonic() < self.end:
+                while time.monotonic() < self.end - self.seconds_of_round() / 2:
                     number += 1
                     read = self.rings.header()["read"]
                     host = self.host(folder, number, page, modbus, *device, "--wait-for-board")
@@ -211,7 +231,7 @@ class Soak(HostileClients):
                         line.exact_rounds += 1
                         reported += counters["delivered"] + counters["bad"] + counters["repeated"]
                         lost += counters["lost_ring"]
-            last = json.loads(self.drained(folder, device))
+            last = self.drained(device)
             reported += last["delivered"] + last["bad"] + last["repeated"]
             lost += last["lost_ring"]
             header = self.rings.header()
@@ -231,10 +251,12 @@ class Soak(HostileClients):
         self.rings.wait_for_ring()
         return board
 
-    def drained(self, folder, device):
+    def drained(self, device):
+        """What a last reader counts, without a board."""
         parts, _ = self.files()
-        self.good(["selfproj", "inspect", "--rig", f"{parts}.yaml", *device, "--json", "last.json"], folder)
-        return (folder / "last.json").read_text()
+        with self.attacker.scratch() as folder:
+            self.good(["selfproj", "inspect", "--rig", f"{parts}.yaml", *device, "--json", "last.json"], folder)
+            return json.loads((folder / "last.json").read_text())
 
     # --- over the network: a program that listens all along delivers each packet, or counts it as lost ---
 
@@ -246,7 +268,7 @@ class Soak(HostileClients):
             port = probe.getsockname()[1]
         number = 0
         with self.clients(page, modbus):
-            while time.monotonic() < self.end:
+            while time.monotonic() < self.end - self.seconds_of_round() / 2:
                 number += 1
                 host = self.host(folder, number, page, modbus, "--device", f"udp:127.0.0.2:{port}", "--control", "none")
                 self.wait_for_port(port, host)

@@ -108,12 +108,5 @@ TEST(PartFiles, OnAFullDisk) {
   EXPECT_NE(error_of([&] { files.check(); }), "none");
 }
 
-TEST(PartFiles, WithoutRoomForTheStatisticsTheyDoNotBegin) {
-  const ScratchFolder scratch;
-  const SmallFiles full(10'000);
-  const std::string folder = scratch / "today";
-  EXPECT_NE(error_of([&] { production::PartFiles(folder, 1); }).find("today"), std::string::npos);
-}
-
 }  // namespace
 }  // namespace selfproj::test
