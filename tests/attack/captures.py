@@ -3,6 +3,8 @@ import json
 import os
 import resource
 import shutil
+import struct
+import zlib
 
 import materials
 from programs import Fault, Part
@@ -17,6 +19,15 @@ def reversed_pairs(files):
 
 def least_first(files):
     return [file for at in range(len(files) - 2, -1, -2) for file in files[at:at + 2]]
+
+
+def brightest_row(png):
+    """The brightest row of an image that materials.png has made, or a row far away where all is dark."""
+    size, = struct.unpack_from(">I", png, 33)
+    data = zlib.decompress(png[41:41 + size])
+    columns, = struct.unpack_from(">I", png, 16)
+    column = data[1::columns + 1]
+    return column.index(max(column)) if max(column) > 100 else 1000
 
 
 class Captures(Part):
@@ -74,7 +85,8 @@ class Captures(Part):
                 for name, image in materials.sweep((self.made / "plate.yaml").read_text(), 4, height):
                     (folder / f"at{height}" / name).write_bytes(image)
             files = sorted((folder / "at10").iterdir(), key=lambda file: int(file.stem.split("_")[1]))
-            middle = len(files) // 2
+            rows = [brightest_row(file.read_bytes()) for file in files]
+            middle = min(range(len(files)), key=lambda i: abs(rows[i] - 48))
             for name, order, good in (("right", files, True), ("reversed", files[::-1], False),
                                       ("swapped", files[:middle] + [files[middle + 1], files[middle]] +
                                        files[middle + 2:], False),

@@ -131,7 +131,7 @@ class Soak(HostileClients):
             raise Fault(f"{what}: status {process.returncode}: {err.decode(errors='replace')[-300:]}")
         return out.decode(errors="replace")
 
-    def play(self, line, chance, seconds, start_board, host, page, modbus):
+    def play(self, line, chance, seconds, kills, start_board, host, page, modbus):
         """Boards one after the other, and good clients beside, until the round ends. Returns the packets of the boards
         that said how many they had sent, and how many boards were killed."""
         until = min(time.monotonic() + seconds, self.end)
@@ -156,7 +156,7 @@ class Soak(HostileClients):
                 quarter = int(4 * (time.monotonic() - begin) / seconds)
                 now = memory_mib(host.pid), descriptors(host.pid)
                 least[quarter] = tuple(map(min, now, least.get(quarter, now)))
-            if chance.random() < 0.25:
+            if kills and chance.random() < 0.5:
                 self.ended(board, signal.SIGKILL, "a board")
                 killed += 1
             else:
@@ -222,7 +222,7 @@ class Soak(HostileClients):
                     number += 1
                     read = self.rings.header()["read"]
                     host = self.host(folder, number, page, modbus, *device, "--wait-for-board")
-                    self.play(line, chance, self.seconds_of_round(),
+                    self.play(line, chance, self.seconds_of_round(), number % 2 == 0,
                               lambda: self.board(folder, "--ring", self.rings.name, "--keep"), host, page, modbus)
                     counters = self.end_of_round(line, folder, number, host)
                     if counters is None:
