@@ -273,7 +273,7 @@ class Soak(HostileClients):
                 host = self.host(folder, number, page, modbus, "--device", f"udp:127.0.0.2:{port}", "--control", "none")
                 self.wait_for_port(port, host)
                 sent, killed = self.play(
-                    line, chance, self.seconds_of_round(),
+                    line, chance, self.seconds_of_round(), number % 2 == 0,
                     lambda: self.board(folder, "--udp", f"127.0.0.1:{port}", "--from", "127.0.0.2"), host, page, modbus)
                 time.sleep(0.5)  # for what is still on its way
                 counters = self.end_of_round(line, folder, number, host)
