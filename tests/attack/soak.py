@@ -21,9 +21,10 @@ from rings import Rings
 
 SMALL_RATE, WIDE_RATE = 1000, 2000  # profiles a second of each board
 PATIENCE = 5  # seconds that a good client waits, on a machine that has other work
-# From the second quarter of a round to its last, the least of each; what slow clients hold comes and goes.
-GROWTH_MIB = 8, 24  # of a long round; and of a short one, in which up to 16 MiB are kept for slow clients
-GROWTH_DESCRIPTORS = 8
+# How much more memory in MiB and open files a program may have in the last quarter of a round than in the second, the
+# least of each: in a long round, and in a short one, in which clients are still coming.
+FLAT, SHORT = (8, 8), (50, 40)
+LONG_ROUND = 120  # seconds
 SENT = re.compile(r"(\d+) packets, (?:(\d+) lost in the full ring|\d+ datagrams)")
 
 
@@ -169,7 +170,8 @@ class Soak(HostileClients):
             growth, files = (after - before for before, after in zip(least[1], least[3]))
             line.growth_mib = max(line.growth_mib, growth)
             line.growth_files = max(line.growth_files, files)
-            if growth > GROWTH_MIB[0 if self.wide else 1] or files > GROWTH_DESCRIPTORS:
+            most = FLAT if seconds >= LONG_ROUND else SHORT
+            if growth > most[0] or files > most[1]:
                 raise Fault(f"{growth:.1f} MiB and {files} open files more at the end of a round of {seconds:.0f} s")
         return sent, killed
 
