@@ -307,7 +307,7 @@ TEST_F(Classified, ToleranceIsReadBackAndItsFaultsAreNamed) {
   EXPECT_EQ(error_of([&] { learned(rig_, 3, 1); }), "good: 3 good parts came; at least 5 are needed");
 }
 
-// Eleven good parts, and one that is not whole, in every place.
+// Eleven good parts, and one that is not whole, first or last.
 TEST(Parts, APartCutShortIsLeftOutOfTheTolerance) {
   const rig::Rig rig = rig_with_parts();
   const auto from = [](double first, double last) {
@@ -341,7 +341,7 @@ TEST(Parts, APartCutShortIsLeftOutOfTheTolerance) {
                                           {.length = 30, .height = from(15, 30)},
                                           {.length = 45}};
   for (const MadePart& odd : odd_ones) {
-    for (const int place : {0, 5, 11}) {
+    for (const int place : {0, 11}) {
       SCOPED_TRACE(std::to_string(odd.length) + " x " + std::to_string(odd.width) + " in place " +
                    std::to_string(place));
       std::vector<std::string> left_out;
