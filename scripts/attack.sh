@@ -4,7 +4,8 @@
 # images of every format, depth and layout, captures in wrong orders, names in every encoding, malicious values for every
 # option, full disks, two outputs on one file, outputs onto inputs, a failing standard output, signals at random moments,
 # damaged and shortened rings, readers and boards that are killed and restarted, with an exact account of every packet,
-# and slow, silent and greedy clients of a line's page and Modbus server.
+# and slow, silent and greedy clients of a line's page and Modbus server. --only soak runs two whole lines for four
+# hours, with all of this.
 #
 # A fault is a signal, a wrong result with status 0, a loss that nobody counts, an input that changed, a file left
 # behind, an error of more than one line, a good client that waits. Each is printed with the options that repeat it, and

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "host/app/commands.h"
+#include "host/app/scanner_run.h"
 #include "host/cli/command_line.h"
 #include "host/cli/progress.h"
 #include "host/files/json_text.h"
@@ -36,6 +37,7 @@ struct HeightsOptions {
   int every = 4;
   images::PixelOptions pixels;
   cli::SelectOptions select;
+  bool unchecked = false;
   bool check = false;
   std::optional<double> within_mm;  // nothing: by the tolerances and the noise of the images
   std::string out;
@@ -52,6 +54,7 @@ light_section::HeightPosition read_position(const HeightsOptions& options, const
                                         files.size(), options.every, lines.size(), lines.front(), lines.back()));
   }
   light_section::LineFinder finder(rig);
+  light_section::SweepCheck check(rig);
   for (std::size_t i = 0; i < files.size(); ++i) {
     const images::Image image = images::read_image(files[i], options.pixels.rule());
     if (image.rows != rig.camera.rows || image.columns != rig.camera.columns) {
@@ -60,7 +63,9 @@ light_section::HeightPosition read_position(const HeightsOptions& options, const
                                   images::size_text(rig.camera.rows, rig.camera.columns)));
     }
     light_section::add_sightings(finder, lines[i], image.view(), position.seen);
+    check.add(lines[i], image.view(), files[i]);
   }
+  refuse_contradiction(folder, check.contradiction(), options.unchecked);
   return position;
 }
 
@@ -232,6 +237,7 @@ void add_heights_options(CLI::App& command, HeightsOptions& options) {
       ->type_name("N")
       ->capture_default_str();
   cli::add_pixel_options(command, options.pixels);
+  add_unchecked_option(command, options.unchecked);
   cli::begin_group(command, "Measuring");
   cli::add_select_options(command, options.select, cli::kRigsSelect);
   cli::begin_group(command, "Output");

@@ -121,6 +121,11 @@ void match_device(const MatchCommand& options) {
   if (production) {
     production->check();
   }
+  const std::string contradiction = stream.contradiction();
+  if (options.receive.check && !options.unchecked && !contradiction.empty()) {
+    throw CheckFailed(fmt::format("--check: {}", contradiction));
+  }
+  note_doubt(uri, contradiction);
   receiver.check(report.counts->incomplete);
 }
 

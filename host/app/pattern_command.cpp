@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "host/app/commands.h"
+#include "host/app/scanner_run.h"
 #include "host/cli/command_line.h"
 #include "host/cli/progress.h"
 #include "host/files/output_folder.h"
@@ -46,6 +47,7 @@ struct PatternOptions {
   int every = 1;
   images::PixelOptions pixels;
   cli::SelectOptions select;
+  bool unchecked = false;
 };
 
 // Passes on the images one after another, each of the camera's size.
@@ -74,8 +76,12 @@ light_section::ReferenceProfile scanned(const rig::Rig& rig, const PatternOption
                                 files.size(), options.every, lines.size(), lines.front(), lines.back()));
   }
   light_section::LineScan scan(rig, options.every);
-  for_each_image(rig, files, options.pixels.rule(),
-                 [&](std::size_t i, const images::Image& image) { scan.add(lines[i], image.view()); });
+  light_section::SweepCheck check(rig);
+  for_each_image(rig, files, options.pixels.rule(), [&](std::size_t i, const images::Image& image) {
+    scan.add(lines[i], image.view());
+    check.add(lines[i], image.view(), files[i]);
+  });
+  refuse_contradiction(options.scan, check.contradiction(), options.unchecked);
   return scan.reference();
 }
 
@@ -245,6 +251,7 @@ void add_source_options(CLI::App& command, PatternOptions& options) {
                    .add_option("--scan", options.scan,
                                "Folder of the camera images under the lines of --sweep, numbered in their order.")
                    ->type_name("DIR");
+  add_unchecked_option(command, options.unchecked)->needs(scan);
   auto* line =
       command
           .add_option("--line", options.line, "Without a part: a straight line at this projector line, counted from 0.")

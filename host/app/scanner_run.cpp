@@ -23,7 +23,6 @@
 #include "host/structured_light/scan_stream.h"
 #include "host/structured_light/self_reference.h"
 #include "host/structured_light/self_scanner.h"
-#include "host/structured_light/sequence_check.h"
 #include "selfproj/files/user_error.h"
 #include "selfproj/images/float_image.h"
 #include "selfproj/structured_light/triangulation.h"
@@ -92,8 +91,8 @@ void add_strict_option(CLI::App& command, structured_light::ScannerSettings& sca
       "Leave out pixels with one ambiguous pair. Without it, two or more ambiguous pairs leave a pixel out.");
 }
 
-void add_unchecked_option(CLI::App& command, bool& unchecked) {
-  command.add_flag(
+CLI::Option* add_unchecked_option(CLI::App& command, bool& unchecked) {
+  return command.add_flag(
       "--unchecked", unchecked,
       "Only warn where the images contradict each other, the options or the geometry. Without it they are refused.");
 }
@@ -241,7 +240,8 @@ MatchStream::MatchStream(const MatchRun& run, std::string uri)
     : run_(run),
       uri_(std::move(uri)),
       table_(run.rig(), run.reference(), run.options().settings),
-      scanner_(run.rig(), run.reference(), table_, run.threshold()) {}
+      scanner_(run.rig(), run.reference(), table_, run.threshold()),
+      check_(run.rig().camera.rows, run.rig().camera.columns, run.patterns() / 2, true) {}
 
 bool MatchStream::add(const model::PacketView& packet) {
   const structured_light::ScanStream::Got got = stream_.add(packet);
@@ -258,7 +258,13 @@ bool MatchStream::add(const model::PacketView& packet) {
   if (!stream_.follows()) {
     scanner_.restart();
   }
-  return scanner_.add_frame(stream_.image(), stream_.pattern(run_.patterns()));
+  const int pattern = stream_.pattern(run_.patterns());
+  check_.add(pattern, stream_.image());
+  return scanner_.add_frame(stream_.image(), pattern);
+}
+
+std::string MatchStream::contradiction() const {
+  return structured_light::contradiction_of(check_, structured_light::names_of_patterns(uri_, run_.patterns()));
 }
 
 }  // namespace selfproj::app

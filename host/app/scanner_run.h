@@ -19,6 +19,7 @@
 #include "host/structured_light/scan_stream.h"
 #include "host/structured_light/self_reference.h"
 #include "host/structured_light/self_scanner.h"
+#include "host/structured_light/sequence_check.h"
 #include "selfproj/model/packet.h"
 #include "selfproj/rig/rig.h"
 #include "selfproj/structured_light/depth_geometry.h"
@@ -33,7 +34,7 @@ void add_threshold_option(CLI::App& command, int& threshold, const std::string& 
 void add_strict_option(CLI::App& command, structured_light::ScannerSettings& scanner);
 
 // Adds --unchecked.
-void add_unchecked_option(CLI::App& command, bool& unchecked);
+CLI::Option* add_unchecked_option(CLI::App& command, bool& unchecked);
 
 // Throws CheckFailed, naming `subject`, if images, options or geometry contradict each other; with `unchecked`, and for
 // a doubt, there is a note. Empty texts: nothing.
@@ -137,12 +138,17 @@ class MatchStream {
   [[nodiscard]] const structured_light::SelfScanner& scanner() const { return scanner_; }
   [[nodiscard]] const structured_light::ScanStream& stream() const { return stream_; }
 
+  // Between the newest images of all patterns, which a board that decodes does not send (sequence_check.h); empty:
+  // none.
+  [[nodiscard]] std::string contradiction() const;
+
  private:
   const MatchRun& run_;
   std::string uri_;
   structured_light::MatchTable table_;
   structured_light::SelfScanner scanner_;
   structured_light::ScanStream stream_;
+  structured_light::SequenceCheck check_;
 };
 
 }  // namespace selfproj::app

@@ -113,6 +113,9 @@ class Calibrator {
 
  private:
   void check_sizes() {
+    if (report_.poses.empty()) {
+      throw UserError("calibrate", "there are no captures");
+    }
     const PoseReport& first = report_.poses.front();
     for (const PoseReport& pose : report_.poses) {
       if (pose.rows != first.rows || pose.columns != first.columns) {

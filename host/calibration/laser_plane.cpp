@@ -47,6 +47,9 @@ class CameraCalibrator {
   }
 
   CameraReport run() {
+    if (report_.images.empty()) {
+      throw UserError("calibrate camera", "there are no images");
+    }
     const BoardImage& first = report_.images.front();
     for (const BoardImage& image : report_.images) {
       if (image.rows != first.rows || image.columns != first.columns) {

@@ -1,12 +1,17 @@
 #include "host/light_section/scan.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <functional>
+#include <initializer_list>
 #include <optional>
+#include <string>
 #include <vector>
 
+#include "host/files/numbers.h"
 #include "host/light_section/line_finder.h"
 #include "host/light_section/pattern.h"
 #include "host/rig/geometry.h"
@@ -17,12 +22,12 @@ namespace selfproj::light_section {
 namespace {
 
 // By how many rows the image of the line moves on the plane from one line to the next.
-double rows_per_line(const rig::Rig& rig) {
+double pinhole_rows_per_line(const rig::Rig& rig) {
   const double depth = rig.plane_z_mm - rig.projector.z_mm;
   const double line = rig::line_on_middle(rig.projector, rig.plane_z_mm);
   const double x_per_line =
       depth * (rig::tan_theta(rig.projector, line + 0.5) - rig::tan_theta(rig.projector, line - 0.5));
-  return std::abs(x_per_line) / rig.plane_z_mm * rig.camera.focal_length_mm / rig.camera.pixel_pitch_mm;
+  return -x_per_line / rig.plane_z_mm * rig.camera.focal_length_mm / rig.camera.pixel_pitch_mm;
 }
 
 // The same through the lenses, from two rows in the middle of the image.
@@ -36,7 +41,17 @@ double lens_rows_per_line(const rig::Rig& rig) {
     const auto light = ray ? optics.lit_by({(*ray)[0] * z, (*ray)[1] * z, z}) : std::nullopt;
     return light ? light->line : rig::kUnknown;
   };
-  return 1 / std::abs(line_at(row + 0.5) - line_at(row - 0.5));
+  return 1 / (line_at(row + 0.5) - line_at(row - 0.5));
+}
+
+double rows_per_line(const rig::Rig& rig) {
+  return rig.is_pinholes() ? pinhole_rows_per_line(rig) : lens_rows_per_line(rig);
+}
+
+// A second line with a quarter of the light counts where the rig would sum it.
+rig::Rig with_runs(rig::Rig rig) {
+  rig.measure.runs = rig.measure.runs.value_or(rig::RigRuns{.ambiguous_from = 0.25});
+  return rig;
 }
 
 }  // namespace
@@ -71,6 +86,98 @@ void leave_out_reflections(const rig::Rig& rig, std::vector<LineSighting>& seen)
   std::erase_if(seen, [&](const LineSighting& s) { return s.light < finder.least_light(most_of(s)); });
 }
 
+SweepCheck::SweepCheck(const rig::Rig& rig)
+    : finder_(with_runs(rig)),
+      sums_(!rig.measure.runs),
+      rows_per_line_(rows_per_line(rig)),
+      most_light_(static_cast<std::size_t>(rig.camera.columns)) {}
+
+void SweepCheck::add(double line, const model::ImageView& image, const std::string& name) {
+  finder_.find(image);
+  Image& added = images_.emplace_back(Image{line, name, std::vector<Seen>(most_light_.size()), 0});
+  for (std::size_t i = 0; i < most_light_.size(); ++i) {
+    const bool second = finder_.validity(i) == Validity::ambiguous;
+    second_lines_ += second ? 1 : 0;
+    lines_ += second || finder_.has_line(i) ? 1 : 0;
+    if (finder_.has_line(i)) {
+      ++added.lines;
+      added.seen[i] = {finder_.centroid(i), finder_.light(i)};
+      most_light_[i] = std::max(most_light_[i], finder_.light(i));
+    }
+  }
+}
+
+// By how many rows the line moves from one image to another, in most columns that show it in both.
+std::optional<double> SweepCheck::moved(const Image& from, const Image& to) const {
+  std::vector<double> rows;
+  for (std::size_t i = 0; i < most_light_.size(); ++i) {
+    const double least = std::max(1.0, finder_.least_light(most_light_[i]));
+    if (from.seen[i].light >= least && to.seen[i].light >= least) {
+      rows.push_back(to.seen[i].row - from.seen[i].row);
+    }
+  }
+  return rows.size() >= few() ? std::optional(files::median_of(std::move(rows))) : std::nullopt;
+}
+
+std::string SweepCheck::contradiction() const {
+  constexpr double kOrdered = 0.25;  // of the way; the rest goes back and forth at edges
+  constexpr double kSteps = 0.15;    // of a step
+  constexpr double kManySecond = 0.05;
+  constexpr std::size_t kFewest = 3;
+  const auto expected = [&](const Image& from, const Image& to) { return rows_per_line_ * (to.line - from.line); };
+  double way = 0;  // rows
+  double net = 0;
+  double right = 0;
+  std::size_t pairs = 0;
+  const Image* last = nullptr;
+  for (const Image& image : images_) {
+    if (image.lines < few()) {
+      continue;
+    }
+    if (const std::optional<double> rows = last != nullptr ? moved(*last, image) : std::nullopt) {
+      ++pairs;
+      way += std::abs(*rows);
+      net += expected(*last, image) < 0 ? -*rows : *rows;
+      right += std::abs(expected(*last, image));
+    }
+    last = &image;
+  }
+  if (pairs >= kFewest && net < kOrdered * way) {
+    return fmt::format(
+        "the line moves by {:.0f} rows on a way of {:.0f}, not steadily by {:.0f} as on the plane: are the images in "
+        "the order of the lines, and is the picture not mirrored?",
+        net, way, right);
+  }
+  std::vector<std::optional<double>> paces;  // of neighbours, beside that on the plane
+  for (std::size_t k = 1; k < images_.size(); ++k) {
+    const std::optional<double> rows = moved(images_[k - 1], images_[k]);
+    paces.push_back(rows ? std::optional(*rows / expected(images_[k - 1], images_[k])) : std::nullopt);
+  }
+  // Among even steps some that are whole ones, but others: an image is late, early, or exchanged with the next.
+  const auto are = [&](std::size_t first, std::initializer_list<double> wanted) {
+    const double even = first < paces.size() && paces[first] ? std::abs(*paces[first]) : 0;
+    return first + wanted.size() <= paces.size() && even > kOrdered &&
+           std::equal(wanted.begin(), wanted.end(), paces.begin() + static_cast<std::ptrdiff_t>(first),
+                      [&](double want, const std::optional<double>& pace) {
+                        return pace && std::abs(*pace / even - want) < kSteps;
+                      });
+  };
+  for (std::size_t first = 0; first < paces.size(); ++first) {
+    if (are(first, {1, 1, 0, 2, 1}) || are(first, {1, 1, 2, 0, 1}) || are(first, {1, 1, 2, -1, 2, 1})) {
+      return fmt::format(
+          "{} does not show the line between those of {} and {}: is it late, missing or in another place?",
+          images_[first + 3].name, images_[first + 2].name, images_[first + 4].name);
+    }
+  }
+  if (sums_ && static_cast<double>(second_lines_) > kManySecond * static_cast<double>(lines_)) {
+    return fmt::format(
+        "in {:.0f} % of the places there is a second line beside the brighter one, and all lit pixels of a column are "
+        "summed; select the strongest run (--select strongest, measure.runs in the rig)",
+        100 * static_cast<double>(second_lines_) / static_cast<double>(lines_));
+  }
+  return "";
+}
+
 LineScan::LineScan(const rig::Rig& rig, int every)
     : rig_(rig),
       finder_(rig),
@@ -78,7 +185,7 @@ LineScan::LineScan(const rig::Rig& rig, int every)
       sightings_(static_cast<std::size_t>(rig.camera.columns)),
       most_light_(static_cast<std::size_t>(rig.camera.columns)) {
   constexpr double kRows = 4;
-  rows_per_line_ = rig.is_pinholes() ? rows_per_line(rig) : lens_rows_per_line(rig);
+  rows_per_line_ = std::abs(rows_per_line(rig));
   window_ = std::max(kRows, 1.5 * every * rows_per_line_);
 }
 

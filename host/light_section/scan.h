@@ -2,8 +2,11 @@
 #ifndef SELFPROJ_HOST_LIGHT_SECTION_SCAN_H
 #define SELFPROJ_HOST_LIGHT_SECTION_SCAN_H
 
+#include <algorithm>
+#include <cstddef>
 #include <functional>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "host/images/image_files.h"
@@ -31,6 +34,43 @@ void add_sightings(LineFinder& finder, double line, const model::ImageView& imag
 
 // Leaves out of a whole sweep what has too little light in its column (LineFinder::least_light).
 void leave_out_reflections(const rig::Rig& rig, std::vector<LineSighting>& seen);
+
+// Whether the images of a sweep are those of its lines, as far as they can tell by themselves: from one line to the
+// next the line of light moves in most columns as the geometry says, except at edges.
+class SweepCheck {
+ public:
+  explicit SweepCheck(const rig::Rig& rig);
+
+  // The image of the next line of the sweep; `name` is for messages. Throws std::invalid_argument if it has not the
+  // camera's size.
+  void add(double line, const model::ImageView& image, const std::string& name);
+
+  // What the images contradict, as the end of a message; empty: nothing. They are in another order, or one of them is
+  // late or exchanged with the next. Or a rig that sums all lit pixels of a column (no measure.runs) has summed a
+  // second line in many of them.
+  [[nodiscard]] std::string contradiction() const;
+
+ private:
+  struct Seen {
+    double row = 0, light = 0;  // no light: no line
+  };
+  struct Image {
+    double line;
+    std::string name;
+    std::vector<Seen> seen;  // of each column
+    std::size_t lines;       // columns with a line
+  };
+  [[nodiscard]] std::size_t few() const { return std::max<std::size_t>(4, most_light_.size() / 16); }  // columns
+  [[nodiscard]] std::optional<double> moved(const Image& from, const Image& to) const;
+
+  LineFinder finder_;  // of the strongest run
+  bool sums_;
+  double rows_per_line_;
+  std::vector<Image> images_;
+  std::vector<double> most_light_;  // of any sighting of each column
+  std::size_t lines_ = 0;           // found in all columns of all images
+  std::size_t second_lines_ = 0;
+};
 
 // Assembles a sweep from its images, one at a time, in any order.
 class LineScan {

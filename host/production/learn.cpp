@@ -242,62 +242,72 @@ std::vector<ToleranceRegion> map_regions(const images::FloatImage& comparable, c
   return regions;
 }
 
+// Classifies all parts by an outline. Those that are not as the others get a reason; what is seen of those that are
+// left is added.
+void Learner::compare(const Classifier& classifier, const Tolerance& outline, Reasons& reasons, std::vector<Seen>& seen,
+                      RunningFigures& residual) const {
+  PlacedMaps maps;
+  std::vector<PartResult> results;
+  for (std::size_t part = 0; part < parts_.size(); ++part) {
+    results.push_back(classifier.classify(parts_[part], maps));
+    if (results.back().verdict != Verdict::good && reasons[part].empty()) {
+      reasons[part] = "it could not be placed";
+    }
+  }
+  const auto look_at = [&](const auto& value_of, double floor, const std::string& what) {
+    std::vector<std::optional<double>> values;
+    for (const PartResult& result : results) {
+      values.push_back(result.verdict == Verdict::good ? std::optional<double>(value_of(result)) : std::nullopt);
+    }
+    leave_out(values, options_.spreads, floor, what.c_str(), reasons);
+  };
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    const std::string& region = outline.regions[i].name;
+    look_at([&](const PartResult& result) { return result.regions[i].missing; }, kMostMissing,
+            fmt::format("the share of {} that is missing", region));
+    look_at([&](const PartResult& result) { return result.regions[i].lowest_mm; }, kMostOff,
+            fmt::format("the lowest place of {} in mm", region));
+    look_at([&](const PartResult& result) { return result.regions[i].highest_mm; }, kMostOff,
+            fmt::format("the highest place of {} in mm", region));
+  }
+  for (std::size_t part = 0; part < parts_.size(); ++part) {
+    const PartResult& result = results[part];
+    if (!reasons[part].empty()) {
+      continue;
+    }
+    residual.add(result.placement->residual_mm);
+    for (std::size_t i = 0; i < seen.size(); ++i) {
+      seen[i].low.add(result.regions[i].lowest_mm);
+      seen[i].high.add(result.regions[i].highest_mm);
+      seen[i].missing.add(result.regions[i].missing);
+    }
+  }
+}
+
 Tolerance Learner::learn(const std::string& source, std::vector<std::string>* left_out) const {
   if (parts_.size() < kMinGoodParts) {
     throw UserError(source, fmt::format("{} good parts came; at least {} are needed", parts_.size(), kMinGoodParts));
   }
   Reasons reasons(parts_.size());
-  Tolerance tolerance = map_ ? whole_view() : outline(source, reasons);
-  if (!map_) {
-    tolerance.regions = tolerance_regions(tolerance, section_, rig_.parts->grid_mm, widest_of(rig_), options_.edge_mm);
-  }
-  if (tolerance.regions.empty()) {
-    throw UserError(
-        source, fmt::format("no surface of the part is wider than the strips of {} mm at its edges", options_.edge_mm));
-  }
-  struct Seen {
-    RunningFigures low, high, missing;
-  };
-  std::vector<Seen> seen(tolerance.regions.size());
+  Tolerance tolerance;
+  std::vector<Seen> seen;
   RunningFigures residual;
-  {
-    const Classifier classifier = classifier_of(tolerance, source);
-    PlacedMaps maps;
-    std::vector<PartResult> results;
-    for (std::size_t part = 0; part < parts_.size(); ++part) {
-      results.push_back(classifier.classify(parts_[part], maps));
-      if (results.back().verdict != Verdict::good && reasons[part].empty()) {
-        reasons[part] = "it could not be placed";
-      }
+  // A part that is left out when it has been compared with the outline must not have been in that either.
+  for (bool again = true; again;) {
+    const auto left = std::count(reasons.begin(), reasons.end(), "");
+    tolerance = map_ ? whole_view() : outline(source, reasons);
+    if (!map_) {
+      tolerance.regions =
+          tolerance_regions(tolerance, section_, rig_.parts->grid_mm, widest_of(rig_), options_.edge_mm);
     }
-    const auto look_at = [&](const auto& value_of, double floor, const std::string& what) {
-      std::vector<std::optional<double>> values;
-      for (const PartResult& result : results) {
-        values.push_back(result.verdict == Verdict::good ? std::optional<double>(value_of(result)) : std::nullopt);
-      }
-      leave_out(values, options_.spreads, floor, what.c_str(), reasons);
-    };
-    for (std::size_t i = 0; i < seen.size(); ++i) {
-      const std::string& region = tolerance.regions[i].name;
-      look_at([&](const PartResult& result) { return result.regions[i].missing; }, kMostMissing,
-              fmt::format("the share of {} that is missing", region));
-      look_at([&](const PartResult& result) { return result.regions[i].lowest_mm; }, kMostOff,
-              fmt::format("the lowest place of {} in mm", region));
-      look_at([&](const PartResult& result) { return result.regions[i].highest_mm; }, kMostOff,
-              fmt::format("the highest place of {} in mm", region));
+    if (tolerance.regions.empty()) {
+      throw UserError(source, fmt::format("no surface of the part is wider than the strips of {} mm at its edges",
+                                          options_.edge_mm));
     }
-    for (std::size_t part = 0; part < parts_.size(); ++part) {
-      const PartResult& result = results[part];
-      if (!reasons[part].empty()) {
-        continue;
-      }
-      residual.add(result.placement->residual_mm);
-      for (std::size_t i = 0; i < seen.size(); ++i) {
-        seen[i].low.add(result.regions[i].lowest_mm);
-        seen[i].high.add(result.regions[i].highest_mm);
-        seen[i].missing.add(result.regions[i].missing);
-      }
-    }
+    seen.assign(tolerance.regions.size(), {});
+    residual = {};
+    compare(classifier_of(tolerance, source), tolerance, reasons, seen, residual);
+    again = !map_ && std::count(reasons.begin(), reasons.end(), "") < left && residual.count() >= kMinGoodParts;
   }
   for (std::size_t part = 0; part < parts_.size() && left_out != nullptr; ++part) {
     if (!reasons[part].empty()) {

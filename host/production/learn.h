@@ -57,6 +57,12 @@ class Learner {
  private:
   // A reason for each part that is left out; empty for the others.
   using Reasons = std::vector<std::string>;
+  // What the parts show of a region.
+  struct Seen {
+    RunningFigures low, high, missing;
+  };
+  void compare(const Classifier& classifier, const Tolerance& outline, Reasons& reasons, std::vector<Seen>& seen,
+               RunningFigures& residual) const;
   [[nodiscard]] Tolerance outline(const std::string& source, Reasons& reasons) const;
   [[nodiscard]] Tolerance whole_view() const;
   [[nodiscard]] Classifier classifier_of(const Tolerance& tolerance, const std::string& source) const;

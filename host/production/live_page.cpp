@@ -9,7 +9,6 @@
 #include <cstring>
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
@@ -119,7 +118,9 @@ LivePage::~LivePage() = default;
 std::string LivePage::url() const { return page_url(endpoint_, token_); }
 
 std::shared_ptr<const std::string> LivePage::next_message(std::uint64_t& number) {
-  const std::lock_guard lock(mutex_);
+  if (const std::unique_ptr<Message> newer = new_message_.take()) {
+    message_ = *newer;
+  }
   if (message_.number <= number) {
     return nullptr;
   }
@@ -129,12 +130,16 @@ std::shared_ptr<const std::string> LivePage::next_message(std::uint64_t& number)
 }
 
 std::shared_ptr<const std::string> LivePage::last_part() {
-  const std::lock_guard lock(mutex_);
+  if (std::unique_ptr<const std::string> newer = new_part_.take()) {
+    part_ = std::move(newer);
+  }
   return part_;
 }
 
 std::shared_ptr<const std::string> LivePage::last_image() {
-  const std::lock_guard lock(mutex_);
+  if (std::unique_ptr<const std::string> newer = new_camera_.take()) {
+    camera_ = std::move(newer);
+  }
   return camera_;
 }
 
@@ -163,9 +168,7 @@ void LivePage::camera(const model::PacketHeader& header, const model::ImageView&
                                        {"bright_grey", exposure.bright_grey},
                                        {"good", exposure.good},
                                        {"advice", exposure.advice}};
-  auto message = std::make_shared<const std::string>(message_of(files::json_text(json), bytes));
-  const std::lock_guard lock(mutex_);
-  camera_ = std::move(message);
+  new_camera_.put(std::make_unique<const std::string>(message_of(files::json_text(json), bytes)));
   ++camera_images_;
 }
 
@@ -233,20 +236,21 @@ bool LivePage::message_is_due() {
 }
 
 void LivePage::send(const std::string& kind, int rows, int columns, const std::string& floats) {
-  {
-    const std::lock_guard lock(mutex_);
-    std::string parts;
-    for (const std::string& part : parts_) {
-      parts += (parts.empty() ? "" : ",") + part;
-    }
-    const std::uint64_t number = message_.number + 1;
-    const std::string json =
-        fmt::format(R"({{"message":{},"kind":"{}","dropped":{},"title":{},"columns":{},"rows":{},"camera":{},)"
-                    R"("figures":{},"parts":[{}],"statistics":{}}})",
-                    number, kind, dropped_.load(), files::json_text(nlohmann::json(title_)), columns, rows,
-                    camera_images_, figures_, parts, statistics_);
-    message_ = {number, std::make_shared<const std::string>(message_of(json, floats))};
+  if (std::unique_ptr<std::string> newer = new_figures_.take()) {
+    figures_ = std::move(*newer);
   }
+  std::string parts;
+  for (const std::string& part : parts_) {
+    parts += (parts.empty() ? "" : ",") + part;
+  }
+  ++messages_;
+  const std::string json =
+      fmt::format(R"({{"message":{},"kind":"{}","dropped":{},"title":{},"columns":{},"rows":{},"camera":{},)"
+                  R"("figures":{},"parts":[{}],"statistics":{}}})",
+                  messages_, kind, dropped_.load(), files::json_text(nlohmann::json(title_)), columns, rows,
+                  camera_images_.load(), figures_, parts, statistics_);
+  new_message_.put(std::make_unique<Message>(
+      Message{.number = messages_, .bytes = std::make_shared<const std::string>(message_of(json, floats))}));
   server_->wake();
 }
 
@@ -264,9 +268,7 @@ void LivePage::part(const PartResult& result, const PlacedMaps& maps, const Part
   std::string floats;
   append_floats(floats, height.values.data(), height.values.size());
   append_floats(floats, difference.values.data(), difference.values.size());
-  auto part = std::make_shared<const std::string>(message_of(files::json_text(json), floats));
-  const std::lock_guard lock(mutex_);
-  part_ = std::move(part);
+  new_part_.put(std::make_unique<const std::string>(message_of(files::json_text(json), floats)));
   parts_.push_front(text);
   if (parts_.size() > kPartsShown) {
     parts_.pop_back();
@@ -275,9 +277,7 @@ void LivePage::part(const PartResult& result, const PlacedMaps& maps, const Part
 }
 
 void LivePage::report(const std::vector<report::Fact>& figures) {
-  std::string text = files::json_text(report::facts_json(figures));
-  const std::lock_guard lock(mutex_);
-  figures_ = std::move(text);
+  new_figures_.put(std::make_unique<std::string>(files::json_text(report::facts_json(figures))));
 }
 
 }  // namespace selfproj::production

@@ -7,13 +7,13 @@
 #include <cstdint>
 #include <deque>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <vector>
 
 #include "host/production/camera_view.h"
 #include "host/production/cutter.h"
 #include "host/production/endpoint.h"
+#include "host/production/newest.h"
 #include "host/production/part_result.h"
 #include "host/report/facts.h"
 #include "selfproj/images/float_image.h"
@@ -36,7 +36,8 @@ namespace selfproj::production {
 //             row of the line in each column (none for a scanner), and then the image's bytes, every n-th pixel
 //
 // A browser gets the newest message when it has received the one before. Messages in between are dropped for it and
-// counted. The production's thread only makes messages, and only while somebody watches.
+// counted. The production's thread only makes messages, and only while somebody watches. It and the thread that takes
+// packets never wait for the thread that serves.
 //
 // On a loopback address, requests must be for a name of this machine. On any other, they need a token, which is drawn
 // at the start and is part of url().
@@ -62,7 +63,7 @@ class LivePage {
   // Whether anybody watches.
   [[nodiscard]] bool watched() const { return watchers_ > 0; }
 
-  // For any thread: the figures that the page shows.
+  // For the thread that takes packets: the figures that the page shows.
   void report(const std::vector<report::Fact>& figures);
 
   // Where a browser finds it.
@@ -95,20 +96,25 @@ class LivePage {
   std::string token_;
   std::atomic<std::size_t> watchers_{0};
   std::atomic<std::uint64_t> dropped_{0};
+  std::atomic<std::uint64_t> camera_images_{0};
+  Newest<std::string> new_figures_;
+  Newest<Message> new_message_;
+  Newest<const std::string> new_part_;
+  Newest<const std::string> new_camera_;
 
   // Of the production's thread:
   std::int64_t next_message_ns_ = 0;
   std::int64_t next_row_ns_ = 0;
   std::vector<float> rows_;
-
-  std::mutex mutex_;  // of all that follows
-  Message message_;
+  std::uint64_t messages_ = 0;
   std::string figures_ = "{}";
   std::deque<std::string> parts_;  // JSON, the newest first
   std::string statistics_ = "{}";
+
+  // Of the server's thread:
+  Message message_;
   std::shared_ptr<const std::string> part_;
   std::shared_ptr<const std::string> camera_;
-  std::uint64_t camera_images_ = 0;
   std::unique_ptr<Server> server_;
 };
 

@@ -22,6 +22,7 @@
 
 #include "host/driver/clock.h"
 #include "host/files/file_descriptor.h"
+#include "host/files/give_way.h"
 #include "host/files/signals_held.h"
 #include "host/production/clients.h"
 #include "host/production/endpoint.h"
@@ -213,6 +214,7 @@ ModbusServer::ModbusServer(const Endpoint& endpoint, Registers registers)
     : registers_(std::move(registers)), connections_(std::make_unique<Connections>(endpoint)) {
   const files::SignalsHeld held;
   thread_ = std::jthread([this](const std::stop_token& stop) {
+    files::give_way();
     Duty duty;
     while (!stop.stop_requested()) {
       connections_->serve(registers_);

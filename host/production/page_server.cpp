@@ -28,6 +28,7 @@
 
 #include "host/driver/clock.h"
 #include "host/files/file_descriptor.h"
+#include "host/files/give_way.h"
 #include "host/files/signals_held.h"
 #include "host/production/clients.h"
 #include "host/production/endpoint.h"
@@ -146,6 +147,7 @@ class PageServer::Implementation {
 
   void run() {
     const int epoll = MHD_get_daemon_info(daemon_, MHD_DAEMON_INFO_EPOLL_FD)->epoll_fd;
+    files::give_way();
     Duty duty;
     bool full = false;
     std::int64_t swept_ns = driver::now_ns();

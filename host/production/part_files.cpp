@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "host/files/file_descriptor.h"
+#include "host/files/give_way.h"
 #include "host/files/json_text.h"
 #include "host/files/notes.h"
 #include "host/files/output_file.h"
@@ -96,8 +97,9 @@ PartFiles::PartFiles(const std::string& folder, std::uint64_t max_folders)
   append_line(table_, folder_ / kTable, part_csv_head());
   constexpr off_t kRoom = 1 << 16;
   room_.emplace(folder, folder_, files::Temporary::Kind::file);
-  if (posix_fallocate(room_->descriptor().number(), 0, kRoom) == ENOSPC) {
-    throw UserError(folder, files::error_text(ENOSPC));
+  const int error = posix_fallocate(room_->descriptor().number(), 0, kRoom);
+  if (error == ENOSPC || error == EDQUOT) {  // otherwise the file system cannot tell
+    throw UserError(folder, files::error_text(error));
   }
   const files::SignalsHeld held;  // signals are for the main thread
   thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
@@ -150,6 +152,7 @@ void PartFiles::write_folder(const Waiting& part) const {
 }
 
 void PartFiles::run(const std::stop_token& stop) {
+  files::give_way();
   std::unique_lock lock(mutex_);
   for (;;) {
     if (!changed_.wait(lock, stop, [this] { return !waiting_.empty(); })) {

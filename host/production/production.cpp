@@ -81,8 +81,12 @@ void Production::start(const std::string& title, std::size_t queued, const Measu
     page_.emplace(endpoint_of_text("--live", options_.live), rig_, title);
   }
   if (!options_.modbus.empty()) {
-    modbus_.emplace(endpoint_of_text("--modbus", options_.modbus),
-                    [this] { return modbus_registers(counts(), lost_, heartbeat_, driver::now_ns()); });
+    modbus_.emplace(endpoint_of_text("--modbus", options_.modbus), [this, shown = PartCounts()]() mutable {
+      if (const std::unique_ptr<PartCounts> newer = new_counts_.take()) {
+        shown = *newer;
+      }
+      return modbus_registers(shown, lost_, heartbeat_, driver::now_ns());
+    });
   }
   if (page_) {  // now whoever reads this finds both servers
     fmt::print(stderr, "live page: {}\n", page_->url());
@@ -136,8 +140,11 @@ void Production::run(const std::stop_token& stop) {
     }
     if (cutter_) {
       classify(cutter_->finish());
-      const std::lock_guard lock(mutex_);
-      counts_.specks = cutter_->specks();
+      {
+        const std::lock_guard lock(mutex_);
+        counts_.specks = cutter_->specks();
+      }
+      new_counts_.put(std::make_unique<PartCounts>(counts_));
     }
   } catch (...) {
     const std::lock_guard lock(mutex_);
@@ -190,11 +197,12 @@ void Production::classify(const std::optional<CutPart>& part) {
     delays_.add(result.delay_ns);
     add_figures(result, statistics_);
   }
+  new_counts_.put(std::make_unique<PartCounts>(counts_));  // no other thread changes them
   if (files_) {
     files_->add(result, maps_);
   }
   if (page_) {
-    page_->part(result, maps_, statistics_);  // no other thread changes them
+    page_->part(result, maps_, statistics_);
   }
 }
 

@@ -22,6 +22,7 @@
 #include "host/production/cutter.h"
 #include "host/production/live_page.h"
 #include "host/production/modbus_server.h"
+#include "host/production/newest.h"
 #include "host/production/part_files.h"
 #include "host/production/part_reference.h"
 #include "host/production/part_result.h"
@@ -135,6 +136,7 @@ class Production {
   std::atomic<bool> failed_{false};
   std::atomic<std::uint16_t> heartbeat_{0};  // tenths of a second while the thread works
   std::atomic<std::uint64_t> lost_{0};
+  Newest<PartCounts> new_counts_;  // for the Modbus server
 
   std::optional<PartFiles> files_;
   bool finished_ = false;

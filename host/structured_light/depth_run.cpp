@@ -225,11 +225,7 @@ DepthRun DepthStream::result(const driver::Counters& counters) {
   run_.shares = shares_of(*run_.triangulation, *scanner_, states);
   run_.all_shares.push_back({sequence_, run_.shares});
   run_.device = {counters, stream_.incomplete()};
-  std::vector<std::string> names;
-  for (int pattern = 0; pattern < 2 * setup_.geometry.bits; ++pattern) {
-    names.push_back(fmt::format("{}: image {} of the sequence", uri_, pattern + 1));
-  }
-  note_contradiction(run_, contradiction_of(*check_, names));
+  note_contradiction(run_, contradiction_of(*check_, names_of_patterns(uri_, 2 * setup_.geometry.bits)));
   note_contradiction(run_, contradiction_of(*run_.triangulation, scanner_->codes().data(), run_.shares));
   run_.doubt = doubt_of(*run_.triangulation, scanner_->codes().data());
   finish(*scanner_, run_);

@@ -341,6 +341,14 @@ std::string contradiction_of(const SequenceCheck& check, const std::vector<std::
   return "";
 }
 
+std::vector<std::string> names_of_patterns(const std::string& uri, int patterns) {
+  std::vector<std::string> names;
+  for (int pattern = 1; pattern <= patterns; ++pattern) {
+    names.push_back(fmt::format("{}: image {} of the sequence", uri, pattern));
+  }
+  return names;
+}
+
 std::optional<Pace> pace_of(const Triangulation& triangulation, const std::uint16_t* codes) {
   constexpr std::size_t kPairs = std::size_t{1} << 17U;
   constexpr int kMostChange = 3;  // codes; more is a step of the surface

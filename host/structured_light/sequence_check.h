@@ -96,6 +96,9 @@ class SequenceCheck {
 // images, 2 bits of them.
 std::string contradiction_of(const SequenceCheck& check, const std::vector<std::string>& names);
 
+// The names of so many images of a device.
+std::vector<std::string> names_of_patterns(const std::string& uri, int patterns);
+
 // How much the code changes across the image, beside how much it would change on a surface of constant depth, in the
 // direction of the image in which that is most: 1 there, less or more on surfaces that lean. Places along the projector
 // follow each other as those in the camera's image do wherever both see a surface whole, so that it is above 0; a

@@ -20,6 +20,7 @@ from outputs import Outputs
 from programs import Attacker
 from rings import Rings
 from screen import own_screen
+from soak import Soak
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 # Cases of each part: a short run, which is a test, and a long one.
@@ -35,7 +36,8 @@ COUNTS = {
     "shorten": (1, 50),
     "restarts": (1, 60),
     "clients": (2, 100),
-    "hostile-clients": (3, 120)
+    "hostile-clients": (3, 120),
+    "soak": (60, 4 * 3600)
 }
 
 
@@ -58,6 +60,7 @@ def parts_of(attacker, made, counts, short):
         "options": lambda: Options(attacker, made).run(counts["options"]),
         "clients": lambda: HostileClients(attacker, made, wide=False).run(counts["clients"]),
         "hostile-clients": lambda: HostileClients(attacker, made, wide=not short).measure(counts["hostile-clients"]),
+        "soak": lambda: Soak(attacker, made, wide=not short).measure(counts["soak"]),
         "limits": lambda: Limits(attacker, made).run()
     }
 
@@ -75,7 +78,8 @@ def main():
                         nargs="+",
                         metavar="PART",
                         help="parts to run, of: cases onto-inputs standard-output accounts "
-                        "captures evil shorten restarts kills files images options clients hostile-clients limits")
+                        "captures evil shorten restarts kills files images options clients hostile-clients limits, and soak, "
+                        "which runs only if named")
     parser.add_argument("--record", action="store_true", help="keep the figures in the folder results")
     options = parser.parse_args()
     counts = {
@@ -91,7 +95,8 @@ def main():
         made = materials.make(attacker, folder, options.short)
         parts = parts_of(attacker, made, counts, options.short)
         for name, part in parts.items():
-            if (options.only and name not in options.only) or (options.short and name == "limits"):
+            left_out = name not in options.only if options.only else name == "soak"
+            if left_out or (options.short and name == "limits"):
                 continue
             started, runs, cpu = time.monotonic(), attacker.runs, cpu_of_children()
             outcome = part()
@@ -113,6 +118,9 @@ def main():
                      {str(columns): missed_pairs(columns) for columns in (64, 512, 2048)})
             elif options.record:
                 record(figures)
+            if options.record and name == "soak" and outcome:
+                keep("line_soak", "Two lines at work, by a ring and over a network: boards and programs are ended and "
+                     "killed, clients are slow, silent and greedy", "scripts/attack.sh --only soak --record", outcome)
             if options.record and name == "hostile-clients" and outcome:
                 keep("hostile_clients", "A line at work, alone and with slow, silent and greedy clients of its page and "
                      "Modbus server", "scripts/attack.sh --only hostile-clients --record", outcome)

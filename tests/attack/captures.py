@@ -3,7 +3,10 @@ import json
 import os
 import resource
 import shutil
+import struct
+import zlib
 
+import materials
 from programs import Fault, Part
 
 BITS = 8
@@ -16,6 +19,15 @@ def reversed_pairs(files):
 
 def least_first(files):
     return [file for at in range(len(files) - 2, -1, -2) for file in files[at:at + 2]]
+
+
+def brightest_row(png):
+    """The brightest row of an image that materials.png has made, or a row far away where all is dark."""
+    size, = struct.unpack_from(">I", png, 33)
+    data = zlib.decompress(png[41:41 + size])
+    columns, = struct.unpack_from(">I", png, 16)
+    column = data[1::columns + 1]
+    return column.index(max(column)) if max(column) > 100 else 1000
 
 
 class Captures(Part):
@@ -32,6 +44,7 @@ class Captures(Part):
                 for name, wrong in self.wrong_orders(files):
                     case("captures", f"{scene} (seed {seed}) {name}", self.order, folder, wrong, False)
                 case("captures", f"{scene} (seed {seed}) white and black", self.white_and_black, folder, files)
+        case("captures", "sweep", self.sweep)
         for name in ("recording_on_a_full_disk", "parts_on_a_full_disk", "two_outputs", "no_light"):
             case("captures", name, getattr(self, name))
 
@@ -63,6 +76,31 @@ class Captures(Part):
                                        folder)
         if outcome.status == 0 or "white and black" not in outcome.err:
             raise Fault(f"status {outcome.status}: {outcome.err!r}")
+
+    def sweep(self):
+        """Of lines over a flat plate, as it is, in another order, and with one image late."""
+        with self.attacker.scratch() as folder:
+            for height in (0, 10, 20):
+                (folder / f"at{height}").mkdir()
+                for name, image in materials.sweep((self.made / "plate.yaml").read_text(), 4, height):
+                    (folder / f"at{height}" / name).write_bytes(image)
+            files = sorted((folder / "at10").iterdir(), key=lambda file: int(file.stem.split("_")[1]))
+            rows = [brightest_row(file.read_bytes()) for file in files]
+            middle = min(range(len(files)), key=lambda i: abs(rows[i] - 48))
+            for name, order, good in (("right", files, True), ("reversed", files[::-1], False),
+                                      ("swapped", files[:middle] + [files[middle + 1], files[middle]] +
+                                       files[middle + 2:], False),
+                                      ("late", files[:middle] + [files[middle - 1]] + files[middle + 1:], False)):
+                (folder / name).mkdir()
+                for i, file in enumerate(order):
+                    shutil.copy(file, folder / name / f"image_{i}.png")
+                for command in (f"selfproj pattern --scan {name} --out o",
+                                f"selfproj calibrate heights --heights 0,10,20 --out o at0 {name} at20"):
+                    command = self.words(command + " --rig {m}/plate.yaml --every 4")
+                    outcome = self.attacker.attack(command, folder)
+                    if (outcome.status == 0) != good:
+                        raise Fault(f"{name}: {command[1]}: status {outcome.status}: {outcome.err!r}")
+                    shutil.rmtree(folder / "o", ignore_errors=True)
 
     def limited(self, text, size, folder):
         """A limit on the size of files stands for the full disk: the same error of the same write."""

@@ -237,6 +237,14 @@ TEST_F(MatchCommand, OnLineIsLikeOffLine) {
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_EQ(outcome.out.rfind("1 depth images: ", 0), 0U) << outcome.out;
   EXPECT_TRUE(fs::exists(folder_ / "gap.out/depth_0003.tiff"));
+  // Images in another order: told at the end of the run, and refused by --check.
+  write_text(folder_ / "back", packets({names.rbegin(), names.rbegin() + 8}, false));
+  const Outcome back = run(with({"--device", "file:back", "--out", "back.out"}));
+  EXPECT_EQ(back.status, 0) << back.err;
+  EXPECT_NE(back.err.find("file:back: warning: the images are in another order"), std::string::npos) << back.err;
+  const Outcome checked = run(with({"--device", "file:back", "--out", "back.out", "--check"}));
+  EXPECT_EQ(checked.status, 1);
+  EXPECT_NE(checked.err.find("--check: the images are in another order"), std::string::npos) << checked.err;
   refused(with({"--device", "file:codes", "--out", "out", "image_0.png"}), {"IMAGE: does not go with --device"});
   refused(with({"--save", "3", "--out", "out", "image_0.png"}), {"--save: goes only with --device"});
   write_text(folder_ / "few", packets({names.begin(), names.begin() + 6}, false));

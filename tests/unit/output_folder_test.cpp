@@ -16,6 +16,7 @@
 #include <string>
 #include <vector>
 
+#include "host/files/output_file.h"
 #include "host/files/stop_signal.h"
 #include "selfproj/files/user_error.h"
 #include "tests/cli/program.h"
@@ -306,6 +307,29 @@ TEST(OutputFolder, SignalsLeaveNothingBehind) {
     EXPECT_TRUE(WIFSIGNALED(status) && WTERMSIG(status) == number) << status;
     EXPECT_TRUE(scratch.names().empty()) << number;
   }
+}
+
+// What was written whole before the disk was full can be kept.
+TEST(OutputStream, CommitsTheFirstBytesOnAFullDisk) {
+  const ScratchFolder scratch;
+  write_text(scratch / "out", "old");
+  rlimit before{};
+  ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &before), 0);
+  rlimit small = before;
+  small.rlim_cur = 1000;
+  auto* const handler = std::signal(SIGXFSZ, SIG_IGN);
+  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &small), 0);
+  const files::OutputFile file(scratch / "out");
+  files::OutputStream stream(file);
+  stream.append(std::string(600, '1'));
+  const std::string message = error_of([&] { stream.append(std::string(600, '2')); });
+  EXPECT_EQ(read_text(scratch / "out"), "old");
+  stream.commit_first(600);
+  setrlimit(RLIMIT_FSIZE, &before);
+  std::signal(SIGXFSZ, handler);
+  EXPECT_NE(message.find("out: "), std::string::npos) << message;
+  EXPECT_EQ(read_text(scratch / "out"), std::string(600, '1')) << "nothing of the piece that was torn";
+  EXPECT_EQ(scratch.names(), std::vector<std::string>{"out"});
 }
 
 // If no more can be written (here because of a limit on file sizes, which acts like a full disk), old files stay.

@@ -18,6 +18,7 @@
 #include "host/calibration/bundle.h"
 #include "host/calibration/calibrate.h"
 #include "host/calibration/capture.h"
+#include "host/calibration/laser_plane.h"
 #include "host/calibration/model_choice.h"
 #include "tests/support/chessboard_world.h"
 #include "tests/support/error_of.h"
@@ -274,6 +275,43 @@ TEST(Calibrate, StartsThatDisagreeAreRefused) {
   const calibration::ModelChoice better = moved(2, 10);  // one of them takes the result's place
   EXPECT_EQ(better.refusal, "");
   EXPECT_NEAR(better.result.bundle.camera[0], chosen.result.bundle.camera[0], 0.01);
+}
+
+// What a capture of a projector of this size, whose pixels are 8 x 8 of the camera, says where another size is claimed.
+std::string contradiction_of(const cv::Size& projector, const cv::Size& claimed) {
+  constexpr int kEach = 8;
+  const structured_light::GraySequence shown(projector.width, projector.height);
+  images::ImageSequence captured(
+      std::vector<std::string>(static_cast<std::size_t>(shown.count()), "image"), [&](std::size_t i) {
+        const std::vector<std::uint8_t> pattern = shown.image(static_cast<int>(i));
+        images::Image image{kEach * projector.height, kEach * projector.width, {}};
+        for (int r = 0; r < image.rows; ++r) {
+          for (int c = 0; c < image.columns; ++c) {
+            const int at = r / kEach * projector.width + c / kEach;
+            image.pixels.push_back(static_cast<std::uint8_t>(pattern[static_cast<std::size_t>(at)] / 2 + 20));
+          }
+        }
+        return image;
+      });
+  return calibration::decode_capture("pose", captured, structured_light::GraySequence(claimed.width, claimed.height),
+                                     {})
+      .contradiction;
+}
+
+TEST(DecodeCapture, CodesBeyondTheProjectorSayThatItsSizeIsWrong) {
+  EXPECT_EQ(contradiction_of({32, 24}, {32, 24}), "");
+  EXPECT_EQ(contradiction_of({30, 24}, {32, 24}), "") << "a larger one may be lit in part";
+  EXPECT_EQ(contradiction_of({32, 24}, {20, 24}),
+            "37.5 % of the pixels see columns from 20 on, up to 31, but the projector is said to have 20");
+  EXPECT_EQ(contradiction_of({32, 24}, {32, 18}),
+            "25.0 % of the pixels see rows from 18 on, up to 23, but the projector is said to have 18");
+  EXPECT_NE(contradiction_of({32, 24}, {24, 32}).find("see columns from 24 on, up to 31"), std::string::npos)
+      << "width and height exchanged";
+}
+
+TEST(Calibrate, WithoutCapturesItSaysSo) {
+  EXPECT_EQ(test::error_of([] { calibration::calibrate({}, {}); }), "calibrate: there are no captures");
+  EXPECT_EQ(test::error_of([] { calibration::calibrate_camera({}, {}); }), "calibrate camera: there are no images");
 }
 
 // A capture whose codes are those of a homography, rounded.

@@ -223,6 +223,34 @@ TEST_F(Ring, BoardCrashed) {
   EXPECT_EQ(info().board_crashes, 1U);
 }
 
+// A board that is killed and whose ring is removed does not end as one that has ended by itself: the reader waits for
+// its new ring, and counts a fault, which --check refuses.
+TEST_F(Ring, LongRemovedAndNotMadeAgain) {
+  std::unique_ptr<driver::Device> device;
+  run_and_kill([&] {
+    auto* writer = new driver::RingWriter(name_, kSlots);
+    write(*writer, 0, 3);
+  });
+  device = open_ring();
+  ASSERT_TRUE(driver::remove_ring(name_));
+  EXPECT_EQ(read(*device), range(0, 2)) << "what was in it is not lost";
+  model::PacketView packet;
+  const auto begin = std::chrono::steady_clock::now();
+  EXPECT_EQ(device->next(packet, seconds(20)), driver::Next::end);
+  EXPECT_GE(std::chrono::steady_clock::now() - begin, milliseconds(2500));
+  EXPECT_EQ(device->counters(), (driver::Counters{.delivered = 3, .read_errors = 1}));
+
+  // A board that ends removes its ring itself.
+  auto writer = std::make_unique<driver::RingWriter>(name_, kSlots);
+  device = open_ring();
+  write(*writer, 3, 2);
+  writer.reset();
+  ASSERT_TRUE(driver::remove_ring(name_));
+  EXPECT_EQ(read(*device), range(3, 4));
+  EXPECT_EQ(device->next(packet, seconds(20)), driver::Next::end);
+  EXPECT_EQ(device->counters(), (driver::Counters{.delivered = 2}));
+}
+
 TEST_F(Ring, DiscardBacklog) {
   driver::RingWriter writer(name_, kSlots);
   write(writer, 0, 5);

@@ -15,6 +15,7 @@
 #include "selfproj/driver/device.h"
 #include "selfproj/files/user_error.h"
 #include "sim/board/udp_sender.h"
+#include "tests/host/driver/datagram_accounts.h"
 #include "tests/host/driver/packets.h"
 #include "tests/support/datagram_network.h"
 
@@ -112,41 +113,6 @@ TEST(Datagrams, NumbersWrapAndAReaderComesLate) {
   EXPECT_EQ(assemble(assembler, sent).size(), 18U);
   EXPECT_EQ(counters.lost_network + counters.datagrams_lost, 0U);
   EXPECT_GT(counters.bytes_discarded, 0U);
-}
-
-// Sends packets of one datagram each through the assembler, from these numbers on, and loses every 1009th. Delivered
-// and lost are all of them.
-void expect_all_accounted(std::uint32_t datagrams, std::uint32_t packets, std::uint64_t count) {
-  SCOPED_TRACE("from datagram " + std::to_string(datagrams) + ", packet " + std::to_string(packets));
-  driver::Counters counters;
-  driver::DatagramAssembler assembler(counters);
-  model::DatagramCutter cutter(5, model::kDatagramBytes, datagrams, packets);
-  const Bytes bytes = moments_packet(1, 16);
-  model::PacketView packet;
-  std::uint64_t delivered = 0;
-  std::uint64_t i = 0;
-  const auto add = [&](std::span<const std::uint8_t> datagram) {
-    if (i % 1009 == 1008) {
-      return;
-    }
-    do {
-      while (assembler.next(packet)) {
-        ++delivered;
-      }
-    } while (!assembler.add(datagram));
-  };
-  for (; i < count; ++i) {
-    cutter.packet(bytes, add);
-  }
-  for (i = 0; i < 3; ++i) {
-    cutter.idle(add);
-  }
-  assembler.flush();
-  while (assembler.next(packet)) {
-    ++delivered;
-  }
-  EXPECT_EQ(counters.lost_network, count / 1009);
-  EXPECT_EQ(delivered + counters.lost_network, count);
 }
 
 // No silence and no burst of losses is needed to stay in step: at each wrap and half-wrap of either number.

@@ -194,6 +194,7 @@ TEST(LensSection, ScanFindsTheReferenceThroughTheLenses) {
   const LensWorld world(calibration);
   const auto surface = [&](double y, double /*x*/) { return rig.plane_z_mm - 15 - 0.1 * y; };
   light_section::LineScan scan(rig, kStep);
+  light_section::SweepCheck check(rig);
   for (const int line : light_section::sweep_lines(rig, kStep)) {
     std::vector<std::uint8_t> pixels(rig.camera.pixels(), 0);
     for (int c = 0; c < rig.camera.columns; c += kEvery) {
@@ -203,8 +204,11 @@ TEST(LensSection, ScanFindsTheReferenceThroughTheLenses) {
         pixels[static_cast<std::size_t>(r * rig.camera.columns + c)] = static_cast<std::uint8_t>(std::lround(grey));
       }
     }
-    scan.add(line, {pixels.data(), rig.camera.rows, rig.camera.columns, rig.camera.columns});
+    const model::ImageView image{pixels.data(), rig.camera.rows, rig.camera.columns, rig.camera.columns};
+    scan.add(line, image);
+    check.add(line, image, std::to_string(line));
   }
+  EXPECT_EQ(check.contradiction(), "");
   const light_section::ReferenceProfile found = scan.reference();
   EXPECT_EQ(found.valid_columns(), rig.camera.columns / kEvery);
   for (int c = 0; c < rig.camera.columns; c += kEvery) {

@@ -7,7 +7,10 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
+#include <random>
 #include <stdexcept>
+#include <string>
 #include <vector>
 
 #include "host/rig/geometry.h"
@@ -116,6 +119,97 @@ TEST(LineScan, WhereNoLineCrossesThereIsNoReference) {
   EXPECT_EQ(found.valid[9], 0);
   EXPECT_TRUE(std::isnan(found.z_mm[7]));
   EXPECT_EQ(found.valid[200], 1);
+}
+
+// What a sweep of these lines contradicts, if its images were taken under the lines of `shown`.
+std::string contradiction_of(const rig::Rig& rig, const std::vector<int>& lines, const std::vector<int>& shown,
+                             const std::function<images::Image(int line)>& view) {
+  light_section::SweepCheck check(rig);
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    check.add(lines[i], view(shown[i]).view(), "image " + std::to_string(i));
+  }
+  return check.contradiction();
+}
+
+TEST(SweepCheck, ImagesInAnotherOrderAreNoticed) {
+  const rig::Rig rig = rig::load_rig("light-section");
+  const std::vector<double> z = surface(rig);
+  for (const int every : {4, 8, 32}) {
+    SCOPED_TRACE(every);
+    const std::vector<int> lines = light_section::sweep_lines(rig, every);
+    const std::vector<int> right = lines;
+    const auto of = [&](const std::vector<int>& shown) {
+      return contradiction_of(rig, lines, shown, [&](int line) { return view_of(rig, z, line); });
+    };
+    EXPECT_EQ(of(right), "");
+    std::vector<int> shown(right.rbegin(), right.rend());
+    EXPECT_NE(of(shown).find("in the order of the lines"), std::string::npos);
+    if (every > 8) {
+      continue;  // so few images show the line that some other orders may be right
+    }
+    shown = right;
+    std::shuffle(shown.begin(), shown.end(), std::mt19937(every));
+    EXPECT_NE(of(shown).find("in the order of the lines"), std::string::npos);
+    std::size_t seen = 0;  // in the middle of the image
+    while (right[seen] < rig::line_on_middle(rig.projector, z[200])) {
+      ++seen;
+    }
+    shown = right;
+    std::swap(shown[seen], shown[seen + 1]);
+    EXPECT_EQ(of(shown).rfind("image " + std::to_string(seen) + " does not show the line between", 0), 0U) << of(shown);
+    shown = right;
+    shown[seen] = shown[seen - 1];
+    EXPECT_EQ(of(shown).rfind("image " + std::to_string(seen) + " does not show the line between", 0), 0U) << of(shown);
+    shown = right;
+    shown[seen] = shown[seen + 1];
+    EXPECT_NE(of(shown), "");
+  }
+}
+
+// Parts with edges along the columns, over which the line jumps in all of them at once, ribs and a roof.
+TEST(SweepCheck, EdgesAreNoContradiction) {
+  const rig::Rig rig = rig::load_rig("light-section");
+  const auto look = [&](const std::function<double(double x)>& height, int line) {
+    images::Image image{rig.camera.rows, rig.camera.columns, {}};
+    image.pixels.assign(static_cast<std::size_t>(image.rows * image.columns), 5);
+    const double theta = rig::tan_theta(rig.projector, line);
+    const auto x_at = [&](double h) { return rig.projector.x_mm - (rig.plane_z_mm - h - rig.projector.z_mm) * theta; };
+    double h = 40;  // the light comes from above
+    while (h > 0 && height(x_at(h)) < h) {
+      h -= 0.05;
+    }
+    for (int i = 0; i < image.columns; ++i) {
+      draw(image, i, camera_sees(rig.camera, {x_at(h), 0, rig.plane_z_mm - h}).row, 180);
+    }
+    return image;
+  };
+  const std::vector<std::function<double(double)>> parts = {
+      [](double x) { return std::abs(x) < 6 ? 12.0 : 0.0; }, [](double x) { return std::abs(x) < 1 ? 3.0 : 0.0; },
+      [](double x) { return std::fmod(x + 100, 4) < 2 ? 2.0 : 0.0; },
+      [](double x) { return std::max(0.0, 8 - std::abs(x)); }};
+  for (const int every : {4, 8}) {
+    for (const auto& part : parts) {
+      const std::vector<int> lines = light_section::sweep_lines(rig, every);
+      EXPECT_EQ(contradiction_of(rig, lines, lines, [&](int line) { return look(part, line); }), "");
+    }
+  }
+}
+
+TEST(SweepCheck, ASecondLineThatIsSummedIsNoticed) {
+  rig::Rig rig = rig::load_rig("light-section");
+  const std::vector<double> z = surface(rig);
+  const std::vector<int> lines = light_section::sweep_lines(rig, 8);
+  const auto with_second = [&](int line) {
+    images::Image image = view_of(rig, z, line);
+    const images::Image other = view_of(rig, z, line + 40);
+    for (std::size_t k = 0; k < image.pixels.size(); ++k) {
+      image.pixels[k] = static_cast<std::uint8_t>(std::max<int>(image.pixels[k], other.pixels[k] * 2 / 5));
+    }
+    return image;
+  };
+  EXPECT_NE(contradiction_of(rig, lines, lines, with_second).find("a second line"), std::string::npos);
+  rig.measure.runs = rig::RigRuns{};
+  EXPECT_EQ(contradiction_of(rig, lines, lines, with_second), "");
 }
 
 TEST(LineScan, AnyShowAndTake) {

@@ -307,6 +307,57 @@ TEST_F(Classified, ToleranceIsReadBackAndItsFaultsAreNamed) {
   EXPECT_EQ(error_of([&] { learned(rig_, 3, 1); }), "good: 3 good parts came; at least 5 are needed");
 }
 
+// Eleven good parts, and one that is not whole, first or last.
+TEST(Parts, APartCutShortIsLeftOutOfTheTolerance) {
+  const rig::Rig rig = rig_with_parts();
+  const auto from = [](double first, double last) {
+    return [=](double v, double) { return v >= first && v <= last ? 20.0 : kNone; };
+  };
+  const auto learn = [&](const MadePart& odd, int place, std::vector<std::string>& left_out) {
+    production::Learner learner(rig, box_section(rig), {});
+    Cut cut(rig);
+    MadeBelt belt(rig, 7);
+    std::mt19937_64 random(7);
+    std::uniform_real_distribution<double> any(-1, 1);
+    for (int i = 0; i < 12; ++i) {
+      MadePart part{.length = 30, .noise = 0.03};
+      if (i == place) {
+        part.length = odd.length, part.width = odd.width, part.height = odd.height;
+      }
+      part.across = any(random), part.turn_deg = any(random);
+      belt.pass(cut, part);
+    }
+    belt.bare(cut, 5);
+    for (production::CutPart& part : cut.parts) {
+      learner.add(std::move(part));
+    }
+    return learner.learn("good", &left_out);
+  };
+  const std::vector<MadePart> odd_ones = {{.length = 28},
+                                          {.length = 15},
+                                          {.length = 6},
+                                          {.length = 30, .width = 20},
+                                          {.length = 30, .height = from(0, 15)},
+                                          {.length = 30, .height = from(15, 30)},
+                                          {.length = 45}};
+  for (const MadePart& odd : odd_ones) {
+    for (const int place : {0, 11}) {
+      SCOPED_TRACE(std::to_string(odd.length) + " x " + std::to_string(odd.width) + " in place " +
+                   std::to_string(place));
+      std::vector<std::string> left_out;
+      const production::Tolerance tolerance = learn(odd, place, left_out);
+      ASSERT_EQ(left_out.size(), 1U);
+      EXPECT_EQ(left_out[0].rfind("part " + std::to_string(place + 1) + " of 12: ", 0), 0U) << left_out[0];
+      EXPECT_NEAR(tolerance.length_mm, 30, 0.2);
+      EXPECT_NEAR(tolerance.right_mm - tolerance.left_mm, 40, 0.4);
+      ASSERT_EQ(tolerance.regions.size(), 1U);
+      EXPECT_LT(tolerance.regions[0].high_mm, 0.12);
+      EXPECT_GT(tolerance.regions[0].low_mm, -0.12);
+      EXPECT_LT(tolerance.regions[0].max_missing, 0.05);
+    }
+  }
+}
+
 TEST(Parts, FiguresOverParts) {
   production::RunningFigures figures;
   for (int i = 0; i < 1000; ++i) {
