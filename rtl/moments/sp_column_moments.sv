@@ -302,7 +302,7 @@ module sp_column_moments #(
   end
 
 `ifdef FORMAL
-  localparam int FWait = 7;
+  localparam int FWait = 7, FChangeWait = 15;
   localparam bit FBinaryDrains = 1'b0;
 `include "sp_formal_frames.svh"
 

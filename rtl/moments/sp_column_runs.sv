@@ -268,7 +268,7 @@ module sp_column_runs #(
   end
 
 `ifdef FORMAL
-  localparam int FWait = 11;
+  localparam int FWait = 11, FChangeWait = 23;
   localparam bit FBinaryDrains = 1'b1;
 `include "sp_formal_frames.svh"
 

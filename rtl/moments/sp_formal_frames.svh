@@ -5,10 +5,11 @@
 // that of the frame with the column, and that of the others; beats in order, with any gaps; no frame
 // breaks. A packet whose frame does not go through the drain is always wanted. Else
 // at least FWait + 1 clocks lie between the end of a last row and the next last row that is wanted
-// (sp_packetizer keeps more than 16); any unwanted frames may come between. With Changes 16 clocks
-// lie before every frame that is wanted.
+// (sp_packetizer keeps more than 16); any unwanted frames may come between. With Changes
+// FChangeWait + 1 clocks lie before every frame that is wanted. (sp_packetizer takes none until seven
+// clocks after the last payload beat of the one before.)
 //
-// The module says FWait, and FBinaryDrains: whether mode binary of a grey build goes through the
+// The module says FWait, FChangeWait, and FBinaryDrains: whether mode binary of a grey build goes through the
 // drain.
   parameter bit [7:0] ValueBits = 8'hFF;  // bits that pixels and threshold have
   parameter bit Changes = 1'b0;  // the other frames have another mode and threshold
@@ -29,7 +30,7 @@
   logic                 f_line_end, f_last_row, f_grey;
   logic                 f_this;      // the frame that goes in has the column
   logic                 f_grey_now;  // of the frame that goes in
-  logic [3:0]           f_wait_q;
+  logic [4:0]           f_wait_q;
   logic                 f_decides, f_wanted, f_wanted_q;  // a last row begins; its packet is wanted
   logic [4:1]           f_accept_q;
   // Wide enough for a bounded trace: frames that ended; frames wanted, in all and before this one;
@@ -48,8 +49,8 @@
     f_wanted_q <= f_wanted;
     f_accept_q <= {f_accept_q[3:1], f_wanted};
     if (rst_i) f_wait_q <= '0;
-    else if (beat_valid_i && f_last_row && f_wanted) f_wait_q <= Changes ? 4'd15 : 4'(FWait);
-    else if (f_wait_q != '0) f_wait_q <= f_wait_q - 4'd1;
+    else if (beat_valid_i && f_last_row && f_wanted) f_wait_q <= Changes ? 5'(FChangeWait) : 5'(FWait);
+    else if (f_wait_q != '0) f_wait_q <= f_wait_q - 5'd1;
     if (rst_i) {f_group_q, f_row_q} <= {GroupBits'(0), RowBits'(1)};
     else if (beat_valid_i) begin
       f_group_q <= f_line_end ? '0 : f_group_q + GroupBits'(1);

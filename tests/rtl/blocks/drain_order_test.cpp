@@ -55,7 +55,7 @@ class DrainOrderBench {
   int eager = 100;
 
  private:
-  [[nodiscard]] bool out() const { return reads_ == pushed_.size() && (!broke_ || order_->break_o != 0); }
+  [[nodiscard]] bool out() { return reads_ == pushed_.size() && (!broke_ || order_->break_o != 0); }
 
   void begin() {
     rows += pushed_.empty() ? 0 : 1;
