@@ -5,8 +5,9 @@
     generate.py --check    write nothing; exit 1 and name each file that differs
 
 Outputs: the C++ header (C++14), the table of registers by name (C++20, register_table.py), the SystemVerilog package,
-the registers as SystemRDL (system_rdl.py), what the dissector for Wireshark knows of packets (lua_format.py), and the tables (tables.py) between the markers
-`<!-- BEGIN GENERATED name -->` and `<!-- END GENERATED name -->` of the Markdown files listed in TABLES.
+the registers as SystemRDL (system_rdl.py), what the dissector for Wireshark knows of packets (lua_format.py), and the
+tables (tables.py) between the markers `<!-- BEGIN GENERATED name -->` and `<!-- END GENERATED name -->` of the Markdown
+files listed in TABLES.
 Standard library only. Every number format is proved here: the largest value that can occur is computed from the sizes
 and must fit its field. If one does not fit, the generator says so and writes nothing.
 """
