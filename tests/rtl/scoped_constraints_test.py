@@ -17,7 +17,7 @@ import crossings  # noqa: E402
 XILINX = ROOT / "constraints" / "xilinx7"
 FILES = sorted((XILINX / "scoped").glob("sp_*.xdc"))
 TOPS = [("sp_board", ["MaxColumns=64", "MaxRows=40", "Codes=1'b1"]), ("sp_parallel_sensor", []),
-        ("sp_camera_link", ["Taps=3"]), ("sp_camera_link", ["Taps=4"])]
+        ("sp_replay", ["MaxColumns=40", "MaxRows=9"]), ("sp_camera_link", ["Taps=3"]), ("sp_camera_link", ["Taps=4"])]
 # Commands of Vivado that the files use; each says what it was given.
 STUBS = """
 foreach name {set_max_delay set_bus_skew set_false_path add_files set_property} {
@@ -56,9 +56,11 @@ class Design:
         self.places = set()  # (path with a point at its end, module)
         for file in FILES:
             text = next(path for path in crossings.rtl_tree.sources() if path.stem == file.stem).read_text()
-            inside = re.search(r"\b(?:sp_sync|sp_ram)\b[^;]*?\b(u_\w+) \(", text)[1]
-            end = f"{inside}.clk_i" if f"{inside}.clk_i" in str(self.bits) else f"{inside}.wr_clk_i"
-            self.places |= {(name.removesuffix(end), file.stem) for name in self.bits if f".{name}".endswith(f".{end}")}
+            # An instance of the module is where all of its synchronizers and memories are.
+            ends = [f"{name}.{'wr_clk_i' if kind == 'sp_ram' else 'clk_i'}" for kind, name in
+                    re.findall(r"^  (sp_sync|sp_ram)\b[^;]*?\b(u_\w+) \(", text, flags=re.M)]
+            paths = {name.removesuffix(ends[0]) for name in self.bits if f".{name}".endswith(f".{ends[0]}")}
+            self.places |= {(path, file.stem) for path in paths if all(path + end in self.bits for end in ends)}
 
     def called(self, name):
         """Returns all names of a register, those that are known under another one included."""
@@ -87,8 +89,10 @@ class Scoped(unittest.TestCase):
             design = Design(top, parameters)
             found += len(design.crossings)
             self.assertEqual(design.uncovered(self.rules), [], top)
-            if top == "sp_board":
-                for kind in ("sp_async_fifo", "sp_packet_fifo", "sp_axil_bridge"):
+            own = {"sp_board": ["sp_async_fifo", "sp_packet_fifo", "sp_axil_bridge"], "sp_replay": ["sp_replay"],
+                   "sp_parallel_sensor": ["sp_beat_crossing"]}
+            if top in own:
+                for kind in own[top]:
                     for at in range(len(self.rules[kind])):
                         less = self.rules | {kind: self.rules[kind][:at] + self.rules[kind][at + 1:]}
                         self.assertNotEqual(design.uncovered(less), [], f"{kind} without its rule {at}")
