@@ -136,7 +136,8 @@ class Source:
     @staticmethod
     def waits(body):
         """Returns whether every path through a block reaches a wait() statement before anything leaves the block."""
-        return re.search(r"(?:^|[;}]|\s)\s*wait\(\);", flat(body)) and not re.search(r"\b(continue|break|return)\b", body)
+        waits = re.search(r"(?:^|[;}]|\s)\s*wait\(\);", flat(body))
+        return waits and not re.search(r"\b(continue|break|return)\b", body)
 
     # --- Processes of a shell ---
 

@@ -20,7 +20,8 @@ from lib import pypi  # noqa: E402
 
 PEAKRDL = pypi.Environment(ROOT / "build" / "peakrdl", ["systemrdl-compiler==1.33.0", "peakrdl-ipxact==3.5.0"])
 # The SystemRDL map, and the parts of the specification that it has with the names of their address blocks
-MAPS = {"selfproj_board": {"selfproj_board.": "registers"}, "selfproj_network": {"board.": "registers", "link.": "link"}}
+MAPS = {"selfproj_board": {"selfproj_board.": "registers"},
+        "selfproj_network": {"board.": "registers", "link.": "link"}}
 EXPORT = """
 import sys
 from systemrdl import RDLCompiler

@@ -76,8 +76,8 @@ module sp_counter #(
   end
 
 `ifdef FORMAL
-  // A reset at the beginning, to a value whose lowest chain is in its lower half. Lemmas: count_o is
-  // one behind after a clock with inc_i, and the lowest chain passes a carry where it wraps.
+  // A reset at the beginning, to a value whose lowest chain is in its lower half. Lemmas: count_o
+  // is one behind after a clock with inc_i, and the lowest chain passes a carry where it wraps.
   logic f_ran_q = 1'b0;
   logic f_inc_q;
   always_ff @(posedge clk_i) begin
@@ -89,9 +89,9 @@ module sp_counter #(
     assert (go_q == (f_inc_q && low_q == '0));
   end
 
-  // Rule: the chains above the lowest count by one as a whole, where the lowest has wrapped. A lemma:
-  // which chains are full is known two clocks after the lowest has reached its upper half, and it
-  // takes longer to wrap.
+  // Rule: the chains above the lowest count by one as a whole, where the lowest has wrapped. A
+  // lemma: which chains are full is known two clocks after the lowest has reached its upper half,
+  // and it takes longer to wrap.
   logic [1:0]         f_high_q;  // clocks with low_q[Low-1], up to 2
   logic [Width-1:Low] f_upper_q;
   logic               f_go_q;

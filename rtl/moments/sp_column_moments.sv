@@ -330,9 +330,13 @@ module sp_column_moments #(
     end
     cover (f_here && f_m1_q != '0 && f_rows == RowBits'(MaxRows) && f_last_group == GroupBits'(1));
     // a frame of another mode just before
-    if (Changes) cover (f_here && f_grey && f_other_mode == sp_spec_pkg::ModeBinary && f_frame == 5'd1);
+    if (Changes) begin
+      cover (f_here && f_grey && f_other_mode == sp_spec_pkg::ModeBinary && f_frame == 5'd1);
+    end
     // one not wanted
-    if (Grey && !Changes) cover (f_here && f_grey && f_m1_q != '0 && f_before_q == 6'd1 && f_frame == 5'd2);
+    if (Grey && !Changes) begin
+      cover (f_here && f_grey && f_m1_q != '0 && f_before_q == 6'd1 && f_frame == 5'd2);
+    end
   end
 `endif
 

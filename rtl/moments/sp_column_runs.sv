@@ -360,7 +360,9 @@ module sp_column_runs #(
     // a frame of another mode just before
     if (Changes) cover (f_here && f_strongest && !f_other_strongest && f_frame == 5'd1);
     // one not wanted
-    if (Grey && !Changes) cover (f_here && f_runs_q == 2'd2 && f_before_q == 6'd1 && f_frame == 5'd2);
+    if (Grey && !Changes) begin
+      cover (f_here && f_runs_q == 2'd2 && f_before_q == 6'd1 && f_frame == 5'd2);
+    end
   end
 `endif
 

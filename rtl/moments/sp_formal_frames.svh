@@ -1,16 +1,16 @@
 // For proofs of sp_column_moments and sp_column_runs, within them: the frames that go in, any one
 // column of any one frame that is wanted, and its word where it comes out.
 //
-// Assumptions: one reset at the beginning; frames of one size, and of one mode, or with Changes two:
-// that of the frame with the column, and that of the others; beats in order, with any gaps; no frame
-// breaks. A packet whose frame does not go through the drain is always wanted. Else
-// at least FWait + 1 clocks lie between the end of a last row and the next last row that is wanted
+// Assumptions: one reset at the beginning; frames of one size, and of one mode, or with Changes of
+// two: that of the frame with the column, and that of the others; beats in order, with any gaps; no
+// frame breaks. A packet whose frame does not go through the drain is always wanted. Else at least
+// FWait + 1 clocks lie between the end of a last row and the next last row that is wanted
 // (sp_packetizer keeps more than 16); any unwanted frames may come between. With Changes
-// FChangeWait + 1 clocks lie before every frame that is wanted. (sp_packetizer takes none until seven
-// clocks after the last payload beat of the one before.)
+// FChangeWait + 1 clocks lie before every frame that is wanted. (sp_packetizer takes none until
+// seven clocks after the last payload beat of the one before.)
 //
-// The module says FWait, FChangeWait, and FBinaryDrains: whether mode binary of a grey build goes through the
-// drain.
+// The module says FWait, FChangeWait, and FBinaryDrains: whether mode binary of a grey build goes
+// through the drain.
   parameter bit [7:0] ValueBits = 8'hFF;  // bits that pixels and threshold have
   parameter bit Changes = 1'b0;  // the other frames have another mode and threshold
   localparam int FSumBits = 16;  // hold every sum of the sizes that are proved
@@ -49,7 +49,9 @@
     f_wanted_q <= f_wanted;
     f_accept_q <= {f_accept_q[3:1], f_wanted};
     if (rst_i) f_wait_q <= '0;
-    else if (beat_valid_i && f_last_row && f_wanted) f_wait_q <= Changes ? 5'(FChangeWait) : 5'(FWait);
+    else if (beat_valid_i && f_last_row && f_wanted) begin
+      f_wait_q <= Changes ? 5'(FChangeWait) : 5'(FWait);
+    end
     else if (f_wait_q != '0) f_wait_q <= f_wait_q - 5'd1;
     if (rst_i) {f_group_q, f_row_q} <= {GroupBits'(0), RowBits'(1)};
     else if (beat_valid_i) begin

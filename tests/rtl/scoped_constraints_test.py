@@ -8,6 +8,7 @@ import re
 import shutil
 import subprocess
 import sys
+import tempfile
 import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
@@ -40,7 +41,9 @@ def rules_of(text):
 
 def patterns(command, option):
     cells = re.search(rf"{option} \[get_cells (?:-quiet )?\{{([^}}]*)\}}\]", command)
-    return [name.replace("_reg[*]", "").removesuffix("_reg").replace("/", ".") for name in cells[1].split()] if cells else None
+    if cells is None:
+        return None
+    return [name.replace("_reg[*]", "").removesuffix("_reg").replace("/", ".") for name in cells[1].split()]
 
 
 class Design:
@@ -111,8 +114,8 @@ class Scoped(unittest.TestCase):
 
     @unittest.skipUnless(shutil.which("tclsh"), "there is no tclsh")
     def test_files_are_tcl(self):
-        stubs = pathlib.Path(self.id() + ".tcl")
-        try:
+        with tempfile.TemporaryDirectory(prefix="scoped.") as folder:
+            stubs = pathlib.Path(folder) / "stubs.tcl"
             stubs.write_text(STUBS)
             for file in [*FILES, XILINX / "scoped.tcl"]:
                 done = subprocess.run(["tclsh", stubs, file], capture_output=True, text=True, check=False)
@@ -122,8 +125,6 @@ class Scoped(unittest.TestCase):
                         self.assertIn(f"set_property SCOPED_TO_REF {scoped.stem} {scoped}\n", done.stdout)
                 else:
                     self.assertRegex(done.stdout, r"^set_(max_delay|false_path) ")
-        finally:
-            stubs.unlink(missing_ok=True)
 
 
 if __name__ == "__main__":

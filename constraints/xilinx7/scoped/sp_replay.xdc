@@ -1,6 +1,6 @@
 # sp_replay: two toggles cross through synchronizers. The size of a frame and its words stand still while they do, and
-# until the frame has left, so they may take a period of the receiving clock (for the words, a path only where the memory
-# is made of LUTs).
+# until the frame has left, so they may take a period of the receiving clock. (Words have a path only where the memory is
+# made of LUTs.)
 set clock [get_clocks -of_objects [get_ports clk_i]]
 set bus_clock [get_clocks -of_objects [get_ports bus_clk_i]]
 set_max_delay -datapath_only -from [get_cells {asked_q_reg}] -to [get_cells {u_asked/meta_q_reg[*]}] \

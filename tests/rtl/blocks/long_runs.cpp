@@ -55,9 +55,7 @@ void carry_past_chains(const char* chains_of, int low_bits, int chain_bits, int 
   for (int state = 0; state < static_cast<int>(std::pow(3, chains)); ++state) {
     std::uint64_t upper = 0;
     for (int k = 0, rest = state; k < chains; ++k, rest /= 3) {
-      const std::uint64_t chain = rest % 3 == 0   ? ones
-                                  : rest % 3 == 1 ? ones - 1
-                                                  : random.bits() % ones;
+      const std::uint64_t chain = rest % 3 == 0 ? ones : rest % 3 == 1 ? ones - 1 : random.bits() % ones;
       upper |= chain << (chain_bits * k);
     }
     Clocked<Dut> counter;
