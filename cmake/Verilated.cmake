@@ -11,6 +11,8 @@
 # OPEN names a configuration file for Verilator. VPI can set the registers that this file makes public; the next eval()
 # updates the logic behind them.
 #
+# Registers begin with what the context of the model asks for: zeros, or random values (randReset).
+#
 # With UNCOUNTED the model counts no coverage, even where SELFPROJ_COVERAGE is set, because other models count the same.
 
 set(hints "")
@@ -79,7 +81,7 @@ function(selfproj_verilate target)
     message(FATAL_ERROR "selfproj_verilate(${target}): TOP or PREFIX missing, or unknown: ${arg_UNPARSED_ARGUMENTS}")
   endif()
   set_property(GLOBAL PROPERTY selfproj_model_${arg_PREFIX} ${arg_TOP} ${arg_PARAMETERS})  # for its netlists
-  set(options -Wall -O3 --x-assign fast --x-initial fast --assert --top-module ${arg_TOP})
+  set(options -Wall -O3 --x-assign fast --x-initial unique --assert --top-module ${arg_TOP})
   list(TRANSFORM arg_PARAMETERS PREPEND -G)
   if(arg_OPEN)
     list(APPEND options --vpi "${arg_OPEN}")

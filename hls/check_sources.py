@@ -7,7 +7,8 @@ not belong to the kernels. In files under a folder `shells` there are more: proc
 threads with a synchronous reset; threads without a reset section, or with a path without wait(); whatever the open
 compiler ICSC does not take. ICSC 1.6.8 refuses some calls in arguments of other calls, and some constants that come
 from a call and are passed on. Here all of them are findings, in the functions outside of classes in other headers too,
-because the shells call those.
+because the shells call those. It refuses arrays of records that give their members initial values or have a
+constructor, wherever these are defined.
 
 The check reads what an HLS tool sees: in shared headers, the branches of SELFPROJ_HLS_VENDOR_TYPES. It prints one line
 a finding, and its exit status is then 1.
@@ -135,13 +136,8 @@ class Source:
     @staticmethod
     def waits(body):
         """Returns whether every path through a block reaches a wait() statement before anything leaves the block."""
-        flat = body
-        while True:
-            inner = re.sub(r"\{[^{}]*\}", blank, flat)
-            if inner == flat:
-                break
-            flat = inner
-        return re.search(r"(?:^|[;}]|\s)\s*wait\(\);", flat) and not re.search(r"\b(continue|break|return)\b", body)
+        waits = re.search(r"(?:^|[;}]|\s)\s*wait\(\);", flat(body))
+        return waits and not re.search(r"\b(continue|break|return)\b", body)
 
     # --- Processes of a shell ---
 
@@ -224,6 +220,28 @@ def calls(sources):
                 source.find(start + local.start(), f"constant from a call that is passed on: {local.group(1)}")
 
 
+def flat(body):
+    """Returns the code of a block without what is in its inner blocks."""
+    while (inner := re.sub(r"\{[^{}]*\}", blank, body)) != body:
+        body = inner
+    return body
+
+
+def records(sources):
+    """Finds what ICSC refuses: records in arrays of shells that give their members values, or have a constructor."""
+    in_arrays = {array.group(1) for source in sources if source.shell
+                 for array in re.finditer(r"\b(\w+) \w+\[[^\]]*\];", source.code)}
+    for source in sources:
+        for head in re.finditer(r"\bstruct\s+(\w+)\s*\{", source.code):
+            if head.group(1) not in in_arrays:
+                continue
+            body = flat(source.code[head.end():closing(source.code, head.end() - 1) - 1])
+            for member in re.finditer(rf"[^;}}]*?\b(?:(\w+\s*=)[^=;]|({head.group(1)}\s*\())", body):
+                what = "initial value" if member.group(1) else "constructor"
+                if "constexpr" not in member.group():
+                    source.find(head.end() + member.start(member.lastindex), f"{what} in a record of an array")
+
+
 def recursion(sources):
     """Finds functions that call themselves, directly or through others."""
     functions = {}
@@ -265,6 +283,7 @@ def check(files):
         source.check()
     recursion(sources)
     calls(sources)
+    records(sources)
     return [f"{source.name}:{line}: {what}" for source in sources for line, what in sorted(source.findings)]
 
 

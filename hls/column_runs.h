@@ -105,6 +105,8 @@ class ColumnRuns {
     for (int lane = 0; lane < kLanes; ++lane) {
 #pragma HLS unroll
       OpenRun run;
+      run.clear();
+      next.lane[lane].clear();
       if (!in.first_row) {
         run = open.lane[lane];
         next.lane[lane] = ended.lane[lane];
@@ -130,6 +132,8 @@ class ColumnRuns {
 #pragma HLS unroll
         OpenRun run;
         EndedRuns all;
+        run.clear();
+        all.clear();
         if (rows_ != 1) {
           run = open.lane[lane];
           all = ended.lane[lane];
@@ -179,8 +183,8 @@ class ColumnRuns {
     return out;
   }
 
-  Memory<OpenRuns, kGroups> open_;
-  Memory<Ended, kGroups> ended_;
+  Memory<OpenRuns, kGroups> open_ = {};
+  Memory<Ended, kGroups> ended_ = {};
   Memory<Pixels, kGroups> line_;  // the last row
   Recent<OpenRuns, Group> recent_open_;
   Recent<Ended, Group> recent_ended_;
@@ -190,7 +194,7 @@ class ColumnRuns {
   Row rows_ = 0;
   bool grey_ = false;
   bool strongest_ = false;
-  Ended held_;          // the group that leaves
+  Ended held_ = {};     // the group that leaves
   Uint<64> pair_ = 0;   // mode binary: its first two columns
   bool first_ = false;  // it is the frame's first
 };

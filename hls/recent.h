@@ -44,7 +44,7 @@ class Recent {
 
   bool there_[kWords] = {};
   Address addresses_[kWords];
-  Word words_[kWords];
+  Word words_[kWords] = {};
 };
 
 }  // namespace hls

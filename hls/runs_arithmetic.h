@@ -17,29 +17,50 @@
 namespace selfproj {
 namespace hls {
 
-// The open run of a column.
+// The open run of a column. (Its members have no initial values, nor has it a constructor: ICSC takes no array of such
+// records.)
 struct OpenRun {
-  bool open = false;
-  Uint<2> dark = 0;  // dark rows since the last lit one
-  Sum0 m0 = 0;
-  Sum1 a = 0;  // of the rows before the present one
-  Row n = 0;
+  bool open;
+  Uint<2> dark;  // dark rows since the last lit one
+  Sum0 m0;
+  Sum1 a;  // of the rows before the present one
+  Row n;
+
+  // No run is open.
+  void clear() {
+    open = false;
+    dark = 0;
+    m0 = 0;
+    a = 0;
+    n = 0;
+  }
 };
 
 // The runs of a column that have ended.
 struct EndedRuns {
-  Uint<2> runs = 0;  // 3: three or more
-  Sum0 second = 0;   // M0 of the second
-  Sum0 m0 = 0;       // the strongest, and so on
-  Sum1 a = 0;
-  Row n = 0;
-  Row row = 0;  // the row in which it ended
+  Uint<2> runs;  // 3: three or more
+  Sum0 second;   // M0 of the second
+  Sum0 m0;       // the strongest, and so on
+  Sum1 a;
+  Row n;
+  Row row;  // the row in which it ended
+
+  // None has ended.
+  void clear() {
+    runs = 0;
+    second = 0;
+    m0 = 0;
+    a = 0;
+    n = 0;
+    row = 0;
+  }
 };
 
 // A row is added to the open run; `ends`: the row, which is dark, ended it.
 inline OpenRun next_run(const OpenRun& old, Pixel weight, bool strongest, Uint<2> gap, bool& ends) {
 #pragma HLS inline
   OpenRun next;
+  next.clear();
   ends = false;
   if (old.open) {
     next = old;

@@ -12,6 +12,7 @@ foreach source [glob [file join $root rtl * sp_*.sv]] {
   if {![string match *_pkg.sv $source]} { read_verilog -sv $source }
 }
 read_xdc [file join $here xilinx7.xdc]
+source [file join $here scoped.tcl]
 set generics {}
 foreach assignment [lrange $argv 1 end] { lappend generics -generic $assignment }
 synth_design -top sp_board -part [lindex $argv 0] -mode out_of_context {*}$generics

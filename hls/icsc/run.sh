@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# run.sh [FOLDER]: translates the SystemC shells to SystemVerilog by ICSC 1.6.8, if ICSC_HOME names an installation,
-# adds the memories, lints the result with Verilator, and replays recordings of the RTL's benches in it: every output
+# run.sh [FOLDER]: translates the SystemC shells to SystemVerilog by ICSC 1.6.8 (commit 7e86dff), if ICSC_HOME names an
+# installation, adds the memories, lints the result with Verilator, and replays recordings of the RTL's benches in it: every output
 # must be equal. What it makes is in FOLDER (build/icsc). The program with the benches is built if it is not there.
 # docs/hls.md says how to get and build ICSC.
 #
@@ -15,7 +15,11 @@ if [[ -z ${ICSC_HOME:-} ]]; then
   echo "icsc/run.sh: skipped: ICSC_HOME is not set"
   exit 0
 fi
+export ICSC_HOME
 [[ -d $ICSC_HOME ]] || { echo "icsc/run.sh: ICSC_HOME: $ICSC_HOME is not a folder" >&2; exit 2; }
+
+# The translators load libraries of the tool.
+export LD_LIBRARY_PATH=$ICSC_HOME/lib:$ICSC_HOME/lib64${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}
 
 shells=(column_moments column_runs gray_decoder median3x3)
 mkdir -p "$to"

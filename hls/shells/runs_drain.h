@@ -35,9 +35,8 @@ struct RunsDrain {
     strongest = false;
     d2_first = false;
     d2_second = false;
-    EndedRuns none;
     for (int lane = 0; lane < kLanes; ++lane) {
-      d2_runs[lane] = none;
+      d2_runs[lane].clear();
     }
     for (int i = 0; i < kStages; ++i) {
       d_valid[i] = false;
@@ -106,6 +105,8 @@ struct RunsDrain {
   void take(int lane, const RunsRead& read, const RunsSums& sums, Pixels line) {
     OpenRun run;
     EndedRuns ended;
+    run.clear();
+    ended.clear();
     if (rows != 1) {
       run = sums.open_of(lane, order.s1_group, read);
       ended = sums.ended_of(lane, order.s1_group, read);

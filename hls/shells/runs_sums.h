@@ -107,13 +107,11 @@ struct RunsSums {
     s1_beat.reset();
     s2_group = 0;
     s3_group = 0;
-    OpenRun none;
-    EndedRuns none_ended;
     for (int lane = 0; lane < kLanes; ++lane) {
-      s2_open[lane] = none;
-      s2_ended[lane] = none_ended;
-      s3_open[lane] = none;
-      s3_ended[lane] = none_ended;
+      s2_open[lane].clear();
+      s2_ended[lane].clear();
+      s3_open[lane].clear();
+      s3_ended[lane].clear();
     }
   }
 
@@ -143,6 +141,8 @@ struct RunsSums {
     for (int lane = 0; lane < kLanes; ++lane) {
       OpenRun run;
       EndedRuns ended;
+      run.clear();
+      ended.clear();
       if (!s1_beat.first_row) {
         run = open_of(lane, s1_beat.group, read);
         ended = ended_of(lane, s1_beat.group, read);

@@ -5,8 +5,9 @@
     generate.py --check    write nothing; exit 1 and name each file that differs
 
 Outputs: the C++ header (C++14), the table of registers by name (C++20, register_table.py), the SystemVerilog package,
-what the dissector for Wireshark knows of packets (lua_format.py), and the tables (tables.py) between the markers
-`<!-- BEGIN GENERATED name -->` and `<!-- END GENERATED name -->` of the Markdown files listed in TABLES.
+the registers as SystemRDL (system_rdl.py), what the dissector for Wireshark knows of packets (lua_format.py), and the
+tables (tables.py) between the markers `<!-- BEGIN GENERATED name -->` and `<!-- END GENERATED name -->` of the Markdown
+files listed in TABLES.
 Standard library only. Every number format is proved here: the largest value that can occur is computed from the sizes
 and must fit its field. If one does not fit, the generator says so and writes nothing.
 """
@@ -21,6 +22,7 @@ import sys
 
 import lua_format
 import register_table
+import system_rdl
 import tables
 
 HERE = pathlib.Path(__file__).resolve().parent
@@ -30,6 +32,7 @@ HEADER = HERE.parents[1] / "include" / "selfproj" / "model" / "generated" / "sel
 REGISTERS = HERE / "generated" / "register_table.h"
 DATAGRAM = HERE / "generated" / "datagram_format.h"
 PACKAGE = ROOT / "rtl" / "common" / "sp_spec_pkg.sv"
+REGISTERS_RDL = ROOT / "rtl" / "selfproj.rdl"
 DISSECTOR = ROOT / "host" / "driver" / "selfproj.lua"
 TABLES = {
     ROOT / "docs" / "packet-reference.md": ["formats", "planned", "header", "versions", "trailer", "values", "check",
@@ -420,6 +423,7 @@ def with_table(path, text, name, lines, mark="<!-- {} -->"):
 def outputs(spec):
     files = {HEADER: cpp_header(spec), REGISTERS: register_table.cpp_register_table(spec),
              DATAGRAM: register_table.cpp_datagram(spec), PACKAGE: sv_package(spec)}
+    files[REGISTERS_RDL] = system_rdl.system_rdl(spec, LINK_BASE)
     for path, names in TABLES.items():
         text = path.read_text(encoding="utf-8")
         for name in names:

@@ -359,6 +359,32 @@ module sp_axil_bridge #(
   end
   always_comb if (!f_run && f_one) assert (!f_answered_q);
 
+  // Address and data of every access, as the bus gave them in the clock in which it was taken
+  logic [AddressBits-1:0] f_aw_address_q, f_ar_address_q, f_ask_address_q;
+  logic [31:0]            f_w_data_q, f_ask_data_q;
+  logic                   f_w_whole_q;
+  always_ff @(posedge bus_clk_i) begin
+    if (s_axil_awvalid_i && s_axil_awready_o) f_aw_address_q <= s_axil_awaddr_i;
+    if (s_axil_arvalid_i && s_axil_arready_o) f_ar_address_q <= s_axil_araddr_i;
+    if (s_axil_wvalid_i && s_axil_wready_o) begin
+      {f_w_data_q, f_w_whole_q} <= {s_axil_wdata_i, s_axil_wstrb_i == 4'b1111};
+    end
+    if ((start_write || start_read) && !busy_q) begin
+      f_ask_address_q <= start_write ? f_aw_address_q : f_ar_address_q;
+      f_ask_data_q    <= f_w_data_q;
+    end
+  end
+  always_comb if (f_run) begin
+    if (aw_full_q) assert (aw_q == f_aw_address_q);
+    if (ar_full_q) assert (ar_q == f_ar_address_q);
+    if (w_full_q) assert (w_q == f_w_data_q && w_whole_q == f_w_whole_q);
+    // Rule 5: the registers are asked for the address and given the data that the bus gave.
+    if (busy_q) begin
+      assert (address_o == f_ask_address_q);
+      if (write_o) assert (write_data_o == f_ask_data_q);
+    end
+  end
+
   // Rule 2: an answer that waits does not change.
   always_ff @(posedge f_moment) if (f_run) begin
     if ($past(f_run && s_axil_bvalid_o && !s_axil_bready_i))

@@ -465,6 +465,28 @@ module sp_frame_tracker #(
     end
     cover (f_frame_end && rows_o == RowBits'(2) && columns_o == ColumnBits'(8));
   end
+
+  // Rule 5: a beat that comes while running and belongs to no frame is counted, and the next frame
+  // that begins tells of it.
+  logic       f_stray, f_stray_q, f_told_q;  // now; since the last start; before the last start
+  logic [3:0] f_strays_q;                    // modulo 16
+  logic       f_stray_counting_q;
+  assign f_stray = s1_valid_q && run_i && !belongs;
+  always_ff @(posedge clk_i) begin
+    if (rst_i) {f_stray_q, f_told_q, f_strays_q, f_stray_counting_q} <= '0;
+    else begin
+      f_stray_q          <= !s1_begin_q && (f_stray || f_stray_q);
+      if (s1_begin_q) f_told_q <= f_stray_q;
+      f_strays_q         <= f_strays_q + 4'(stray_now_q);
+      f_stray_counting_q <= stray_now_q;
+    end
+  end
+  always_comb if (f_ran_q && !rst_i) begin
+    assert (stray_before_o == f_told_q);
+    assert (f_stray_q == (stray_q || stray_now_q));
+    assert (f_strays_q == stray_o[3:0] + 4'(f_stray_counting_q));
+  end
+  always_ff @(posedge clk_i) if (f_ran_q && !$past(rst_i)) assert (stray_now_q == $past(f_stray));
 `endif
 
 endmodule

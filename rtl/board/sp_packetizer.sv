@@ -399,6 +399,32 @@ module sp_packetizer #(
     else if (fifo_valid_o) f_left_q <= f_left_q - FLeftBits'(1);
   end
   assign f_after = f_left_q - FLeftBits'(fifo_valid_o);
+
+  // Rule 4: the trailer has the status that came with the request, or that of a later break if the
+  // latest request before it was accepted.
+  logic [StatusBits-1:0] f_status1_q, f_status2_q, f_status3_q;  // as they came in
+  logic [StatusBits-1:0] f_status_q, f_sent_q;  // of the packet; one clock ago
+  logic                  f_accepted_q;
+  always_ff @(posedge clk_i) begin
+    f_status1_q <= break_i ? break_status_i : start_status_i;
+    {f_status2_q, f_status3_q} <= {f_status1_q, f_status2_q};
+    f_sent_q <= f_status_q;
+    if (rst_i) f_accepted_q <= 1'b0;
+    else if (q.asked[Start2]) f_accepted_q <= take;
+    if (take || take_empty) f_status_q <= f_status2_q;
+    else if (q.later3 && f_accepted_q) f_status_q <= f_status3_q;
+  end
+  always_comb if (f_ran_q && !rst_i) begin
+    assert (accept_o == f_accepted_q);
+    if (q.asked[2:0] != '0) assert (status1_q == f_status1_q);
+    if (q.asked[Start2:BreakLater2] != '0) assert (status2_q == f_status2_q);
+    if (q.later3) assert (status3_q == f_status3_q);
+    if (q.busy) assert (status_q == f_status_q);
+    if (fifo_valid_o && fifo_last_o) begin
+      assert (fifo_data_o[sp_spec_pkg::TrailerStatusLsb+:StatusBits] == f_sent_q);
+    end
+  end
+
   always_comb if (f_ran_q && !rst_i) begin
     assert (f_asked_q == f_taken_q + lost_o[3:0] + 4'(q.asked[2]) + 4'(q.asked[Start2]) +
             4'(q.asked[1]) +

@@ -459,8 +459,22 @@ module sp_registers #(
   end
 
   // Rule 3: a write that is answered with an error has changed nothing: no register took it.
-  logic f_took_q;
-  always_ff @(posedge clk_i) if (asked_q[2]) f_took_q <= put_q != '0;
+  // What it has changed could also be the word that a read of time_low keeps:
+  // Rule 4: time_high is the upper word of the time in the clock of the last read of time_low.
+  logic        f_took_q;
+  logic [31:0] f_high_q;
+  always_ff @(posedge clk_i) begin
+    if (asked_q[2]) f_took_q <= put_q != '0;
+    if (rst_q) f_high_q <= 32'd0;
+    else if (asked_q[1] && !write_i && address_i == sp_spec_pkg::RegTimeLow)
+      f_high_q <= time_i[63:32];
+  end
+  always_comb if (f_ran_q && !rst_q) begin
+    assert (time_high_q == f_high_q);
+    if (asked_q[1]) begin
+      assert (hit_q[sp_spec_pkg::RegTimeLow/4] == (address_i == sp_spec_pkg::RegTimeLow));
+    end
+  end
   always_comb if (f_ran_q && !rst_q) begin
     if (asked_q[4:3] != '0 && write_i) assert (error_o == !f_took_q);
     assert ((asked_q & (asked_q - 5'd1)) == '0);

@@ -76,8 +76,8 @@ module sp_counter #(
   end
 
 `ifdef FORMAL
-  // A lemma for the proofs of the users, which reset the counter once at the beginning: count_o is
-  // one behind after a clock with inc_i, and the lowest chain passes a carry where it wraps.
+  // A reset at the beginning, to a value whose lowest chain is in its lower half. Lemmas: count_o
+  // is one behind after a clock with inc_i, and the lowest chain passes a carry where it wraps.
   logic f_ran_q = 1'b0;
   logic f_inc_q;
   always_ff @(posedge clk_i) begin
@@ -87,7 +87,38 @@ module sp_counter #(
   always_comb if (f_ran_q && !rst_i) begin
     assert (low_q == told_q + Low'(f_inc_q));
     assert (go_q == (f_inc_q && low_q == '0));
-  end;
+  end
+
+  // Rule: the chains above the lowest count by one as a whole, where the lowest has wrapped. A
+  // lemma: which chains are full is known two clocks after the lowest has reached its upper half,
+  // and it takes longer to wrap.
+  logic [1:0]         f_high_q;  // clocks with low_q[Low-1], up to 2
+  logic [Width-1:Low] f_upper_q;
+  logic               f_go_q;
+  logic [Chains-1:0]  f_full, f_below;
+  always_comb begin
+    f_below = '1;
+    for (int k = 0; k < Chains; k++) f_full[k] = upper_q[Low+Size*k+:Size] == '1;
+    for (int k = 1; k < Chains; k++) f_below[k] = f_below[k-1] && f_full[k-1];
+  end
+  always_ff @(posedge clk_i) begin
+    if (rst_i || !low_q[Low-1]) f_high_q <= 2'd0;
+    else if (!f_high_q[1]) f_high_q <= f_high_q + 2'd1;
+    f_upper_q <= rst_i ? ResetValue[Width-1:Low] : upper_q;
+    f_go_q    <= !rst_i && go_q;
+  end
+  always_comb if (f_ran_q && !rst_i) begin
+    assert (upper_q == f_upper_q + (Width - Low)'(f_go_q));
+    if (low_q[Low-1] && f_high_q >= 2'd1) assert (full_q == f_full);
+    if ((low_q[Low-1] && f_high_q >= 2'd2) || go_q) assert (below_q == f_below);
+    assert (f_high_q != 2'd3);
+    if (low_q[Low-1]) assert (f_high_q == 2'd2 || low_q[Low-2:0] <= (Low - 1)'(f_high_q));
+    // A carry is long past when the chains are looked at again.
+    if (go_q) assert (low_q == '0 && !f_go_q);
+    if (f_go_q) assert (low_q <= Low'(1));
+  end
+  always_ff @(posedge clk_i) if (f_ran_q) cover (f_go_q && upper_q == (Width - Low)'(1));
+  always_comb if (!f_ran_q) assume (rst_i);
 `endif
 
 endmodule

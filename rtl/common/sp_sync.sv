@@ -51,6 +51,17 @@ module sp_sync #(
   assign f_caught   = d_i & ~f_late | f_before_q & f_late;
   assign f_before_o = f_before_q;
   assign f_meta_o   = meta_q;
+
+  // Rule: a bit leaves one clock after the first flop has caught it, so that it has had a clock to
+  // settle.
+  logic             f_ran_q = 1'b0;
+  logic [Width-1:0] f_settled_q;
+  always_ff @(posedge clk_i) begin
+    f_ran_q     <= 1'b1;
+    f_settled_q <= rst_i ? '0 : meta_q;
+  end
+  always_comb if (f_ran_q) assert (q_o == f_settled_q);
+  always_ff @(posedge clk_i) if (f_ran_q) cover (q_o == '1);
 `endif
 
   assign q_o = sync_q;

@@ -302,7 +302,7 @@ module sp_column_moments #(
   end
 
 `ifdef FORMAL
-  localparam int FWait = 7;
+  localparam int FWait = 7, FChangeWait = 15;
   localparam bit FBinaryDrains = 1'b0;
 `include "sp_formal_frames.svh"
 
@@ -329,8 +329,14 @@ module sp_column_moments #(
       end
     end
     cover (f_here && f_m1_q != '0 && f_rows == RowBits'(MaxRows) && f_last_group == GroupBits'(1));
+    // a frame of another mode just before
+    if (Changes) begin
+      cover (f_here && f_grey && f_other_mode == sp_spec_pkg::ModeBinary && f_frame == 5'd1);
+    end
     // one not wanted
-    if (Grey) cover (f_here && f_grey && f_m1_q != '0 && f_before_q == 6'd1 && f_frame == 5'd2);
+    if (Grey && !Changes) begin
+      cover (f_here && f_grey && f_m1_q != '0 && f_before_q == 6'd1 && f_frame == 5'd2);
+    end
   end
 `endif
 

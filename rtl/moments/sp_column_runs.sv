@@ -268,14 +268,18 @@ module sp_column_runs #(
   end
 
 `ifdef FORMAL
-  localparam int FWait = 11;
+  localparam int FWait = 11, FChangeWait = 23;
   localparam bit FBinaryDrains = 1'b1;
 `include "sp_formal_frames.svh"
 
-  // Of all frames
-  (* anyconst *) logic       f_strongest;
-  (* anyconst *) logic [1:0] f_gap;
-  always_comb assume (strongest_i == f_strongest && gap_i == f_gap);
+  // Of the frame with the column, and of the others
+  (* anyconst *) logic       f_strongest, f_other_strongest;
+  (* anyconst *) logic [1:0] f_gap, f_other_gap;
+  always_comb begin
+    if (!Changes) assume (f_other_strongest == f_strongest && f_other_gap == f_gap);
+    assume (strongest_i == (f_this ? f_strongest : f_other_strongest));
+    assume (gap_i == (f_this ? f_gap : f_other_gap));
+  end
 
   // The runs of the column, as model/column_runs defines them, one row after the other.
   // The run that is open: its sums, and dark rows since its last lit one
@@ -353,8 +357,12 @@ module sp_column_runs #(
       // behind another frame
       cover (f_here && f_strongest && f_runs_q == 2'd2 && f_frame == 5'd1);
     end
+    // a frame of another mode just before
+    if (Changes) cover (f_here && f_strongest && !f_other_strongest && f_frame == 5'd1);
     // one not wanted
-    if (Grey) cover (f_here && f_runs_q == 2'd2 && f_before_q == 6'd1 && f_frame == 5'd2);
+    if (Grey && !Changes) begin
+      cover (f_here && f_runs_q == 2'd2 && f_before_q == 6'd1 && f_frame == 5'd2);
+    end
   end
 `endif
 

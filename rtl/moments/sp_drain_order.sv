@@ -109,6 +109,78 @@ module sp_drain_order #(
     .rd_data_o(weights_o)
   );
 
+`ifdef FORMAL
+  // Assumptions: one reset at the beginning. The groups of a row come in order, with any gaps. A
+  // row ends with push_end_i or with break_i. The next row begins once the
+  // last group has been read and a break is told, which may be in the same clock.
+  logic f_ran_q = 1'b0;
+  always_ff @(posedge clk_i) f_ran_q <= 1'b1;
+  logic               f_open_q;    // a row has begun and may go on
+  logic               f_broke_q;   // it ended by a break that break_o has not told yet
+  logic [GroupBits:0] f_pushed_q, f_pushed1_q;  // groups of the row; one clock ago
+  logic [GroupBits:0] f_reads_q;   // groups that were read
+  logic               f_begins;    // the first push of a row
+  assign f_begins = push_i && !f_open_q;
+  always_comb begin
+    assume (rst_i == !f_ran_q);
+    if (push_i && !rst_i) begin
+      assume (f_open_q || !active_o && !drain_o && (!f_broke_q || break_o));
+      assume (push_group_i == (f_open_q ? f_pushed_q[GroupBits-1:0] : '0));
+      if (f_open_q) assume (!f_pushed_q[GroupBits]);
+    end
+    if (break_i && !rst_i) assume ((f_open_q || push_i) && !(push_i && push_end_i));
+  end
+  always_ff @(posedge clk_i) begin
+    if (rst_i) {f_open_q, f_broke_q, f_pushed_q, f_pushed1_q, f_reads_q} <= '0;
+    else begin
+      if (push_i) f_open_q <= !push_end_i;
+      if (break_i) f_open_q <= 1'b0;
+      if (break_i) f_broke_q <= 1'b1;
+      else if (break_o) f_broke_q <= 1'b0;
+      f_pushed1_q <= f_pushed_q;
+      f_pushed_q  <= f_begins ? (GroupBits + 1)'(1) : f_pushed_q + (GroupBits + 1)'(push_i);
+      f_reads_q   <= f_begins ? '0 : f_reads_q + (GroupBits + 1)'(drain_o);
+    end
+  end
+
+  // The word of any one group
+  (* anyconst *) logic [GroupBits-1:0] f_group;
+  logic [Width-1:0] f_word_q;
+  logic             f_read_q, f_drained_q;
+  logic [1:0]       f_quiet_q;  // clocks without a push, a break or a read
+  always_ff @(posedge clk_i) begin
+    if (push_i && push_group_i == f_group) f_word_q <= push_weights_i;
+    f_read_q    <= !rst_i && drain_o && drain_group_o == f_group;
+    f_drained_q <= !rst_i && drain_o;
+    if (rst_i || push_i || break_i || drain_o) f_quiet_q <= 2'd0;
+    else if (f_quiet_q != 2'd3) f_quiet_q <= f_quiet_q + 2'd1;
+  end
+  always_comb if (f_ran_q) begin
+    // Rule 1: groups are read in order, each two clocks after its push or later, never two in
+    // neighbouring clocks; active_o is high but for the last read.
+    if (drain_o) begin
+      assert (drain_group_o == f_reads_q[GroupBits-1:0] && f_reads_q < f_pushed1_q);
+      assert (!f_drained_q);
+      assert (active_o || !f_open_q && f_reads_q + (GroupBits + 1)'(1) == f_pushed_q);
+    end
+    // Rule 2: the weights are those that were pushed with the group.
+    if (f_read_q) assert (weights_o == f_word_q);
+    // Rule 3: a break is told once, after the last read, and only if the row ended by one.
+    if (break_o) assert (f_broke_q && !drain_o && !f_open_q && f_reads_q == f_pushed_q);
+    // Rule 4: nothing stays behind.
+    if (f_quiet_q == 2'd3 && !f_open_q) assert (!active_o && !f_broke_q && f_reads_q == f_pushed_q);
+  end
+  logic f_met_q;  // a row has begun in the clock in which the break of the one before was told
+  always_ff @(posedge clk_i) begin
+    if (rst_i) f_met_q <= 1'b0;
+    else if (f_begins) f_met_q <= break_o;
+  end
+  always_ff @(posedge clk_i) if (f_ran_q) begin
+    cover (f_met_q && drain_o && f_reads_q == (GroupBits + 1)'(1));
+    cover (break_o && f_pushed_q == (GroupBits + 1)'(2));
+  end
+`endif
+
 endmodule
 
 `default_nettype wire

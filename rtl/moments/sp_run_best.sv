@@ -93,6 +93,38 @@ module sp_run_best #(
     .rd_data_o(raw)
   );
 
+`ifdef FORMAL
+  // Rule: the new word has one run more, up to 3, and of the strongest, the second and the run that
+  // has ended, the strongest two; of equals the earlier one comes first. Without a run it is the
+  // word that was read. (A word that was written keeps the second no stronger than the strongest.)
+  logic f_ran_q = 1'b0, f_ran2_q = 1'b0;
+  always_ff @(posedge clk_i) {f_ran2_q, f_ran_q} <= {f_ran_q, 1'b1};
+  logic [1:0]          f_runs_q;
+  logic [M0Bits-1:0]   f_second_q, f_best_q, f_m0_q;
+  logic [RestBits-1:0] f_rest_q;
+  logic                f_run_q;
+  always_ff @(posedge clk_i) begin
+    {f_runs_q, f_second_q, f_best_q, f_rest_q} <= s4_word_q;
+    {f_run_q, f_m0_q}                          <= {s4_run_i, s4_m0_i};
+  end
+  logic [WordBits-1:0] f_new;
+  always_comb begin
+    f_new = {f_runs_q, f_second_q, f_best_q, f_rest_q};
+    if (f_run_q) begin
+      f_new[WordBits-1-:2] = f_runs_q == 2'd3 ? 2'd3 : f_runs_q + 2'd1;
+      if (f_m0_q > f_best_q) f_new[WordBits-3:0] = {f_best_q, f_m0_q, s5_rest_i};
+      else if (f_m0_q > f_second_q) f_new[WordBits-3-:M0Bits] = f_m0_q;
+    end
+  end
+  always_comb if (f_ran_q) begin
+    assert (new_word == f_new);
+  end
+  always_ff @(posedge clk_i) if (f_ran2_q) begin
+    assert (best_o == $past(f_new));
+    cover (f_run_q && f_runs_q == 2'd3 && f_m0_q == f_best_q && f_m0_q > f_second_q);
+  end
+`endif
+
 endmodule
 
 `default_nettype wire

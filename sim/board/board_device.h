@@ -393,7 +393,7 @@ class BoardDevice {
     Simulation(const Simulation&) = delete;
     Simulation& operator=(const Simulation&) = delete;
     VerilatedContext context;
-    Model model{&context};
+    Model model{with_initial_values(context)};
 #ifdef SELFPROJ_COVERAGE
     CoverageFile coverage{context};  // declared after the model, so that it writes before the model is destroyed
 #endif

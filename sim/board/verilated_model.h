@@ -1,4 +1,4 @@
-// Builds of a Verilated model that count coverage, and that have mutations.
+// What a Verilated model begins with, and builds that count coverage or have mutations.
 #ifndef SELFPROJ_SIM_BOARD_VERILATED_MODEL_H
 #define SELFPROJ_SIM_BOARD_VERILATED_MODEL_H
 
@@ -82,6 +82,17 @@ class Reusable {
 #endif
   T* object_;
 };
+
+// Returns the context for the model that it is to hold. Registers begin with zeros, or, where the environment variable
+// SELFPROJ_INITIAL_SEED is a number, with the random values of that seed.
+template <class Context>
+Context* with_initial_values(Context& context) {
+  if (const char* seed = std::getenv("SELFPROJ_INITIAL_SEED"); seed != nullptr) {
+    context.randReset(2);
+    context.randSeed(static_cast<int>(std::strtol(seed, nullptr, 10)));
+  }
+  return &context;
+}
 
 // Selects the mutation of a model that was built with mutations: such a model has an input `mutant`.
 //

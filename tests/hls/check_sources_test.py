@@ -55,6 +55,8 @@ FAULTS = [
     ("header", '#include "sim/board/shell_ram.h"  // HERE'),
 ]
 SHELL_FAULTS = [
+    ("initial value in a record", "struct F {\n  bool a;\n  bool b = false;  // HERE\n};\nstruct G {\n  F f[4];\n};"),
+    ("constructor in a record", "struct F {\n  F() { a = false; }  // HERE\n  bool a;\n};\nstruct G {\n  F f[4];\n};"),
     ("process that is not clocked", "struct F {\n  F() { SC_THREAD(f); }  // HERE\n};"),
     (
         "thread f without a reset",

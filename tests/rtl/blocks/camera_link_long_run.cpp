@@ -110,9 +110,12 @@ class LvdsBench : public LinkOutputs {
         board_(board),
         links_{LvdsLanes(random_, 0, bit, 100'000),
                LvdsLanes(random_, 1, bit, 100'000 + random_.between(0, 7 * 1500))} {
-    dut_->x_good_i = dut_->y_good_i = 0;
     dut_->x_eclk_i = dut_->y_eclk_i = dut_->clk_i = 0;
     dut_->x_lanes_i = dut_->y_lanes_i = 0;
+    // Verilator performs an asynchronous reset at its edge.
+    dut_->x_good_i = dut_->y_good_i = 1;
+    dut_.eval();
+    dut_->x_good_i = dut_->y_good_i = 0;
     dut_->rst_i = 1;
     until(now_ + 4 * board_);
     dut_->rst_i = 0;

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "tests/rtl/blocks/link_bench.h"
@@ -26,6 +27,69 @@ TEST(Link, AnswersAndRegistersAreThoseOfTheModel) {
     EXPECT_GT(figures.answers, 100U);
     EXPECT_LT(figures.answers, 390U);
   });
+}
+
+// What the mailbox has performed, as the network reads it.
+bool expect_mailbox_of_model(LinkBench& bench, LinkModel& model, std::uint32_t from) {
+  return expect_answer_of_model(
+      bench, model,
+      driver::etherbone_bytes(
+          {.tag = 7,
+           .reads = {spec::kLinkTicket, spec::kLinkAddress, spec::kLinkValue, spec::kLinkAnswer, spec::kLinkSource}}),
+      from);
+}
+
+// Only the ticket after the last one performs a write: not one that differs from it in any one bit.
+TEST(Link, EveryBitOfATicketCounts) {
+  Random random(1);
+  LinkBench bench(1);
+  LinkModel model;
+  const auto mail = [&](std::uint32_t ticket, std::uint32_t address) {
+    const Bytes question = driver::etherbone_bytes(
+        {.write_address = spec::kLinkTicket, .writes = {ticket, address, static_cast<std::uint32_t>(random.bits())}});
+    expect_answer_of_model(bench, model, question, kHosts[0]);
+    expect_mailbox_of_model(bench, model, kHosts[1]);
+    ASSERT_FALSE(HasFailure()) << "ticket " << ticket;
+  };
+  std::uint32_t next = 1;
+  for (int bit = 0; bit < 32; ++bit) {
+    for (const std::uint32_t address : {std::uint32_t{0x20}, spec::kLinkSource}) {
+      mail(next ^ std::uint32_t{1} << static_cast<unsigned>(bit), address);
+    }
+    mail(next, 0x20);
+    ++next;
+  }
+}
+
+// While the board runs, nobody but its owner moves the mailbox: not its ticket, its address or its source, in any step
+// of a write that the owner makes in three, and whatever bit of the address of the other host differs.
+TEST(Link, OnlyTheOwnerWritesTheMailbox) {
+  Random random(1);
+  LinkBench bench(1);
+  LinkModel model;
+  const std::uint32_t owner = random_host(random);
+  const auto write = [&](std::uint32_t from, std::uint32_t address, std::vector<std::uint32_t> words) {
+    expect_answer_of_model(bench, model,
+                           driver::etherbone_bytes({.write_address = address, .writes = std::move(words)}), from);
+    expect_mailbox_of_model(bench, model, from);
+  };
+  write(owner, spec::kRegControl, {1});
+  ASSERT_TRUE(bench.registers.runs());
+  std::uint32_t next = 1;
+  for (unsigned bit = 0; bit < 32; ++bit) {
+    const std::uint32_t other = owner ^ std::uint32_t{1} << bit;
+    for (const std::uint32_t address : {std::uint32_t{0x20}, spec::kLinkSource, spec::kLinkReplaySession}) {
+      const std::uint32_t replay = spec::kSourceReplay;
+      write(other, spec::kLinkTicket, {next, address, replay});
+      write(owner, spec::kLinkTicket, {next, address});
+      write(other, spec::kLinkValue, {replay});
+      write(other, spec::kLinkTicket, {next + 1});
+      write(other, spec::kLinkAddress, {0x40});
+      write(owner, spec::kLinkValue, {spec::kSourceCamera});
+      ASSERT_FALSE(HasFailure()) << "bit " << bit << ", address " << address;
+      ++next;
+    }
+  }
 }
 
 driver::EtherboneRecord random_record(Random& random, int writes, int reads) {

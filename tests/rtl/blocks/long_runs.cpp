@@ -2,9 +2,12 @@
 // their registers have other names.)
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstdint>
 #include <optional>
 
+#include "Vsp_counter32_ports.h"
+#include "Vsp_counter64_ports.h"
 #include "Vsp_gray_match_small_ports.h"
 #include "model/datagram.h"
 #include "tests/rtl/blocks/datagram_cutter_bench.h"
@@ -42,6 +45,43 @@ TEST(DatagramCutter, NumbersCarryAndWrapInALongSession) {
     EXPECT_EQ(last->packet, place + 6);
     EXPECT_LT(last->sequence - place, 60U) << "beyond the carry";
   }
+}
+
+// Every chain of a counter waits for all chains below it: each is full, all but full, or anything else.
+template <typename Dut>
+void carry_past_chains(const char* chains_of, int low_bits, int chain_bits, int chains) {
+  Random random(1);
+  const std::uint64_t ones = (std::uint64_t{1} << chain_bits) - 1;
+  for (int state = 0; state < static_cast<int>(std::pow(3, chains)); ++state) {
+    std::uint64_t upper = 0;
+    for (int k = 0, rest = state; k < chains; ++k, rest /= 3) {
+      const std::uint64_t chain = rest % 3 == 0 ? ones : rest % 3 == 1 ? ones - 1 : random.bits() % ones;
+      upper |= chain << (chain_bits * k);
+    }
+    Clocked<Dut> counter;
+    counter->inc_i = 0;
+    counter.reset();
+    Verilated::threadContextp(counter->contextp());
+    InnerRegister(chains_of).set(upper);
+    std::uint64_t count = upper << low_bits;
+    const auto run = [&](int clocks, int percent) {
+      for (int i = 0; i < clocks; ++i) {
+        counter->inc_i = random.chance(percent);
+        const bool counts = counter->inc_i != 0;
+        counter.tick();
+        count += counts ? 1 : 0;
+      }
+    };
+    run(600, random.between(50, 100));
+    run(2, 0);  // until the last one shows
+    counter.settle();
+    const int unused = 64 - low_bits - chain_bits * chains;
+    ASSERT_EQ(static_cast<std::uint64_t>(counter->count_o) << unused, count << unused) << "chains " << state;
+  }
+}
+TEST(Counter, EveryChainWaitsForAllBelowIt) {
+  carry_past_chains<Vsp_counter32>("TOP.sp_counter.upper_q", 8, 12, 2);
+  carry_past_chains<Vsp_counter64>("TOP.sp_counter.upper_q", 8, 14, 4);
 }
 
 // The ticket of the mailbox
