@@ -384,7 +384,8 @@ StructuredLightResult run_fist(const GrayMotionOptions& options, const ProgressO
   const rig::Rig& rig = options.rig;
   const int frames = options.frames > 0 ? options.frames : 416;  // a turn at 2.5 Hz, the slowest drawn, and a cycle
   std::size_t done = 0;
-  const std::size_t all = images_of(1 + options.paths, frames);
+  const bool with_thesis = options.path_seed == 0;
+  const std::size_t all = images_of((with_thesis ? 1 : 0) + options.paths, frames);
   const auto count = [&] { progress(++done, all); };
   const auto desk = sim::make_scene("desk", rig);
   const LinePlanes planes(rig);
@@ -403,7 +404,9 @@ StructuredLightResult run_fist(const GrayMotionOptions& options, const ProgressO
           sim::kMovedMm, sim::kSteady.max_change_mm, sim::kSteady.min_neighbours)};
   double worst_off = 0;
   Following::Figures worst{.kept = 1};
-  for (int k = 0; k <= options.paths; ++k) {
+  const int first = with_thesis ? 0 : static_cast<int>(options.path_seed);
+  const int last = with_thesis ? options.paths : first + options.paths - 1;
+  for (int k = first; k <= last; ++k) {  // the seed; 0: the path of the thesis
     const sim::FistPath path = k == 0 ? sim::FistPath{} : drawn_path(static_cast<std::uint64_t>(k));
     const auto scene = sim::make_fist(rig, path);
     Following filtered(rig, sim::kSteady);

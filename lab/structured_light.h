@@ -157,8 +157,10 @@ inline constexpr int kGrayCycle = 2 * kGrayBits;  // frames
 struct GrayMotionOptions {
   rig::Rig rig;
   sim::RenderOptions render;
-  int paths = 10;               // B1: drawn paths of the fist, in addition to that of the thesis
-  int pools = 6;                // B2: pools in addition to that of the thesis: first 20 and 40 mm deep, then drawn ones
+  int paths = 10;  // B1: drawn paths of the fist, in addition to that of the thesis
+  std::uint64_t path_seed =
+      0;          // B1: if more than 0, they are drawn by this seed and the next ones, without the thesis's
+  int pools = 6;  // B2: pools in addition to that of the thesis: first 20 and 40 mm deep, then drawn ones
   std::uint64_t pool_seed = 0;  // B2: if more than 0, all of these pools are drawn, by this seed and the next ones
   // Frames of each path, pool or set of taps, an even number. 0 means a turn of the slowest fist, until 0.55 s after
   // the impact, or five taps.
