@@ -93,7 +93,7 @@ std::vector<images::Image> read_lines(const CameraOptions& options, const calibr
 rig::Rig rig_of_laser(const CameraOptions& options, const calibration::CameraReport& camera,
                       const calibration::LaserPlane& laser) {
   const calibration::LensParameters& p = camera.model.result.bundle.camera;
-  rig::Rig rig = rig::load_rig(options.rig);
+  rig::Rig rig = rig::load_any_rig(options.rig);  // its projector, or another laser, does not matter
   rig.camera.rows = camera.images.front().rows;
   rig.camera.columns = camera.images.front().columns;
   rig.camera.focal_length_mm = 0.5 * (p[0] + p[1]) * rig.camera.pixel_pitch_mm;
@@ -180,7 +180,7 @@ std::string report_text(const calibration::CameraReport& camera, const std::opti
 void run_camera(CameraOptions options) {
   apply(options);
   files::OutputFolder folder(options.out);
-  static_cast<void>(rig::load_rig(options.rig));
+  static_cast<void>(rig::load_any_rig(options.rig));
   std::vector<calibration::BoardImage> boards;
   {
     cli::Progress progress("image", options.images.size());
