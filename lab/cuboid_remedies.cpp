@@ -27,20 +27,14 @@ struct CuboidRemedy {
   std::array<double, 3> values;
 };
 
-constexpr std::array<CuboidRemedy, 13> kCuboidRemedies{
+constexpr std::array<CuboidRemedy, 7> kCuboidRemedies{
     {{"second-line", "threshold {:g} instead of 5", &CuboidSettings::threshold, {15, 30, 60}},
      {"second-line", "no point higher than {:g} mm over the plane", &CuboidSettings::highest, {200, 160, 120}},
-     {"second-line", "{:g} of 8 neighbours within 10 mm", &CuboidSettings::neighbours, {3, 5, 7}},
-     {"second-line", "a second cycle shifted by {:g} must agree", &CuboidSettings::shift, {1, 2, 3}},
      {"saturation=5", "{:g} of the exposure", &CuboidSettings::exposure, {0.7, 0.5, 0.25}},
      {"saturation=8", "{:g} of the exposure", &CuboidSettings::exposure, {0.7, 0.5, 0.25}},
      {"gloss=brushed-steel", "{:g} times the exposure", &CuboidSettings::exposure, {2, 4, 8}},
      {"gloss=brushed-steel", "threshold {:g} instead of 5", &CuboidSettings::threshold, {2, 3, 4}},
-     {"projector-defocus=1", "stripes {:g} rows wide instead of 2", &CuboidSettings::width, {3, 4, 6}},
-     {"projector-defocus=1", "a second cycle shifted by {:g} must agree", &CuboidSettings::shift, {1, 2, 3}},
-     {"gloss=brushed-steel", "a second cycle shifted by {:g} must agree", &CuboidSettings::shift, {1, 2, 3}},
-     {"", "a second cycle shifted by {:g} must agree", &CuboidSettings::shift, {1, 2, 3}},
-     {"", "{:g} of 8 neighbours within 10 mm", &CuboidSettings::neighbours, {3, 5, 7}}}};
+     {"projector-defocus=1", "stripes {:g} rows wide instead of 2", &CuboidSettings::width, {3, 4, 6}}}};
 
 // The world of a seed.
 sim::World drawn_world(const sim::WorldFile& file, const std::string& disturbance, std::uint64_t seed) {

@@ -381,6 +381,18 @@ report::ReportTable spread_table(const std::vector<Method>& methods) {
   return table;
 }
 
+// The errors of the plane in columns of their own, for its goal.
+report::ReportTable plane_table(const std::vector<Method>& methods) {
+  report::ReportTable table{
+      "B4: error of z on the plane", {"", "RMS, mm", "largest, mm", "more than 10 mm off, %"}, {}};
+  for (const Method& method : methods) {
+    const FaceFigures& plane = method.figures[Face::plane];
+    table.rows.push_back(
+        {method.name, figure_text(plane.rms), figure_text(plane.most), figure_text(100 * plane.errors.beyond(10), 3)});
+  }
+  return table;
+}
+
 report::ReportTable valid_table(const std::vector<Method>& methods) {
   report::ReportTable table{"B4: share of the interiors' pixels that have a depth, %", {""}, {}};
   for (const char* name : kFaceNames) {
@@ -462,6 +474,7 @@ void check_figures(const CuboidFigures& f, std::vector<std::string>& not_reached
   wanted("the low cuboid's height", f[Face::low].height, sim::Cuboids::kLow, 0.83);
   wanted("the high cuboid's height", f[Face::high].height, sim::Cuboids::kHigh, 0.45);
   wanted("the letter's depth", -f[Face::letter].difference, sim::Cuboids::kLetterDepth, 0.70);
+  wanted("the plane's error of z, RMS,", f[Face::plane].rms, 0, kHalfPixelOnPlane);
   constexpr std::array<double, 3> kBounds{0.22, 0.62, 0.28};  // for the published 2.78, 5.38, 9.28
   for (std::size_t i = 0; i < kBounds.size(); ++i) {
     const auto block = static_cast<std::size_t>(Face::block_3) + i;
@@ -553,7 +566,8 @@ StructuredLightResult run_cuboids(const CuboidsOptions& options, const ProgressO
                    valid_table(methods),
                    shares_table(stage, reference, result.not_reached),
                    scan_table(reference, stage.planes, stage.reference_z, options.scan),
-                   spread_table(methods)};
+                   spread_table(methods),
+                   plane_table(methods)};
   check_figures(methods[0].figures, result.not_reached);
   add_pictures(stage, methods, result.page);
   result.page.title = "Experiment B4";

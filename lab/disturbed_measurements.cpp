@@ -7,7 +7,6 @@
 #include <limits>
 #include <span>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "host/images/frame_options.h"
@@ -24,7 +23,6 @@
 #include "selfproj/light_section/reference.h"
 #include "selfproj/model/column_moments.h"
 #include "selfproj/model/column_runs.h"
-#include "selfproj/structured_light/foreground.h"
 #include "selfproj/structured_light/scanner.h"
 #include "selfproj/structured_light/triangulation.h"
 #include "sim/cosim/light_section.h"
@@ -38,7 +36,6 @@ namespace selfproj::lab {
 namespace {
 
 constexpr float kNotCompared = std::numeric_limits<float>::quiet_NaN();
-constexpr float kSameDepth = 10;     // mm; points of one surface, or of one place in two cycles, differ less
 constexpr double kReachOnPart = 63;  // mm along the belt from the part's middle: 2 mm from its ends
 
 // Whether the surface is level around a place: within 0.7 mm (three columns) across the belt, and within 1.4 mm along
@@ -74,62 +71,30 @@ rig::Rig with_measure(rig::Rig rig, const model::Measure& measure) {
   return rig;
 }
 
-// The depths that have at least `least` neighbours within 10 mm; NaN elsewhere.
-std::vector<float> with_neighbours(const images::FloatImage& depth, int least) {
-  if (least == 0) {
-    return depth.values;
-  }
-  const std::vector<float> nowhere(depth.values.size(), -1e6F);  // so that every point differs from it
-  structured_light::SteadyFilter filter(depth.rows, depth.columns,
-                                        {.max_change_mm = kSameDepth, .min_neighbours = least});
-  filter.apply(depth.values.data(), nowhere.data(), kSameDepth);
-  return {filter.kept(), filter.kept() + depth.values.size()};
-}
-
-// The means of depths that differ by 10 mm at most; NaN elsewhere.
-images::FloatImage agreeing(const images::FloatImage& a, const images::FloatImage& b) {
-  images::FloatImage mean(a.rows, a.columns);
-  std::transform(a.values.begin(), a.values.end(), b.values.begin(), mean.values.begin(), [](float z0, float z1) {
-    return std::abs(z0 - z1) <= kSameDepth ? 0.5F * (z0 + z1) : std::numeric_limits<float>::quiet_NaN();
-  });
-  return mean;
-}
-
-// A cycle of each method, which begins at frame `first`, with its stripes shifted as CuboidSettings::shift says.
-images::FloatImage self_projected_depth(const sim::PatternRenderer& renderer, structured_light::SelfReference reference,
-                                        const structured_light::DepthLimits& limits, int first, int shift) {
+// A cycle of each method.
+images::FloatImage self_projected_depth(const sim::PatternRenderer& renderer,
+                                        const structured_light::SelfReference& reference,
+                                        const structured_light::DepthLimits& limits) {
   constexpr int kBelow = 8;  // e of (4.20), as in B4
-  for (float& row : reference.row.values) {
-    row += static_cast<float>(shift);
-  }
   const rig::Rig& rig = renderer.rig();
   const structured_light::MatchTable table(rig, reference, structured_light::MatchSettings{.e = kBelow});
   structured_light::SelfScanner scanner(rig, reference, table, rig.measure.code_threshold, limits);
   scan_cycle(
-      renderer, first, reference.stripes.bits,
+      renderer, 0, reference.stripes.bits,
       [&](int i) { return structured_light::self_projected_pattern(reference, i); },
       [](int /*i*/, const model::ImageView& /*image*/) {}, scanner);
   return scanner.depth();
 }
 
-images::FloatImage conventional_depth(const sim::PatternRenderer& renderer, const structured_light::DepthLimits& limits,
-                                      int first, int shift) {
+images::FloatImage conventional_depth(const sim::PatternRenderer& renderer,
+                                      const structured_light::DepthLimits& limits) {
   constexpr int kBits = 8;
-  const int coded = std::min(kCodedLines, renderer.rig().projector.lines);
-  rig::Rig shifted = renderer.rig();
-  shifted.projector.center_xp_mm += shift * shifted.projector.line_pitch_mm;
-  const structured_light::PlaneTriangulation triangulation(shifted, kBits, limits, coded);
-  structured_light::Scanner scanner(triangulation, {.threshold = shifted.measure.code_threshold});
+  const rig::Rig& rig = renderer.rig();
+  const int coded = std::min(kCodedLines, rig.projector.lines);
+  const structured_light::PlaneTriangulation triangulation(rig, kBits, limits, coded);
+  structured_light::Scanner scanner(triangulation, {.threshold = rig.measure.code_threshold});
   scan_cycle(
-      renderer, first, kBits,
-      [&](int i) {
-        const images::FloatImage pattern = structured_light::gray_pattern(shifted, kBits, coded, i);
-        images::FloatImage moved(pattern.rows, pattern.columns);
-        for (int l = std::max(0, shift); l < std::min(pattern.rows, pattern.rows + shift); ++l) {
-          std::copy_n(pattern.row(l - shift), pattern.columns, moved.row(l));
-        }
-        return moved;
-      },
+      renderer, 0, kBits, [&](int i) { return structured_light::gray_pattern(rig, kBits, coded, i); },
       [](int /*i*/, const model::ImageView& /*image*/) {}, scanner);
   return scanner.depth();
 }
@@ -278,11 +243,10 @@ std::vector<WayOfMeasuring> DisturbedCuboids::measure(const sim::World& world, c
     limits = {rig.plane_z_mm - settings.highest, rig.plane_z_mm + kBelowPlane};
   }
   const auto errors_of = [&](const images::FloatImage& depth) {
-    const std::vector<float> kept = with_neighbours(depth, static_cast<int>(settings.neighbours));
     ErrorSpread errors;
     for (std::size_t i = 0; i < truth_.values.size(); ++i) {
       if (!std::isnan(truth_.values[i])) {
-        errors.add(static_cast<double>(kept[i]) - static_cast<double>(truth_.values[i]));
+        errors.add(static_cast<double>(depth.values[i]) - static_cast<double>(truth_.values[i]));
       }
     }
     return errors;
@@ -291,14 +255,8 @@ std::vector<WayOfMeasuring> DisturbedCuboids::measure(const sim::World& world, c
       rig, sim::scan_points(rig, *good_, options, sim::ScanMethod::gray_codes, [] {}),
       structured_light::Stripes{.width = static_cast<int>(settings.width)});
   const sim::PatternRenderer renderer(rig, *part_, options);
-  images::FloatImage self = self_projected_depth(renderer, reference, limits, 0, 0);
-  images::FloatImage conventional = conventional_depth(renderer, limits, 0, 0);
-  if (const int shift = static_cast<int>(settings.shift); shift != 0) {
-    constexpr int kSecond = 64;  // its first frame, with other noise
-    self = agreeing(self, self_projected_depth(renderer, reference, limits, kSecond, shift));
-    conventional = agreeing(conventional, conventional_depth(renderer, limits, kSecond, shift));
-  }
-  return {{"self-projected, 4 bits", errors_of(self)}, {"conventional, 8 bits", errors_of(conventional)}};
+  return {{"self-projected, 4 bits", errors_of(self_projected_depth(renderer, reference, limits))},
+          {"conventional, 8 bits", errors_of(conventional_depth(renderer, limits))}};
 }
 
 }  // namespace selfproj::lab

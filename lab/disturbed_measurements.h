@@ -52,15 +52,10 @@ rig::Rig coarser_rig(rig::Rig rig, int factor);
 
 // How the cuboids are measured.
 struct CuboidSettings {
-  double threshold = 0;   // of the binarization, grey values; 0: the rig's
-  double width = 2;       // of the narrowest self-projected stripe, camera rows
-  double highest = 0;     // mm over the plane; what is higher, or deeper than 15 mm below it, is no point; 0: any is
-  double neighbours = 0;  // 0..8 neighbours that a point must have within 10 mm of z
-  double exposure = 1;    // factor of all light, with which a pixel's well fills at white
-  // 0: one cycle of patterns. Otherwise a second cycle follows. In it the self-projected stripes are shifted by so many
-  // camera rows, the conventional ones by so many projector lines. A point counts if both cycles put it at the same
-  // depth within 10 mm, at the mean of both.
-  double shift = 0;
+  double threshold = 0;  // of the binarization, grey values; 0: the rig's
+  double width = 2;      // of the narrowest self-projected stripe, camera rows
+  double highest = 0;    // mm over the plane; what is higher, or deeper than 15 mm below it, is no point; 0: any is
+  double exposure = 1;   // factor of all light, with which a pixel's well fills at white
 };
 
 // B4: the marked cuboids by 4 self-projected bits, whose reference is scanned by Gray codes in the same world, and by 8

@@ -84,7 +84,8 @@ using TrueHeight = std::function<double(int frame, double x, double y)>;
 Mask near_steps(const images::FloatImage& truth, double min_step, int columns, int rows);
 
 // The same within a rectangle: 1 for the entries that are within `columns` >= 1 columns and `rows` >= 1 rows of a step,
-// those beside its corners as well. Hidden rigs are judged like this (lab/scripts/hidden_rig_figures.py).
+// those beside its corners as well. Hidden rigs are judged alike (lab/scripts/hidden_rig_figures.py), where
+// a step along the belt is one over 0.7 mm.
 Mask around_steps(const images::FloatImage& truth, double min_step, int columns, int rows);
 
 struct HeightErrors {

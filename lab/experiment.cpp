@@ -67,13 +67,14 @@ nlohmann::ordered_json json_of(const std::vector<report::ReportTable>& tables) {
   return all;
 }
 
-// The tables and what is not reached, as results/experiment_NAME.json; with --sources, --gray-scan and --pool-seed
-// under a different name.
+// The tables and what is not reached, as results/experiment_NAME.json; with --sources, --gray-scan, --pool-seed and
+// --path-seed under a different name.
 void keep_results(const ExperimentOptions& options, const std::vector<report::ReportTable>& tables,
                   const std::vector<std::string>& not_reached) {
   files::write_results(
       "experiment_" + options.name + (options.null_test ? "_null_test" : "") + (options.sources ? "_sources" : "") +
-          (options.scan == sim::ScanMethod::gray_codes ? "_gray_scan" : "") + (options.pool_seed > 0 ? "_drawn" : ""),
+          (options.scan == sim::ScanMethod::gray_codes ? "_gray_scan" : "") +
+          (options.pool_seed > 0 || options.path_seed > 0 ? "_drawn" : ""),
       "Experiment " + options.name + " in simulation", {{"tables", json_of(tables)}, {"not_reached", not_reached}});
 }
 
@@ -126,6 +127,7 @@ std::vector<std::string> run_structured_light(const ExperimentOptions& options,
                                                        {.rig = rig,
                                                         .render = options.render(),
                                                         .paths = options.paths,
+                                                        .path_seed = options.path_seed,
                                                         .pools = options.pools,
                                                         .pool_seed = options.pool_seed},
                                                        std::ref(progress))

@@ -48,7 +48,8 @@ struct ExperimentOptions {
   std::uint64_t parts_seed = 2;
 
   // For B1:
-  int paths = 10;  // GrayMotionOptions::paths
+  int paths = 10;               // GrayMotionOptions::paths
+  std::uint64_t path_seed = 0;  // GrayMotionOptions::path_seed
 
   // For B2:
   int pools = 6;                // GrayMotionOptions::pools

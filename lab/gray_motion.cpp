@@ -17,14 +17,17 @@
 #include <vector>
 
 #include "host/report/report.h"
+#include "lab/cuboids.h"
 #include "lab/structured_light.h"
 #include "selfproj/images/float_image.h"
 #include "selfproj/model/gray_decoder.h"
 #include "selfproj/rig/calibration.h"
 #include "selfproj/rig/rig.h"
+#include "selfproj/structured_light/foreground.h"
 #include "selfproj/structured_light/triangulation.h"
 #include "sim/cosim/motion_analysis.h"
 #include "sim/cosim/wave_dispersion.h"
+#include "sim/scene/optics.h"
 #include "sim/scene/random.h"
 #include "sim/scene/ring_wave.h"
 #include "sim/scene/scenes.h"
@@ -258,149 +261,192 @@ StructuredLightResult run_waves(const GrayMotionOptions& options, const Progress
 
 namespace {
 
-constexpr double kWrongMm = 15;  // a depth that is more than this off is wrong
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+constexpr double kMaxFrequencyOff = 0.02;  // goals of B1 and B3, of the true one
+constexpr double kMaxAmplitudeOff = 0.1;   // goal of B3
+constexpr double kMaxCentroidOff = 10;     // goal of B1, mm RMS
 
 // ------------------------------------------------------------------ B1
 
-// How well a filter follows the fist on a path.
+// What the fist truly shows to the camera in one depth image: all of it, and what is in the projector's image.
+struct TrueFist {
+  structured_light::Foreground whole, in_view;
+};
+
+TrueFist true_fist(const Seen& seen, const LinePlanes& planes, const rig::RigProjector& projector) {
+  const auto moved = [&](const images::FloatImage& depth) {
+    return structured_light::foreground_of(seen.triangulation, depth.values.data(), seen.true_background.values.data(),
+                                           sim::kMovedMm);
+  };
+  images::FloatImage in_view = seen.truth;
+  for (std::size_t i = 0; i < in_view.values.size(); ++i) {
+    const auto z = static_cast<double>(in_view.values[i]);
+    if (std::abs(z - static_cast<double>(seen.true_background.values[i])) > sim::kMovedMm) {
+      const sim::PixelPoint light = planes.light(i, z);
+      const bool lit =
+          light.row >= 0 && light.row < projector.lines && light.column >= 0 && light.column < projector.columns;
+      in_view.values[i] = lit ? in_view.values[i] : std::numeric_limits<float>::quiet_NaN();
+    }
+  }
+  return {moved(seen.truth), moved(in_view)};
+}
+
+// The centroids of what moved on a path, by one filter, beside the true ones.
 class Following {
  public:
   Following(const rig::Rig& rig, const structured_light::SteadySettings& settings)
-      : settings_(settings), filter_(rig.camera.rows, rig.camera.columns, settings) {}
+      : filter_(rig.camera.rows, rig.camera.columns, settings) {}
 
-  void take(const Seen& seen) {
+  void take(const Seen& seen, const TrueFist& truth) {
     const float* kept = seen.depth.values.data();
     if (filter_.is_on()) {
       filter_.apply(seen.depth.values.data(), seen.background.values.data(), sim::kMovedMm);
       filter_.remember(seen.depth.values.data());
       kept = filter_.kept();
     }
-    const structured_light::Foreground found =
-        structured_light::foreground_of(seen.triangulation, kept, seen.background.values.data(), sim::kMovedMm);
-    const structured_light::Foreground truth = structured_light::foreground_of(
-        seen.triangulation, seen.truth.values.data(), seen.true_background.values.data(), sim::kMovedMm);
-    for (std::size_t i = 0; i < seen.truth.values.size(); ++i) {
-      const double rise = static_cast<double>(seen.background.values[i]) - static_cast<double>(kept[i]);
-      const double off = std::abs(static_cast<double>(kept[i]) - static_cast<double>(seen.truth.values[i]));
-      wrong_ += std::abs(rise) > sim::kMovedMm && off > kWrongMm ? 1 : 0;
-    }
-    ++images_;
-    pixels_ += static_cast<double>(found.pixels);
-    true_pixels_ += static_cast<double>(truth.pixels);
     t_.push_back(seen.t);
-    x_.push_back(found.pixels > 0 ? found.x : kNone);
-    if (found.pixels > 0 && truth.pixels > 0) {
-      const double d = std::hypot(found.x - truth.x, found.y - truth.y, found.z - truth.z);
-      squares_ += d * d;
-      most_ = std::max(most_, d);
-      ++points_;
-    }
+    found_.push_back(
+        structured_light::foreground_of(seen.triangulation, kept, seen.background.values.data(), sim::kMovedMm));
+    true_.push_back(truth);
   }
 
-  [[nodiscard]] const structured_light::SteadySettings& settings() const { return settings_; }
-  [[nodiscard]] double squares() const { return squares_; }
-  [[nodiscard]] double points() const { return points_; }
-  [[nodiscard]] double rms() const { return std::sqrt(squares_ / points_); }
-  [[nodiscard]] double most() const { return points_ > 0 ? most_ : kNone; }
-  [[nodiscard]] double pixels() const { return pixels_ / images_; }
-  [[nodiscard]] double true_pixels() const { return true_pixels_ / images_; }
-  [[nodiscard]] double wrong() const { return wrong_ / images_; }
-  [[nodiscard]] double images() const { return images_; }
-  [[nodiscard]] double frequency() const { return sim::fit_sine(t_, x_, 1, 8).frequency; }
+  // Where the fist leaves the light, the centroid is that of a part of it. So an image counts for the frequency if it
+  // has at least half as many pixels as nineteen images of twenty have at most.
+  [[nodiscard]] double frequency() const {
+    constexpr double kMany = 0.95;
+    std::vector<std::int64_t> pixels;
+    for (const structured_light::Foreground& found : found_) {
+      pixels.push_back(found.pixels);
+    }
+    const auto many = pixels.begin() + static_cast<std::ptrdiff_t>(kMany * static_cast<double>(pixels.size() - 1));
+    std::nth_element(pixels.begin(), many, pixels.end());
+    std::vector<double> t;
+    std::vector<std::vector<double>> places(3);
+    for (std::size_t i = 0; i < t_.size(); ++i) {
+      if (found_[i].pixels > 0 && 2 * found_[i].pixels >= *many) {
+        t.push_back(t_[i]);
+        places[0].push_back(found_[i].x);
+        places[1].push_back(found_[i].y);
+        places[2].push_back(found_[i].z);
+      }
+    }
+    constexpr double kLow = 1;
+    constexpr double kHigh = 8;
+    return sim::common_frequency(t, places, kLow, kHigh);
+  }
+
+  // Over the images in which at least half of the fist is in the projector's image.
+  struct Figures {
+    int images = 0;
+    int lost = 0;              // of them, those in which nothing was found
+    double rms = 0, most = 0;  // the centroid from that of what is in view, mm
+    double rms_whole = 0;      // the same from that of the whole fist
+    double kept = 0;           // pixels, of those in view
+  };
+  [[nodiscard]] Figures figures() const {
+    Figures f;
+    double pixels = 0;
+    double in_view = 0;
+    const auto off = [](const structured_light::Foreground& a, const structured_light::Foreground& b) {
+      return std::hypot(a.x - b.x, a.y - b.y, a.z - b.z);
+    };
+    for (std::size_t i = 0; i < t_.size(); ++i) {
+      if (true_[i].in_view.pixels == 0 || 2 * true_[i].in_view.pixels < true_[i].whole.pixels) {
+        continue;
+      }
+      ++f.images;
+      in_view += static_cast<double>(true_[i].in_view.pixels);
+      pixels += static_cast<double>(found_[i].pixels);
+      if (found_[i].pixels == 0) {
+        ++f.lost;
+        continue;
+      }
+      const double distance = off(found_[i], true_[i].in_view);
+      f.rms += distance * distance;
+      f.most = std::max(f.most, distance);
+      f.rms_whole += std::pow(off(found_[i], true_[i].whole), 2);
+    }
+    f.rms = std::sqrt(f.rms / (f.images - f.lost));
+    f.rms_whole = std::sqrt(f.rms_whole / (f.images - f.lost));
+    f.kept = pixels / in_view;
+    return f;
+  }
+
+  [[nodiscard]] std::size_t images() const { return t_.size(); }
 
  private:
-  structured_light::SteadySettings settings_;
   structured_light::SteadyFilter filter_;
-  double images_ = 0, points_ = 0;
-  double squares_ = 0, most_ = 0, pixels_ = 0, true_pixels_ = 0, wrong_ = 0;
-  std::vector<double> t_, x_;
+  std::vector<double> t_;
+  std::vector<structured_light::Foreground> found_;
+  std::vector<TrueFist> true_;
 };
-
-constexpr std::array<float, 4> kChanges{std::numeric_limits<float>::infinity(), 20, 10, 5};
-constexpr std::array<int, 4> kNeighbours{0, 4, 6, 8};
-
-std::string change_text(const structured_light::SteadySettings& s) {
-  return std::isinf(s.max_change_mm) ? "any" : fmt::format("{:g}", s.max_change_mm);
-}
-
-// The least RMS among those that keep at least half as many pixels as truly moved.
-std::size_t best_of(const std::vector<Following>& filters) {
-  std::size_t best = 0;
-  for (std::size_t i = 0; i < filters.size(); ++i) {
-    const bool keeps = 2 * filters[i].pixels() >= filters[i].true_pixels();
-    best = keeps && filters[i].rms() < filters[best].rms() ? i : best;
-  }
-  return best;
-}
 
 StructuredLightResult run_fist(const GrayMotionOptions& options, const ProgressOfImages& progress) {
   const rig::Rig& rig = options.rig;
-  const int frames = options.frames > 0 ? options.frames : 300;  // a turn at 3.5 Hz and a cycle
+  const int frames = options.frames > 0 ? options.frames : 416;  // a turn at 2.5 Hz, the slowest drawn, and a cycle
   std::size_t done = 0;
-  const std::size_t all = images_of(1 + options.paths, frames);
+  const bool with_thesis = options.path_seed == 0;
+  const std::size_t all = images_of((with_thesis ? 1 : 0) + options.paths, frames);
   const auto count = [&] { progress(++done, all); };
   const auto desk = sim::make_scene("desk", rig);
-
-  std::vector<Following> filters;
-  for (const float change : kChanges) {
-    for (const int neighbours : kNeighbours) {
-      filters.emplace_back(rig, structured_light::SteadySettings{change, neighbours});
-    }
-  }
-  const auto path = sim::make_fist(rig, {});
-  observe(options, {*path, *desk, 0, frames, rig.imaging.seed}, count, [&](const Seen& seen) {
-    for (Following& filter : filters) {
-      filter.take(seen);
-    }
-  });
-  const std::size_t best = best_of(filters);
+  const LinePlanes planes(rig);
   StructuredLightResult result;
-  report::ReportTable tuned{
-      "B1: filters on the path of the thesis, on which one is chosen",
-      {"change, mm", "neighbours", "centroid, RMS, mm", "largest, mm", "pixels", "wrong", "chosen"},
+  report::ReportTable table{
+      "B1: the centroid of the fist",
+      {"path", "true Hz", "measured Hz", "off, %", "images", "half in view", "nothing found", "centroid, RMS, mm",
+       "largest, mm", "from the whole fist, RMS, mm", "pixels kept, %", "RMS without the filter, mm"},
       {},
-      fmt::format("What differs from the background by more than {:g} mm, has changed by no more than "
-                  "`change` since the depth image before, and has so many neighbours of which the same "
-                  "holds. Pixels for each depth image; in truth {:.0f}. Wrong: more than {:g} mm off. "
-                  "Chosen: the least RMS among those that keep at least half of the true pixels.",
-                  sim::kMovedMm, filters[0].true_pixels(), kWrongMm)};
-  for (std::size_t i = 0; i < filters.size(); ++i) {
-    const Following& f = filters[i];
-    tuned.rows.push_back({change_text(f.settings()), std::to_string(f.settings().min_neighbours),
-                          figure_text(f.rms(), 1), figure_text(f.most(), 0), figure_text(f.pixels(), 0),
-                          figure_text(f.wrong(), 0), i == best ? "yes" : ""});
-  }
-  report::ReportTable others{
-      "B1: the chosen filter on paths on which it was not chosen",
-      {"path", "true Hz", "measured Hz", "centroid, RMS, mm", "largest, mm", "pixels", "in truth", "wrong",
-       "RMS without the filter"},
-      {},
-      "Paths, and the camera's noise, are drawn by seeds: place, size, slant, direction, speed and "
-      "phase of the circle."};
-  std::array<double, 4> pooled{};  // squares and points, with and without
-  for (int k = 1; k <= options.paths; ++k) {
-    const sim::FistPath drawn = drawn_path(static_cast<std::uint64_t>(k));
-    const auto scene = sim::make_fist(rig, drawn);
-    std::vector<Following> two;
-    two.emplace_back(rig, filters[best].settings());
-    two.emplace_back(rig, structured_light::SteadySettings{});
+      fmt::format(
+          "What differs from the background by more than {:g} mm, has changed by no more than {:g} mm since the "
+          "depth image before, and has {} neighbours of which the same holds. Figures right of “half in view” "
+          "are of the images in which at least half of what the camera sees of the fist is in the projector's "
+          "image. Centroid: from the true one of what is in view. Drawn paths, and the camera's noise, are "
+          "drawn by seeds: place, size, slant, direction, speed and phase of the circle.",
+          sim::kMovedMm, sim::kSteady.max_change_mm, sim::kSteady.min_neighbours)};
+  double worst_off = 0;
+  Following::Figures worst{.kept = 1};
+  const int first = with_thesis ? 0 : static_cast<int>(options.path_seed);
+  const int last = with_thesis ? options.paths : first + options.paths - 1;
+  for (int k = first; k <= last; ++k) {  // the seed; 0: the path of the thesis
+    const sim::FistPath path = k == 0 ? sim::FistPath{} : drawn_path(static_cast<std::uint64_t>(k));
+    const auto scene = sim::make_fist(rig, path);
+    Following filtered(rig, sim::kSteady);
+    Following unfiltered(rig, {});
     observe(options, {*scene, *desk, 0, frames, rig.imaging.seed + 100 * k}, count, [&](const Seen& seen) {
-      two[0].take(seen);
-      two[1].take(seen);
+      const TrueFist truth = true_fist(seen, planes, rig.projector);
+      filtered.take(seen, truth);
+      unfiltered.take(seen, truth);
     });
-    const Following& f = two[0];
-    others.rows.push_back({std::to_string(k), figure_text(drawn.frequency), figure_text(f.frequency()),
-                           figure_text(f.rms(), 1), figure_text(f.most(), 0), figure_text(f.pixels(), 0),
-                           figure_text(f.true_pixels(), 0), figure_text(f.wrong(), 0), figure_text(two[1].rms(), 1)});
-    for (std::size_t i = 0; i < 2; ++i) {
-      pooled.at(2 * i) += two[i].squares();
-      pooled.at(2 * i + 1) += two[i].points();
+    const Following::Figures f = filtered.figures();
+    const double frequency = filtered.frequency();
+    const double off = frequency / path.frequency - 1;
+    const std::string name = k == 0 ? "of the thesis" : std::to_string(k);
+    table.rows.push_back({name, figure_text(path.frequency), figure_text(frequency), figure_text(100 * off, 1),
+                          std::to_string(filtered.images()), std::to_string(f.images), std::to_string(f.lost),
+                          figure_text(f.rms, 1), figure_text(f.most, 1), figure_text(f.rms_whole, 1),
+                          figure_text(100 * f.kept, 0), figure_text(unfiltered.figures().rms, 1)});
+    if (k == 0) {
+      continue;  // the filter was chosen on it
     }
+    const auto wanted = [&](const char* what, double value, double most) {
+      if (!(std::abs(value) <= most)) {
+        result.not_reached.push_back(
+            fmt::format("path {}: {} is {}; at most {:g} is wanted", k, what, figure_text(value, 3), most));
+      }
+    };
+    wanted("the frequency's relative error", off, kMaxFrequencyOff);
+    wanted("the centroid's error, mm RMS,", f.rms, kMaxCentroidOff);
+    wanted("the number of images without a centroid", f.lost, 0);
+    worst_off = std::abs(off) <= worst_off ? worst_off : std::abs(off);  // NaN is worst
+    worst.rms = f.rms <= worst.rms ? worst.rms : f.rms;
+    worst.most = std::max(worst.most, f.most);
+    worst.rms_whole = f.rms_whole <= worst.rms_whole ? worst.rms_whole : f.rms_whole;
+    worst.kept = std::min(worst.kept, f.kept);
+    worst.lost += f.lost;
   }
-  others.rows.push_back({"all", "", "", figure_text(std::sqrt(pooled[0] / pooled[1]), 1), "", "", "", "",
-                         figure_text(std::sqrt(pooled[2] / pooled[3]), 1)});
-  result.tables = {std::move(tuned), std::move(others)};
+  table.rows.push_back({"worst of those drawn", "", "", figure_text(100 * worst_off, 1), "", "",
+                        std::to_string(worst.lost), figure_text(worst.rms, 1), figure_text(worst.most, 1),
+                        figure_text(worst.rms_whole, 1), figure_text(100 * worst.kept, 0), ""});
+  result.tables = {std::move(table)};
   return result;
 }
 
@@ -450,9 +496,18 @@ StructuredLightResult run_keys(const GrayMotionOptions& options, const ProgressO
         squares += std::isnan(off) ? 0 : off * off;
         points += std::isnan(off) ? 0 : 1;
       }
+      const double rms = std::sqrt(squares / points);
+      const auto wanted = [&](const char* what, double off, double most) {
+        if (!(std::abs(off) <= most)) {
+          result.not_reached.push_back(
+              fmt::format("{}: {} is {} off; at most {:g} is wanted", name, what, figure_text(off, 3), most));
+        }
+      };
+      wanted("the frequency", fit.frequency / taps.frequency.at(key) - 1, kMaxFrequencyOff);
+      wanted("the amplitude", 2 * fit.amplitude / taps.stroke.at(key) - 1, kMaxAmplitudeOff);
+      wanted("z, mm RMS,", rms, kHalfPixelOnPlane);
       table.rows.push_back({name, figure_text(taps.frequency.at(key)), figure_text(fit.frequency),
-                            figure_text(taps.stroke.at(key) / 2), figure_text(fit.amplitude),
-                            figure_text(std::sqrt(squares / points)),
+                            figure_text(taps.stroke.at(key) / 2), figure_text(fit.amplitude), figure_text(rms),
                             figure_text(100 * points / static_cast<double>(t.size()), 0)});
       result.page.plots.push_back({fmt::format("Depth, {}", name),
                                    "time, s",

@@ -17,11 +17,13 @@ StructuredLightResult run_waves(const GrayMotionOptions& options, const Progress
 // the median, after every pair of images.
 
 // `name` is "B1", "B2" or "B3".
-// B1: every filter of a grid is measured on the path of the thesis, and the best of them on the drawn paths.
-// B2: the speed of long waves, from the frequencies of all standing waves in the pool. Also the speed of the foremost
-// crest, and the speeds by wavelength. Other pools follow, without the speeds by wavelength.
-// B3: the taps of the thesis, and a second set with other frequencies, strokes and phases.
-// Throws std::invalid_argument if `frames` is less than one cycle of the patterns.
+// B1: the frequency and the centroid of the fist on the path of the thesis, on which the filter's constants were
+// chosen, and on drawn paths. Goals, for each drawn path: the frequency within 2 %; where at least half of the fist is
+// in view, the centroid within 10 mm RMS, and none is missing. B2: the speed of long waves, from the frequencies of all
+// standing waves in the pool. Also the speed of the foremost crest, and the speeds by wavelength. Other pools follow,
+// without the speeds by wavelength. B3: the taps of the thesis, and a second set with other frequencies, strokes and
+// phases. Goals: frequencies within 2 %, amplitudes within 10 %, z within kHalfPixelOnPlane RMS. Throws
+// std::invalid_argument if `frames` is less than one cycle of the patterns.
 StructuredLightResult run_gray_motion(const std::string& name, const GrayMotionOptions& options,
                                       const ProgressOfImages& progress);
 

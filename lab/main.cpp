@@ -92,6 +92,8 @@ selfproj-lab experiment parts --out detection
   families.begin("B1", {"B1"});
   number("--paths", options->paths, 1, 1000, "Paths of the fist on which its filter was not chosen.")
       ->capture_default_str();
+  number("--path-seed", options->path_seed, 1, 1'000'000, "Draw these paths by seeds from N on, and no others.")
+      ->default_str("that of the thesis first, then seeds from 1 on");
   families.begin("B2", {"B2"});
   number("--pools", options->pools, 0, 1000, "Pools of other depths, beside that of the thesis.")
       ->capture_default_str();

@@ -137,7 +137,7 @@ std::vector<std::string> ThingSummary::cells() const {
           figure_text(100 * valid_ / pixels_, 1),
           figure_text(rms()),
           figure_text(worst_),
-          figure_text(height_ / images_),
+          figure_text(height()),
           figure_text(max_height_),
           figure_text(rows_ / images_, 1),
           figure_text(columns_ / images_, 1),
@@ -176,12 +176,13 @@ struct MovingExperiment {
 const std::array<MovingExperiment, 2> kExperiments{{
     {"B7", "mouse", "Mouse on a slider, 300 mm/s: a film strip, 500 depth images a second", 35.0,
      [](int columns) {
-       return std::vector<Thing>{{"mouse", 0, columns, 6}};  // from 6 mm over the slider on: its plate is 3 mm thick
+       return std::vector<Thing>{
+           {"mouse", 0, columns, 6, kHalfPixelAt109}};  // from 6 mm over the slider on: its plate is 3 mm thick
      }},
     {"B8", "hands", "Two hands at different heights: a film strip, 500 depth images a second", 60.0,
      [](int columns) {
-       return std::vector<Thing>{{"left hand, over z = 441 mm", 0, columns / 2, 5},
-                                 {"right hand, over z = 550 mm", columns / 2, columns, 5}};
+       return std::vector<Thing>{{"left hand, over z = 441 mm", 0, columns / 2, 5, kHalfPixelAt109},
+                                 {"right hand, over z = 550 mm", columns / 2, columns, 5, kHalfPixelOnPlane}};
      }},
 }};
 
@@ -369,6 +370,22 @@ void add_series(const Setting& setting, const Observation& seen, std::string& se
   }
 }
 
+// The goals of the self-projected method.
+void check(const Setting& setting, const Observation& seen, std::vector<std::string>& not_reached) {
+  for (std::size_t k = 0; k < setting.things.size(); ++k) {
+    const Thing& thing = setting.things[k];
+    const ThingSummary summary = summary_of(seen.moving, k);
+    const auto wanted = [&](const char* what, double value) {
+      if (!(std::abs(value) <= thing.max_rms)) {
+        not_reached.push_back(fmt::format("{}: {} is {} mm; at most {:g} mm is wanted", thing.name, what,
+                                          figure_text(value), thing.max_rms));
+      }
+    };
+    wanted("the error of z, RMS,", summary.rms());
+    wanted("the mean error of the height", summary.height());
+  }
+}
+
 // Makes tables, series, plots and film strip from the measurements.
 void report(const Setting& setting, std::vector<Observation>& seen, StructuredLightResult& result) {
   const std::string name = setting.experiment.name;
@@ -443,6 +460,7 @@ StructuredLightResult run_moving(const std::string& name, const MovingOptions& o
   }
   StructuredLightResult result;
   report(setting, seen, result);
+  check(setting, seen.front(), result.not_reached);
   result.depth = std::move(seen.front().depth);
   result.difference = std::move(seen.front().difference);
   result.truth = std::move(seen.front().truth);

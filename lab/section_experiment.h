@@ -21,12 +21,20 @@ namespace selfproj::lab {
 
 inline constexpr int kStepColumns = 3;  // columns left out on each side of a height step or part edge
 
+// How far points are from their true places, mm, along the belt (x) and across it (y), after a shift that all of them
+// have in common: a part may lie anywhere on the belt.
+struct PlaceErrors {
+  double x_max = 0, x_rms = 0;
+  double y_max = 0, y_rms = 0;
+};
+
 // The results of a method in one mode, compared with the truth. Lengths in mm, centroids in pixels.
 struct SectionFigures {
   HeightErrors errors;             // without points within kStepColumns of a height step or part edge, in any direction
   HeightErrors errors_beyond_2;    // without points within 2 columns
   HeightErrors errors_beyond_1;    // without points within 1 column
   HeightErrors errors_at_edges;    // like `errors`, but including points near edges across the belt, along the line
+  PlaceErrors places;              // of the points that `errors` compares
   CentroidRange range;             // over the frames in which the line lies on the part
   std::vector<double> steps;       // A2: mean heights of the treads, away from marks and edges
   std::vector<double> mark_depth;  // A2: depths of ○ × ▽

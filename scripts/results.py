@@ -19,8 +19,9 @@ a sentence, which is named by a reference as in a cell:
 A cell is a text with references in braces. NAME/KEY/KEY:FORMAT is a value of NAME.json in Python's format; M
 before the format shows millions, % a percentage. Of a table that a program wrote (header, rows) the keys are the names
 of a row and of a column. NAME/KEY >= NUMBER is a goal: it shows the sign and the number, and the column `met` follows
-from it, unless the row says `met` itself. In a table with `each`, /KEY is a value of the row's own object and @ is its
-name; `for` has a list of words for each row, which stand for $1, $2, ... in the columns. Standard library only.
+from it, unless the row says `met` itself; of "4.1 / 102.2" and "53.5 ± 0.1" the first number counts. In a table with
+`each`, /KEY is a value of the row's own object and @ is its name; `for` has a list of words for each row, which stand
+for $1, $2, ... in the columns. Standard library only.
 """
 
 import argparse
@@ -227,7 +228,7 @@ class Cells:
         answers = []
         for reference in REFERENCE.findall(text):
             if goal := re.fullmatch(r"(.+?) (>=|<=|==) (.*)", reference):
-                value = float(self.results.value(goal[1]))
+                value = float(re.split(" [/±] ", str(self.results.value(goal[1])))[0])
                 limit = float(goal[3].replace(",", "").replace("%", "").strip()) / (100 if "%" in goal[3] else 1)
                 answers.append({">=": value >= limit, "<=": value <= limit, "==": value == limit}[goal[2]])
         return "–" if not answers else "yes" if all(answers) else "**no**"

@@ -165,7 +165,7 @@ std::string report_text(const calibration::CameraReport& camera, const std::opti
 void run_camera(CameraOptions options) {
   apply(options);
   files::OutputFolder folder(options.out);
-  static_cast<void>(rig::load_rig(options.rig));
+  static_cast<void>(rig::load_any_rig(options.rig));
   std::vector<calibration::BoardImage> boards;
   {
     cli::Progress progress("image", options.images.size());
@@ -182,7 +182,7 @@ void run_camera(CameraOptions options) {
   std::optional<calibration::LaserPlane> laser;
   if (!options.laser.empty()) {
     laser = calibration::laser_plane(camera, read_lines(options, camera));
-    folder.append("rig.yaml", rig::to_yaml(calibration::rig_of_laser(rig::load_rig(options.rig), camera, *laser)));
+    folder.append("rig.yaml", rig::to_yaml(calibration::rig_of_laser(rig::load_any_rig(options.rig), camera, *laser)));
   }
   folder.append("camera.yaml", camera_yaml(camera));
   folder.append("report.json", report_json(camera, laser));

@@ -27,7 +27,7 @@ def spread(rows, reach):
     return out
 
 
-def near_steps(truth, columns, frames, step=0.3, apart=1):
+def near_steps(truth, columns, frames, apart, step=0.3):
     """For each point, whether the truth has a step or a gap within so many columns and frames: a change from one column
     to the next, or from one frame to the one `apart` later. The light slides down a wall over several frames."""
     height, width = len(truth), len(truth[0])
@@ -152,7 +152,8 @@ def marks_figures(folder, spacing, truth):
 def light_section_figures(folder, spacing):
     """Heights and marks of A2; `spacing` is that of the frames in mm."""
     height, truth = float_tiff.read(folder / "result/height.tiff"), float_tiff.read(folder / "truth.tiff")
-    edges = near_steps(truth, STEP_COLUMNS, math.ceil(STEP_COLUMNS * COLUMN_MM / spacing))
+    reach = math.ceil(STEP_COLUMNS * COLUMN_MM / spacing)
+    edges = near_steps(truth, STEP_COLUMNS, reach, apart=reach)
     count = total = squares = greatest = missing = 0
     treads = [[0.0, 0] for _ in TREADS]
     for measured, true, edge in zip(height, truth, edges):

@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <nlohmann/json.hpp>
@@ -119,38 +118,13 @@ TEST_F(CuboidRemedies, AShorterExposureOfFullPixels) {
   }
 }
 
-// Each setting does what it says: no point beyond the range of depths, and fewer points with more neighbours.
-TEST_F(CuboidRemedies, RangeAndNeighbours) {
+// No point lies beyond the range of depths.
+TEST_F(CuboidRemedies, ARangeOfDepths) {
   const auto free = with({"second-line"});
   const auto bounded = with({"second-line"}, {.highest = 120});
-  const auto among_others = with({"second-line"}, {.neighbours = 7});
   for (std::size_t way = 0; way < free.size(); ++way) {
     EXPECT_LE(bounded[way].errors.quantile(1), 136) << "120 mm above the plane to 15 mm below it";
     EXPECT_LE(bounded[way].errors.points(), free[way].errors.points());
-    EXPECT_LT(among_others[way].errors.points(), free[way].errors.points());
-    EXPECT_GT(among_others[way].errors.points(), free[way].errors.points() / 2);
-  }
-}
-
-// A second cycle whose stripes are shifted measures the same places. If it is shifted by half a self-projected stripe,
-// the mean of two differently rounded depths is closer to the truth. Conventional codes are finer than this scanner's
-// lines, so their rounding stays. A cycle that was shifted without its triangulation would agree nowhere.
-TEST_F(CuboidRemedies, ASecondCycleThatIsShifted) {
-  constexpr std::array<double, 2> kMost{0.9, 1.02};  // of the RMS of one cycle
-  const auto false_points = [](const lab::ErrorSpread& errors) {
-    return std::lround(errors.beyond(lab::kFalseCodeMm) * static_cast<double>(errors.points()));
-  };
-  const auto one = with({});
-  for (const double shift : {1.0, 3.0}) {
-    const auto two = with({}, {.shift = shift});
-    for (std::size_t way = 0; way < one.size(); ++way) {
-      const lab::ErrorSpread& before = one[way].errors;
-      const lab::ErrorSpread& after = two[way].errors;
-      EXPECT_LT(after.rms(), kMost.at(way) * before.rms()) << one[way].name << ", " << shift;
-      EXPECT_LE(false_points(after), false_points(before)) << one[way].name << ", " << shift;
-      EXPECT_LE(after.points(), before.points()) << one[way].name << ", " << shift;
-      EXPECT_GT(10 * after.points(), 9 * before.points()) << one[way].name << ", " << shift;
-    }
   }
 }
 
@@ -166,7 +140,7 @@ TEST(CuboidRemediesTable, HasEachRemedyForBothWays) {
   const auto tried = lab::try_cuboid_remedies(cuboids, sim::load_world(sim::kBuiltInWorld), 1, count);
   EXPECT_EQ(last, most) << "all measurements were foreseen";
   const report::ReportTable table = lab::remedies_table(tried, 1);
-  ASSERT_EQ(table.rows.size(), 26U);
+  ASSERT_EQ(table.rows.size(), 14U);
   EXPECT_EQ(table.rows[0][0], "second-line");
   for (const auto& row : table.rows) {
     EXPECT_EQ(row.size(), table.header.size());

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <limits>
 #include <numbers>
+#include <numeric>
 #include <opencv2/core.hpp>
 #include <vector>
 
@@ -28,49 +29,96 @@ Points without_nan(const std::vector<double>& t, const std::vector<double>& y) {
   return points;
 }
 
-SineFit fit_at(const Points& points, double frequency) {
+// By least squares; times count from `middle`, so that a part of a period can be told from a constant.
+SineFit fit_at(const Points& points, double middle, double frequency) {
   cv::Matx33d normal = cv::Matx33d::zeros();
   cv::Vec3d right(0, 0, 0);
   double squares = 0;
+  const double mean = std::accumulate(points.y.begin(), points.y.end(), 0.0) / static_cast<double>(points.y.size());
   for (std::size_t i = 0; i < points.t.size(); ++i) {
-    const double phase = 2 * std::numbers::pi * frequency * points.t[i];
+    const double phase = 2 * std::numbers::pi * frequency * (points.t[i] - middle);
     const cv::Vec3d row(1, std::sin(phase), std::cos(phase));
+    const double y = points.y[i] - mean;
     normal += row * row.t();
-    right += row * points.y[i];
-    squares += points.y[i] * points.y[i];
+    right += row * y;
+    squares += y * y;
   }
   const cv::Vec3d solution = normal.inv() * right;
   const double rest = std::max(0.0, squares - solution.dot(right));
-  return {frequency, solution[0], std::hypot(solution[1], solution[2]),
+  return {frequency, mean + solution[0], std::hypot(solution[1], solution[2]),
           std::sqrt(rest / static_cast<double>(points.t.size()))};
+}
+
+// The values with a time and without NaN; those of too few are empty.
+std::vector<Points> usable(const std::vector<double>& t, const std::vector<std::vector<double>>& ys) {
+  constexpr std::size_t kFewest = 8;
+  std::vector<Points> all;
+  for (const std::vector<double>& y : ys) {
+    all.push_back(without_nan(t, y));
+    if (all.back().t.size() < kFewest) {
+      return {};
+    }
+  }
+  return all;
+}
+
+double middle_of(const std::vector<double>& t) {
+  const auto [first, last] = std::minmax_element(t.begin(), t.end());
+  return 0.5 * (*first + *last);
+}
+
+// The frequency in low..high that leaves the least.
+double best_frequency(const std::vector<double>& t, const std::vector<Points>& all, double low, double high) {
+  const auto [first, last] = std::minmax_element(t.begin(), t.end());
+  const double middle = middle_of(t);
+  const auto rest = [&](double frequency) {
+    double squares = 0;
+    for (const Points& points : all) {
+      const double residual = fit_at(points, middle, frequency).residual;
+      squares += residual * residual * static_cast<double>(points.t.size());
+    }
+    return squares;
+  };
+  constexpr double kStep = 0.05;  // of the frequency that one more period within the time is
+  constexpr double kExact = 1e-6;
+  const double step = std::min(kStep / std::max(*last - *first, kExact), (high - low) / 4);
+  double best = low;
+  double least = rest(low);
+  for (double f = low + step; f < high + step; f += step) {
+    const double here = rest(std::min(f, high));
+    if (here < least) {
+      least = here;
+      best = std::min(f, high);
+    }
+  }
+  double a = std::max(low, best - step);
+  double b = std::min(high, best + step);
+  while (b - a > kExact * best) {  // thirds; between neighbours of the best point there is one minimum
+    const double c = a + (b - a) / 3;
+    const double d = b - (b - a) / 3;
+    if (rest(c) < rest(d)) {
+      b = d;
+    } else {
+      a = c;
+    }
+  }
+  return 0.5 * (a + b);
 }
 
 }  // namespace
 
 SineFit fit_sine(const std::vector<double>& t, const std::vector<double>& y, double low, double high) {
-  constexpr std::size_t kFewest = 8;
-  const Points points = without_nan(t, y);
-  if (points.t.size() < kFewest) {
+  const std::vector<Points> all = usable(t, {y});
+  if (all.empty()) {
     return {kNotFound, kNotFound, kNotFound, kNotFound};
   }
-  const auto [first, last] = std::minmax_element(points.t.begin(), points.t.end());
-  low = std::max(low, 1 / (*last - *first));
-  if (low > high) {
-    return {kNotFound, kNotFound, kNotFound, kNotFound};
-  }
-  constexpr double kCoarse = 0.02;
-  constexpr double kFine = 0.001;
-  SineFit best = fit_at(points, low);
-  const auto search = [&](double from, double to, double step) {
-    for (double f = from; f <= to; f += step) {
-      const SineFit fit = fit_at(points, f);
-      best = fit.residual < best.residual ? fit : best;
-    }
-  };
-  search(low, high, kCoarse);
-  const double about = best.frequency;
-  search(std::max(low, about - kCoarse), std::min(high, about + kCoarse), kFine);
-  return best;
+  return fit_at(all[0], middle_of(t), best_frequency(t, all, low, high));
+}
+
+double common_frequency(const std::vector<double>& t, const std::vector<std::vector<double>>& ys, double low,
+                        double high) {
+  const std::vector<Points> all = usable(t, ys);
+  return all.empty() ? kNotFound : best_frequency(t, all, low, high);
 }
 
 LineFit fit_line(const std::vector<double>& t, const std::vector<double>& y) {

@@ -26,9 +26,15 @@ struct SineFit {
   double residual = 0;  // RMS of the residuals of the fit
 };
 
-// Tries all frequencies in low..high, in steps of 0.001 Hz, of which at least one period was seen, and takes the best.
-// Ignores NaN. At least 8 values are needed.
+// Finds the frequency in low..high, also where less than a period was seen: by a grid whose steps are a twentieth of
+// what the time tells apart, and between its best points to 1e-6 of it. Ignores NaN. At least 8 values are needed. With
+// less than half a period, small errors of y make large ones of the frequency.
 SineFit fit_sine(const std::vector<double>& t, const std::vector<double>& y, double low, double high);
+
+// The one frequency, as above, of several quantities that were seen at the same times, such as the coordinates of a
+// point that circles. NaN if one of them has too few values.
+double common_frequency(const std::vector<double>& t, const std::vector<std::vector<double>>& ys, double low,
+                        double high);
 
 // y = at_0 + slope t, by least squares; NaN unless there are two different t. Ignores NaN.
 struct LineFit {

@@ -1,23 +1,26 @@
 #!/usr/bin/env python3
 """Tests that every file that a command writes is read again by every command that takes such a file.
 
-    pairs_test.py PROGRAMS
+    pairs_test.py PROGRAMS MAKE_PARTS
 
-PROGRAMS is the folder of selfproj and selfproj-sim. The rigs have every key that a rig may have, those in sections
+PROGRAMS is the folder of selfproj and selfproj-sim, MAKE_PARTS a program that writes packets of parts. The rigs have every key that a rig may have, those in sections
 within sections as well, and are small.
 """
 
 import os
 import pathlib
 import re
+import struct
 import subprocess
 import sys
 import tempfile
 import unittest
+import zlib
 
 import depth_stream
 
 programs = pathlib.Path()
+make_parts = ""
 
 # What a rig may have beside what the built-in ones have.
 BOARD = "board:\n  pixel_clock_hz: 1.25e+08\n"
@@ -37,6 +40,16 @@ BELT = ("belt_pose:\n  direction_x: 0\n  direction_y: 1\n  direction_z: 0\n  nor
         "  normal_z: 1\n")
 LIGHT_PLANE = ("light_plane:\n  normal_x: 0\n  normal_y: 0.8575636838703195\n  normal_z: 0.5143777953893088\n"
                "  distance_mm: 600.2789\n")
+
+
+def png_of(rows, columns, lit):
+    """A pattern for the projector, white in the rows `lit`."""
+    def chunk(kind, data):
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+    pixels = b"".join(b"\0" + bytes([255 * (row in lit)]) * columns for row in range(rows))
+    return (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", columns, rows, 8, 0, 0, 0, 0))
+            + chunk(b"IDAT", zlib.compress(pixels)) + chunk(b"IEND", b""))
 
 
 def without(text, section):
@@ -186,7 +199,66 @@ class Pairs(unittest.TestCase):
             selfproj pattern --rig lenses.yaml --sweep --every 8 --out lines
         """)
 
+    # A calibrated camera and a laser, for which one line of a projector stands. That command takes its own rig, too.
+    def test_camera_and_laser(self):
+        patterns = self.folder / "white_and_line"
+        patterns.mkdir()
+        (patterns / "0.png").write_bytes(png_of(768, 1024, range(768)))
+        (patterns / "1.png").write_bytes(png_of(768, 1024, range(450, 455)))
+        self.shell("""
+            mkdir laser; cd laser; mkdir boards lines
+            selfproj-sim capture --rig scanner --chessboard 9x7 --square 20 --poses 5 --patterns ../white_and_line \
+              --out poses
+            for pose in poses/pose_0?; do
+              cp $pose/image_00.png boards/${pose##*/}.png; cp $pose/image_01.png lines/${pose##*/}.png
+            done
+            selfproj calibrate camera --rig ../light.yaml --chessboard 9x7 --square 20 --distortion 0 --laser lines \
+              --out line boards
+            selfproj calibrate camera --rig line/rig.yaml --chessboard 9x7 --square 20 --distortion 0 --laser lines \
+              --out again boards
+            cmp line/rig.yaml again/rig.yaml; cmp line/camera.yaml again/camera.yaml
+            selfproj lines --threshold 30 --out found lines/*.png
+        """)
+        text = self.read_as_written("laser/line/rig.yaml")
+        for key in ("light_plane:", "camera_lens:", "gap_rows: 1", "first_row: 2", "pixel_clock_hz:"):
+            self.assertIn(key, text)
+
+    # A laser draws no patterns. No command writes a reference for its rig, and another rig's is refused.
+    def test_references_and_a_laser(self):
+        self.shell("""
+            mkdir references; cd references
+            printf 'y_mm,z_mm\\n-50,1167\\n0,1147\\n50,1167\\n' > roof.csv
+            selfproj pattern --rig ../light.yaml --reference roof.csv --out roof
+            selfproj-sim scene render plane --rig ../light.yaml --count 2 --out seen
+            selfproj-sim board --images seen/frame_*.png --threshold 20 --select strongest --gap 1 --rows 2..95 \
+              --record a.packets
+            selfproj inspect --rig ../light.yaml --reference roof --device file:a.packets --out result
+        """)
+        for command, said in (("inspect --reference roof --device file:a.packets",
+                               r"^selfproj: roof/reference.csv: was made for another rig.*\n$"),
+                              ("pattern --reference roof.csv",
+                               r"^selfproj: ../laser.yaml: has a laser line .*\n$")):
+            self.shell(f"cd references; selfproj {command} --rig ../laser.yaml --out refused 2> said.txt", 2)
+            self.assertRegex((self.folder / "references/said.txt").read_text(encoding="utf-8"), said)
+            self.assertFalse((self.folder / "references/refused").exists())
+
+    def test_tolerances(self):
+        self.shell(f"""
+            mkdir parts; {make_parts} parts; cd parts
+            selfproj rig rig.yaml > again.yaml
+            selfproj record --device file:good.packets --out recorded.packets
+            selfproj tolerance learn --rig rig.yaml --device file:good.packets --out a.yaml
+            selfproj tolerance learn --rig again.yaml --device file:recorded.packets --out b.yaml
+            cmp a.yaml b.yaml
+            for tolerance in a b; do
+              selfproj inspect --rig again.yaml --device file:run.packets --tolerance $tolerance.yaml \
+                --parts parts_$tolerance --out result_$tolerance
+            done
+            cmp parts_a/parts.csv parts_b/parts.csv
+        """)
+
 
 if __name__ == "__main__":
+    make_parts = str(pathlib.Path(sys.argv.pop(2)).resolve())
     programs = pathlib.Path(sys.argv.pop(1)).resolve()
     unittest.main()

@@ -41,6 +41,32 @@ TEST(FitSine, FindsFrequencyAndAmplitude) {
   EXPECT_TRUE(std::isnan(sim::fit_sine({0, 1}, {1, 2}, 1, 8).frequency));
 }
 
+// Clean sines of which 0.284 s were seen: less than a period of each. Noise is that of a centroid.
+TEST(FitSine, APartOfAPeriodIsEnough) {
+  std::mt19937_64 random(7);
+  for (const double frequency : {1.5, 2.2, 2.76, 2.95, 3.12, 3.42, 3.44, 3.52}) {
+    for (const double noise : {0.0, frequency > 2 ? 1.0 : 0.1}) {
+      std::normal_distribution<double> error(0, 1);
+      std::vector<double> t;
+      std::vector<std::vector<double>> ys(3);
+      for (int i = 0; i < 143; ++i) {
+        t.push_back(0.008 + i * 0.002);
+        for (std::size_t k = 0; k < ys.size(); ++k) {
+          ys[k].push_back(100.0 * static_cast<double>(k) + noise * error(random) +
+                          40 * std::sin(2 * std::numbers::pi * frequency * t.back() + 2.1 * static_cast<double>(k)));
+        }
+      }
+      const double most = noise > 0 ? 0.02 : 1e-5;
+      EXPECT_NEAR(sim::common_frequency(t, ys, 1, 8), frequency, most * frequency) << noise;
+      if (noise == 0) {
+        EXPECT_NEAR(sim::fit_sine(t, ys[0], 1, 8).frequency, frequency, most * frequency);
+        EXPECT_NEAR(sim::fit_sine(t, ys[0], 1, 8).amplitude, 40, 1e-3);
+      }
+    }
+  }
+  EXPECT_TRUE(std::isnan(sim::common_frequency({0, 1}, {{1, 2}}, 1, 8)));
+}
+
 TEST(FitLine, FindsSlope) {
   const sim::LineFit fit = sim::fit_line({0, 1, 2, 3}, {5, 7, std::nan(""), 11});
   EXPECT_NEAR(fit.slope, 2, 1e-12);
