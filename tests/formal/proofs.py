@@ -283,8 +283,6 @@ FAULTS = [
           "s4_one, s4_two, s4_grey} = s4_flags_q;", "s4_one, s4_two, s4_grey} = {s4_flags_q[5:1], s3_flags_q[0]};"),
     Fault("column_moments_modes/weights_of_the_next_mode", "column_moments_modes", "moments/sp_pixel_weights.sv",
           "else if (s2_binary_q) weights_o", "else if (s1_binary_q) weights_o"),
-    Fault("column_runs_modes/gap_of_the_next_frame", "column_runs_modes", "moments/sp_column_runs.sv",
-          "flags_q[3*FlagBits+:FlagBits];", "{flags_q[3*FlagBits+2+:FlagBits-2], flags_q[2*FlagBits+:2]};"),
     Fault("run_best/second_of_equals", "run_best", "moments/sp_run_best.sv",
           "s4_run_i && s4_m0_i > s4_second;", "s4_run_i && s4_m0_i > s4_second && s4_m0_i != s4_best;"),
     Fault("run_best/count_of_runs_wraps", "run_best", "moments/sp_run_best.sv",

@@ -35,11 +35,15 @@ void set128(Wide& wide, const Word128& value) {
   }
 }
 
-// A model in its own context. Registers without a reset begin with random values.
+// What registers begin with: zeros, as in an FPGA, or random values.
+enum class Begin : int { kZeros = 0, kRandom = 2 };
+
+// A model in its own context.
 template <typename Dut>
 class Model {
  public:
-  Model() : held_([] { return std::make_unique<Held>(); }), recorder_(Recorder::claim()) {
+  explicit Model(Begin begin = kBegin)
+      : held_([begin] { return std::make_unique<Held>(begin); }), recorder_(Recorder::claim()) {
     sim::choose_mutant(dut());
     if (recorder_) {
       list_ports(dut(), *recorder_);
@@ -72,12 +76,13 @@ class Model {
 
  private:
 #ifdef SELFPROJ_COVERAGE
-  static constexpr int kBegin = 0;  // zeros, because clearing a random value would count as a toggle
+  static constexpr Begin kBegin = Begin::kZeros;  // because clearing a random value would count as a toggle
 #else
-  static constexpr int kBegin = 2;  // random values
+  static constexpr Begin kBegin = Begin::kRandom;
 #endif
   struct Held {
-    Held() : dut((context.randReset(kBegin), context.randSeed(++models_), &context)) {}
+    explicit Held(Begin begin)
+        : dut((context.randReset(static_cast<int>(begin)), context.randSeed(++models_), &context)) {}
     ~Held() {
       Verilated::threadContextp(&context);  // from which a model with open registers takes itself out
       dut.final();
