@@ -24,7 +24,9 @@ selfproj-sim cosim --count 20 --out part
         selfproj::sim::add_moments_command(app);
         selfproj::sim::add_decode_command(app);
         selfproj::sim::add_board_command(app);
+        selfproj::sim::add_production_command(app);
         selfproj::sim::add_scene_command(app);
+        selfproj::sim::add_camera_command(app);
         selfproj::sim::add_capture_command(app);
       },
       argc, argv);
