@@ -84,7 +84,7 @@ fi
 cat <<TEXT
 
 The host program now classifies the parts of a running line. Another process sends it packets, as a board would: a part
-every 0.8 s, of which every fourth has a dent or a bump. Open this page in a browser of this machine within the next
+every 1.3 s, of which every fourth has a dent or a bump. Open this page in a browser of this machine within the next
 $seconds seconds:
 
   http://127.0.0.1:$port/

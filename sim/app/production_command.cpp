@@ -42,8 +42,11 @@
 namespace selfproj::sim {
 namespace {
 
-constexpr double kStep = 0.25;    // of the belt, mm a frame
-constexpr double kBare = 2;       // bare belt before and behind a part, mm
+constexpr double kStep = 0.25;  // of the belt, mm a frame
+// Bare belt before and behind a part, mm. Each part is rendered alone, and the light that its pattern throws on the
+// belt behind it reaches 13 mm: no other part may lie there.
+constexpr double kBefore = 2;
+constexpr double kBehind = 14;
 constexpr double kEnlarged = 5;   // parts of a scanner, whose view is larger, against those of a light section
 constexpr double kFromEdges = 2;  // defects keep so far from edges and walls, mm, so that each of them is inspected
 constexpr double kMinSize = 2.5, kMaxSize = 5;
@@ -199,8 +202,8 @@ class MovingLine final : public Line {
 
   [[nodiscard]] PacketRecording packets(const std::vector<LinePart>& parts, const Done& done,
                                         const TakeImage& take_image) const override {
-    const auto first = static_cast<int>((ConveyedScene::kLead - kBare) / kStep);
-    const auto count = static_cast<int>((PlantedPart::kLength + 2 * kBare) / kStep);
+    const auto first = static_cast<int>((ConveyedScene::kLead - kBefore) / kStep);
+    const auto count = static_cast<int>((PlantedPart::kLength + kBefore + kBehind) / kStep);
     const rig::RigCamera& camera = rig().camera;
     const model::Measure measure = rig().measure.of_board();
     const double counts_per_frame = kStep / rig().conveyor.encoder_mm_per_count;

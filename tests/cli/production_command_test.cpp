@@ -89,8 +89,8 @@ TEST_F(ProductionCommand, FindsWhatItPlants) {
   ASSERT_EQ(run.status, 0) << run.err;
   EXPECT_EQ(agrees("line", "today", 1, 0.05), 2);
 
-  EXPECT_TRUE(std::filesystem::exists(folder_ / "line/good/frame_00400.png"));
-  EXPECT_FALSE(std::filesystem::exists(folder_ / "line/good/frame_00401.png"));
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "line/good/frame_00640.png"));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "line/good/frame_00641.png"));
 
   // The reference beside a recording is the default, and no other goes with it.
   const Outcome beside = host({"inspect", "--device", "file:line/run.packets", "--rig", "line/rig.yaml", "--check",
@@ -123,7 +123,7 @@ TEST_F(ProductionCommand, FindsWhatItPlants) {
                                   "--parts", "seen", "--out", "seen-out"},
                                  rig));
   ASSERT_EQ(seen.status, 0) << seen.err;
-  EXPECT_EQ(seen.out.rfind("320 profiles, points in ", 0), 0U) << seen.out;
+  EXPECT_EQ(seen.out.rfind("512 profiles, points in ", 0), 0U) << seen.out;
   for (const std::string file : {"parts.jsonl", "part_000002/height.tiff"}) {
     EXPECT_EQ(read_text(folder_ / ("seen/" + file)), read_text(folder_ / ("today/" + file))) << file;
   }
@@ -164,7 +164,7 @@ TEST_F(ProductionCommand, SaysWhyThereIsNoPoint) {
   EXPECT_NE(read_text(folder_ / "thin/report.html").find(reason), std::string::npos);
   const Outcome checked = inspect("thin.yaml", {"--check"});
   EXPECT_EQ(checked.status, 1);
-  EXPECT_NE(checked.err.find("--check: none of the 40960 columns became a point: "), std::string::npos) << checked.err;
+  EXPECT_NE(checked.err.find("--check: none of the 65536 columns became a point: "), std::string::npos) << checked.err;
 
   change("line/rig.yaml", "above_mm: ", "above_mm: 500", "high.yaml");
   const Outcome high = inspect("high.yaml", {"--tolerance", "tolerance.yaml", "--check"});
