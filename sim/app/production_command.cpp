@@ -43,10 +43,10 @@ namespace selfproj::sim {
 namespace {
 
 constexpr double kStep = 0.25;  // of the belt, mm a frame
-// Bare belt before and behind a part, mm. Each part is rendered alone, and the light that its pattern throws on the
-// belt behind it reaches 13 mm: no other part may lie there.
-constexpr double kBefore = 2;
-constexpr double kBehind = 14;
+// Bare belt before and behind a part, mm. Each part is rendered alone, and where the line falls on bare belt the camera
+// sees it up to 13 mm nearer to the next part: that one must be in the image by then.
+constexpr double kBefore = 14;
+constexpr double kBehind = 2;
 constexpr double kEnlarged = 5;   // parts of a scanner, whose view is larger, against those of a light section
 constexpr double kFromEdges = 2;  // defects keep so far from edges and walls, mm, so that each of them is inspected
 constexpr double kMinSize = 2.5, kMaxSize = 5;
