@@ -2,7 +2,7 @@
 # demo.sh [--record]: builds the simulation and shows the main job. A conveyor moves at 1000 mm/s under the simulated
 # camera, the board's RTL works on the images, and marks carved 1 mm deep show in the difference from the reference
 # part. The script installs missing packages first, writes to build/demo/, prints the paths of the pictures, builds the
-# host program, and ends with a live run that a browser can watch. SELFPROJ_DEMO_SECONDS is the length of the live run
+# host program, and ends with a live run of good and bad parts that a browser can watch. SELFPROJ_DEMO_SECONDS is the length of the live run
 # in seconds (default 20; with 0 there is none, and the host program is not built). SELFPROJ_DEMO_PORT is its port
 # (default 8080).
 #
@@ -76,25 +76,29 @@ if $record; then
     --about "The demo from scratch, with all packages installed: up to the pictures, and to the live run" "${times[@]}"
 fi
 
-# The shape of the good part is all that the host needs to know.
-printf '%s\n' y_mm,z_mm -59,1167 -52.5,1167 -52.5,1137 -17.5,1137 -17.5,1128 17.5,1128 17.5,1146 52.5,1146 52.5,1167 \
-  59,1167 >"$out/stairs.csv"
-"$programs"/selfproj pattern --reference "$out/stairs.csv" --out "$out/reference" >/dev/null
+# A line with good and bad parts, and the tolerance of its good ones.
+"$programs"/selfproj-sim production --bad-every 4 --parts 12 --out "$out/line"
+"$programs"/selfproj tolerance learn --rig "$out/line/rig.yaml" --reference "$out/line/part" \
+  --device "file:$out/line/good.packets" --out "$out/tolerance.yaml" >/dev/null
 
 cat <<TEXT
 
-The host program now inspects a running line. Another process sends it the same packets again and again, as a board
-would, at a tenth of the speed, so that you can watch. Open this page in a browser of this machine within the next
+The host program now classifies the parts of a running line. Another process sends it packets, as a board would: a part
+every 1.3 s, of which every fourth has a dent or a bump. Open this page in a browser of this machine within the next
 $seconds seconds:
 
   http://127.0.0.1:$port/
 
+It shows the profile, each part with its verdict, good or bad, and the last part in 3-D with its defect. Of each bad part
+there is a folder in $out/parts/.
+
 For a longer run: SELFPROJ_DEMO_SECONDS=600 scripts/demo.sh
 TEXT
 ring=selfproj-demo-$$
-"$programs"/selfproj-sim board --replay "$out/stairs-marked.packets" --ring "$ring" --rate 1000 --loop >/dev/null &
+"$programs"/selfproj-sim board --replay "$out/line/run.packets" --ring "$ring" --rate 100 --loop >/dev/null &
 board=$!
 trap 'kill "$board" 2>/dev/null || true' EXIT
-"$programs"/selfproj inspect --device "ring:$ring" --wait-for-board --newest --reference "$out/reference" \
-  --seconds "$seconds" --live "$port" ||
+"$programs"/selfproj inspect --device "ring:$ring" --wait-for-board --newest --rig "$out/line/rig.yaml" \
+  --reference "$out/line/part" --tolerance "$out/tolerance.yaml" --parts "$out/parts" --seconds "$seconds" \
+  --live "$port" ||
   echo "the live run failed; to use another port: SELFPROJ_DEMO_PORT=8081 scripts/demo.sh"

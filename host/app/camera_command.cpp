@@ -34,6 +34,7 @@ struct CameraOptions {
   std::string distortion = "auto";
   std::string board = "bent";
   images::PixelOptions pixels;
+  std::string laser_channel;  // empty: that of the boards
   std::string out;
   calibration::CameraSettings settings;
   std::vector<std::string> images;
@@ -78,8 +79,12 @@ void apply(CameraOptions& options) {
 // Reads the images of the laser. They must have the size of the chessboard's images.
 std::vector<images::Image> read_lines(const CameraOptions& options, const calibration::CameraReport& camera) {
   std::vector<images::Image> lines;
+  images::PixelRule rule = options.pixels.rule();
+  if (!options.laser_channel.empty()) {
+    rule.channel = images::channel_of(options.laser_channel);
+  }
   for (const std::string& file : options.laser) {
-    lines.push_back(images::read_image(file, options.pixels.rule()));
+    lines.push_back(images::read_image(file, rule));
     const calibration::BoardImage& first = camera.images.front();
     if (lines.back().rows != first.rows || lines.back().columns != first.columns) {
       throw UserError(file,
@@ -233,6 +238,13 @@ void add_camera_options(CLI::App& command, CameraOptions& options) {
                   "Images of the laser's line on the chessboard, of the same poses in the same order, or a folder of "
                   "them. Darken the room for them.")
       ->type_name("IMAGE");
+  command
+      .add_option(
+          "--laser-channel", options.laser_channel,
+          "Channel to take of the laser's images, if it is not that of --channel: red-difference for a red laser "
+          "in colour images.")
+      ->check(cli::one_of(images::channel_names()))
+      ->type_name("CHANNEL");
   command.add_option("--laser-threshold", options.settings.threshold, "The line is brighter than this grey value.")
       ->transform(cli::whole_number(0, 254))
       ->type_name("T")

@@ -6,16 +6,19 @@
 int main(int argc, char** argv) {
   return selfproj::cli::program_main(
       {.name = "selfproj",
-       .purpose = "The commands of the demonstration: patterns and on-line inspection.",
+       .purpose = "The commands of the demonstration: tolerances and on-line inspection.",
        .details = "This program belongs to scripts/demo.sh. scripts/build.sh builds selfproj with all commands.",
        .examples = R"(
-# Compute the pattern that the camera sees as a straight line on a roof 20 mm high.
-printf 'y_mm,z_mm\n-50,1167\n0,1147\n50,1167\n' > roof.csv
-selfproj pattern --reference roof.csv --out roof
+# Classify the parts of a simulated line.
+selfproj-sim production --out line
+selfproj tolerance learn --rig line/rig.yaml --reference line/part \
+  --device file:line/good.packets --out tolerance.yaml
+selfproj inspect --rig line/rig.yaml --reference line/part --device file:line/run.packets \
+  --tolerance tolerance.yaml --parts today
 )"},
       [](CLI::App& app) {
-        selfproj::app::add_pattern_command(app);
         selfproj::app::add_inspect_command(app);
+        selfproj::app::add_tolerance_command(app);
       },
       argc, argv);
 }

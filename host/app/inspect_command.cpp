@@ -7,20 +7,25 @@
 #include <iterator>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <numeric>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "host/app/commands.h"
+#include "host/app/image_source.h"
 #include "host/app/receive.h"
 #include "host/app/scanner_run.h"
 #include "host/app/section_run.h"
 #include "host/camera/camera_device.h"
 #include "host/cli/command_line.h"
+#include "host/driver/clock.h"
 #include "host/files/json_text.h"
 #include "host/files/output_file.h"
 #include "host/files/output_folder.h"
 #include "host/images/frame_options.h"
+#include "host/production/cutter.h"
 #include "host/production/part_reference.h"
 #include "host/production/production.h"
 #include "host/report/facts.h"
@@ -30,7 +35,10 @@
 #include "selfproj/files/user_error.h"
 #include "selfproj/light_section/differential_profile.h"
 #include "selfproj/light_section/inspection.h"
+#include "selfproj/light_section/profile.h"
+#include "selfproj/light_section/reference.h"
 #include "selfproj/model/column_runs.h"
+#include "selfproj/model/packet.h"
 #include "selfproj/rig/rig.h"
 
 namespace selfproj::app {
@@ -38,22 +46,28 @@ namespace {
 
 struct InspectOptions {
   ReceiveOptions receive;
+  ImageSourceOptions images;
   SectionOptions section;
   production::ProductionOptions production;
   std::string select;  // empty: whatever comes
   std::string out;
   std::string json;
   std::uint64_t keep = light_section::InspectionOptions{}.max_frames;
+
+  // What is inspected, in messages and titles.
+  [[nodiscard]] const std::string& source() const {
+    return receive.device.empty() ? images.images.front() : receive.device;
+  }
 };
 
-// The counts of the inspection, then those of the driver.
-std::vector<report::Fact> facts_of(const SectionCounts& work, const driver::Counters& counters) {
+// The counts of the inspection, then those of the driver, if there is one.
+std::vector<report::Fact> facts_of(const SectionCounts& work, const std::optional<driver::Counters>& counters) {
   const auto number = [](std::uint64_t value) { return static_cast<std::int64_t>(value); };
   const auto microseconds = [](std::int64_t ns) { return static_cast<double>(ns) * 1e-3; };
   std::vector<report::Fact> facts = {
       {"profiles", "profiles", number(work.profiles)},
-      {"points", "valid points", number(work.points)},
-      {"ambiguous", "ambiguous columns", number(work.ambiguous)},
+      {"points", "valid points", number(work.points())},
+      {"ambiguous", "ambiguous columns", number(work.of(light_section::Validity::ambiguous))},
       {"frames_per_second", "frames a second", work.rate()},
       {"delay_p50_us", "delay, median", microseconds(work.delay.percentile_ns(0.5)), "µs"},
       {"delay_p99_us", "delay, 99 %", microseconds(work.delay.percentile_ns(0.99)), "µs"},
@@ -62,8 +76,10 @@ std::vector<report::Fact> facts_of(const SectionCounts& work, const driver::Coun
       {"other_size", "frames of another size", number(work.other_size)},
       {"other_select", "frames of another select", number(work.other_select)},
       {"other_packets", "packets of images and codes", number(work.not_moments)}};
-  const std::vector<report::Fact> driver = report::counter_facts(counters);
-  facts.insert(facts.end(), driver.begin(), driver.end());
+  if (counters) {
+    const std::vector<report::Fact> driver = report::counter_facts(*counters);
+    facts.insert(facts.end(), driver.begin(), driver.end());
+  }
   return facts;
 }
 
@@ -73,26 +89,38 @@ bool is_time(const report::Fact& fact) {
 }
 
 void write_outputs(const InspectOptions& options, const light_section::Inspection& inspection,
-                   const std::vector<report::Fact>& facts, files::OutputFolder& folder) {
+                   const std::vector<report::Fact>& facts, const std::vector<std::string>& doubts,
+                   files::OutputFolder& folder) {
   report::ReportParts parts;
-  parts.title = "Inspection of " + options.receive.device;
+  parts.title = "Inspection of " + options.source();
+  parts.doubts = doubts;
   std::vector<report::Fact> times;
   std::partition_copy(facts.begin(), facts.end(), std::back_inserter(times), std::back_inserter(parts.counters),
                       is_time);
-  parts.settings = {{"device", "device", options.receive.device},
-                    {"reference", "reference", options.section.reference.empty() ? "plane" : options.section.reference},
-                    {"wait", "waiting", options.receive.wait}};
+  const bool device = !options.receive.device.empty();
+  parts.settings = {{device ? "device" : "images", device ? "device" : "images", options.source()},
+                    {"reference", "reference", options.section.reference_name(options.receive.device)}};
+  if (device) {
+    parts.settings.push_back({"wait", "waiting", options.receive.wait});
+  }
   report::write_inspection(inspection, folder, parts);
   folder.append("times.json", files::json_text(report::facts_json(times), 2) + "\n");
   folder.commit();
 }
 
-void print_outcome(const InspectOptions& options, const SectionCounts& work, const driver::Counters& counters,
+void print_outcome(const InspectOptions& options, const SectionCounts& work,
+                   const std::optional<driver::Counters>& counters,
                    const std::optional<light_section::Inspection>& inspection) {
-  fmt::print("{} profiles, {:.0f} frames/s, {}, {}, {}\n", work.profiles, work.rate(), losses_text(counters),
-             driver::counters_text(counters, {&driver::Counters::resynchronized, &driver::Counters::repeated,
-                                              &driver::Counters::restarts}),
-             delay_text(work.delay));
+  if (counters) {
+    fmt::print("{} profiles, {:.0f} frames/s, {}, {}, {}\n", work.profiles, work.rate(), losses_text(*counters),
+               driver::counters_text(*counters, {&driver::Counters::resynchronized, &driver::Counters::repeated,
+                                                 &driver::Counters::restarts}),
+               delay_text(work.delay));
+  } else {
+    const auto columns = static_cast<double>(std::accumulate(work.columns.begin(), work.columns.end(), 0ULL));
+    fmt::print("{} profiles, points in {:.1f} % of the columns\n", work.profiles,
+               columns > 0 ? 100 * static_cast<double>(work.points()) / columns : 0.0);
+  }
   if (inspection) {
     fmt::print("{} frames{} → {}\n", inspection->frames(),
                inspection->frames_not_kept() > 0 ? fmt::format(" (of {}, --keep {})", work.profiles, options.keep)
@@ -101,98 +129,182 @@ void print_outcome(const InspectOptions& options, const SectionCounts& work, con
   }
 }
 
+// An inspection while it runs.
+class Run {
+ public:
+  explicit Run(const InspectOptions& options)
+      : options_(options),
+        rig_(options.section.load_rig()),
+        folder_(options.out.empty() ? nullptr : std::make_unique<files::OutputFolder>(options.out)),
+        json_(options.json.empty() ? nullptr : std::make_unique<files::OutputFile>(options.json)),
+        reference_(options.section.load_reference(rig_, options.receive.device)),
+        profiler_(rig_, reference_),
+        section_(rig_, profiler_,
+                 options.select.empty() ? std::nullopt : std::optional(images::select_of(options.select))),
+        measure_(measure_of_rig(rig_, options.select)) {
+    own_.resize(profiler_.columns());
+    if (folder_) {
+      const std::uint64_t count = options.receive.count;
+      const std::uint64_t expected = count > 0 ? std::min(count, options.keep) : options.keep;
+      inspection_.emplace(rig_, profiler_.columns(),
+                          light_section::InspectionOptions{.expected_frames = static_cast<std::size_t>(expected),
+                                                           .max_frames = static_cast<std::size_t>(options.keep)});
+    }
+  }
+
+  void receive() {
+    Receiver receiver(options_.receive);  // before the page can be seen
+    produce();
+    receiver.open(camera::camera_of_rig(rig_, measure_), BoardSetup{rig_.camera, measure_});
+    const auto take = [&](const model::PacketView& packet) {
+      const light_section::ProfileView profile = place();
+      if (section_.profile(packet, receiver.device(), profile)) {
+        if (inspection_) {
+          inspection_->add(packet.header, packet.payload, profile);
+        }
+        publish(packet.header, receiver.device().arrival_ns());
+      } else if (production_) {
+        production_->image(packet);
+      }
+      return counts().profiles;
+    };
+    const auto status = [&] {
+      const std::string parts = production_ ? production_->status_text() : std::string();
+      return delay_text(counts().delay) + (parts.empty() ? "" : ", ") + parts;
+    };
+    receiver.run({take, status, [&](double /*rate*/) { report(receiver.counters()); }});
+    finish(receiver.counters());
+    receiver.check(counts().other_size + counts().other_select);
+    say_doubts();
+  }
+
+  void measure_images() {
+    ImageSource source(options_.images, rig_, measure_);
+    produce();
+    std::int64_t next_report_ns = 0;
+    source.run(options_.receive.count, [&](const model::PacketHeader& header, const model::RunsView& runs) {
+      constexpr std::int64_t kReportNs = 200'000'000;
+      const light_section::ProfileView profile = place();
+      const std::int64_t now = driver::now_ns();
+      section_.profile(header, runs, source.first(), now, profile);
+      if (inspection_) {
+        inspection_->add(header, runs, profile);
+      }
+      publish(header, now);
+      if (now >= next_report_ns) {
+        next_report_ns = now + kReportNs;
+        report({});
+      }
+    });
+    report({});
+    finish({});
+    if (options_.receive.check && counts().profiles < std::max<std::uint64_t>(1, options_.receive.count)) {
+      throw CheckFailed(fmt::format("--check: {} profiles of {}", counts().profiles, options_.receive.count));
+    }
+    say_doubts();
+  }
+
+ private:
+  [[nodiscard]] const SectionCounts& counts() const { return section_.counts(); }
+
+  void produce() {
+    if (options_.production.any()) {
+      production_.emplace(options_.production, rig_, production::section_of(rig_, reference_, profiler_),
+                          fmt::format("{}: {}", rig_.name, options_.source()));
+    }
+  }
+
+  // Where the next profile goes.
+  light_section::ProfileView place() {
+    slot_ = production_ ? &production_->claim() : nullptr;
+    return slot_ != nullptr ? slot_->profile.view() : own_.view();
+  }
+
+  // The profile in place() is made.
+  void publish(const model::PacketHeader& header, std::int64_t arrival_ns) {
+    if (slot_ != nullptr) {
+      slot_->header = header;
+      slot_->arrival_ns = arrival_ns;
+      production_->publish();
+    }
+  }
+
+  void report(const std::optional<driver::Counters>& counters) {
+    if (production_) {
+      std::vector<report::Fact> facts = facts_of(counts(), counters);
+      if (const std::string& doubt = newest_doubt_.about(counts(), rig_); !doubt.empty()) {
+        facts.push_back({"doubt", "doubtful", doubt});
+      }
+      production_->report(counters.value_or(driver::Counters{}), std::move(facts));
+    }
+  }
+
+  // Why there are too few points or verdicts, each a line.
+  [[nodiscard]] std::vector<std::string> doubts() const {
+    std::vector<std::string> all;
+    for (const std::string& doubt :
+         {doubt_about(counts(), rig_), production_ && counts().profiles > 0 ? production_->doubt() : std::string()}) {
+      if (!doubt.empty()) {
+        all.push_back(doubt);
+      }
+    }
+    return all;
+  }
+
+  void finish(const std::optional<driver::Counters>& counters) {
+    std::vector<report::Fact> facts = facts_of(counts(), counters);
+    if (production_) {
+      production_->finish();
+      const std::vector<report::Fact> more = production_->facts();
+      facts.insert(facts.end(), more.begin(), more.end());
+    }
+    if (inspection_ && inspection_->frames() > 0) {
+      write_outputs(options_, *inspection_, facts, doubts(), *folder_);
+    }
+    if (json_) {
+      json_->write(files::json_text(report::facts_json(facts), 2) + "\n");
+    }
+    print_outcome(options_, counts(), counters, inspection_);
+    if (production_) {
+      fmt::print("{}", production_->end_text());
+      production_->check();
+    }
+  }
+
+  void say_doubts() const {
+    const std::vector<std::string> all = doubts();
+    if (options_.receive.check && !all.empty()) {
+      throw CheckFailed(fmt::format("--check: {}", fmt::join(all, "; ")));
+    }
+    for (const std::string& doubt : all) {
+      note_doubt(options_.source(), doubt);
+    }
+  }
+
+  const InspectOptions& options_;
+  const rig::Rig rig_;
+  std::unique_ptr<files::OutputFolder> folder_;
+  std::unique_ptr<files::OutputFile> json_;
+  const light_section::ReferenceProfile reference_;
+  const light_section::DifferentialProfiler profiler_;
+  SectionRun section_;
+  const model::Measure measure_;
+  std::optional<light_section::Inspection> inspection_;
+  std::optional<production::Production> production_;
+  NewestDoubt newest_doubt_;
+  light_section::Profile own_;
+  production::MeasuredFrame* slot_ = nullptr;
+};
+
 void run_inspect(const InspectOptions& options) {
-  const rig::Rig rig = options.section.load_rig();
-  std::optional<files::OutputFolder> folder;
-  if (!options.out.empty()) {
-    folder.emplace(options.out);
+  if (options.receive.device.empty() == options.images.images.empty()) {
+    throw UserError("--device, --images", "one of them is required");
   }
-  std::optional<files::OutputFile> json;
-  if (!options.json.empty()) {
-    json.emplace(options.json);
-  }
-  const light_section::ReferenceProfile reference = options.section.load_reference(rig);
-  const light_section::DifferentialProfiler profiler(rig, reference);
-  std::optional<light_section::Inspection> inspection;
-  if (folder) {
-    const std::uint64_t count = options.receive.count;
-    const std::uint64_t expected = count > 0 ? std::min(count, options.keep) : options.keep;
-    inspection.emplace(rig, profiler.columns(),
-                       light_section::InspectionOptions{.expected_frames = static_cast<std::size_t>(expected),
-                                                        .max_frames = static_cast<std::size_t>(options.keep)});
-  }
-  SectionRun section(rig, profiler,
-                     options.select.empty() ? std::nullopt : std::optional(images::select_of(options.select)));
-  const SectionCounts& counts = section.counts();
-  Receiver receiver(options.receive);  // before the page can be seen
-  std::optional<production::Production> production;
-  if (options.production.any()) {
-    production.emplace(options.production, rig, production::section_of(rig, reference, profiler),
-                       fmt::format("{}: {}", rig.name, options.receive.device));
-  }
-  const model::Measure measure = measure_of_rig(rig, options.select);
-  receiver.open(camera::camera_of_rig(rig, measure), BoardSetup{rig.camera, measure});
-
-  light_section::Profile own;
-  own.resize(profiler.columns());
-  const auto receive = [&](const model::PacketView& packet) {
-    production::MeasuredFrame* const slot = production ? &production->claim() : nullptr;
-    const light_section::ProfileView profile = slot != nullptr ? slot->profile.view() : own.view();
-    const bool made = section.profile(packet, receiver.device(), profile);
-    if (made && inspection) {
-      inspection->add(packet.header, packet.payload, profile);
-    }
-    if (made && slot != nullptr) {
-      slot->header = packet.header;
-      slot->arrival_ns = receiver.device().arrival_ns();
-      production->publish();
-    } else if (production) {
-      production->image(packet);
-    }
-    return counts.profiles;
-  };
-  const auto status = [&] {
-    const std::string parts = production ? production->status_text() : std::string();
-    return delay_text(counts.delay) + (parts.empty() ? "" : ", ") + parts;
-  };
-  const auto report = [&](double /*rate*/) {
-    if (production) {
-      production->report(receiver.counters(), facts_of(counts, receiver.counters()));
-    }
-  };
-  receiver.run({receive, status, report});
-
-  const driver::Counters counters = receiver.counters();
-  std::vector<report::Fact> facts = facts_of(counts, counters);
-  if (production) {
-    production->finish();
-    const std::vector<report::Fact> more = production->facts();
-    facts.insert(facts.end(), more.begin(), more.end());
-  }
-  if (inspection && inspection->frames() > 0) {
-    write_outputs(options, *inspection, facts, *folder);
-  }
-  if (json) {
-    json->write(files::json_text(report::facts_json(facts), 2) + "\n");
-  }
-  print_outcome(options, counts, counters, inspection);
-  if (production) {
-    fmt::print("{}", production->end_text());
-  }
-  if (production) {
-    production->check();
-  }
-  receiver.check(counts.other_size + counts.other_select);
-  if (counts.profiles > 0 && counts.points == 0) {
-    const std::string reason = fmt::format(
-        "none of the {} columns of {} profiles is valid: is there no light, or are rig, mode and threshold not those "
-        "of "
-        "the frames?",
-        counts.profiles * static_cast<std::uint64_t>(profiler.columns()), counts.profiles);
-    if (options.receive.check) {
-      throw CheckFailed("--check: " + reason);
-    }
-    note_doubt(options.receive.device, reason);
+  Run run(options);
+  if (options.receive.device.empty()) {
+    run.measure_images();
+  } else {
+    run.receive();
   }
 }
 
@@ -201,7 +313,7 @@ void run_inspect(const InspectOptions& options) {
 void add_inspect_command(CLI::App& app) {
   CLI::App* command = cli::add_command(
       app, {.name = "inspect",
-            .purpose = "Inspects parts on-line by light section: turns the packets of a board into profiles.",
+            .purpose = "Inspects parts by light section: turns packets of a board, or recorded images, into profiles.",
             .details =
                 "A terminal shows frames per second, losses, and the delay from a packet's arrival to its profile. The "
                 "run ends after --count profiles, after --seconds, at Ctrl-C, or when the device has ended and "
@@ -217,14 +329,20 @@ selfproj inspect --device file:part.packets --out part
 selfproj-sim board --line 512x96 --ring line1 --count 20000 --wait-for-reader &
 selfproj inspect --device ring:line1 --wait-for-board --seconds 3 --json counts.json
 
+# Inspect recorded images, without a board.
+selfproj-sim scene render mountain --first 680 --count 40 --out frames
+selfproj inspect --images frames --out mountain
+
 # Inspect what a real board delivers, beside a good part (needs hardware)
 selfproj inspect --device file:/dev/xdma0_c2h_0 --reference good-part --check --count 100000 \
   --out part
 )"});
   const auto options = std::make_shared<InspectOptions>();
-  add_receive_options(*command, options->receive, "profiles",
-                      ", of whose images this program makes the packets itself, as the rig says.", DeviceIs::required,
-                      BoardIs::set_up);
+  CLI::Option* const device =
+      add_receive_options(*command, options->receive, "profiles",
+                          ", of whose images this program makes the packets itself, as the rig says.",
+                          DeviceIs::or_images, BoardIs::set_up);
+  add_image_source_options(*command, options->images, device);
   cli::begin_group(*command, "Measuring");
   add_section_options(*command, options->section);
   command

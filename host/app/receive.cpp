@@ -79,11 +79,15 @@ std::string reason_of_silence(const std::string& device, const driver::Counters&
                                      : "does the board run, and do frames reach it? `selfproj board status` says";
 }
 
-// All options of the command from the n-th on go only with --device.
-void need_device(CLI::App& command, std::size_t first, CLI::Option* device) {
+// All options of the command from the n-th on, but for those of `others`, go only with --device.
+void need_device(CLI::App& command, std::size_t first, CLI::Option* device,
+                 const std::vector<CLI::Option*>& others = {}) {
   const std::vector<CLI::Option*> options = command.get_options();
-  std::for_each(options.begin() + static_cast<std::ptrdiff_t>(first), options.end(),
-                [&](CLI::Option* option) { option->needs(device); });
+  std::for_each(options.begin() + static_cast<std::ptrdiff_t>(first), options.end(), [&](CLI::Option* option) {
+    if (std::find(others.begin(), others.end(), option) == others.end()) {
+      option->needs(device);
+    }
+  });
 }
 
 }  // namespace
@@ -123,18 +127,23 @@ CLI::Option* add_receive_options(CLI::App& command, ReceiveOptions& options, con
                    "Wait until a ring and a board exist, also after the board has gone. Ctrl-C ends the run.");
   command.add_flag("--newest", options.newest, "Begin with the newest packet of the ring, not the oldest unread one.");
   cli::begin_group(command, "End of the run");
-  command.add_option("--count", options.count, fmt::format("End after this many {}.", things))
-      ->transform(cli::whole_number(1))
-      ->type_name("N");
+  CLI::Option* const count =
+      command.add_option("--count", options.count, fmt::format("End after this many {}.", things))
+          ->transform(cli::whole_number(1))
+          ->type_name("N");
   command.add_option("--seconds", options.seconds, "End this many seconds after the first packet.")
       ->transform(cli::number_above_zero(1e9))
       ->type_name("S");
-  command.add_flag("--check", options.check,
-                   fmt::format("Exit with status 1 if anything was lost, bad or missing, if no {0} came, or fewer than "
-                               "--count says.",
-                               things));
-  if (!required) {
+  CLI::Option* const check = command.add_flag(
+      "--check", options.check,
+      fmt::format("Exit with status 1 if anything was lost, bad or missing, if no {0} came, or fewer than "
+                  "--count says.{1}",
+                  things,
+                  set_up ? " Also if fewer than half of the columns became points, or a part has no verdict." : ""));
+  if (device == DeviceIs::instead_of_images) {
     need_device(command, first, uri);
+  } else if (device == DeviceIs::or_images) {
+    need_device(command, first, uri, {count, check});
   }
   return uri;
 }

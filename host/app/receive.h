@@ -34,7 +34,9 @@ struct ReceiveOptions {
   bool check = false;
 };
 
-enum class DeviceIs : std::uint8_t { required, instead_of_images };
+// instead_of_images: images come by other options, and all of these go only with --device. or_images: --count and
+// --check go with images as well.
+enum class DeviceIs : std::uint8_t { required, instead_of_images, or_images };
 enum class BoardIs : std::uint8_t { set_up, left_as_it_is };
 
 // Adds --device, --control, --wait, --wait-for-board, --newest, --count, --seconds and --check. `things` are what

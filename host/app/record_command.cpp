@@ -2,12 +2,17 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdint>
+#include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
+#include <system_error>
 
 #include "host/app/commands.h"
 #include "host/app/receive.h"
+#include "host/app/section_run.h"
 #include "host/cli/command_line.h"
+#include "host/files/input_file.h"
 #include "host/files/output_file.h"
 #include "selfproj/files/user_error.h"
 #include "selfproj/model/packet.h"
@@ -18,10 +23,38 @@ namespace {
 struct RecordOptions {
   ReceiveOptions receive;
   std::string out;
+  std::string reference;  // folder or file; empty: none
 };
+
+// The text of a reference, or an empty one.
+std::string reference_text(const std::string& folder_or_file) {
+  if (folder_or_file.empty()) {
+    return "";
+  }
+  std::error_code unused;
+  const bool folder = std::filesystem::is_directory(folder_or_file, unused);
+  const std::string file = folder ? folder_or_file + "/reference.csv" : folder_or_file;
+  std::string text = files::read_input(file, files::kMostTableBytes);
+  if (!text.starts_with("# selfproj reference")) {
+    throw UserError(file, "is not the reference of a light section, which `selfproj pattern` writes");
+  }
+  return text;
+}
 
 void run_record(const RecordOptions& options) {
   const files::OutputFile file(options.out);
+  const std::string reference = reference_text(options.reference);
+  const std::string beside = reference_file_of(options.out);
+  std::error_code unused;
+  if (reference.empty() && std::filesystem::exists(beside, unused)) {
+    throw UserError("--out " + options.out, beside +
+                                                " lies beside it and would go with these packets; give "
+                                                "--reference, or another name");
+  }
+  std::optional<files::OutputFile> reference_file;
+  if (!reference.empty()) {
+    reference_file.emplace(beside);
+  }
   Receiver receiver(options.receive);
   receiver.open();
   files::OutputStream stream(file);
@@ -46,6 +79,9 @@ void run_record(const RecordOptions& options) {
     throw CheckFailed(options.receive.device + ": no packet came, and nothing is written");
   }
   stream.commit();
+  if (reference_file) {
+    reference_file->write(reference);
+  }
   fmt::print("{} packets, {} bytes → {}; {}\n", packets, bytes, options.out, losses_text(receiver.counters()));
   receiver.check();
 }
@@ -71,6 +107,11 @@ selfproj inspect --device file:part.packets --check
                       ", of whose images this program makes the packets itself.");
   cli::begin_group(*command, "Output");
   command->add_option("--out", options->out, "File for the packets.")->type_name("FILE")->required();
+  command
+      ->add_option("--reference", options->reference,
+                   "Folder that `selfproj pattern` wrote, whose pattern is projected. Its reference is kept as "
+                   "FILE.reference.csv, and `selfproj inspect` takes no other with the packets.")
+      ->type_name("DIR");
   command->callback([options] { run_record(*options); });
 }
 

@@ -2,8 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <string>
+#include <string_view>
+#include <system_error>
 
 #include "host/cli/command_line.h"
 #include "host/driver/clock.h"
@@ -27,9 +31,40 @@ rig::Rig SectionOptions::load_rig() const {
   return result;
 }
 
-light_section::ReferenceProfile SectionOptions::load_reference(const rig::Rig& loaded) const {
-  return reference.empty() ? light_section::reference_of_plane(loaded)
-                           : selfproj::light_section::load_reference(loaded, reference);
+namespace {
+
+// The file of reference_file_of beside this device, if it is a recording and there is one; else empty.
+std::string reference_beside(const std::string& device) {
+  constexpr std::string_view kFile = "file:";
+  std::error_code unused;
+  const std::string file = device.starts_with(kFile) ? reference_file_of(device.substr(kFile.size())) : std::string();
+  return std::filesystem::is_regular_file(file, unused) ? file : std::string();
+}
+
+}  // namespace
+
+std::string reference_file_of(const std::string& recording) { return recording + ".reference.csv"; }
+
+light_section::ReferenceProfile SectionOptions::load_reference(const rig::Rig& loaded,
+                                                               const std::string& device) const {
+  const std::string beside = reference_beside(device);
+  if (reference.empty()) {
+    return beside.empty() ? light_section::reference_of_plane(loaded)
+                          : selfproj::light_section::load_reference(loaded, beside);
+  }
+  light_section::ReferenceProfile chosen = selfproj::light_section::load_reference(loaded, reference);
+  if (!beside.empty() &&
+      light_section::reference_csv(loaded, chosen) !=
+          light_section::reference_csv(loaded, selfproj::light_section::load_reference(loaded, beside))) {
+    throw UserError("--reference " + reference,
+                    fmt::format("is not the one under which {} was taken, which is {}", device, beside));
+  }
+  return chosen;
+}
+
+std::string SectionOptions::reference_name(const std::string& device) const {
+  const std::string beside = reference_beside(device);
+  return !reference.empty() ? reference : !beside.empty() ? beside : "plane";
 }
 
 model::Measure measure_of_rig(const rig::Rig& rig, const std::string& select) {
@@ -47,13 +82,33 @@ void add_section_options(CLI::App& command, SectionOptions& options) {
       .add_option("--reference", options.reference,
                   "Folder that `selfproj pattern` wrote for the good part whose pattern is projected.")
       ->type_name("DIR")
-      ->default_str("the empty plane");
+      ->default_str("the one beside a recording (FILE.reference.csv), or the empty plane");
   command
       .add_option("--pixel-clock-hz", options.pixel_clock_hz,
                   "Pixel clock of the board in Hz, which its time stamps count.")
       ->transform(cli::real_number(model::kMinPixelClockHz, model::kMaxPixelClockHz))
       ->type_name("HZ")
       ->default_str(fmt::format("the rig's, or {:.0f}", model::kDefaultPixelClockHz));
+}
+
+std::string doubt_about(const SectionCounts& counts, const rig::Rig& rig) {
+  rig::RigMeasure measure = rig.measure;
+  measure.threshold = counts.threshold;
+  return light_section::doubt_about_columns(counts.columns, measure);
+}
+
+const std::string& NewestDoubt::about(const SectionCounts& counts, const rig::Rig& rig) {
+  constexpr int kCalls = 10;  // two seconds
+  if (++calls_ >= kCalls) {
+    SectionCounts newest = counts;
+    for (std::size_t i = 0; i < before_.size(); ++i) {
+      newest.columns.at(i) -= before_.at(i);
+    }
+    before_ = counts.columns;
+    calls_ = 0;
+    text_ = doubt_about(newest, rig);
+  }
+  return text_;
 }
 
 std::string delay_text(const driver::DurationHistogram& delay) {
@@ -102,20 +157,28 @@ bool SectionRun::profile(const model::PacketView& packet, const driver::Device& 
   if (!is_usable(packet, device.uri()) || !profiler_.profile(packet, to)) {
     return false;
   }
+  count(packet.header, to, device.arrival_ns());
+  return true;
+}
+
+void SectionRun::profile(const model::PacketHeader& header, const model::RunsView& runs, const std::string& source,
+                         std::int64_t arrival_ns, const light_section::ProfileView& to) {
+  if (const std::string unlike = profiler_.unlike_reference(header); !unlike.empty()) {
+    throw UserError(source, unlike + "; let the rig say what counts (measure.runs, measure.window)");
+  }
+  profiler_.profile(runs, to);
+  count(header, to, arrival_ns);
+}
+
+void SectionRun::count(const model::PacketHeader& header, const light_section::ProfileView& made,
+                       std::int64_t arrival_ns) {
   const std::int64_t now = driver::now_ns();
   counts_.first_done_ns = counts_.profiles == 0 ? now : counts_.first_done_ns;
   counts_.last_done_ns = now;
-  counts_.delay.add(now - device.arrival_ns());
+  counts_.delay.add(now - arrival_ns);
   ++counts_.profiles;
-  std::uint32_t points = 0;
-  std::uint32_t ambiguous = 0;
-  for (int i = 0; i < profiler_.columns(); ++i) {
-    points += to.validity[i] == static_cast<std::uint8_t>(light_section::Validity::valid) ? 1U : 0U;
-    ambiguous += to.validity[i] == static_cast<std::uint8_t>(light_section::Validity::ambiguous) ? 1U : 0U;
-  }
-  counts_.points += points;
-  counts_.ambiguous += ambiguous;
-  return true;
+  counts_.threshold = header.threshold;
+  light_section::count_columns({made.validity, static_cast<std::size_t>(profiler_.columns())}, counts_.columns);
 }
 
 }  // namespace selfproj::app

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "host/app/commands.h"
+#include "host/app/image_source.h"
 #include "host/app/receive.h"
 #include "host/app/scanner_run.h"
 #include "host/app/section_run.h"
@@ -22,6 +23,9 @@
 #include "host/production/tolerance.h"
 #include "selfproj/files/user_error.h"
 #include "selfproj/light_section/differential_profile.h"
+#include "selfproj/light_section/profile.h"
+#include "selfproj/model/column_runs.h"
+#include "selfproj/model/packet.h"
 #include "selfproj/rig/rig.h"
 
 namespace selfproj::app {
@@ -31,24 +35,30 @@ struct LearnCommandOptions {
   SectionOptions section;
   MatchOptions match;  // of a scanner
   ReceiveOptions receive;
+  ImageSourceOptions images;
   std::string out;
   bool strict = false;
   production::LearnOptions learn;
   std::optional<double> min_defect_mm2;  // empty: LearnOptions' for a light section, of 9 cells for a scanner
   std::optional<double> edge_mm;         // likewise, 3 cells
+
+  // Where the parts come from, in messages.
+  [[nodiscard]] const std::string& source() const {
+    return receive.device.empty() ? images.images.front() : receive.device;
+  }
 };
 
 void write_tolerance(const LearnCommandOptions& options, const rig::Rig& rig, const files::OutputFile& out,
                      const production::Learner& learner, std::uint64_t specks) {
   std::vector<std::string> left_out;
-  const production::Tolerance tolerance = learner.learn(options.receive.device, &left_out);
+  const production::Tolerance tolerance = learner.learn(options.source(), &left_out);
   if (options.strict && !left_out.empty()) {
-    throw CheckFailed(fmt::format("--strict: {}: {} not as the others; {}", options.receive.device,
+    throw CheckFailed(fmt::format("--strict: {}: {} not as the others; {}", options.source(),
                                   left_out.size() == 1 ? "a part is" : fmt::format("{} parts are", left_out.size()),
                                   left_out.front()));
   }
   for (const std::string& part : left_out) {
-    note_doubt(options.receive.device, "left out as not good: " + part);
+    note_doubt(options.source(), "left out as not good: " + part);
   }
   out.write(fmt::format("# learned from {} good parts on rig {}\n", learner.parts() - left_out.size(), rig.name) +
             production::to_yaml(tolerance));
@@ -112,16 +122,32 @@ void learn_depth(const LearnCommandOptions& options) {
 void learn_section(const LearnCommandOptions& options) {
   const rig::Rig rig = options.section.load_rig();
   const files::OutputFile out(options.out);
-  const light_section::ReferenceProfile reference = options.section.load_reference(rig);
+  const light_section::ReferenceProfile reference = options.section.load_reference(rig, options.receive.device);
   const light_section::DifferentialProfiler profiler(rig, reference);
   production::Learner learner(rig, production::section_of(rig, reference, profiler), learn_options(options, {}));
   production::ProfileCutter cutter(rig);
   SectionRun section(rig, profiler);
-  Receiver receiver(options.receive);
   const model::Measure measure = measure_of_rig(rig);
-  receiver.open(camera::camera_of_rig(rig, measure), BoardSetup{rig.camera, measure});
   light_section::Profile profile;
   profile.resize(profiler.columns());
+  const auto finish = [&] {
+    add_part(learner, cutter.finish());
+    if (const std::string doubt = doubt_about(section.counts(), rig); !doubt.empty()) {
+      note_doubt(options.source(), doubt);
+    }
+    write_tolerance(options, rig, out, learner, cutter.specks());
+  };
+  if (options.receive.device.empty()) {
+    ImageSource source(options.images, rig, measure);
+    source.run(options.receive.count, [&](const model::PacketHeader& header, const model::RunsView& runs) {
+      section.profile(header, runs, source.first(), 0, profile.view());
+      add_part(learner, cutter.add(header, profile.view(), 0));
+    });
+    finish();
+    return;
+  }
+  Receiver receiver(options.receive);
+  receiver.open(camera::camera_of_rig(rig, measure), BoardSetup{rig.camera, measure});
   const auto receive = [&](const model::PacketView& packet) {
     if (section.profile(packet, receiver.device(), profile.view())) {
       add_part(learner, cutter.add(packet.header, profile.view(), receiver.device().arrival_ns()));
@@ -129,13 +155,18 @@ void learn_section(const LearnCommandOptions& options) {
     return section.counts().profiles;
   };
   receiver.run({receive, [&] { return fmt::format("{} good parts", learner.parts()); }});
-  add_part(learner, cutter.finish());
-  write_tolerance(options, rig, out, learner, cutter.specks());
+  finish();
   receiver.check(section.counts().other_size);
 }
 
 void run_learn(const LearnCommandOptions& options) {
+  if (options.receive.device.empty() == options.images.images.empty()) {
+    throw UserError("--device, --images", "one of them is required");
+  }
   if (rig::load_any_rig(options.section.rig).kind == rig::RigKind::scanner) {
+    if (options.receive.device.empty()) {
+      throw UserError("--images", "goes only with a rig of kind light-section");
+    }
     learn_depth(options);
   } else {
     learn_section(options);
@@ -148,29 +179,34 @@ void add_learn_command(CLI::App& tolerance) {
       {.name = "learn",
        .purpose = "Makes a tolerance file from good parts.",
        .details =
-           "The device brings at least 5 good parts; the rig's section `parts` says how they are cut. Each stretch of "
+           "The device, or the images, bring at least 5 good parts; the rig's section `parts` says how they are cut. "
+           "Each stretch of "
            "the reference's section between two walls becomes a region. Its band is what the good parts reach, and "
            "--spreads standard deviations more. The file is YAML, to be looked at and changed.\n\n"
            "With a rig of kind scanner the parts are depth images under the stripes of --reference, and each surface "
            "of the reference becomes a region.\n\n"
            "The run ends when the device ends, after --count profiles or depth images, after --seconds, or at Ctrl-C.",
        .examples = R"(
-# A tolerance from recorded good parts, and parts classified by it (needs your files)
-selfproj tolerance learn --rig mine.yaml --reference good-part --device file:good.packets \
-  --out tolerance.yaml
-selfproj inspect --rig mine.yaml --reference good-part --device ring:line1 \
+# A tolerance from recorded good parts, and parts classified by it.
+selfproj-sim production --out line
+selfproj tolerance learn --rig line/rig.yaml --reference line/part \
+  --device file:line/good.packets --out tolerance.yaml
+selfproj inspect --rig line/rig.yaml --reference line/part --device file:line/run.packets \
   --tolerance tolerance.yaml --parts today
 
-# The same with structured light (needs your files)
-selfproj tolerance learn --rig my-scanner.yaml --reference stripes --device file:good.packets \
-  --out tolerance.yaml
-selfproj match --rig my-scanner.yaml --reference stripes --device ring:line1 \
-  --tolerance tolerance.yaml --parts today --out newest
+# The same with structured light.
+selfproj-sim production --rig scanner --good 5 --parts 3 --out scans
+selfproj tolerance learn --rig scans/rig.yaml --reference scans/stripes \
+  --device file:scans/good.packets --out scans.yaml
+selfproj match --rig scans/rig.yaml --reference scans/stripes --device file:scans/run.packets \
+  --tolerance scans.yaml --parts scanned --out newest
 )"});
   const auto options = std::make_shared<LearnCommandOptions>();
-  add_receive_options(*command, options->receive, "profiles or depth images",
-                      ", of whose images this program makes the packets itself, as the rig says.", DeviceIs::required,
-                      BoardIs::set_up);
+  CLI::Option* const device =
+      add_receive_options(*command, options->receive, "profiles or depth images",
+                          ", of whose images this program makes the packets itself, as the rig says.",
+                          DeviceIs::or_images, BoardIs::set_up);
+  add_image_source_options(*command, options->images, device);
   cli::begin_group(*command, "Measuring");
   add_section_options(*command, options->section);
   add_search_options(*command, options->match);
@@ -216,9 +252,10 @@ void add_tolerance_command(CLI::App& app) {
             .purpose = "Makes the tolerances by which `selfproj inspect` and `selfproj match` classify parts.",
             .details = "",
             .examples = R"(
-# A tolerance from recorded good parts (needs your files)
-selfproj tolerance learn --rig mine.yaml --reference good-part --device file:good.packets \
-  --out tolerance.yaml
+# A tolerance from the good parts of a simulated line.
+selfproj-sim production --out good-line
+selfproj tolerance learn --rig good-line/rig.yaml --reference good-line/part \
+  --device file:good-line/good.packets --out good.yaml
 )"});
   command->require_subcommand(1);
   add_learn_command(*command);

@@ -174,7 +174,7 @@ void to_grey8(const PixelFormat& format, std::optional<images::Channel> channel,
       raw.size() < (lines - 1) * stride + line_bytes(format, columns)) {
     throw std::invalid_argument("pixel format: the image is too short");
   }
-  if (needs_channel(format) && (!channel || *channel == images::Channel::red_difference)) {
+  if (needs_channel(format) && (!channel || *channel > images::Channel::grey)) {
     throw std::invalid_argument("pixel format: a channel is missing");
   }
   if (!format.bayer.empty()) {

@@ -59,7 +59,7 @@ bool is_plain(const PixelFormat& format);
 // its two, and grey the mean of all four, halves rounded up. For red, green and blue, grey is the luminance of ITU-R
 // BT.601.
 //
-// Throws std::invalid_argument if raw is too short for `rows` lines, or the channel is missing or red_difference.
+// Throws std::invalid_argument if raw is too short for `rows` lines, or the channel is missing or a difference.
 void to_grey8(const PixelFormat& format, std::optional<images::Channel> channel, std::span<const std::uint8_t> raw,
               int rows, int columns, std::size_t stride, std::uint8_t* out);
 

@@ -38,7 +38,7 @@ model::RowWindow rows_of_text(const std::string& option, const std::string& text
 // "strongest, gap 1, rows 10..80": what `measure` has that is not what a board measures by default; empty if nothing.
 std::string select_text(const model::Measure& measure);
 
-// Names of the channels: red, green, blue, grey; and the channel of one of them, none for the empty name. Throws
+// Names of the channels, kChannels; and the channel of one of them, none for the empty name. Throws
 // std::invalid_argument for any other.
 std::vector<std::string> channel_names();
 std::optional<Channel> channel_of(const std::string& name);

@@ -15,6 +15,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "host/files/input_file.h"
 #include "host/files/numbers.h"
@@ -130,10 +131,86 @@ std::string without_bytes_too_many(const std::string& file, std::size_t before_e
   return clean + pixels;
 }
 
-// The directories of a TIFF (42) or BigTIFF (43) file: the first is the image's. Others are pages, unless they say that
-// they hold the same image with fewer pixels, or a mask.
-ImageHeader tiff_header(std::string_view file) {
+// The directories of a TIFF (42) or BigTIFF (43) file.
+class TiffDirectories {
+ public:
+  explicit TiffDirectories(std::string_view file)
+      : bytes_(file, file.starts_with("II") ? Order::little : Order::big),
+        big_(bytes_.number(2, 2) == 43),
+        word_(big_ ? 8 : 4) {}
+
+  // Where the place of the first directory stands; that of the next one stands behind each.
+  [[nodiscard]] std::uint64_t first_link() const { return big_ ? 8 : 4; }
+  [[nodiscard]] std::uint64_t at_link(std::uint64_t link) const { return bytes_.number(link, word_); }
+
+  // Writes another place where a link stands in these bytes.
+  void set_link(std::string& bytes, std::uint64_t link, std::uint64_t place) const {
+    const bool little = bytes.starts_with("II");
+    for (unsigned i = 0; i < word_; ++i) {
+      const unsigned digit = little ? i : word_ - 1 - i;
+      bytes.at(static_cast<std::size_t>(link) + i) = static_cast<char>((place >> (8 * digit)) & 0xFFU);
+    }
+  }
+
+  // Calls visit(tag, type, place of the value, value) for the directory at this place, and returns the next one's link.
+  template <class Visit>
+  std::uint64_t walk(std::uint64_t directory, const Visit& visit) {
+    constexpr std::size_t kMostEntries = 1'000'000;  // of all directories, which may form a circle
+    constexpr std::uint64_t kLong = 4;
+    const std::uint64_t entries = bytes_.number(directory, big_ ? 8 : 2);
+    const std::uint64_t first = directory + (big_ ? 8 : 2);
+    const std::uint64_t each = 4 + 2 * std::uint64_t{word_};
+    for (std::uint64_t i = 0; i < entries; ++i) {
+      const std::uint64_t entry = first + i * each;
+      const std::uint64_t type = bytes_.number(entry + 2, 2);
+      const std::uint64_t count = bytes_.number(entry + 4, word_);
+      const unsigned size = type == kShort ? 2 : type == kLong ? 4 : word_;
+      // Values that do not fit in the entry are elsewhere.
+      const std::uint64_t at = entry + 4 + word_;
+      const std::uint64_t place = count <= word_ / size ? at : bytes_.number(at, word_);
+      visit(bytes_.number(entry, 2), type, place, bytes_.number(place, size));
+      if (++all_entries_ > kMostEntries) {
+        throw std::out_of_range("directories");
+      }
+    }
+    if (++directories_ > kMostEntries) {
+      throw std::out_of_range("directories");
+    }
+    return first + entries * each;
+  }
+
+  static constexpr std::uint64_t kShort = 3;
+
+ private:
+  Bytes bytes_;
+  bool big_;
+  unsigned word_;
+  std::size_t all_entries_ = 0;
+  std::size_t directories_ = 0;
+};
+
+// Links to the directories of a TIFF that are pages: the first, and others unless they say that they hold the same
+// image with fewer pixels, or a mask. Throws std::out_of_range if the file is damaged.
+std::vector<std::uint64_t> page_links(std::string_view file) {
   constexpr std::uint64_t kKind = 254;
+  constexpr std::uint64_t kReducedOrMask = 1 | 4;
+  TiffDirectories directories(file);
+  std::vector<std::uint64_t> links;
+  for (std::uint64_t link = directories.first_link(); directories.at_link(link) != 0;) {
+    std::uint64_t kind = 0;
+    const std::uint64_t behind = directories.walk(
+        directories.at_link(link), [&](std::uint64_t tag, std::uint64_t /*type*/, std::uint64_t /*place*/,
+                                       std::uint64_t value) { kind = tag == kKind ? value : kind; });
+    if (links.empty() || (kind & kReducedOrMask) == 0) {
+      links.push_back(link);
+    }
+    link = behind;
+  }
+  return links;
+}
+
+// What a TIFF says of its first page.
+ImageHeader tiff_header(std::string_view file) {
   constexpr std::uint64_t kWidth = 256;
   constexpr std::uint64_t kLength = 257;
   constexpr std::uint64_t kBits = 258;
@@ -142,63 +219,28 @@ ImageHeader tiff_header(std::string_view file) {
   constexpr std::uint64_t kForm = 339;
   constexpr std::uint64_t kSigned = 2;
   constexpr std::uint64_t kFloats = 3;
-  constexpr std::uint64_t kReducedOrMask = 1 | 4;
-  constexpr std::size_t kMostEntries = 1'000'000;  // of all directories, which may form a circle
-  constexpr std::uint64_t kShort = 3;
-  constexpr std::uint64_t kLong = 4;
-  const Bytes bytes(file, file.starts_with("II") ? Order::little : Order::big);
-  const bool big = bytes.number(2, 2) == 43;
-  const unsigned word = big ? 8 : 4;
-  // Calls visit(tag, type, place of the value, value) for the directory at this place, and returns the next one's.
-  std::size_t all_entries = 0;
-  const auto walk = [&](std::uint64_t directory, const auto& visit) {
-    const std::uint64_t entries = bytes.number(directory, big ? 8 : 2);
-    const std::uint64_t first = directory + (big ? 8 : 2);
-    const std::uint64_t each = 4 + 2 * std::uint64_t{word};
-    for (std::uint64_t i = 0; i < entries; ++i) {
-      const std::uint64_t entry = first + i * each;
-      const std::uint64_t type = bytes.number(entry + 2, 2);
-      const std::uint64_t count = bytes.number(entry + 4, word);
-      const unsigned size = type == kShort ? 2 : type == kLong ? 4 : word;
-      // Values that do not fit in the entry are elsewhere.
-      const std::uint64_t at = entry + 4 + word;
-      const std::uint64_t place = count <= word / size ? at : bytes.number(at, word);
-      visit(bytes.number(entry, 2), type, place, bytes.number(place, size));
-      if (++all_entries > kMostEntries) {
-        throw std::out_of_range("directories");
-      }
-    }
-    return bytes.number(first + entries * each, word);
-  };
   ImageHeader header{ImageFormat::tiff};
   std::uint64_t bits = 1;
   std::uint64_t form = 1;
   std::uint64_t light = 1;
-  std::uint64_t next = walk(bytes.number(big ? 8 : 4, word),
-                            [&](std::uint64_t tag, std::uint64_t type, std::uint64_t place, std::uint64_t value) {
-                              if (tag == kWidth) {
-                                header.columns = value;
-                              } else if (tag == kLength) {
-                                header.rows = value;
-                              } else if (tag == kBits) {
-                                bits = value;
-                              } else if (tag == kLight) {
-                                light = value;
-                              } else if (tag == kForm) {
-                                form = value;
-                              } else if (tag == kOrientation && type == kShort) {
-                                header.orientation_at = value == 1 ? 0 : static_cast<std::size_t>(place);
-                              }
-                            });
-  std::size_t pages = 1;
-  while (next != 0 && pages == 1) {
-    std::uint64_t kind = 0;
-    next = walk(next, [&](std::uint64_t tag, std::uint64_t /*type*/, std::uint64_t /*place*/, std::uint64_t value) {
-      kind = tag == kKind ? value : kind;
-    });
-    pages += (kind & kReducedOrMask) == 0 ? 1 : 0;
-  }
-  if (pages > 1) {
+  TiffDirectories directories(file);
+  directories.walk(directories.at_link(directories.first_link()),
+                   [&](std::uint64_t tag, std::uint64_t type, std::uint64_t place, std::uint64_t value) {
+                     if (tag == kWidth) {
+                       header.columns = value;
+                     } else if (tag == kLength) {
+                       header.rows = value;
+                     } else if (tag == kBits) {
+                       bits = value;
+                     } else if (tag == kLight) {
+                       light = value;
+                     } else if (tag == kForm) {
+                       form = value;
+                     } else if (tag == kOrientation && type == TiffDirectories::kShort) {
+                       header.orientation_at = value == 1 ? 0 : static_cast<std::size_t>(place);
+                     }
+                   });
+  if (page_links(file).size() > 1) {
     header.refusal = several_images("a TIFF of several pages");
   } else if (form == kSigned) {
     header.refusal = "has pixels that are signed numbers; brightness from 0 on is expected";
@@ -438,8 +480,10 @@ void clear_orientation(const ImageHeader& header, std::string& bytes) {
   }
 }
 
-DecodedImage decode_image(const std::string& file) {
-  std::string bytes = files::read_input(file, files::kMostImageBytes);
+namespace {
+
+// Decodes the bytes of a file; OpenCV reads the file itself if it may.
+DecodedImage decode_bytes(const std::string& file, std::string& bytes, bool from_file) {
   std::optional<ImageHeader> header = image_header(bytes);
   if (!header || header->columns == 0 || header->rows == 0) {
     throw UserError(file, kNotAnImage);
@@ -464,7 +508,7 @@ DecodedImage decode_image(const std::string& file) {
     }
   }
   Attempt result;
-  if (header->orientation_at != 0) {
+  if (header->orientation_at != 0 || !from_file) {
     clear_orientation(*header, bytes);
     result = attempt([&] { return decoded_bytes(bytes); });
   } else {
@@ -489,6 +533,45 @@ DecodedImage decode_image(const std::string& file) {
   }
   const std::uint32_t white = result.pixels.depth() == CV_8U ? 255 : header->white;
   return {std::move(result.pixels), white};
+}
+
+}  // namespace
+
+DecodedImage decode_image(const std::string& file) {
+  std::string bytes = files::read_input(file, files::kMostImageBytes);
+  return decode_bytes(file, bytes, true);
+}
+
+PagedImage::PagedImage(std::string file) : file_(std::move(file)) {
+  std::string bytes = files::read_input(file_, files::kMostImageBytes);
+  if (image_format(bytes) == ImageFormat::tiff) {
+    try {
+      links_ = page_links(bytes);
+    } catch (const std::out_of_range&) {
+      throw UserError(file_, kNotAnImage);
+    }
+  }
+  if (links_.size() > 1) {
+    bytes_ = std::move(bytes);
+  }
+}
+
+DecodedImage PagedImage::page(std::size_t i) {
+  if (pages() == 1) {
+    return decode_image(file_);
+  }
+  // The bytes are those of a file with this page alone.
+  TiffDirectories directories(bytes_);
+  const std::uint64_t directory = directories.at_link(links_.at(i));
+  const std::uint64_t behind = directories.walk(directory, [](auto, auto, auto, auto) {});
+  const std::uint64_t first = directories.at_link(directories.first_link());
+  const std::uint64_t next = directories.at_link(behind);
+  directories.set_link(bytes_, directories.first_link(), directory);
+  directories.set_link(bytes_, behind, 0);
+  DecodedImage image = decode_bytes(file_, bytes_, false);
+  directories.set_link(bytes_, behind, next);
+  directories.set_link(bytes_, directories.first_link(), first);
+  return image;
 }
 
 }  // namespace selfproj::images

@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace selfproj::images {
 
@@ -48,6 +49,24 @@ struct DecodedImage {
 // file. A JPEG with bytes too many is taken if its pixels are whole without them. Throws UserError, naming the file, if
 // it cannot be read, is not an image, is damaged, has several images, or has more than kMaxImagePixels pixels.
 DecodedImage decode_image(const std::string& file);
+
+// A file that may be a TIFF of several pages, decoded page by page. Holds such a file in memory.
+class PagedImage {
+ public:
+  // Throws UserError, naming the file, if it cannot be read or is a damaged TIFF.
+  explicit PagedImage(std::string file);
+
+  [[nodiscard]] const std::string& file() const { return file_; }
+  [[nodiscard]] std::size_t pages() const { return links_.empty() ? 1 : links_.size(); }
+
+  // Page i, from 0. Throws as decode_image does.
+  [[nodiscard]] DecodedImage page(std::size_t i);
+
+ private:
+  std::string file_;
+  std::string bytes_;                 // of a file with several pages
+  std::vector<std::uint64_t> links_;  // where in them the places of the pages stand
+};
 
 }  // namespace selfproj::images
 

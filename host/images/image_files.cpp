@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <glob.h>
 #include <sys/types.h>
 #include <unistd.h>
 
@@ -12,6 +13,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
@@ -35,15 +37,18 @@
 namespace selfproj::images {
 namespace {
 
-// Red less the mean of green and blue, (2 r - g - b + 1) / 2 rounded down, at least 0.
-cv::Mat red_difference(const cv::Mat& image) {
+// One plane less the mean of the other two, (2 a - b - c + 1) / 2 rounded down, at least 0. OpenCV's order of planes is
+// blue, green, red.
+cv::Mat difference(const cv::Mat& image, int of) {
   cv::Mat plane(image.rows, image.cols, CV_8UC1);
   const int channels = image.channels();
+  const int second = (of + 1) % 3;
+  const int third = (of + 2) % 3;
   for (int row = 0; row < image.rows; ++row) {
     const auto* from = image.ptr<std::uint8_t>(row);
     auto* to = plane.ptr<std::uint8_t>(row);
     for (int column = 0; column < image.cols; ++column, from += channels) {
-      const int twice = 2 * from[2] - from[1] - from[0];
+      const int twice = 2 * from[of] - from[second] - from[third];
       to[column] = static_cast<std::uint8_t>(twice > 0 ? (twice + 1) / 2 : 0);
     }
   }
@@ -62,8 +67,10 @@ cv::Mat one_channel(const std::string& file, const cv::Mat& image, std::optional
     throw UserError(file, "has " + std::to_string(image.channels()) + " channels; 1, 3 or 4 are expected");
   }
   if (!channel) {
-    throw UserError(file,
-                    "is a colour image; choose a channel with --channel red, green, blue, grey or red-difference");
+    throw UserError(
+        file,
+        "is a colour image; choose a channel with --channel red, green, blue, grey or, for the light of a laser, "
+        "red-difference, green-difference or blue-difference");
   }
   cv::Mat plane;
   switch (*channel) {  // OpenCV's order of planes is blue, green, red
@@ -80,7 +87,13 @@ cv::Mat one_channel(const std::string& file, const cv::Mat& image, std::optional
       cv::cvtColor(image, plane, image.channels() == 3 ? cv::COLOR_BGR2GRAY : cv::COLOR_BGRA2GRAY);
       break;
     case Channel::red_difference:
-      plane = red_difference(image);
+      plane = difference(image, 2);
+      break;
+    case Channel::green_difference:
+      plane = difference(image, 1);
+      break;
+    case Channel::blue_difference:
+      plane = difference(image, 0);
       break;
   }
   return plane;
@@ -180,10 +193,51 @@ void check_image_file(const std::string& file) {
   files::note_input(file);
 }
 
+namespace {
+
+Image by_rule(const std::string& name, const DecodedImage& decoded, const PixelRule& rule) {
+  const cv::Mat plane = one_channel(name, narrow(name, decoded, rule.shift), rule.channel);
+  return copy_of({plane.ptr<std::uint8_t>(), plane.rows, plane.cols, static_cast<std::ptrdiff_t>(plane.step)});
+}
+
+// The pages of a TIFF; 1 for any other image.
+std::size_t count_pages(const std::string& file) {
+  const files::FileDescriptor opened(open(file.c_str(), O_RDONLY | O_CLOEXEC));
+  std::array<char, 4> first{};
+  const ssize_t count = opened.number() < 0 ? 0 : read(opened.number(), first.data(), first.size());
+  const bool tiff =
+      image_format({first.data(), static_cast<std::size_t>(std::max<ssize_t>(0, count))}) == ImageFormat::tiff;
+  return tiff ? PagedImage(file).pages() : 1;
+}
+
+}  // namespace
+
 Image read_image(const std::string& file, const PixelRule& rule) {
   check_image_file(file);
-  const cv::Mat plane = one_channel(file, narrow(file, decode_image(file), rule.shift), rule.channel);
-  return copy_of({plane.ptr<std::uint8_t>(), plane.rows, plane.cols, static_cast<std::ptrdiff_t>(plane.step)});
+  return by_rule(file, decode_image(file), rule);
+}
+
+ImagePages::ImagePages(std::vector<std::string> files) : files_(std::move(files)) {
+  for (std::size_t i = 0; i < files_.size(); ++i) {
+    check_image_file(files_[i]);
+    const std::size_t pages = count_pages(files_[i]);
+    for (std::size_t page = 0; page < pages; ++page) {
+      places_.push_back({i, page, pages == 1});
+      names_.push_back(pages == 1 ? files_[i] : fmt::format("{}: page {}", files_[i], page + 1));
+    }
+  }
+}
+
+Image ImagePages::read(std::size_t i, const PixelRule& rule) {
+  const Place& place = places_.at(i);
+  const std::string& file = files_[place.file];
+  if (place.alone) {
+    return read_image(file, rule);
+  }
+  if (open_ == nullptr || open_->file() != file) {
+    open_ = std::make_shared<PagedImage>(file);
+  }
+  return by_rule(names_[i], open_->page(place.page), rule);
 }
 
 namespace {
@@ -244,6 +298,31 @@ std::vector<std::string> image_arguments(const std::vector<std::string>& argumen
   std::error_code error;
   const bool folder = arguments.size() == 1 && std::filesystem::is_directory(arguments.front(), error);
   return folder ? files_of_folder(arguments.front()) : arguments;
+}
+
+std::vector<std::string> files_of_pattern(const std::string& option, const std::string& pattern) {
+  std::error_code error;
+  if (std::filesystem::is_directory(pattern, error)) {
+    return files_of_folder(pattern);
+  }
+  if (std::filesystem::exists(pattern, error)) {
+    return {pattern};
+  }
+  // Brackets are those of a name where there is one, else a set of characters.
+  std::string of_name;
+  for (const char c : pattern) {
+    of_name += c == '[' ? "[[]" : std::string(1, c);
+  }
+  for (const std::string& wanted : {of_name, pattern}) {
+    glob_t found{};
+    const int result = glob(wanted.c_str(), 0, nullptr, &found);
+    std::vector<std::string> files(found.gl_pathv, found.gl_pathv + (result == 0 ? found.gl_pathc : 0));
+    globfree(&found);
+    if (!files.empty()) {
+      return in_natural_order(std::move(files));
+    }
+  }
+  throw UserError(option + " " + pattern, "no file matches");
 }
 
 std::string encode_png(const Image& image) {

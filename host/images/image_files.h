@@ -3,7 +3,9 @@
 #define SELFPROJ_HOST_IMAGES_IMAGE_FILES_H
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -15,17 +17,21 @@
 
 namespace selfproj::images {
 
+class PagedImage;
+
 // The part of a colour image to take: one of its planes, its luminance (ITU-R BT.601, rounded as in OpenCV), or for the
-// light of a red laser the red plane less the mean of green and blue, at least 0, halves rounded up.
-enum class Channel : std::uint8_t { red, green, blue, grey, red_difference };
+// light of a laser one plane less the mean of the other two, at least 0, halves rounded up.
+enum class Channel : std::uint8_t { red, green, blue, grey, red_difference, green_difference, blue_difference };
 
 // Their names in options.
-inline constexpr std::array<std::pair<const char*, Channel>, 5> kChannels{
+inline constexpr std::array<std::pair<const char*, Channel>, 7> kChannels{
     {{"red", Channel::red},
      {"green", Channel::green},
      {"blue", Channel::blue},
      {"grey", Channel::grey},
-     {"red-difference", Channel::red_difference}}};
+     {"red-difference", Channel::red_difference},
+     {"green-difference", Channel::green_difference},
+     {"blue-difference", Channel::blue_difference}}};
 
 // An image that owns its pixels, row by row without gaps.
 struct Image {
@@ -94,6 +100,31 @@ struct PixelOptions {
 // the rule.
 Image read_image(const std::string& file, const PixelRule& rule);
 
+// The images of files, of which a TIFF may have several pages.
+class ImagePages {
+ public:
+  // Looks at all files. Throws UserError as read_image does, except for several pages.
+  explicit ImagePages(std::vector<std::string> files);
+
+  [[nodiscard]] std::size_t count() const { return places_.size(); }
+  // What messages call image i, from 0: "lines.tiff", or "lines.tiff: page 2".
+  [[nodiscard]] const std::vector<std::string>& names() const { return names_; }
+
+  // Image i. Throws as read_image does.
+  [[nodiscard]] Image read(std::size_t i, const PixelRule& rule);
+
+ private:
+  struct Place {
+    std::size_t file = 0;
+    std::size_t page = 0;
+    bool alone = true;  // in its file
+  };
+  std::vector<std::string> files_;
+  std::vector<Place> places_;
+  std::vector<std::string> names_;
+  std::shared_ptr<PagedImage> open_;  // the file of the last page
+};
+
 // The images of a folder in natural order (img2 before img10): the files that have an image's extension or begin like
 // one. A damaged image is thus not left out in silence, which would move those behind it. What else there is, is noted
 // (host/files/notes.h), without names that begin with a dot and capture.json, the record of a capture. Throws UserError
@@ -102,6 +133,10 @@ std::vector<std::string> files_of_folder(const std::string& folder);
 
 // The image files that a command is given: the files themselves, or those of the folder if it is given a single one.
 std::vector<std::string> image_arguments(const std::vector<std::string>& arguments);
+
+// The files matched by a pattern with * ? [], in natural order; a name without any of these is a file.
+// Throws UserError with the option if there is none.
+std::vector<std::string> files_of_pattern(const std::string& option, const std::string& pattern);
 
 // Returns the bytes of a PNG file. Throws std::invalid_argument if the image has no pixels or is too large.
 std::string encode_png(const Image& image);

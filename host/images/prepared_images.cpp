@@ -55,7 +55,7 @@ Image with_columns(const Image& image, int columns) {
 }
 
 PreparedImages::PreparedImages(std::vector<std::string> files, const Preparation& preparation)
-    : files_(std::move(files)),
+    : images_(std::move(files)),
       background_(preparation.background),
       rule_(preparation.pixels.rule()),
       transpose_(preparation.transpose) {
@@ -69,44 +69,42 @@ PreparedImages::PreparedImages(std::vector<std::string> files, const Preparation
                                   preparation.roi));
     }
   }
-  if (background_.size() > 1 && background_.size() != files_.size()) {
-    throw UserError("--background " + background_.front(),
-                    fmt::format("has {} files for {} frames", background_.size(), files_.size()));
+  if (background_.count() > 1 && background_.count() != images_.count()) {
+    throw UserError("--background " + background_.names().front(),
+                    fmt::format("has {} images for {} frames", background_.count(), images_.count()));
   }
-  for (const auto* list : {&files_, &background_}) {
-    for (const std::string& file : *list) {
-      check_image_file(file);
-    }
-  }
-  first_ = prepared(files_.front());
-  if (background_.size() == 1) {
-    only_background_ = prepared(background_.front());
-    check_same_size(background_.front(), only_background_, files_.front(), first_.rows, first_.columns);
+  first_ = prepared(images_, 0);
+  if (background_.count() == 1) {
+    only_background_ = prepared(background_, 0);
+    check_same_size(background_.names().front(), only_background_, images_.names().front(), first_.rows,
+                    first_.columns);
   }
 }
 
 Image PreparedImages::frame(std::size_t i, Image* as_taken) {
-  Image image = i == 0 ? first_ : prepared(files_.at(i));
-  check_same_size(files_[i], image, files_.front(), first_.rows, first_.columns);
+  const std::string& first = images_.names().front();
+  Image image = i == 0 ? first_ : prepared(images_, i);
+  check_same_size(images_.names()[i], image, first, first_.rows, first_.columns);
   if (as_taken != nullptr) {
     *as_taken = image;
   }
-  if (background_.size() == 1) {
+  if (background_.count() == 1) {
     subtract(image, only_background_);
-  } else if (!background_.empty()) {
-    const Image background = prepared(background_.at(i));
-    check_same_size(background_[i], background, files_.front(), first_.rows, first_.columns);
+  } else if (background_.count() > 1) {
+    const Image background = prepared(background_, i);
+    check_same_size(background_.names()[i], background, first, first_.rows, first_.columns);
     subtract(image, background);
   }
   return image;
 }
 
-Image PreparedImages::prepared(const std::string& file) const {
-  Image image = read_image(file, rule_);
+Image PreparedImages::prepared(ImagePages& from, std::size_t i) const {
+  Image image = from.read(i, rule_);
   if (part_) {
     if (part_->left + part_->columns > image.columns || part_->top + part_->rows > image.rows) {
-      throw UserError(file, fmt::format("is {}; --roi {}+{}+{} is not within it", size_text(image.rows, image.columns),
-                                        size_text(part_->rows, part_->columns), part_->left, part_->top));
+      throw UserError(from.names()[i],
+                      fmt::format("is {}; --roi {}+{}+{} is not within it", size_text(image.rows, image.columns),
+                                  size_text(part_->rows, part_->columns), part_->left, part_->top));
     }
     image = part_of(image, *part_);
   }

@@ -29,11 +29,12 @@ Image with_columns(const Image& image, int columns);
 class PreparedImages {
  public:
   // Looks at all files and reads the first. Throws UserError with the file or option if there is no file, a file is no
-  // image, the part is not within it, or the numbers of files do not go together.
+  // image, the part is not within it, or the numbers of images do not go together. A TIFF may have several pages, each
+  // of which is an image.
   PreparedImages(std::vector<std::string> files, const Preparation& preparation);
 
-  [[nodiscard]] std::size_t count() const { return files_.size(); }
-  [[nodiscard]] const std::vector<std::string>& files() const { return files_; }
+  [[nodiscard]] std::size_t count() const { return images_.count(); }
+  [[nodiscard]] const std::vector<std::string>& files() const { return images_.names(); }
   [[nodiscard]] int rows() const { return first_.rows; }        // of a frame
   [[nodiscard]] int columns() const { return first_.columns; }  // of a frame
 
@@ -42,10 +43,10 @@ class PreparedImages {
   Image frame(std::size_t i, Image* as_taken = nullptr);
 
  private:
-  [[nodiscard]] Image prepared(const std::string& file) const;
+  [[nodiscard]] Image prepared(ImagePages& from, std::size_t i) const;
 
-  std::vector<std::string> files_;
-  std::vector<std::string> background_;
+  ImagePages images_;
+  ImagePages background_;
   PixelRule rule_;
   std::optional<ImagePart> part_;
   bool transpose_;

@@ -328,8 +328,13 @@ Tolerance Learner::learn(const std::string& source, std::vector<std::string>* le
   };
   for (std::size_t i = 0; i < seen.size(); ++i) {
     ToleranceRegion& region = tolerance.regions[i];
-    region.low_mm = files::rounded(seen[i].low.mean() - far(seen[i].low, options_.min_band_mm), 4);
-    region.high_mm = files::rounded(seen[i].high.mean() + far(seen[i].high, options_.min_band_mm), 4);
+    // The closing that looks for dents lifts noise, and the opening that looks for bumps lowers it. So in a small
+    // region of noisy maps the limit for dents may come out higher than that for bumps.
+    constexpr double kLeastBand = 1e-3;
+    const auto [low, high] = std::minmax({seen[i].low.mean() - far(seen[i].low, options_.min_band_mm),
+                                          seen[i].high.mean() + far(seen[i].high, options_.min_band_mm)});
+    region.low_mm = files::rounded(low, 4);
+    region.high_mm = files::rounded(std::max(high, low + kLeastBand), 4);
     region.max_missing = files::rounded(std::min(1.0, seen[i].missing.mean() + far(seen[i].missing, kMinMissing)), 4);
   }
   tolerance.max_residual_mm = files::rounded(residual.mean() + far(residual, kMinResidual), 3);

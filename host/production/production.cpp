@@ -194,6 +194,9 @@ void Production::classify(const std::optional<CutPart>& part) {
     counts_.last_depth_mm = result.defects.empty() ? 0 : result.defects.front().depth_mm;
     counts_.last_delay_ns = result.delay_ns;
     counts_.last_ns = now;
+    if (result.verdict == Verdict::inconclusive) {
+      last_inconclusive_ = result.reason;
+    }
     delays_.add(result.delay_ns);
     add_figures(result, statistics_);
   }
@@ -258,6 +261,39 @@ std::vector<report::Fact> Production::facts() const {
     facts.push_back({"part_folders_left_out", "folders left out", report::fact_number(files_->folders_left_out())});
   }
   return facts;
+}
+
+std::string Production::doubt() const {
+  if (!classifier_) {
+    return "";
+  }
+  const std::lock_guard lock(mutex_);
+  const std::uint64_t inconclusive = counts_.verdicts[static_cast<std::size_t>(Verdict::inconclusive)];
+  if (inconclusive > 0) {
+    return fmt::format("{} of {} parts {} no verdict; the last: {}", inconclusive, counts_.parts(),
+                       inconclusive == 1 ? "has" : "have", last_inconclusive_);
+  }
+  if (counts_.parts() > 0) {
+    return "";
+  }
+  const rig::RigParts& parts = *rig_.parts;
+  const std::string specks = counts_.specks > 0
+                                 ? fmt::format(", and what was shorter than min_length_mm ({} mm) came {} times",
+                                               parts.min_length_mm, counts_.specks)
+                                 : std::string();
+  switch (parts.cut) {
+    case rig::PartCut::profile:
+      return fmt::format(
+          "no part was cut: nothing was higher than above_mm ({} mm) over min_width_mm ({} mm) of a "
+          "profile{}; the rig's section `parts` and plane_z_mm say where the belt is and what a part",
+          parts.above_mm, parts.min_width_mm, specks);
+    case rig::PartCut::distance:
+      return fmt::format("no part was cut: the belt moved less than length_mm ({} mm)", parts.length_mm);
+    case rig::PartCut::trigger:
+    case rig::PartCut::image:
+      break;
+  }
+  return "no part was cut" + specks;
 }
 
 std::string Production::status_text() const {

@@ -97,6 +97,10 @@ class Production {
     }
   }
 
+  // Why parts have no verdict, in words, after finish(): none was cut, or some are inconclusive. Empty if all have one,
+  // or no parts are classified.
+  [[nodiscard]] std::string doubt() const;
+
   // What was counted so far; the end of the status line on a terminal: "12 parts: 10 good, ..."; and at the end one
   // line, or nothing where no parts are classified.
   [[nodiscard]] std::vector<report::Fact> facts() const;
@@ -128,7 +132,8 @@ class Production {
   std::int64_t next_beat_ns_ = 0;
   std::int64_t last_arrival_ns_ = 0;
 
-  mutable std::mutex mutex_;  // of the next four
+  mutable std::mutex mutex_;       // of the next five
+  std::string last_inconclusive_;  // the reason of the last inconclusive part
   PartCounts counts_;
   PartStatistics statistics_;
   driver::DurationHistogram delays_;  // from the arrival of a part's last frame to its result

@@ -248,6 +248,9 @@ std::string summary(const light_section::Inspection& inspection, const ReportPar
       json["column_count"][kValidityNames[i]] = counts[i];
     }
   }
+  if (!parts.doubts.empty()) {
+    json["doubts"] = parts.doubts;
+  }
   json["height_mm"] = to_json(statistics(inspection.height()));
   json["difference_mm"] = to_json(statistics(inspection.difference()));
   const MapPitch pitch = pitch_of(inspection);
@@ -292,6 +295,7 @@ ReportData report_data(const light_section::Inspection& inspection, const Report
   data.settings = parts.settings;
   data.tables = parts.tables;
   data.camera = parts.camera;
+  data.doubts = parts.doubts;
 
   const ValidityCounts counts = count_validity(inspection);
   const auto all = static_cast<double>(inspection.values().validity.size());

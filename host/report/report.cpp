@@ -176,6 +176,9 @@ std::string report_html(const MomentsReport& data) {
 std::string report_html(const ReportData& data) {
   std::string html;
   add_head(html, data.title, data.subtitle, data.highlights);
+  for (const std::string& doubt : data.doubts) {
+    html += "<p role=\"alert\" style=\"color:#b2182b;font-weight:bold\">" + escaped(doubt) + "</p>\n";
+  }
   html += "<div class=\"two\">";
   add_map(html, "Difference from the reference", "Positive: nearer to the camera than the reference.", data.difference,
           difference_scale(data.difference), data.pitch);

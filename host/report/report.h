@@ -17,8 +17,9 @@ namespace selfproj::report {
 // The program's additions to the collected data. All of it is optional.
 struct ReportParts {
   std::string title = "Inspection";
-  std::vector<Fact> counters;  // counters of the driver and of checks: "lost_board", ...
-  std::vector<Fact> settings;  // scene, engine, device, ...
+  std::vector<Fact> counters;            // counters of the driver and of checks: "lost_board", ...
+  std::vector<Fact> settings;            // scene, engine, device, ...
+  std::vector<std::string> doubts = {};  // why the result is to be doubted, each a sentence
   std::vector<ReportTable> tables;
   std::optional<CameraPicture> camera;
 };
@@ -28,6 +29,7 @@ struct ReportData {
   std::string title;
   std::string subtitle;          // rig, mode, threshold
   std::vector<Fact> highlights;  // shown first
+  std::vector<std::string> doubts;
   std::vector<Fact> counters;
   std::vector<Fact> settings;
   std::vector<ReportTable> tables;

@@ -477,15 +477,16 @@ Stripes read_head(const rig::Rig& rig, const std::string& folder) {
 
 }  // namespace
 
-void write_self_reference(const rig::Rig& rig, const SelfReference& reference, files::OutputFolder& folder) {
+void write_self_reference(const rig::Rig& rig, const SelfReference& reference, files::OutputFolder& folder,
+                          const std::string& inner) {
   std::string head = fmt::format("selfproj_stripes: {}\nbits: {}\nrows_per_code: {}\ncode: {}\ngeometry:\n", kVersion,
                                  reference.stripes.bits, reference.stripes.width, code_name(reference.stripes.code));
   for (const auto& [key, value] : rig::geometry_of(rig)) {
     head += fmt::format("  {}: {}\n", key, value);
   }
-  folder.append("reference.yaml", head);
+  folder.append(inner + "reference.yaml", head);
   const auto add_map = [&](const std::string& name, const images::FloatImage& image) {
-    folder.append(name, images::encode_float_tiff(folder.name() + "/" + name, image));
+    folder.append(inner + name, images::encode_float_tiff(folder.name() + "/" + name, image));
   };
   add_map("x_r_line.tiff", reference.points.line);
   add_map("x_r_column.tiff", reference.points.column);
@@ -495,20 +496,20 @@ void write_self_reference(const rig::Rig& rig, const SelfReference& reference, f
   images::Image seen{reference.row.rows, reference.row.columns, reference.seen};
   std::transform(seen.pixels.begin(), seen.pixels.end(), seen.pixels.begin(),
                  [](std::uint8_t value) { return value != 0 ? kYes : std::uint8_t{0}; });
-  folder.append("f_r_seen.png", images::encode_png(seen));
-  folder.append("c_r.png", codes_png(reference));
+  folder.append(inner + "f_r_seen.png", images::encode_png(seen));
+  folder.append(inner + "c_r.png", codes_png(reference));
   images::Image measurable{rig.camera.rows, rig.camera.columns,
                            std::vector<std::uint8_t>(reference.points.line.values.size())};
   for (std::size_t i = 0; i < measurable.pixels.size(); ++i) {
     measurable.pixels[i] = reference.measurable(i) ? kYes : std::uint8_t{0};
   }
-  folder.append("a_r.png", images::encode_png(measurable));
+  folder.append(inner + "a_r.png", images::encode_png(measurable));
   for (int i = 0; i < 2 * reference.stripes.bits; ++i) {
     const images::FloatImage pattern = self_projected_pattern(reference, i);
     images::Image image{pattern.rows, pattern.columns, std::vector<std::uint8_t>(pattern.values.size())};
     std::transform(pattern.values.begin(), pattern.values.end(), image.pixels.begin(),
                    [](float value) { return value > 0.5F ? kYes : std::uint8_t{0}; });
-    folder.append(fmt::format("pattern_{:02}.png", i), images::encode_png(image));
+    folder.append(fmt::format("{}pattern_{:02}.png", inner, i), images::encode_png(image));
   }
 }
 

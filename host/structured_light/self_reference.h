@@ -104,8 +104,9 @@ images::FloatImage gray_pattern(const rig::Rig& rig, int bits, int lines, int in
 //   pattern_00.png ...      the 2m patterns for the projector: positive and negative of plane 0, ...
 //
 // That command adds preview.png, the line coordinate of X_R in colours. Adds all other files to the folder, which the
-// caller must commit. Throws UserError.
-void write_self_reference(const rig::Rig& rig, const SelfReference& reference, files::OutputFolder& folder);
+// caller must commit. `inner` is a folder in it, such as "stripes/". Throws UserError.
+void write_self_reference(const rig::Rig& rig, const SelfReference& reference, files::OutputFolder& folder,
+                          const std::string& inner = {});
 
 // Reads such a folder back (reference.yaml, X_R, f_R and f_r_seen). Throws UserError with file and reason if there is
 // no folder, a file is missing, damaged, of another size or version, or made for a rig of another geometry, the stripes

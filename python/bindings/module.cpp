@@ -40,8 +40,8 @@ NB_MODULE(_core, module) {
       },
       nb::arg("file"), nb::arg("channel") = "", nb::arg("shift") = nb::none(),
       "Reads an image as one channel of 8 bits: uint8, (rows, columns). Of a colour image it takes `channel`: red,\n"
-      "green, blue, grey or red-difference. Values of more bits become value >> shift: 4 for 12 bits, 8 for 16.\n"
-      "InputError names the file and the reason.");
+      "green, blue, grey, or for the light of a laser red-difference, green-difference or blue-difference. Values of\n"
+      "more bits become value >> shift: 4 for 12 bits, 8 for 16. InputError names the file and the reason.");
   module.attr("SPEC_HASH") = selfproj::spec::kHash;
   module.def(
       "kernel_ns", [] { return kernel_ns().load(); },

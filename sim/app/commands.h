@@ -9,11 +9,13 @@ class App;
 namespace selfproj::sim {
 
 void add_board_command(CLI::App& app);    // a board that sends packets to a ring, over the network or into a file
+void add_camera_command(CLI::App& app);   // a camera in the network that sends recorded images
 void add_capture_command(CLI::App& app);  // camera images under projected patterns
 void add_cosim_command(CLI::App& app);    // rendered frames through the board and the driver, compared with the model
 void add_decode_command(CLI::App& app);   // Gray codes of image files, by an engine
 void add_moments_command(CLI::App& app);  // column moments of image files, by an engine
-void add_scene_command(CLI::App& app);    // scenes listed and rendered
+void add_production_command(CLI::App& app);  // the files of a simulated production line
+void add_scene_command(CLI::App& app);       // scenes listed and rendered
 
 }  // namespace selfproj::sim
 

@@ -15,6 +15,7 @@ selfproj-sim cosim --count 20 --out part
       [](CLI::App& app) {
         selfproj::sim::add_cosim_command(app);
         selfproj::sim::add_board_command(app);
+        selfproj::sim::add_production_command(app);
       },
       argc, argv);
 }

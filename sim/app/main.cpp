@@ -26,10 +26,12 @@ selfproj-sim cosim --count 20 --out part
         selfproj::sim::add_moments_command(app);
         selfproj::sim::add_decode_command(app);
         selfproj::sim::add_board_command(app);
-        selfproj::cli::set_heading(app, "Circuits and boards", {"cosim", "moments", "decode", "board"});
+        selfproj::sim::add_production_command(app);
+        selfproj::cli::set_heading(app, "Circuits and boards", {"cosim", "moments", "decode", "board", "production"});
         selfproj::sim::add_scene_command(app);
+        selfproj::sim::add_camera_command(app);
         selfproj::sim::add_capture_command(app);
-        selfproj::cli::set_heading(app, "Scenes and their images", {"scene", "capture"});
+        selfproj::cli::set_heading(app, "Scenes and their images", {"scene", "camera", "capture"});
         selfproj::cli::add_completion_command(app);
       },
       argc, argv);

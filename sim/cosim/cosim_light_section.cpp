@@ -153,7 +153,7 @@ Setup scene_setup(const CosimOptions& options, const SceneInfo& info) {
 std::vector<std::string> files_of(const std::string& option, const std::vector<std::string>& patterns) {
   std::vector<std::string> files;
   for (const std::string& pattern : patterns) {
-    const std::vector<std::string> found = files_of_pattern(option, pattern);
+    const std::vector<std::string> found = images::files_of_pattern(option, pattern);
     files.insert(files.end(), found.begin(), found.end());
   }
   return files;

@@ -110,10 +110,6 @@ class RecordedFrames final : public FrameSource {
   std::size_t given_ = 0;
 };
 
-// The files matched by a pattern with * ? [], in natural order; a name without any of these is a file.
-// Throws UserError with the option if there is none.
-std::vector<std::string> files_of_pattern(const std::string& option, const std::string& pattern);
-
 // The part of a co-simulation that depends on the method of measuring.
 
 // The runner's contribution to a measurement's page.

@@ -61,6 +61,8 @@ selfproj-sim decode: --engine model --bits 2 --out o {frames}
 selfproj-sim cosim: --engine model --threshold 60 --frames {m}/frame_?.png --out o
 selfproj-sim board: --line 64x16 --line-frames 5 --record o
 selfproj-sim scene render: plane --rig {m}/rig.yaml --count 1 --out o
+selfproj-sim production: --good 1 --parts 1 --out o
+selfproj-sim camera: --seconds 0.1 {frames}
 selfproj-sim capture: --rig {m}/scanner.yaml --patterns {m}/gray --scene desk --out o
 """
 

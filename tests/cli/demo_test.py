@@ -34,8 +34,8 @@ class Demo(unittest.TestCase):
     def test_command_lines_of_the_demo_are_accepted(self):
         lines = command_lines()
         self.assertEqual({tuple(words[:2]) for words in lines},
-                         {("selfproj-sim", "cosim"), ("selfproj-sim", "board"), ("selfproj", "pattern"),
-                          ("selfproj", "inspect")})
+                         {("selfproj-sim", "cosim"), ("selfproj-sim", "board"), ("selfproj-sim", "production"),
+                          ("selfproj", "tolerance"), ("selfproj", "inspect")})
         for words in lines:
             done = subprocess.run([programs / words[0], "--check-usage", *words[1:]], capture_output=True, text=True)
             self.assertEqual((done.returncode, done.stderr), (0, ""), words)
@@ -43,7 +43,8 @@ class Demo(unittest.TestCase):
     def test_examples_of_the_help_are_accepted(self):
         for program in ("selfproj", "selfproj-sim"):
             done = subprocess.run([programs / program, "--help"], capture_output=True, text=True, check=True)
-            examples = re.findall(rf"^  {program} .+$", done.stdout, re.MULTILINE)
+            text = re.sub(r"\\\n\s*", "", done.stdout)
+            examples = re.findall(rf"^  {program} .+$", text, re.MULTILINE)
             self.assertTrue(examples)
             for example in examples:
                 words = shlex.split(example)

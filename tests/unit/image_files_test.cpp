@@ -15,6 +15,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "host/images/image_decoder.h"
@@ -98,6 +99,70 @@ TEST(ImageFiles, TheOrientationThatAFileNotesIsIgnored) {
   const images::Image turned = images::read_image(scratch / "b.tiff", std::nullopt);
   EXPECT_EQ(turned.columns, 64);
   EXPECT_EQ(turned.pixels, upright.pixels);
+}
+
+// Each page of a TIFF is an image, of 8 and of 16 bits; whoever takes one image a file refuses such a file.
+TEST(ImageFiles, PagesOfATiffAreImages) {
+  const ScratchFolder scratch;
+  const std::string file = scratch / "pages.tiff";
+  std::vector<cv::Mat> pages;
+  for (const int less : {0, 1, 7}) {
+    pages.push_back(picture() - less);
+  }
+  ASSERT_TRUE(cv::imwritemulti(file, pages));
+  cv::Mat deep;
+  picture().convertTo(deep, CV_16UC1, 16);  // 12 bits
+  const std::string deep_file = scratch / "deep.tiff";
+  ASSERT_TRUE(cv::imwritemulti(deep_file, std::vector<cv::Mat>{deep, deep - 160}));
+  const std::string single = scratch / "single.tiff";
+  write_text(single, encoded(".tiff"));
+  EXPECT_NE(error_of([&] { images::read_image(file, std::nullopt); }).find("several images"), std::string::npos);
+
+  images::ImagePages images({file, single, deep_file});
+  ASSERT_EQ(images.count(), 6U);
+  EXPECT_EQ(images.names()[1], file + ": page 2");
+  EXPECT_EQ(images.names()[3], single);
+  for (const auto& [place, less] : std::vector<std::pair<std::size_t, int>>{{2, 7}, {0, 0}, {1, 1}, {3, 0}}) {
+    const images::Image image = images.read(place, std::nullopt);
+    const cv::Mat expected = picture() - less;
+    EXPECT_EQ(image.pixels, std::vector<std::uint8_t>(expected.begin<std::uint8_t>(), expected.end<std::uint8_t>()))
+        << place;
+  }
+  const images::PixelRule twelve_bits(std::nullopt, 4);
+  const cv::Mat expected = picture() - 10;
+  EXPECT_EQ(images.read(5, twelve_bits).pixels,
+            std::vector<std::uint8_t>(expected.begin<std::uint8_t>(), expected.end<std::uint8_t>()));
+  EXPECT_NE(error_of([&] { static_cast<void>(images.read(4, std::nullopt)); }).find("deep.tiff: page 1"),
+            std::string::npos);
+
+  // A file that was cut short has no pages, or they are damaged.
+  const std::string bytes = read_text(file);
+  for (const double share : {0.2, 0.6, 0.99}) {
+    const std::string cut = scratch / "cut.tiff";
+    write_text(cut, bytes.substr(0, static_cast<std::size_t>(share * static_cast<double>(bytes.size()))));
+    EXPECT_NE(error_of([&] {
+                images::ImagePages damaged({cut});
+                for (std::size_t i = 0; i < damaged.count(); ++i) {
+                  static_cast<void>(damaged.read(i, std::nullopt));
+                }
+              }),
+              "none")
+        << share;
+  }
+}
+
+TEST(ImageFiles, DifferencesAreOfOnePlaneAndTheOthers) {
+  const ScratchFolder scratch;
+  const std::string file = scratch / "colours.png";
+  cv::Mat image(1, 3, CV_8UC3);
+  image.at<cv::Vec3b>(0, 0) = {10, 40, 201};  // blue, green, red
+  image.at<cv::Vec3b>(0, 1) = {10, 200, 41};
+  image.at<cv::Vec3b>(0, 2) = {255, 0, 0};
+  ASSERT_TRUE(cv::imwrite(file, image));
+  using Pixels = std::vector<std::uint8_t>;
+  EXPECT_EQ(images::read_image(file, images::Channel::red_difference).pixels, (Pixels{176, 0, 0}));
+  EXPECT_EQ(images::read_image(file, images::Channel::green_difference).pixels, (Pixels{0, 175, 0}));
+  EXPECT_EQ(images::read_image(file, images::Channel::blue_difference).pixels, (Pixels{0, 0, 255}));
 }
 
 TEST(ImageFiles, HeadersSayTheSize) {

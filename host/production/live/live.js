@@ -269,6 +269,8 @@
     }
     // Without a tolerance no parts are classified.
     for (const section of document.querySelectorAll('.parts')) section.hidden = !('parts' in head.figures);
+    text($('doubt'), head.figures.doubt || '');
+    $('doubt').hidden = !head.figures.doubt;
     const known = Object.entries(LABELS).filter(([key]) => key in head.figures);
     $('figures').replaceChildren(...known.flatMap(([key, label]) => {
       const dt = document.createElement('dt'), dd = document.createElement('dd');

@@ -1,12 +1,10 @@
-// A GigE camera for tests: Aravis' fake camera on a loopback network, whose pictures a function draws.
+// A network of its own for tests with a simulated GigE camera.
 #ifndef SELFPROJ_TESTS_HOST_CAMERA_GIGE_CAMERA_H
 #define SELFPROJ_TESTS_HOST_CAMERA_GIGE_CAMERA_H
 
 #include <gtest/gtest.h>
 
-#include <cstdint>
-#include <functional>
-#include <memory>
+#include "sim/board/gige_camera.h"
 
 namespace selfproj::test {
 
@@ -25,32 +23,8 @@ class OnOwnNetwork : public testing::Test {
   }
 };
 
-// A picture to draw: rows · columns bytes.
-struct Picture {
-  std::uint8_t* pixels = nullptr;
-  int rows = 0;
-  int columns = 0;
-  std::uint32_t exposure_us = 0;
-  std::uint64_t number = 0;  // pictures drawn before
-};
-
-// Answers at 127.0.0.1 while it lives.
-class GigeCamera {
- public:
-  // `draw` is called in another thread whenever the camera takes an image. `lost` is the share of its packets that the
-  // network loses. `tick_ms`: unless a rate is set, it takes an image each time, or looks for a trigger.
-  explicit GigeCamera(std::function<void(const Picture&)> draw, double lost = 0, int tick_ms = 40);
-  GigeCamera(const GigeCamera&) = delete;
-  GigeCamera& operator=(const GigeCamera&) = delete;
-  ~GigeCamera();
-
-  // Pictures drawn so far.
-  [[nodiscard]] std::uint64_t drawn() const;
-
- private:
-  struct Parts;
-  std::unique_ptr<Parts> parts_;
-};
+using sim::GigeCamera;  // answers at 127.0.0.1
+using sim::Picture;
 
 }  // namespace selfproj::test
 

@@ -1,0 +1,119 @@
+#include "host/app/image_source.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "host/cli/command_line.h"
+#include "host/cli/progress.h"
+#include "host/files/notes.h"
+#include "host/files/stop_signal.h"
+#include "host/images/frame_options.h"
+#include "host/images/image_files.h"
+#include "selfproj/files/user_error.h"
+#include "selfproj/light_section/fast_moments.h"
+
+namespace selfproj::app {
+namespace {
+
+std::vector<std::string> files_of(const std::string& option, const std::vector<std::string>& patterns) {
+  std::vector<std::string> files;
+  for (const std::string& pattern : patterns) {
+    const std::vector<std::string> found = images::files_of_pattern(option, pattern);
+    files.insert(files.end(), found.begin(), found.end());
+  }
+  return files;
+}
+
+images::Preparation with_files(images::Preparation preparation) {
+  preparation.background = files_of("--background", preparation.background);
+  return preparation;
+}
+
+}  // namespace
+
+void add_image_source_options(CLI::App& command, ImageSourceOptions& options, CLI::Option* device) {
+  cli::begin_group(command, "Recorded images");
+  CLI::Option* const images =
+      cli::add_files(command, "--images", options.images,
+                     "Instead of a device, images of the line: files, a folder, a quoted pattern, or TIFFs of several "
+                     "pages. This program measures them as the rig says. They may have more rows than a board takes.");
+  images->excludes(device);
+  const std::size_t first = command.get_options().size();
+  cli::add_preparation_options(command, options.preparation);
+  cli::add_files(command, "--background", options.preparation.background,
+                 "The same view without the line: one image for all, or one for each. It is subtracted.");
+  command.add_option("--mm-per-image", options.spacing_mm, "How far the belt moves from image to image.")
+      ->transform(cli::real_number(0, 1e6))
+      ->type_name("MM")
+      ->default_str("by the rig's speed and frame rate");
+  const std::vector<CLI::Option*> all = command.get_options();
+  std::for_each(all.begin() + static_cast<std::ptrdiff_t>(first), all.end(),
+                [&](CLI::Option* option) { option->needs(images); });
+}
+
+ImageSource::ImageSource(const ImageSourceOptions& options, const rig::Rig& rig, const model::Measure& measure)
+    : images_(files_of("--images", options.images), with_files(options.preparation)),
+      rig_(rig),
+      measure_(measure),
+      spacing_mm_(options.spacing_mm.value_or(rig.conveyor.speed_mm_per_s / rig.camera.frame_rate_hz)) {
+  const rig::RigCamera& camera = rig.camera;
+  if (images_.rows() != camera.rows || images_.columns() != camera.columns) {
+    throw UserError(first(), fmt::format("is {}, but the camera of the rig {}; --roi takes a part, and --transpose "
+                                         "exchanges rows and columns",
+                                         images::size_text(images_.rows(), images_.columns()),
+                                         images::size_text(camera.rows, camera.columns)));
+  }
+  if (camera.rows > model::kMaxSoftwareRows) {
+    throw UserError(first(), fmt::format("has {} rows; at most {} are possible", camera.rows, model::kMaxSoftwareRows));
+  }
+  if (camera.rows > spec::kMaxRows) {
+    files::note(fmt::format("{}: has {} rows and a board takes at most {}: this program alone measures them", first(),
+                            camera.rows, spec::kMaxRows));
+  }
+}
+
+model::PacketHeader ImageSource::header_of(std::uint64_t image) const {
+  model::PacketHeader header;
+  header.kind = spec::kKindMoments;
+  model::describe_frame(header, images_.rows(), images_.columns(), measure_);
+  header.sequence = image;
+  const double belt_mm = static_cast<double>(image) * spacing_mm_;
+  const double speed = rig_.conveyor.speed_mm_per_s;
+  const double seconds = speed > 0 ? belt_mm / speed : static_cast<double>(image) / rig_.camera.frame_rate_hz;
+  header.time_stamp = static_cast<std::uint64_t>(std::llround(seconds * rig_.pixel_clock_hz()));
+  // Time stamps are finer than the counts of an encoder, which are rounded.
+  if (!(speed > 0) || (rig_.parts && rig_.parts->by_encoder)) {
+    header.encoder = static_cast<std::uint32_t>(std::llround(belt_mm / rig_.conveyor.encoder_mm_per_count));
+  }
+  return header;
+}
+
+void ImageSource::run(std::uint64_t most,
+                      const std::function<void(const model::PacketHeader&, const model::RunsView&)>& take) {
+  const std::size_t count =
+      most == 0 ? images_.count() : static_cast<std::size_t>(std::min<std::uint64_t>(most, images_.count()));
+  const bool tall = images_.rows() > spec::kMaxRows;
+  const files::StopSignal stop;
+  model::Runs runs;
+  runs.resize(measure_.select, images_.columns());
+  cli::Progress progress("image", count);
+  for (std::size_t i = 0; i < count && !files::StopSignal::came(); ++i) {
+    const images::Image image = images_.frame(i);
+    if (tall) {
+      model::measure_tall_columns(image.view(), measure_, runs.view());
+    } else {
+      light_section::fast_measure_columns(image.view(), measure_, runs.view());
+    }
+    take(header_of(i), runs.view());
+    progress.update(i + 1);
+  }
+}
+
+}  // namespace selfproj::app

@@ -1,0 +1,238 @@
+// Tests the simulated production line from the command line: what `selfproj-sim production` plants is what `selfproj`
+// finds, in packets, with a camera and with structured light.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstddef>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "selfproj/images/float_image.h"
+#include "selfproj/rig/rig.h"
+#include "tests/cli/program.h"
+
+namespace selfproj::test {
+namespace {
+
+using Words = std::vector<std::string>;
+
+std::vector<std::string> fields_of(const std::string& line) {
+  std::vector<std::string> fields;
+  std::istringstream stream(line);
+  for (std::string field; std::getline(stream, field, ',');) {
+    fields.push_back(field);
+  }
+  return fields;
+}
+
+class ProductionCommand : public ::testing::Test {
+ protected:
+  Outcome sim(const Words& words) { return run_program(SELFPROJ_SIM_PROGRAM, words, folder_.path()); }
+  Outcome host(const Words& words) { return run_program(SELFPROJ_PROGRAM, words, folder_.path()); }
+  static Words with(Words words, const Words& more) {
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+  }
+
+  // Compares the results in the folder `parts` with the truth in `line`, and returns how many parts were bad. Defects
+  // are searched for within `near` mm; their depths may be off by `off` mm.
+  int agrees(const std::string& line, const std::string& parts, double near, double off) {
+    std::istringstream truth(read_text(folder_ / (line + "/run.csv")));
+    std::istringstream results(read_text(folder_ / (parts + "/parts.jsonl")));
+    int bad = 0;
+    std::string row;
+    std::getline(truth, row);
+    EXPECT_EQ(row, "part,verdict,along_mm,across_mm,size_mm,depth_mm");
+    for (std::string result; std::getline(truth, row);) {
+      if (!std::getline(results, result)) {
+        ADD_FAILURE() << "no result of " << row;
+        return bad;
+      }
+      const std::vector<std::string> fields = fields_of(row);
+      const auto part = nlohmann::json::parse(result);
+      EXPECT_EQ(std::to_string(part.at("part").get<int>()), fields.at(0));
+      EXPECT_EQ(part.at("verdict"), fields.at(1)) << result;
+      if (fields.at(1) != "bad") {
+        continue;
+      }
+      ++bad;
+      bool found = false;
+      for (const auto& defect : part.at("defects")) {
+        found = found || (std::abs(defect.at("along_mm").get<double>() - std::stod(fields.at(2))) < near &&
+                          std::abs(defect.at("across_mm").get<double>() - std::stod(fields.at(3))) < near &&
+                          std::abs(defect.at("depth_mm").get<double>() - std::stod(fields.at(5))) < off);
+      }
+      EXPECT_TRUE(found) << row << "\n" << result;
+    }
+    EXPECT_FALSE(std::getline(results, row)) << row;
+    return bad;
+  }
+
+  ScratchFolder folder_;
+};
+
+TEST_F(ProductionCommand, FindsWhatItPlants) {
+  const Outcome made = sim(
+      {"production", "--good", "5", "--parts", "4", "--bad-every", "2", "--seed", "5", "--out", "line", "--images"});
+  ASSERT_EQ(made.status, 0) << made.err;
+  EXPECT_EQ(made.out, "5 good parts, then 4 of which 2 are bad → line\n");
+  const Words rig = {"--rig", "line/rig.yaml", "--reference", "line/part"};
+  const Outcome learned = host(
+      with({"tolerance", "learn", "--device", "file:line/good.packets", "--strict", "--out", "tolerance.yaml"}, rig));
+  ASSERT_EQ(learned.status, 0) << learned.err;
+  const Outcome run = host(with({"inspect", "--device", "file:line/run.packets", "--check", "--tolerance",
+                                 "tolerance.yaml", "--parts", "today", "--out", "today-out"},
+                                rig));
+  ASSERT_EQ(run.status, 0) << run.err;
+  EXPECT_EQ(agrees("line", "today", 1, 0.05), 2);
+
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "line/good/frame_00640.png"));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "line/good/frame_00641.png"));
+
+  // The reference beside a recording is the default, and no other goes with it.
+  const Outcome beside = host({"inspect", "--device", "file:line/run.packets", "--rig", "line/rig.yaml", "--check",
+                               "--tolerance", "tolerance.yaml", "--parts", "beside"});
+  ASSERT_EQ(beside.status, 0) << beside.err;
+  EXPECT_EQ(read_text(folder_ / "beside/parts.jsonl"), read_text(folder_ / "today/parts.jsonl"));
+  write_text(folder_ / "flat.csv", "y_mm,z_mm\n-55,1150\n55,1150\n");
+  ASSERT_EQ(host({"pattern", "--rig", "line/rig.yaml", "--reference", "flat.csv", "--out", "flat"}).status, 0);
+  const Words wrong = {"inspect", "--device", "file:line/run.packets", "--rig", "line/rig.yaml", "--reference", "flat"};
+  EXPECT_EQ(host(wrong).err,
+            "selfproj: --reference flat: is not the one under which file:line/run.packets was taken, which is "
+            "line/run.packets.reference.csv\n");
+  ASSERT_EQ(host({"record", "--device", "file:line/run.packets", "--reference", "line/part", "--out", "copy"}).status,
+            0);
+  EXPECT_EQ(read_text(folder_ / "copy.reference.csv"), read_text(folder_ / "line/run.packets.reference.csv"));
+  EXPECT_EQ(host({"record", "--device", "file:line/run.packets", "--out", "copy"}).status, 2);
+
+  // The same again, byte for byte; another seed is another line.
+  ASSERT_EQ(
+      sim({"production", "--good", "1", "--parts", "2", "--bad-every", "2", "--seed", "5", "--out", "again"}).status,
+      0);
+  const std::string all = read_text(folder_ / "line/run.packets");
+  EXPECT_EQ(read_text(folder_ / "again/run.packets"), all.substr(0, all.size() / 2));
+
+  // Images give what packets give, byte for byte.
+  const Outcome of_images = host(with({"tolerance", "learn", "--images", "line/good", "--out", "of-images.yaml"}, rig));
+  ASSERT_EQ(of_images.status, 0) << of_images.err;
+  EXPECT_EQ(read_text(folder_ / "of-images.yaml"), read_text(folder_ / "tolerance.yaml"));
+  const Outcome seen = host(with({"inspect", "--images", "line/run/*.png", "--check", "--tolerance", "tolerance.yaml",
+                                  "--parts", "seen", "--out", "seen-out"},
+                                 rig));
+  ASSERT_EQ(seen.status, 0) << seen.err;
+  EXPECT_EQ(seen.out.rfind("512 profiles, points in ", 0), 0U) << seen.out;
+  for (const std::string file : {"parts.jsonl", "part_000002/height.tiff"}) {
+    EXPECT_EQ(read_text(folder_ / ("seen/" + file)), read_text(folder_ / ("today/" + file))) << file;
+  }
+  for (const std::string file : {"moments.csv", "profile.csv", "cloud.ply", "height.tiff", "difference.tiff"}) {
+    EXPECT_EQ(read_text(folder_ / ("seen-out/" + file)), read_text(folder_ / ("today-out/" + file))) << file;
+  }
+  EXPECT_NE(host({"inspect", "--images", "line/run/frame_00001.png", "--rig", "line/rig.yaml", "--roi", "64x96+0+0"})
+                .err.find("line/run/frame_00001.png: is 64 x 96, but the camera of the rig 512 x 96"),
+            std::string::npos);
+  EXPECT_NE(host({"inspect", "--images", "line/run", "--device", "ring:x"}).err.find("--device"), std::string::npos);
+  EXPECT_NE(host({"inspect"}).err.find("--device, --images: one of them is required"), std::string::npos);
+}
+
+// A reason in words where columns give no points, or parts no verdict.
+TEST_F(ProductionCommand, SaysWhyThereIsNoPoint) {
+  ASSERT_EQ(sim({"production", "--good", "5", "--parts", "1", "--bad-every", "0", "--out", "line"}).status, 0);
+  ASSERT_EQ(host({"tolerance", "learn", "--rig", "line/rig.yaml", "--reference", "line/part", "--device",
+                  "file:line/good.packets", "--out", "tolerance.yaml"})
+                .status,
+            0);
+  const auto change = [&](const std::string& file, const std::string& from, const std::string& to,
+                          const std::string& as) {
+    std::string text = read_text(folder_ / file);
+    const std::size_t at = text.find(from);
+    ASSERT_NE(at, std::string::npos) << from;
+    text.replace(at, text.find('\n', at) - at, to);
+    write_text(folder_ / as, text);
+  };
+  const auto inspect = [&](const std::string& rig, const Words& more) {
+    return host(with({"inspect", "--rig", rig, "--reference", "line/part", "--device", "file:line/run.packets"}, more));
+  };
+  change("line/rig.yaml", "min_lit_px: ", "min_lit_px: 20", "thin.yaml");
+  const Outcome thin = inspect("thin.yaml", {"--out", "thin"});
+  EXPECT_EQ(thin.status, 0) << thin.err;
+  const std::string reason = "have fewer than 20 lit pixels: raise the exposure, or lower the threshold or min_lit_px";
+  EXPECT_NE(thin.err.find(reason), std::string::npos) << thin.err;
+  EXPECT_NE(read_text(folder_ / "thin/summary.json").find(reason), std::string::npos);
+  EXPECT_NE(read_text(folder_ / "thin/report.html").find(reason), std::string::npos);
+  const Outcome checked = inspect("thin.yaml", {"--check"});
+  EXPECT_EQ(checked.status, 1);
+  EXPECT_NE(checked.err.find("--check: none of the 65536 columns became a point: "), std::string::npos) << checked.err;
+
+  change("line/rig.yaml", "above_mm: ", "above_mm: 500", "high.yaml");
+  const Outcome high = inspect("high.yaml", {"--tolerance", "tolerance.yaml", "--check"});
+  EXPECT_EQ(high.status, 1);
+  EXPECT_NE(high.err.find("no part was cut: nothing was higher than above_mm (500 mm)"), std::string::npos) << high.err;
+
+  change("tolerance.yaml", "max_residual_mm: ", "max_residual_mm: 0.001", "strict.yaml");
+  const Outcome strict = inspect("line/rig.yaml", {"--tolerance", "strict.yaml", "--check"});
+  EXPECT_EQ(strict.status, 1);
+  EXPECT_NE(strict.err.find("1 of 1 parts has no verdict; the last: "), std::string::npos) << strict.err;
+}
+
+// Tall images, which no board takes, are measured all the same.
+TEST_F(ProductionCommand, TallImagesAreMeasured) {
+  const Words quiet = {"--count", "1", "--without", "shot-noise,read-noise"};
+  ASSERT_EQ(sim(with({"scene", "render", "plane", "--out", "low"}, quiet)).status, 0);
+  ASSERT_EQ(host({"inspect", "--images", "low/frame_00001.png", "--out", "low-out"}).status, 0);
+  rig::Rig rig = rig::load_rig("light-section");
+  rig.camera.rows = 1200;  // the line is still on the middle row
+  write_text(folder_ / "tall.yaml", rig::to_yaml(rig));
+  ASSERT_EQ(sim(with({"scene", "render", "plane", "--rig", "tall.yaml", "--out", "tall"}, quiet)).status, 0);
+  const Outcome run =
+      host({"inspect", "--rig", "tall.yaml", "--images", "tall/frame_00001.png", "--out", "tall-out", "--check"});
+  ASSERT_EQ(run.status, 0) << run.err;
+  EXPECT_NE(run.err.find("has 1200 rows and a board takes at most 1023: this program alone measures them"),
+            std::string::npos)
+      << run.err;
+  const images::FloatImage low = images::read_float_tiff(folder_ / "low-out/height.tiff");
+  const images::FloatImage tall = images::read_float_tiff(folder_ / "tall-out/height.tiff");
+  ASSERT_EQ(tall.values.size(), low.values.size());
+  for (std::size_t i = 0; i < low.values.size(); ++i) {
+    ASSERT_NEAR(tall.values[i], low.values[i], 0.001) << i;
+  }
+}
+
+TEST_F(ProductionCommand, FindsWhatItPlantsWithStructuredLight) {
+  rig::Rig rig = rig::load_rig("scanner");
+  rig.camera.rows /= 2;
+  rig.camera.columns /= 2;
+  rig.camera.pixel_pitch_mm *= 2;
+  write_text(folder_ / "coarse.yaml", rig::to_yaml(rig));
+  const Outcome made =
+      sim({"production", "--rig", "coarse.yaml", "--good", "5", "--parts", "4", "--bad-every", "2", "--out", "scans"});
+  ASSERT_EQ(made.status, 0) << made.err;
+  const Words words = {"--rig", "scans/rig.yaml", "--reference", "scans/stripes"};
+  const Outcome learned =
+      host(with({"tolerance", "learn", "--device", "file:scans/good.packets", "--out", "tolerance.yaml"}, words));
+  ASSERT_EQ(learned.status, 0) << learned.err;
+  const Outcome run = host(with({"match", "--device", "file:scans/run.packets", "--check", "--tolerance",
+                                 "tolerance.yaml", "--parts", "today", "--out", "newest"},
+                                words));
+  ASSERT_EQ(run.status, 0) << run.err;
+  EXPECT_EQ(agrees("scans", "today", 5, 1), 2);
+}
+
+TEST_F(ProductionCommand, RefusesWhatItCannotShow) {
+  std::filesystem::create_directory(folder_ / "there");
+  const Outcome there = sim({"production", "--out", "there", "--parts", "1", "--good", "1"});
+  EXPECT_EQ(there.status, 2);
+  EXPECT_NE(there.err.find("there"), std::string::npos) << there.err;
+  rig::Rig rig = rig::load_rig("light-section");
+  rig.projector.tilt_rad = 0.8;  // the light falls elsewhere
+  write_text(folder_ / "beside.yaml", rig::to_yaml(rig));
+  const Outcome beside = sim({"production", "--rig", "beside.yaml", "--out", "line"});
+  EXPECT_EQ(beside.status, 2);
+  EXPECT_EQ(beside.err, "selfproj-sim: --rig beside.yaml: no camera column sees the part in the projector's light\n");
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "line"));
+}
+
+}  // namespace
+}  // namespace selfproj::test
