@@ -102,6 +102,7 @@ rig::Rig rig_of_laser(const CameraOptions& options, const calibration::CameraRep
   rig.light_plane = laser.plane;
   rig.belt_pose.reset();
   rig.heights.reset();
+  rig.sources = rig::RigSources{.camera = rig::ValueSource::measured, .light = rig::ValueSource::measured};
   return rig;
 }
 

@@ -169,6 +169,9 @@ void run_inspect(const InspectOptions& options) {
     const std::vector<report::Fact> more = production->facts();
     facts.insert(facts.end(), more.begin(), more.end());
   }
+  if (inspection && inspection->frames() > 1 && !rig.parts) {
+    rig::expect_way_measured(rig, inspection->encoder_counts(), options.section.rig);
+  }
   if (inspection && inspection->frames() > 0) {
     write_outputs(options, *inspection, facts, *folder);
   }

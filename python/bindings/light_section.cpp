@@ -69,7 +69,7 @@ void set_state(ProfileResult& self, const nb::tuple& state) {
 class Profiler {
  public:
   Profiler(const rig::Rig& rig, const std::optional<Path>& reference)
-      : rig_(rig),
+      : rig_(measured(rig)),
         profiler_(rig, reference ? light_section::load_reference(rig, reference->string())
                                  : light_section::reference_of_plane(rig)) {}
 
@@ -115,6 +115,11 @@ class Profiler {
   [[nodiscard]] const light_section::DifferentialProfiler& profiler() const { return profiler_; }
 
  private:
+  static const rig::Rig& measured(const rig::Rig& rig) {
+    rig::expect_measured(rig, rig.name, rig::Millimetres::of_section);
+    return rig;
+  }
+
   rig::Rig rig_;
   light_section::DifferentialProfiler profiler_;
 };
