@@ -8,7 +8,6 @@
 #include <nlohmann/json.hpp>
 #include <set>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "host/app/commands.h"
@@ -78,9 +77,8 @@ rig::Rig apply(BeltOptions& options) {
   if (options.images.size() < 2) {
     throw UserError("IMAGE", "one image is given; the chessboard is needed at two or more places of the belt");
   }
-  using List = std::pair<const char*, const std::vector<double>*>;
   for (const auto& [option, values] :
-       {List{"--moves", &settings.moves_mm}, List{"--counts", &settings.counts}, List{"--seconds", &settings.seconds}}) {
+       {std::pair{"--moves", &settings.moves_mm}, {"--counts", &settings.counts}, {"--seconds", &settings.seconds}}) {
     if (!values->empty()) {
       check_list(option, *values, options.images.size(), "images of the chessboard");
     }
