@@ -25,9 +25,9 @@
 namespace selfproj::calibration {
 namespace {
 
-constexpr double kDegrees = 180 / std::numbers::pi;
+constexpr double kDegreesPerRadian = 180 / std::numbers::pi;
 
-rig::Lens lens_of(const rig::Rig& rig) {
+rig::Lens camera_lens_of(const rig::Rig& rig) {
   if (rig.light_plane) {
     const rig::RigLens& l = rig.calibration->camera;
     return {l.fx_px, l.fy_px, l.cx_px, l.cy_px, {l.k1, l.k2, l.p1, l.p2, l.k3, 0, 0, 0}};
@@ -35,7 +35,7 @@ rig::Lens lens_of(const rig::Rig& rig) {
   return rig::calibration_of(rig).camera;
 }
 
-cv::Matx33d matrix_of(const cv::Vec3d& rotation) {
+cv::Matx33d turn_of(const cv::Vec3d& rotation) {
   cv::Matx33d turn;
   cv::Rodrigues(rotation, turn);
   return turn;
@@ -94,7 +94,7 @@ class MovedBoard {
   }
 
   static cv::Vec3d way_of(const Eigen::VectorXd& p) {
-    return matrix_of({p[0], p[1], p[2]}) * cv::Vec3d(std::cos(p[6]), std::sin(p[6]), 0);
+    return turn_of({p[0], p[1], p[2]}) * cv::Vec3d(std::cos(p[6]), std::sin(p[6]), 0);
   }
   static double along(const Eigen::VectorXd& p, std::size_t view) {
     return view == 0 ? 0 : p[static_cast<Eigen::Index>(6 + view)];
@@ -102,7 +102,7 @@ class MovedBoard {
 
   // Seen less computed, px.
   [[nodiscard]] Eigen::VectorXd off(const Eigen::VectorXd& p) const {
-    const cv::Matx33d turn = matrix_of({p[0], p[1], p[2]});
+    const cv::Matx33d turn = turn_of({p[0], p[1], p[2]});
     const cv::Vec3d way = way_of(p);
     Eigen::VectorXd result(static_cast<Eigen::Index>(residuals()));
     Eigen::Index at = 0;
@@ -214,7 +214,7 @@ std::vector<BoardView> views_of(const std::vector<BoardImage>& boards, const Che
       const auto turn = [&](const BoardView& of) {
         double least = std::numeric_limits<double>::infinity();
         for (const Pose& pose : poses_of(of, lens)) {
-          least = std::min(least, cv::norm(vector_of(matrix_of(pose.rotation) * matrix_of(first->rotation).t())));
+          least = std::min(least, cv::norm(vector_of(turn_of(pose.rotation) * turn_of(first->rotation).t())));
         }
         return least;
       };
@@ -236,11 +236,11 @@ MovedBoard::Fit fit_of(const std::vector<BoardView>& views, const rig::Lens& len
   const MovedBoard board(views, lens);
   MovedBoard::Fit best;
   for (const Pose& start : poses_of(views.front(), lens)) {
-    const cv::Matx33d turn = matrix_of(start.rotation);
+    const cv::Matx33d turn = turn_of(start.rotation);
     // Where the middle of the board is, which the poses agree on better than on its lean.
     const auto middle = [&](const BoardView& view, const Pose& pose) {
       const cv::Point3d& last = view.board.back();
-      return matrix_of(pose.rotation) * (0.5 * cv::Vec3d(last.x, last.y, 0)) + pose.translation;
+      return turn_of(pose.rotation) * (0.5 * cv::Vec3d(last.x, last.y, 0)) + pose.translation;
     };
     const cv::Vec3d from = middle(views.front(), start);
     const cv::Vec3d on_board = turn.t() * (middle(views.back(), poses_of(views.back(), lens).front()) - from);
@@ -394,7 +394,7 @@ void take_as_zero(rig::Rig& rig, const HeightLine& line, BeltCalibration& result
   const double length = std::hypot(1.0, line.slope);
   rig.plane_z_mm = (rig.plane_z_mm - line.mean + line.slope * line.middle) / length;
   pose.normal = {next[0], next[1], next[2]};
-  result.zero_turn_deg += std::atan(line.slope) * kDegrees;
+  result.zero_turn_deg += std::atan(line.slope) * kDegreesPerRadian;
 }
 
 // Turns the laser's plane about its line on the belt.
@@ -408,19 +408,19 @@ void turn_light(rig::Rig& rig, double angle) {
   const double b = (rig.plane_z_mm - c * light.distance_mm) / (1 - c * c);
   const double a = light.distance_mm - c * b;
   const cv::Vec3d on = a * normal + b * belt;
-  const cv::Vec3d next = matrix_of(angle * line) * normal;
+  const cv::Vec3d next = turn_of(angle * line) * normal;
   light.normal = {next[0], next[1], next[2]};
   light.distance_mm = next.dot(on);
 }
 
-constexpr double kNear = 0.2;  // of the distance to the next height: what belongs to a height
+constexpr double kOfOneHeight = 0.2;  // of the distance to the next height: what belongs to a height
 
 // How far points may be from a height to belong to it.
-double within(const std::vector<LineAtHeight>& lines, std::size_t line, double most) {
+double reach_of(const std::vector<LineAtHeight>& lines, std::size_t line, double most) {
   double least = most;
   for (const LineAtHeight& other : lines) {
     const double apart = std::abs(other.height_mm - lines[line].height_mm);
-    least = apart > 0 ? std::min(least, kNear * apart) : least;
+    least = apart > 0 ? std::min(least, kOfOneHeight * apart) : least;
   }
   return least;
 }
@@ -450,7 +450,7 @@ void apply_lines(const std::vector<LineAtHeight>& lines, const BeltSettings& set
       double product = 0;
       double square = 0;
       for (std::size_t i = 1; i < lines.size(); ++i) {
-        const double wide = std::max(within(lines, i, std::abs(lines[i].height_mm)),
+        const double wide = std::max(reach_of(lines, i, std::abs(lines[i].height_mm)),
                                      std::abs(lines[i].height_mm) * 2 * settings.scale_tolerance);
         product += lines[i].height_mm * measured(i, wide).mean;
         square += lines[i].height_mm * lines[i].height_mm;
@@ -473,12 +473,12 @@ void apply_lines(const std::vector<LineAtHeight>& lines, const BeltSettings& set
       rig = kept;
       const double turn = (1 - now) / by_turn;
       turn_light(rig, turn);
-      result.light_turn_deg += turn * kDegrees;
+      result.light_turn_deg += turn * kDegreesPerRadian;
       zero();
     }
   }
   for (std::size_t i = 0; i < lines.size(); ++i) {
-    const HeightLine line = measured(i, within(lines, i, settings.height_tolerance));
+    const HeightLine line = measured(i, reach_of(lines, i, settings.height_tolerance));
     result.heights.push_back({lines[i].name, lines[i].height_mm, line.mean, line.rms, line.points});
   }
 }
@@ -490,7 +490,7 @@ BeltCalibration calibrate_belt(const rig::Rig& rig, const std::vector<BoardImage
   if (boards.size() < 2) {
     throw UserError("calibrate belt", "images of the chessboard at two or more places of the belt are needed");
   }
-  const rig::Lens lens = lens_of(rig);
+  const rig::Lens lens = camera_lens_of(rig);
   const std::vector<BoardView> views = views_of(boards, settings.chessboard, lens);
   const MovedBoard::Fit fit = fit_of(views, lens);
   const MovedBoard board(views, lens);
@@ -517,7 +517,7 @@ BeltCalibration calibrate_belt(const rig::Rig& rig, const std::vector<BoardImage
     throw UserError("calibrate belt",
                     fmt::format("the chessboard moved by {:.2f} mm; move the belt by a square or more", apart));
   }
-  const cv::Matx33d turn = matrix_of({p[0], p[1], p[2]});
+  const cv::Matx33d turn = turn_of({p[0], p[1], p[2]});
   cv::Vec3d normal(turn(0, 2), turn(1, 2), turn(2, 2));
   const cv::Vec3d at(p[3], p[4], p[5]);
   normal *= normal.dot(at) < 0 ? -1 : 1;
@@ -527,7 +527,7 @@ BeltCalibration calibrate_belt(const rig::Rig& rig, const std::vector<BoardImage
   const cv::Vec3d side = way.cross(normal);
   // How normal, distance and way change with the parameters.
   const auto figures = [&](const Eigen::VectorXd& q) {
-    const cv::Matx33d m = matrix_of({q[0], q[1], q[2]});
+    const cv::Matx33d m = turn_of({q[0], q[1], q[2]});
     cv::Vec3d n(m(0, 2), m(1, 2), m(2, 2));
     n *= n.dot(normal) < 0 ? -1 : 1;
     // The middle of the board, whose distance is known best.
@@ -545,9 +545,9 @@ BeltCalibration calibrate_belt(const rig::Rig& rig, const std::vector<BoardImage
     by.col(k) = (figures(above) - figures(below)) / (2 * kStep);
   }
   const Eigen::Vector4d variance = (by * fit.covariance * by.transpose()).diagonal();
-  result.normal_sd_deg = std::sqrt(variance[0] + variance[1]) * kDegrees;
+  result.normal_sd_deg = std::sqrt(variance[0] + variance[1]) * kDegreesPerRadian;
   result.distance_sd_mm = std::sqrt(variance[2]);
-  result.direction_sd_deg = std::sqrt(variance[3]) * kDegrees;
+  result.direction_sd_deg = std::sqrt(variance[3]) * kDegreesPerRadian;
 
   if (!result.rig.sources) {
     const auto source = rig.calibration ? rig::ValueSource::measured : rig::ValueSource::drawing;

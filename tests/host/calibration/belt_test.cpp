@@ -209,8 +209,7 @@ TEST(Belt, ContradictionsAreRefused) {
     }
     return "";
   };
-  EXPECT_NE(refused({world.board(0, 0, 0), world.board(2, 0, 0)}).find("the chessboard moved by "),
-            std::string::npos);
+  EXPECT_NE(refused({world.board(0, 0, 0), world.board(2, 0, 0)}).find("the chessboard moved by "), std::string::npos);
   EXPECT_NE(refused({world.board(-16, 0, 0), world.board(0, 0, 6), world.board(16, 0, 0)}).find("it was touched"),
             std::string::npos);
   EXPECT_NE(refused(carried(world, 0, 0), {world.line(4)}).find("is the height, or --thickness, right?"),
