@@ -14,7 +14,7 @@ line on the empty belt and on a plate of 20 mm. The program `selfproj` sees thes
 Heights are compared with the truth of the simulation, places along and across with those that the true rig measures of
 the same packets. Bounds: the step within 0.02 mm, heights 0.03 mm RMS, places within 0.1 mm over 100 mm.
 
---small takes fewer boards and frames. With --out, all files are kept in DIR, a new folder. With SELFPROJ_RESULTS set,
+--small takes smaller images and fewer boards. With --out, all files are kept in DIR, a new folder. With SELFPROJ_RESULTS set,
 hidden_lasers.json is written. The exit status is 1 where a bound is not held. Standard library only.
 """
 
@@ -33,11 +33,23 @@ import hidden_rigs
 import results  # hidden_rigs has set its path
 
 BOUNDS = {"step_mm": 0.02, "rms_mm": 0.03, "along_mm": 0.1, "across_mm": 0.1}
-ROWS, COLUMNS, FOCAL_PX, DISTANCE_MM = 480, 640, 1600, 330
+DISTANCE_MM = 330
 STEP_MM = 20
 BOARD = ("--chessboard", "9x6", "--square", 9)       # held by hand
 BELT_BOARD = ("--chessboard", "9x6", "--square", 6)  # carried by the belt
 RATE_HZ, SPEED = 1500, 15000                         # 10 mm from frame to frame
+
+
+class Effort:
+    """How large the images are, and how many."""
+
+    def __init__(self, scale, poses, moves):
+        self.rows, self.columns, self.focal_px = round(480 * scale), round(640 * scale), 1600 * scale
+        self.poses, self.moves = poses, moves
+
+
+FULL = Effort(1, 18, (0, 5, 10, 15, 20, 25))
+SMALL = Effort(0.625, 9, (0, 8, 16, 24))
 
 RIG = """name: {name}
 kind: light-section
@@ -105,7 +117,7 @@ def unit(a):
     return [x / math.sqrt(dot(a, a)) for x in a]
 
 
-def true_rig(seed, lean):
+def true_rig(seed, lean, effort):
     """The text of a rig file with the truth of a seed."""
     draw = random.Random(f"{seed} {lean}").uniform
     turns = [lean + draw(-10, 10), draw(-10, 10), draw(-10, 10)]
@@ -127,12 +139,12 @@ def true_rig(seed, lean):
     light = max(planes)[1]  # from the side that is steeper on the belt
     distance = DISTANCE_MM * draw(0.95, 1.05)
     aim = [0, 0, distance]
-    focal = FOCAL_PX * draw(0.98, 1.02)
-    lens = {"fx_px": focal, "fy_px": focal * draw(0.999, 1.001), "cx_px": COLUMNS / 2 - 0.5 + draw(-10, 10),
-            "cy_px": ROWS / 2 - 0.5 + draw(-10, 10), "k1": draw(-0.1, 0.1), "k2": 0.0, "p1": draw(-5e-4, 5e-4),
+    focal = effort.focal_px * draw(0.98, 1.02)
+    lens = {"fx_px": focal, "fy_px": focal * draw(0.999, 1.001), "cx_px": effort.columns / 2 - 0.5 + draw(-10, 10),
+            "cy_px": effort.rows / 2 - 0.5 + draw(-10, 10), "k1": draw(-0.1, 0.1), "k2": 0.0, "p1": draw(-5e-4, 5e-4),
             "p2": draw(-5e-4, 5e-4), "k3": 0.0}
-    text = RIG.format(name=f"hidden-laser-{seed}-{lean}", plane=dot(aim, normal), rows=ROWS, columns=COLUMNS,
-                      focal=focal / 100, projector="", rate=RATE_HZ, speed=SPEED, encoder=0.01 * draw(0.8, 1.2))
+    text = RIG.format(name=f"hidden-laser-{seed}-{lean}", plane=dot(aim, normal), rows=effort.rows,
+                      columns=effort.columns, focal=focal / 100, projector="", rate=RATE_HZ, speed=SPEED, encoder=0.01 * draw(0.8, 1.2))
     text += "camera_lens:\n" + "".join(f"  {key}: {value!r}\n" for key, value in lens.items())
     text += "light_plane:\n" + "".join(f"  normal_{c}: {v!r}\n" for c, v in zip("xyz", light))
     text += f"  distance_mm: {dot(aim, light)!r}\n"
@@ -140,8 +152,9 @@ def true_rig(seed, lean):
                                            (("direction", way), ("normal", normal)) for c, v in zip("xyz", vector))
 
 
-def drawing():
-    return RIG.format(name="drawing", plane=300.0, rows=ROWS, columns=COLUMNS, focal=FOCAL_PX / 100,
+def drawing(effort):
+    return RIG.format(name="drawing", plane=300.0, rows=effort.rows, columns=effort.columns,
+                      focal=effort.focal_px / 100,
                       projector=PROJECTOR, rate=RATE_HZ, speed=1000, encoder=0.01)
 
 
@@ -190,21 +203,21 @@ def heights_off(found, truth):
 
 def measured(seed, lean, folder, options):
     chain = LaserChain(folder.resolve(), options.programs.resolve(), 100 * seed + lean)
-    truth = true_rig(seed, lean)
+    effort = SMALL if options.small else FULL
+    truth = true_rig(seed, lean, effort)
     (chain.folder / "truth.yaml").write_text(truth, encoding="utf-8")
-    (chain.folder / "drawing.yaml").write_text(drawing(), encoding="utf-8")
+    (chain.folder / "drawing.yaml").write_text(drawing(effort), encoding="utf-8")
     encoder = value_of(truth, "encoder_mm_per_count")
     try:
-        chain.take("capture", *BOARD, "--poses", 9 if options.small else 18, "--tilt", 30, "--target-seed", seed,
+        chain.take("capture", *BOARD, "--poses", effort.poses, "--tilt", 30, "--target-seed", seed,
                    "--bend", 0.05, "--out", "held")
         chain.host("calibrate", "camera", *BOARD, "--rig", "drawing.yaml", "--out", "camera", *images(chain, "held/boards"),
                    "--laser", *images(chain, "held/lines"))
-        moves = (0, 8, 16, 24) if options.small else (0, 5, 10, 15, 20, 25)
-        chain.take("capture", *BELT_BOARD, "--heights", 0, "--moves", ",".join(map(str, moves)), "--target-seed", seed,
+        chain.take("capture", *BELT_BOARD, "--heights", 0, "--moves", ",".join(map(str, effort.moves)), "--target-seed", seed,
                    "--bend", 0.01, "--out", "carried")
         for height in (0, STEP_MM):
             chain.take("capture", "--plate", height, "--target-seed", 100 * seed + height, "--out", f"plate_{height:02}")
-        counts = ",".join(str(round(move / encoder)) for move in moves)
+        counts = ",".join(str(round(move / encoder)) for move in effort.moves)
         chain.host("calibrate", "belt", "--rig", "camera/rig.yaml", *BELT_BOARD, "--counts", counts, "--out", "line",
                    "--laser", "plate_00/image_00.png", f"plate_{STEP_MM}/image_00.png", "--heights", f"0,{STEP_MM}",
                    *images(chain, "carried/boards"))
