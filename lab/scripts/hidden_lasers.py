@@ -35,7 +35,7 @@ import results  # hidden_rigs has set its path
 BOUNDS = {"step_mm": 0.02, "rms_mm": 0.03, "along_mm": 0.1, "across_mm": 0.1}
 DISTANCE_MM = 330
 STEP_MM = 20
-BOARD = ("--chessboard", "9x6", "--square", 9)       # held by hand
+BOARD = ("--chessboard", "9x6", "--square", 7)       # held by hand
 BELT_BOARD = ("--chessboard", "9x6", "--square", 6)  # carried by the belt
 RATE_HZ, SPEED = 1500, 15000                         # 10 mm from frame to frame
 
