@@ -147,16 +147,21 @@ class Visible {
     return at.row >= 0 && at.row <= rows - 1 && at.column >= 0 && at.column <= columns - 1;
   }
 
-  // Whether the laser's plane is on one side of the board's corners at both ends across, and so on its middle.
+  // Whether the laser's plane has corners of the inner part of the board on both of its sides.
   [[nodiscard]] bool crossed(const ChessboardPlace& place) const {
-    constexpr double kWithin = 0.8;  // of the board's half
-    const Point3 normal = actual_.projector.axes()[0];
-    const auto off = [&](double right, double below) {
-      const Point3 p = place.middle + shape_.square_mm * (shape_.across - 1) / 2.0 * right * place.right +
-                       shape_.square_mm * (shape_.down - 1) / 2.0 * below * place.below;
-      return dot(normal, p - actual_.projector.centre());
-    };
-    return off(-kWithin, -kWithin) * off(-kWithin, kWithin) < 0 && off(kWithin, -kWithin) * off(kWithin, kWithin) < 0;
+    constexpr double kInner = 0.6;
+    double least = 0;
+    double most = 0;
+    for (const double right : {-kInner, kInner}) {
+      for (const double below : {-kInner, kInner}) {
+        const Point3 p = place.middle + shape_.square_mm * (shape_.across - 1) / 2.0 * right * place.right +
+                         shape_.square_mm * (shape_.down - 1) / 2.0 * below * place.below;
+        const double off = dot(actual_.projector.axes()[0], p - actual_.projector.centre());
+        least = std::min(least, off);
+        most = std::max(most, off);
+      }
+    }
+    return least < 0 && most > 0;
   }
 
   const PerturbedRig& actual_;
