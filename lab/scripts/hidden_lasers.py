@@ -196,7 +196,7 @@ def heights_off(found, truth):
     for heights, true in zip(found, truth):
         for c, (h, t) in enumerate(zip(heights, true)):
             beside = true[max(0, c - 4):c + 5]
-            if not math.isnan(h) and all(abs(a - b) < 1 for a, b in zip(beside, beside[1:])):
+            if not math.isnan(h - t) and all(abs(a - b) < 1 for a, b in zip(beside, beside[1:])):
                 off.append(h - t)
     return off
 
