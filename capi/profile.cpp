@@ -68,6 +68,7 @@ std::int32_t selfproj_profiler_create(const char* rig, const char* reference, se
     if (loaded.kind != rig::RigKind::light_section) {
       throw UserError(rig, "is not a rig of kind light-section");
     }
+    rig::expect_measured(loaded, rig, rig::Millimetres::of_section);
     const light_section::ReferenceProfile curve = reference != nullptr
                                                       ? light_section::load_reference(loaded, reference)
                                                       : light_section::reference_of_plane(loaded);

@@ -407,6 +407,7 @@ selfproj calibrate --camera camera:192.168.1.20 --display 1 --chessboard 9x6 --s
       *command, "POSE", options->poses,
       "Folders of images, one for each pose. Each holds the whole sequence, numbered in the order of the patterns.");
   add_camera_command(*command);
+  add_belt_command(*command);
   add_heights_command(*command);
   command->callback([options, command] {
     if (!command->get_subcommands().empty()) {

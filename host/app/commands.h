@@ -15,7 +15,8 @@ void add_pattern_command(CLI::App& app);
 CLI::App* add_chessboard_command(CLI::App& pattern);  // these two below `pattern`
 CLI::App* add_stripes_command(CLI::App& pattern);
 void add_calibrate_command(CLI::App& app);
-CLI::App* add_camera_command(CLI::App& calibrate);  // these two below `calibrate`
+CLI::App* add_belt_command(CLI::App& calibrate);  // these three below `calibrate`
+CLI::App* add_camera_command(CLI::App& calibrate);
 CLI::App* add_heights_command(CLI::App& calibrate);
 void add_accuracy_command(CLI::App& app);
 

@@ -48,7 +48,7 @@ light_section::HeightPosition read_position(const HeightsOptions& options, const
                                             const std::string& folder, const std::vector<int>& lines) {
   light_section::HeightPosition position{folder, 0, {}};
   const std::vector<std::string> files = images::files_of_folder(folder);
-  if (files.size() != lines.size()) {
+  if (!rig.light_plane && files.size() != lines.size()) {
     throw UserError(folder, fmt::format("has {} images; a sweep of this rig with --every {} has {}, of the lines {} to "
                                         "{}",
                                         files.size(), options.every, lines.size(), lines.front(), lines.back()));
@@ -62,8 +62,12 @@ light_section::HeightPosition read_position(const HeightsOptions& options, const
                       fmt::format("is {}; the rig's camera has {}", images::size_text(image.rows, image.columns),
                                   images::size_text(rig.camera.rows, rig.camera.columns)));
     }
-    light_section::add_sightings(finder, lines[i], image.view(), position.seen);
-    check.add(lines[i], image.view(), files[i]);
+    // A laser has but one line; its images only have to differ.
+    light_section::add_sightings(finder, rig.light_plane ? static_cast<double>(i) : lines[i], image.view(),
+                                 position.seen);
+    if (!rig.light_plane) {
+      check.add(lines[i], image.view(), files[i]);
+    }
   }
   refuse_contradiction(folder, check.contradiction(), options.unchecked);
   return position;
@@ -71,8 +75,8 @@ light_section::HeightPosition read_position(const HeightsOptions& options, const
 
 std::vector<light_section::HeightPosition> read_positions(const HeightsOptions& options, const rig::Rig& rig,
                                                           const std::vector<double>& heights) {
-  const std::vector<int> lines = light_section::sweep_lines(rig, options.every);
-  if (lines.empty()) {
+  const std::vector<int> lines = rig.light_plane ? std::vector<int>() : light_section::sweep_lines(rig, options.every);
+  if (!rig.light_plane && lines.empty()) {
     throw UserError(options.rig, fmt::format("measure.line_width_px is {}, too wide for the {} lines of the projector",
                                              rig.measure.line_width_px, rig.projector.lines));
   }
@@ -159,7 +163,7 @@ void run_heights(HeightsOptions options) {
   if (options.check == !options.out.empty()) {
     throw UserError("--out, --check", "give one of them, not both");
   }
-  rig::Rig rig = rig::load_rig(options.rig);
+  rig::Rig rig = rig::load_any_rig(options.rig);
   model::Measure measure = rig.measure.of_board();
   options.select.apply(measure);
   rig.measure.apply(measure);
@@ -229,7 +233,9 @@ void add_heights_options(CLI::App& command, HeightsOptions& options) {
       ->default_str(fmt::format("{:g}, for a calibrated rig {:g}", light_section::HeightSettings::kDrawnScale,
                                 light_section::HeightSettings::kCalibratedScale));
   cli::begin_group(command, "Input");
-  command.add_option("--rig", options.rig, "Built-in rig or YAML file of kind light-section, with a projector.")
+  command
+      .add_option("--rig", options.rig,
+                  "Built-in rig or YAML file of kind light-section; one with a laser must know its belt.")
       ->type_name("RIG")
       ->capture_default_str();
   command.add_option("--every", options.every, "Distance of two lines of the sweep, in projector lines.")
@@ -251,8 +257,10 @@ void add_heights_options(CLI::App& command, HeightsOptions& options) {
       ->transform(cli::number_above_zero(1000))
       ->type_name("MM")
       ->default_str("twice the tolerances, and four standard deviations of the noise in these images");
-  cli::add_files(command, "DIR", options.folders,
-                 "Folders with the camera images of a sweep, numbered in the order of the lines.")
+  cli::add_files(
+      command, "DIR", options.folders,
+      "Folders with the camera images of a sweep, numbered in the order of the lines; with a laser, with one "
+      "or more images of its line.")
       ->required();
 }
 

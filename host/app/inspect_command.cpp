@@ -258,6 +258,9 @@ class Run {
       const std::vector<report::Fact> more = production_->facts();
       facts.insert(facts.end(), more.begin(), more.end());
     }
+    if (inspection_ && inspection_->frames() > 1 && !rig_.parts) {
+      rig::expect_way_measured(rig_, inspection_->encoder_counts(), options_.section.rig);
+    }
     if (inspection_ && inspection_->frames() > 0) {
       write_outputs(options_, *inspection_, facts, doubts(), *folder_);
     }

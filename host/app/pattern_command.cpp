@@ -43,6 +43,7 @@ struct PatternOptions {
   bool sweep = false;
   // Further options.
   std::string residual;
+  std::string assume;
   std::optional<int> frame;
   int every = 1;
   images::PixelOptions pixels;
@@ -98,34 +99,49 @@ void add_pattern(files::OutputFolder& folder, const images::FloatImage& pattern)
   folder.append("pattern.png", light_section::encode_pattern_png(pattern));
 }
 
-void make_reference(const rig::Rig& rig, const PatternOptions& options) {
-  files::OutputFolder folder(options.out);
+// The shape of the part, and the pattern for it; a laser has none.
+light_section::ReferenceProfile reference_of(const rig::Rig& rig, const PatternOptions& options,
+                                             images::FloatImage& pattern) {
   std::error_code error;
-  const bool made_before = fs::is_directory(options.reference, error);  // a reference folder
-  light_section::ReferenceProfile reference;
-  images::FloatImage pattern;
-  if (made_before) {
+  if (fs::is_directory(options.reference, error)) {  // a reference folder
     if (options.residual.empty()) {
       throw UserError("--reference",
                       options.reference + " is a finished reference; give --residual to take out its residual");
     }
-    reference = light_section::load_reference(rig, options.reference);
-    pattern = light_section::load_pattern(rig, options.reference);
-  } else {
-    light_section::ReferenceCurve curve;
-    if (options.scan.empty()) {
-      curve = light_section::load_curve(rig, options.reference, options.frame);
-      reference = light_section::reference_of_curve(rig, curve);
-    } else {
-      reference = scanned(rig, options);
-      curve = light_section::curve_of_reference(rig, reference);
+    if (!rig.light_plane) {
+      pattern = light_section::load_pattern(rig, options.reference);
     }
+    return light_section::load_reference(rig, options.reference);
+  }
+  if (options.reference.empty() && options.scan.empty()) {
+    return light_section::reference_of_plane(rig);  // of a laser, which sees the part at its residual
+  }
+  light_section::ReferenceCurve curve;
+  light_section::ReferenceProfile reference;
+  if (options.scan.empty()) {
+    curve = light_section::load_curve(rig, options.reference, options.frame);
+    reference = light_section::reference_of_curve(rig, curve);
+  } else {
+    reference = scanned(rig, options);
+    curve = light_section::curve_of_reference(rig, reference);
+  }
+  if (!rig.light_plane) {
     pattern = light_section::draw_pattern(rig, light_section::pattern_of_curve(rig, curve));
   }
-  const std::string& source = options.scan.empty() ? options.reference : options.scan;
+  return reference;
+}
+
+void make_reference(const rig::Rig& rig, const PatternOptions& options) {
+  files::OutputFolder folder(options.out);
+  images::FloatImage pattern;
+  light_section::ReferenceProfile reference = reference_of(rig, options, pattern);
+  const std::string& source = !options.scan.empty()        ? options.scan
+                              : !options.reference.empty() ? options.reference
+                                                           : options.rig;
   if (reference.valid_columns() == 0) {
-    throw UserError(source, options.scan.empty() ? "no camera column sees the part in the projector's light"
-                                                 : "no camera column sees the line cross its middle row");
+    throw UserError(source, !options.scan.empty() ? "no camera column sees the line cross its middle row"
+                            : rig.light_plane     ? "no camera column sees the laser on the part"
+                                                  : "no camera column sees the part in the projector's light");
   }
   if (!options.residual.empty()) {
     reference = with_residual_out(rig, options, reference);
@@ -134,7 +150,9 @@ void make_reference(const rig::Rig& rig, const PatternOptions& options) {
     }
   }
   folder.append("reference.csv", light_section::reference_csv(rig, reference));
-  add_pattern(folder, pattern);
+  if (!rig.light_plane) {
+    add_pattern(folder, pattern);
+  }
   folder.append("preview.png", light_section::draw_preview(rig, pattern, reference));
   folder.commit();
   fmt::print("{}: reference in {} of {} columns\n", options.out, reference.valid_columns(), reference.columns());
@@ -165,11 +183,23 @@ void make_sweep(const rig::Rig& rig, const PatternOptions& options) {
 }
 
 void run_pattern(const PatternOptions& options) {
-  rig::Rig rig = rig::load_rig(options.rig);
+  rig::Rig rig = rig::load_any_rig(options.rig);
+  if (rig.light_plane && (options.line || options.sweep || !options.scan.empty())) {
+    throw UserError("--line, --sweep, --scan", "are for a projector, and the rig has a laser");
+  }
+  if (!rig.light_plane && options.reference.empty() && options.scan.empty() && !options.line && !options.sweep) {
+    throw UserError("--residual", "alone is for a laser; give --reference or --scan");
+  }
+  if (rig.light_plane) {
+    if (!options.assume.empty()) {
+      rig::assume(rig, options.assume, "--assume");
+    }
+    rig::expect_measured(rig, options.rig, rig::Millimetres::of_section);
+  }
   model::Measure measure = rig.measure.of_board();
   options.select.apply(measure);
   rig.measure.apply(measure);
-  if (light_section::sweep_lines(rig, options.every).empty()) {
+  if (!rig.light_plane && light_section::sweep_lines(rig, options.every).empty()) {
     throw UserError(options.rig, fmt::format("measure.line_width_px is {}, too wide for the {} lines of the projector",
                                              rig.measure.line_width_px, rig.projector.lines));
   }
@@ -266,7 +296,8 @@ void add_source_options(CLI::App& command, PatternOptions& options) {
       .add_option(
           "--residual", options.residual,
           "Folder of camera images of the part under its own pattern. The pattern is corrected by the mean distance "
-          "of the line from the middle row, column by column.")
+          "of the line from the middle row, column by column. With a laser: images of good parts under its line, whose "
+          "mean is the reference; nothing else is needed then.")
       ->type_name("DIR")
       ->excludes(line)
       ->excludes(sweep);
@@ -296,7 +327,8 @@ void add_pattern_command(CLI::App& app) {
        .details = "The shape of the part is known (--reference) or scanned. To scan it, --sweep writes straight lines "
                   "to project, and --scan takes the camera images of them. The output folder gets pattern.png and "
                   "pattern.tiff for the projector, preview.png, and reference.csv. `selfproj inspect --reference` "
-                  "takes this folder.\n\n"
+                  "takes this folder. With a laser there is no pattern: the folder gets reference.csv and "
+                  "preview.png.\n\n"
                   "The commands gray and stripes make patterns for structured light; chessboard draws a target for "
                   "calibration.",
        .examples = R"(
@@ -315,6 +347,11 @@ selfproj pattern --scan captures --every 4 --out part
   command->add_option("--rig", options->rig, "Built-in rig or YAML file of kind light-section.")
       ->type_name("RIG")
       ->capture_default_str();
+  command
+      ->add_option("--assume", options->assume,
+                   "With a laser: values of the rig that are taken though no calibration measured them, with commas "
+                   "between them: camera, light, belt.")
+      ->type_name("NAME,...");
   command->add_option("--out", options->out, "Folder for the results. Required.")->type_name("DIR");
   add_source_options(*command, *options);
   const CLI::App* chessboard = add_chessboard_command(*command);
@@ -328,7 +365,8 @@ selfproj pattern --scan captures --every 4 --out part
     if (options->out.empty()) {
       throw UserError("--out", "is required");
     }
-    if (options->reference.empty() && options->scan.empty() && !options->line && !options->sweep) {
+    if (options->reference.empty() && options->scan.empty() && options->residual.empty() && !options->line &&
+        !options->sweep) {
       throw UserError("--reference, --scan, --line, --sweep",
                       "one of them is required, or a command: chessboard, gray, stripes");
     }

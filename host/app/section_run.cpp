@@ -25,6 +25,10 @@ rig::Rig SectionOptions::load_rig() const {
   if (result.kind != rig::RigKind::light_section) {
     throw UserError(rig, "is not a rig of kind light-section");
   }
+  if (!assume.empty()) {
+    rig::assume(result, assume, "--assume");
+  }
+  rig::expect_measured(result, rig);
   if (pixel_clock_hz) {
     result.board = rig::RigBoard{.pixel_clock_hz = *pixel_clock_hz};
   }
@@ -78,6 +82,11 @@ model::Measure measure_of_rig(const rig::Rig& rig, const std::string& select) {
 
 void add_section_options(CLI::App& command, SectionOptions& options) {
   command.add_option("--rig", options.rig, "Built-in rig or YAML file.")->type_name("RIG")->capture_default_str();
+  command
+      .add_option("--assume", options.assume,
+                  "Values of the rig that are taken though no calibration measured them (its section `sources`), with "
+                  "commas between them: camera, light, belt, speed, encoder.")
+      ->type_name("NAME,...");
   command
       .add_option("--reference", options.reference,
                   "Folder that `selfproj pattern` wrote for the good part whose pattern is projected.")

@@ -23,8 +23,10 @@ struct SectionOptions {
   std::string rig = "light-section";
   std::string reference;                 // empty: the plane
   std::optional<double> pixel_clock_hz;  // empty: the rig's
+  std::string assume;                    // values that are taken though they were never measured
 
-  // The rig, with the pixel clock. Throws UserError if it is none of kind light-section.
+  // The rig, with the pixel clock. Throws UserError if it is none of kind light-section, or if millimetres would come
+  // from a value that was never measured (rig::expect_measured).
   [[nodiscard]] rig::Rig load_rig() const;
 
   // The reference of the folder, or the rig's empty table or conveyor. Beside a recording, the device "file:PATH", may
@@ -39,7 +41,7 @@ struct SectionOptions {
 // The file beside a recording that holds the reference under whose pattern it was taken: PATH.reference.csv.
 std::string reference_file_of(const std::string& recording);
 
-// Adds --rig, --reference and --pixel-clock-hz.
+// Adds --rig, --assume, --reference and --pixel-clock-hz.
 void add_section_options(CLI::App& command, SectionOptions& options);
 
 // What the board has to measure: as the rig says, except for what --select says, if it is not empty.

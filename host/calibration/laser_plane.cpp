@@ -377,6 +377,7 @@ rig::Rig rig_of_laser(const rig::Rig& drawn, const CameraReport& camera, const L
   rig.light_plane = laser.plane;
   rig.belt_pose.reset();
   rig.heights.reset();
+  rig.sources = rig::RigSources{.camera = rig::ValueSource::measured, .light = rig::ValueSource::measured};
   return rig;
 }
 

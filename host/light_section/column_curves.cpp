@@ -29,8 +29,10 @@ constexpr int kMaxDegree = ColumnCurves::kDegrees.back();
 constexpr int kNodes = 2 * kMaxDegree + 5;   // where the curves are fitted
 constexpr int kChecks = 4 * kMaxDegree + 5;  // where they are compared
 
+}  // namespace
+
 // The exact points of a column.
-class ExactColumn {
+class ColumnCurves::ExactColumn {
  public:
   ExactColumn(const rig::RigOptics& optics, int column, const rig::LightSheet& sheet)
       : optics_(&optics), column_(column), sheet_(sheet) {}
@@ -44,19 +46,38 @@ class ExactColumn {
       return std::nullopt;
     }
     const double z = optics_->corrected(place, *met);
-    return z > 0 ? std::optional(cv::Vec3d((*ray)[0] * z, (*ray)[1] * z, z)) : std::nullopt;
+    return z > 0 && in_range(place, z) ? std::optional(cv::Vec3d((*ray)[0] * z, (*ray)[1] * z, z)) : std::nullopt;
   }
+
+  [[nodiscard]] double rows() const { return optics_->rig().camera.rows; }
 
   // The centroids about `from` for which there is a point.
   [[nodiscard]] std::optional<std::pair<double, double>> range(double from) const {
-    const double rows = optics_->rig().camera.rows;
     if (!at(from)) {
       return std::nullopt;
     }
-    return std::pair{reach(from, 0.5), reach(from, rows + 0.5)};
+    return std::pair{reach(from, 0.5), reach(from, rows() + 0.5)};
   }
 
  private:
+  // Whether a laser's light at z is within what can be measured. Where rays grow parallel to its plane, z goes to
+  // infinity; there a row is worth more of it than the rig allows, and the plane of the belt is far.
+  [[nodiscard]] bool in_range(const rig::CameraPlace& place, double z) const {
+    constexpr double kFarthest = 0.5;  // from the belt, as a share of its distance
+    constexpr double kStep = 0.01;     // rows
+    const rig::Rig& rig = optics_->rig();
+    if (optics_->has_projector()) {
+      return true;
+    }
+    if (!(std::abs(z - rig.plane_z_mm) <= kFarthest * rig.plane_z_mm)) {
+      return false;
+    }
+    const std::optional<cv::Vec2d> ray = optics_->ray({place.row + kStep, place.column});
+    const std::optional<double> next = ray ? optics_->meet(*ray, sheet_) : std::nullopt;
+    return next &&
+           std::abs(*next - *optics_->meet(*optics_->ray(place), sheet_)) <= kStep * rig.measure.max_z_per_line_mm;
+  }
+
   // How far from `from` towards `to` the points go.
   [[nodiscard]] double reach(double from, double to) const {
     constexpr int kSteps = 16;
@@ -82,6 +103,8 @@ class ExactColumn {
   rig::LightSheet sheet_;
 };
 
+namespace {
+
 double horner(const double* coefficients, int degree, double t) {
   double sum = 0;
   for (int k = degree - 1; k >= 0; --k) {
@@ -95,6 +118,7 @@ double horner(const double* coefficients, int degree, double t) {
 // A column before it is fitted.
 struct ColumnCurves::Column {
   double row_r = 0, z_r = 1, a_r = 0, b_r = 0;
+  rig::LightSheet sheet;
   std::array<std::pair<double, cv::Vec3d>, kNodes> nodes;  // t and point
   std::array<std::pair<double, cv::Vec3d>, kChecks> checks;
 };
@@ -104,35 +128,25 @@ ColumnCurves::ColumnCurves(const rig::Rig& rig, const ReferenceProfile& referenc
     throw std::invalid_argument("profile: the reference has other columns than the camera");
   }
   const rig::RigOptics optics(rig);
-  const double rows = rig.camera.rows;
   std::vector<Column> columns(reference.valid.size());
   for (int c = 0; c < reference.columns(); ++c) {
     const auto i = static_cast<std::size_t>(c);
     Column& column = columns[i];
     const std::optional<rig::LightSheet> sheet = sheet_of(optics, reference, c);
     column.row_r = sheet ? rig::middle_row(rig.camera) + reference.offset_px[i] : 0;
-    const ExactColumn exact(optics, c, sheet.value_or(rig::LightSheet{}));
-    const auto range = sheet ? exact.range(column.row_r) : std::nullopt;
-    valid.push_back(range && range->second > range->first ? 1 : 0);
-    first.push_back(static_cast<float>(valid[i] != 0 ? range->first : 0));
-    last.push_back(static_cast<float>(valid[i] != 0 ? range->second : 0));
+    column.sheet = sheet.value_or(rig::LightSheet{});
+    const ExactColumn exact(optics, c, column.sheet);
+    const std::pair<double, double> none;
+    const auto [begin, end] = sheet ? exact.range(column.row_r).value_or(none) : none;
+    valid.push_back(end > begin ? 1 : 0);
+    first.push_back(static_cast<float>(valid[i] != 0 ? begin : 0));
+    last.push_back(static_cast<float>(valid[i] != 0 ? end : 0));
     if (valid[i] != 0) {
       const cv::Vec2d ray = *optics.ray({column.row_r - 1, static_cast<double>(c)});
       column.z_r = reference.z_mm[i];
       column.a_r = ray[0];
       column.b_r = ray[1];
-      const auto point = [&](double from_0_to_1) {
-        const double centroid = range->first + from_0_to_1 * (range->second - range->first);
-        // A hair inside the range there may be none: its end was found by halving.
-        return std::pair{(centroid - column.row_r) / rows, exact.at(centroid).value_or(*exact.at(column.row_r))};
-      };
-      for (std::size_t k = 0; k < kNodes; ++k) {
-        const double angle = std::numbers::pi * (static_cast<double>(k) + 0.5) / kNodes;
-        column.nodes.at(k) = point(0.5 - 0.5 * std::cos(angle));
-      }
-      for (std::size_t k = 0; k < kChecks; ++k) {
-        column.checks.at(k) = point(static_cast<double>(k) / (kChecks - 1));
-      }
+      sample(exact, begin, end, column);
     }
     row_r.push_back(static_cast<float>(column.row_r));
     z_r.push_back(static_cast<float>(column.z_r));
@@ -141,60 +155,98 @@ ColumnCurves::ColumnCurves(const rig::Rig& rig, const ReferenceProfile& referenc
     b_r.push_back(static_cast<float>(column.b_r));
   }
   for (const int degree : kDegrees) {
-    degree_ = degree;
-    fit_error_ = fit(columns, degree);
+    fit(columns, degree);
     if (fit_error_ <= kMaxError) {
       return;
     }
   }
-  throw UserError(rig.name,
-                  fmt::format("its curves from rows to points are {:.3g} mm off when fitted by polynomials of "
-                              "degree {}; {} mm is allowed",
-                              fit_error_, degree_, kMaxError));
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    if (valid[i] != 0) {
+      narrow(ExactColumn(optics, static_cast<int>(i), columns[i].sheet), i, columns[i]);
+    }
+  }
+  fit(columns, degree_);
+}
+
+// The points of the column from one centroid to another.
+void ColumnCurves::sample(const ExactColumn& exact, double from, double to, Column& column) {
+  const double rows = exact.rows();
+  const auto point = [&](double from_0_to_1) {
+    const double centroid = from + from_0_to_1 * (to - from);
+    // A hair inside the range there may be none: its end was found by halving.
+    return std::pair{(centroid - column.row_r) / rows, exact.at(centroid).value_or(*exact.at(column.row_r))};
+  };
+  for (std::size_t k = 0; k < kNodes; ++k) {
+    const double angle = std::numbers::pi * (static_cast<double>(k) + 0.5) / kNodes;
+    column.nodes.at(k) = point(0.5 - 0.5 * std::cos(angle));
+  }
+  for (std::size_t k = 0; k < kChecks; ++k) {
+    column.checks.at(k) = point(static_cast<double>(k) / (kChecks - 1));
+  }
+}
+
+// Brings both ends of a column's range nearer to its reference until the fit of the greatest degree is exact enough.
+void ColumnCurves::narrow(const ExactColumn& exact, std::size_t i, Column& column) {
+  constexpr double kShare = 0.85;
+  constexpr float kMinRows = 1;
+  const auto row = static_cast<float>(column.row_r);
+  while (fit(i, column, degree_) > kMaxError) {
+    first[i] = row + static_cast<float>(kShare) * (first[i] - row);
+    last[i] = row + static_cast<float>(kShare) * (last[i] - row);
+    if (!(last[i] - first[i] >= kMinRows)) {
+      valid[i] = 0;
+      return;
+    }
+    sample(exact, static_cast<double>(first[i]), static_cast<double>(last[i]), column);
+  }
+}
+
+void ColumnCurves::fit(const std::vector<Column>& columns, int degree) {
+  degree_ = degree;
+  fit_error_ = 0;
+  for (auto* to : {&w, &a, &b}) {
+    to->assign(static_cast<std::size_t>(degree) * columns.size(), 0);
+  }
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    if (valid[i] != 0) {
+      fit_error_ = std::max(fit_error_, fit(i, columns[i], degree));
+    }
+  }
 }
 
 // Least squares at the nodes. Returns the greatest error at the checks.
-double ColumnCurves::fit(const std::vector<Column>& columns, int degree) {
-  const std::size_t count = columns.size();
+double ColumnCurves::fit(std::size_t i, const Column& column, int degree) {
+  const std::size_t count = valid.size();
   const auto powers = static_cast<std::size_t>(degree);
-  for (auto* to : {&w, &a, &b}) {
-    to->assign(powers * count, 0);
-  }
-  double greatest = 0;
   cv::Mat_<double> matrix(kNodes, degree);
   cv::Mat_<double> right(kNodes, 3);
-  for (std::size_t i = 0; i < count; ++i) {
-    const Column& column = columns[i];
-    if (valid[i] == 0) {
-      continue;
+  for (int k = 0; k < kNodes; ++k) {
+    const auto& [t, point] = column.nodes.at(static_cast<std::size_t>(k));
+    double power = 1;
+    for (int p = 0; p < degree; ++p) {
+      matrix(k, p) = power *= t;
     }
-    for (int k = 0; k < kNodes; ++k) {
-      const auto& [t, point] = column.nodes.at(static_cast<std::size_t>(k));
-      double power = 1;
-      for (int p = 0; p < degree; ++p) {
-        matrix(k, p) = power *= t;
-      }
-      right(k, 0) = 1 / point[2] - 1 / column.z_r;
-      right(k, 1) = point[0] / point[2] - column.a_r;
-      right(k, 2) = point[1] / point[2] - column.b_r;
-    }
-    cv::Mat_<double> solved;
-    cv::solve(matrix, right, solved, cv::DECOMP_QR);
-    cv::Mat_<double> by_curve;
-    cv::transpose(solved, by_curve);
-    for (std::size_t p = 0; p < powers; ++p) {
-      const auto power = static_cast<int>(p);
-      w[p * count + i] = static_cast<float>(by_curve(0, power));
-      a[p * count + i] = static_cast<float>(by_curve(1, power));
-      b[p * count + i] = static_cast<float>(by_curve(2, power));
-    }
-    for (const auto& [t, point] : column.checks) {
-      const double z = 1 / (1 / column.z_r + horner(by_curve[0], degree, t));
-      const cv::Vec3d found(z * (column.a_r + horner(by_curve[1], degree, t)),
-                            z * (column.b_r + horner(by_curve[2], degree, t)), z);
-      for (int axis = 0; axis < 3; ++axis) {
-        greatest = std::max(greatest, std::abs(found[axis] - point[axis]));
-      }
+    right(k, 0) = 1 / point[2] - 1 / column.z_r;
+    right(k, 1) = point[0] / point[2] - column.a_r;
+    right(k, 2) = point[1] / point[2] - column.b_r;
+  }
+  cv::Mat_<double> solved;
+  cv::solve(matrix, right, solved, cv::DECOMP_QR);
+  cv::Mat_<double> by_curve;
+  cv::transpose(solved, by_curve);
+  for (std::size_t p = 0; p < powers; ++p) {
+    const auto power = static_cast<int>(p);
+    w[p * count + i] = static_cast<float>(by_curve(0, power));
+    a[p * count + i] = static_cast<float>(by_curve(1, power));
+    b[p * count + i] = static_cast<float>(by_curve(2, power));
+  }
+  double greatest = 0;
+  for (const auto& [t, point] : column.checks) {
+    const double z = 1 / (1 / column.z_r + horner(by_curve[0], degree, t));
+    const cv::Vec3d found(z * (column.a_r + horner(by_curve[1], degree, t)),
+                          z * (column.b_r + horner(by_curve[2], degree, t)), z);
+    for (int axis = 0; axis < 3; ++axis) {
+      greatest = std::max(greatest, std::abs(found[axis] - point[axis]));
     }
   }
   return greatest;

@@ -188,13 +188,27 @@ void place_samples(const rig::RigOptics& optics, std::vector<HeightSample>& samp
 
 // --- the correction as a problem of least squares: which orders the samples support, and what they leave open ---
 
+// The terms of a correction that samples can tell, by their places among all of its terms. In a column of a laser, row
+// and height say the same.
+std::vector<std::size_t> told_terms(const rig::Rig& rig, int order, int order_heights) {
+  const std::vector<std::array<int, 3>> terms = rig::height_terms(order, order_heights);
+  std::vector<std::size_t> told;
+  for (std::size_t i = 0; i < terms.size(); ++i) {
+    if (!rig.light_plane || terms[i][1] == 0) {
+      told.push_back(i);
+    }
+  }
+  return told;
+}
+
 // Least squares of the corrections, from the samples of even and of odd columns apart.
 class HeightModel {
  public:
-  HeightModel(const rig::RigCamera& camera, const rig::RigHeights& most, double plane_z,
-              const std::vector<HeightSample>& samples, const std::vector<char>& used, std::size_t levels)
+  HeightModel(const rig::Rig& rig, const rig::RigHeights& most, const std::vector<HeightSample>& samples,
+              const std::vector<char>& used, std::size_t levels)
       : terms_(rig::height_terms(most.order, most.order_heights)),
-        correction_(camera, most),
+        with_rows_(!rig.light_plane),
+        correction_(rig.camera, most),
         by_level_(terms_.size(), std::vector<double>(levels, 0)) {
     const auto n = static_cast<int>(terms_.size());
     for (Half& half : halves_) {
@@ -207,7 +221,7 @@ class HeightModel {
       if (used[i] == 0) {
         continue;
       }
-      const double geometric = plane_z - s.z;
+      const double geometric = rig.plane_z_mm - s.z;
       correction_.terms(s.row, s.column, geometric, row);
       add(row, s.height_mm - geometric, halves_.at(static_cast<std::size_t>(s.column % 2)));
       for (std::size_t t = 0; t < row.size(); ++t) {
@@ -221,7 +235,7 @@ class HeightModel {
     std::vector<int> places;
     for (std::size_t i = 0; i < terms_.size(); ++i) {
       const auto& [column, row, height] = terms_[i];
-      if (column + row + height <= order && height <= order_heights) {
+      if (column + row + height <= order && height <= order_heights && (with_rows_ || row == 0)) {
         places.push_back(static_cast<int>(i));
       }
     }
@@ -301,6 +315,7 @@ class HeightModel {
   }
 
   std::vector<std::array<int, 3>> terms_;
+  bool with_rows_;
   rig::HeightCorrection correction_;
   std::vector<std::vector<double>> by_level_;
   std::array<Half, 2> halves_;
@@ -309,7 +324,8 @@ class HeightModel {
 // A correction of one order, fitted to all samples.
 struct FittedHeights {
   rig::RigHeights heights;
-  std::vector<int> places;
+  std::vector<int> places;        // of its terms among those of the model,
+  std::vector<std::size_t> told;  // and among its own
   HeightModel::Solved solved;
   double rms = 0;
   double uncertain = 0;  // greatest standard deviation by noise on the grid
@@ -332,17 +348,18 @@ std::vector<std::array<double, 3>> grid_of(const rig::Rig& rig, const rig::RigHe
 
 constexpr double kMaxUncertain = 0.02;  // mm, one standard deviation by noise: more is not determined
 
-cv::Mat terms_at(const rig::HeightCorrection& correction, const std::array<double, 3>& place) {
+cv::Mat terms_at(const rig::HeightCorrection& correction, const std::array<double, 3>& place,
+                 const std::vector<std::size_t>& told) {
   std::vector<double> values;
   correction.terms(place[0], place[1], place[2], values);
-  cv::Mat terms(static_cast<int>(values.size()), 1, CV_64F);
-  std::copy(values.begin(), values.end(), terms.begin<double>());
+  cv::Mat terms(static_cast<int>(told.size()), 1, CV_64F);
+  std::transform(told.begin(), told.end(), terms.begin<double>(), [&](std::size_t i) { return values[i]; });
   return terms;
 }
 
 std::optional<FittedHeights> fitted(const HeightModel& model, const rig::Rig& rig, const rig::RigHeights& range,
                                     int order, int order_heights) {
-  FittedHeights fit{range, model.places(order, order_heights), {}};
+  FittedHeights fit{range, model.places(order, order_heights), {}, {}};
   const auto solved = model.solve(fit.places, 2);
   if (!solved) {
     return std::nullopt;
@@ -350,11 +367,15 @@ std::optional<FittedHeights> fitted(const HeightModel& model, const rig::Rig& ri
   fit.solved = *solved;
   fit.heights.order = order;
   fit.heights.order_heights = std::min(order, order_heights);
-  fit.heights.corrections_mm.assign(solved->coefficients.begin<double>(), solved->coefficients.end<double>());
+  fit.told = told_terms(rig, order, order_heights);
+  fit.heights.corrections_mm.assign(rig::height_terms(order, order_heights).size(), 0);
+  for (std::size_t i = 0; i < fit.told.size(); ++i) {
+    fit.heights.corrections_mm[fit.told[i]] = solved->coefficients.at<double>(static_cast<int>(i));
+  }
   fit.rms = std::sqrt(model.error(fit.places, solved->coefficients, 2));
   const rig::HeightCorrection correction(rig.camera, fit.heights);
   for (const auto& place : grid_of(rig, fit.heights)) {
-    const cv::Mat terms = terms_at(correction, place);
+    const cv::Mat terms = terms_at(correction, place, fit.told);
     const cv::Mat variance = terms.t() * solved->inverse * terms;
     fit.uncertain = std::max(fit.uncertain, fit.rms * std::sqrt(std::max(0.0, variance.at<double>(0))));
   }
@@ -413,7 +434,7 @@ double open_by_levels(const HeightModel& model, const FittedHeights& fit, const 
   }
   double greatest = 0;
   for (const auto& place : grid_of(rig, fit.heights)) {
-    const cv::Mat terms = terms_at(correction, place);
+    const cv::Mat terms = terms_at(correction, place, fit.told);
     double sum = 0;
     for (const cv::Mat& response : responses) {
       sum += std::abs(terms.dot(response));
@@ -547,12 +568,13 @@ void expect_order(const std::vector<HeightLevel>& levels) {
   }
 }
 
-// a, b, c and s of z = a x + b y + c - s height, by least squares.
-cv::Vec4d plane_of(const std::vector<HeightSample>& samples) {
+// a, b, c and s of z = a x + b y + c - s height, by least squares. A laser tells nothing of a.
+cv::Vec4d plane_of(const rig::Rig& rig, const std::vector<HeightSample>& samples) {
+  const double along = rig.light_plane ? 0 : 1;
   cv::Matx44d matrix = cv::Matx44d::zeros();
   cv::Vec4d right(0, 0, 0, 0);
   for (const HeightSample& s : samples) {
-    const cv::Vec4d terms(s.x, s.y, 1, -s.height_mm);
+    const cv::Vec4d terms(along * s.x, s.y, 1, -s.height_mm);
     matrix += terms * terms.t();
     right += s.z * terms;
   }
@@ -643,7 +665,7 @@ Corrected correct(const rig::Rig& rig, const std::vector<HeightSample>& samples,
   range.order = kMaxFittedOrder;
   range.order_heights = std::min(kMaxHeightOrder, static_cast<int>(count) - 2);
   set_range(rig, samples, used, range);
-  const auto model = [&] { return HeightModel(rig.camera, range, rig.plane_z_mm, samples, used, levels.size()); };
+  const auto model = [&] { return HeightModel(rig, range, samples, used, levels.size()); };
   const FittedHeights first = choose(model(), rig, range);
   used = without_outliers(samples, used, rig, first.heights);
   HeightModel last_model = model();
@@ -734,6 +756,9 @@ void expect_flat(const Corrected& all, const rig::Rig& rig, const std::vector<He
 
 HeightFit fit_heights(const rig::Rig& given, const std::vector<HeightPosition>& positions,
                       const HeightSettings& settings) {
+  if (given.light_plane && !given.belt_pose) {
+    throw UserError(given.name, "does not say how its belt lies; a laser needs `selfproj calibrate belt` first");
+  }
   HeightFit fit;
   rig::Rig rig = given;
   rig.heights.reset();
@@ -744,7 +769,7 @@ HeightFit fit_heights(const rig::Rig& given, const std::vector<HeightPosition>& 
       fit.levels);
   expect_samples(fit.levels);
   expect_order(fit.levels);
-  const cv::Vec4d plane = plane_of(samples);
+  const cv::Vec4d plane = plane_of(rig, samples);
   expect_scale(rig, plane[3], settings);
   rig = with_belt(rig, plane);
   place_samples(rig::RigOptics(rig), samples);
@@ -767,6 +792,9 @@ HeightFit fit_heights(const rig::Rig& given, const std::vector<HeightPosition>& 
   fit.open_by_flatness_mm = settings.flatness_mm;
   fit.open_by_noise_mm = all.fit.uncertain;
   rig.heights = all.fit.heights;
+  if (rig.sources) {
+    rig.sources->belt = rig::ValueSource::measured;
+  }
   fit.rig = rig;
   return fit;
 }

@@ -132,7 +132,10 @@ std::string draw_preview(const rig::Rig& rig, const images::FloatImage& pattern,
       image.at<cv::Vec3b>(kTitle + r, kMargin + c) = {grey, grey, grey};
     }
   }
-  write(image, fmt::format("projector: {} lines (down) x {} columns", pattern.rows, pattern.columns), kMargin, 16);
+  write(
+      image,
+      rig.light_plane ? "laser" : fmt::format("projector: {} lines (down) x {} columns", pattern.rows, pattern.columns),
+      kMargin, 16);
   if (plot) {
     draw_plot(image, kTitle + pattern.rows + kGap, rig, reference);
   }

@@ -27,7 +27,8 @@ images::FloatImage draw_straight_line(const rig::Rig& rig, double line);
 std::string encode_pattern_png(const images::FloatImage& pattern);
 
 // PNG bytes: the pattern as the projector shows it, and below it the reference's height (plane_z - z) over the camera's
-// columns, with gaps at columns without a reference. If `reference` has no columns, only the pattern is drawn.
+// columns, with gaps at columns without a reference. If `reference` has no columns, only the pattern is drawn; a
+// laser has no pattern.
 std::string draw_preview(const rig::Rig& rig, const images::FloatImage& pattern, const ReferenceProfile& reference);
 
 }  // namespace selfproj::light_section

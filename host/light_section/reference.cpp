@@ -418,8 +418,47 @@ std::optional<rig::LightSheet> sheet_of(const rig::RigOptics& optics, const Refe
   return light ? std::optional(rig::LightSheet{light->line, reference.slope[i], light->column}) : std::nullopt;
 }
 
+namespace {
+
+// y of the laser's light at depth z in a column, where it crosses it; NaN if the column does not see it there.
+double laser_across(const rig::RigOptics& optics, int column, double z) {
+  const auto off = [&](double row) {
+    const rig::CameraPlace place{row, static_cast<double>(column)};
+    const std::optional<cv::Vec2d> ray = optics.ray(place);
+    const std::optional<double> met = ray ? optics.meet(*ray, {}) : std::nullopt;
+    return met ? optics.corrected(place, *met) - z : rig::kUnknown;
+  };
+  for (int row = 1; row < optics.rig().camera.rows; ++row) {
+    double low = row - 1;
+    double high = row;
+    const double before = off(low);
+    if (!(before * off(high) <= 0)) {  // true for NaN
+      continue;
+    }
+    constexpr int kHalvings = 40;
+    for (int i = 0; i < kHalvings; ++i) {
+      const double middle = 0.5 * (low + high);
+      (off(middle) * before > 0 ? low : high) = middle;
+    }
+    return z * (*optics.ray({low, static_cast<double>(column)}))[1];
+  }
+  return rig::kUnknown;
+}
+
+}  // namespace
+
 ReferenceCurve curve_of_heights(const rig::Rig& rig, std::span<const double> height_mm) {
   expect_columns(rig, height_mm.size());
+  if (rig.light_plane) {
+    const rig::RigOptics optics(rig);
+    ReferenceCurve curve;
+    for (std::size_t i = 0; i < height_mm.size(); ++i) {
+      const double z = rig.plane_z_mm - height_mm[i];
+      curve.z_mm.push_back(z);
+      curve.y_mm.push_back(laser_across(optics, static_cast<int>(i), z));
+    }
+    return curve;
+  }
   const MiddleRow middle(rig);
   ReferenceCurve curve;
   for (std::size_t i = 0; i < height_mm.size(); ++i) {
@@ -474,6 +513,11 @@ ReferenceProfile reference_of_curve(const rig::Rig& rig, const ReferenceCurve& c
 }
 
 ReferenceProfile reference_of_plane(const rig::Rig& rig) {
+  if (rig.light_plane) {         // its line need not lie on the middle row, which sees less of the plane or more
+    constexpr double kFar = 10;  // times the plane's distance
+    const double far = kFar * rig.plane_z_mm;
+    return reference_of_curve(rig, {{-far, far}, {rig.plane_z_mm, rig.plane_z_mm}});
+  }
   const std::vector<double> heights(static_cast<std::size_t>(rig.camera.columns), 0.0);
   return reference_of_curve(rig, curve_of_heights(rig, heights));
 }

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <optional>
 
 #include "host/rig/geometry.h"
@@ -16,7 +17,8 @@
 namespace selfproj::production {
 namespace {
 
-constexpr double kWidestBridge = 2;  // cells between two points that are joined
+constexpr double kWidestBridge = 2;       // cells between two points that are joined
+constexpr double kMostBesidePlane = 0.3;  // how far points may be from the plane of a belt, as a share of its distance
 
 const rig::RigParts& parts_of(const rig::Rig& rig) {
   if (!rig.parts) {
@@ -40,28 +42,92 @@ MapGrid grid_of(const rig::Rig& rig) {
   return grid;
 }
 
+// Of a camera that leans, or a laser.
+BeltView leaning_view(const rig::Rig& rig) {
+  constexpr int kSteps = 64;  // rows and columns that are looked at
+  constexpr double kFar = std::numeric_limits<double>::infinity();
+  const rig::RigOptics optics(rig);
+  const double rows = rig.camera.rows;
+  const double columns = rig.camera.columns;
+  BeltView view;
+  double first_x = kFar;
+  double last_x = -kFar;
+  view.left_mm = kFar;
+  view.right_mm = -kFar;
+  double off_plane = kFar;  // of the point that is nearest to the plane in the middle column
+  double middle_y = 0;
+  for (int c = 0; c <= kSteps; ++c) {
+    double off_beside = kFar;
+    double y_beside = 0;
+    for (int r = 0; r <= kSteps; ++r) {
+      const rig::CameraPlace place{(rows - 1) * r / kSteps, (columns - 1) * c / kSteps};
+      const std::optional<cv::Vec2d> ray = optics.ray(place);
+      const std::optional<double> met = !ray                     ? std::nullopt
+                                        : optics.has_projector() ? std::optional(rig.plane_z_mm)
+                                                                 : optics.meet(*ray, {});
+      if (!met || !(std::abs(*met - rig.plane_z_mm) <= kMostBesidePlane * rig.plane_z_mm)) {
+        continue;
+      }
+      const double x = (*ray)[0] * *met;
+      const double y = (*ray)[1] * *met;
+      first_x = std::min(first_x, x);
+      last_x = std::max(last_x, x);
+      view.left_mm = std::min(view.left_mm, y);
+      view.right_mm = std::max(view.right_mm, y);
+      // The light of a projector lies about the middle row.
+      const double off = optics.has_projector() ? std::abs(r - kSteps / 2) : std::abs(*met - rig.plane_z_mm);
+      if (off < off_beside) {
+        off_beside = off;
+        y_beside = y;
+      }
+      if (c == kSteps / 2 && off < off_plane) {
+        off_plane = off;
+        view.along_mm = x;
+        middle_y = y;
+      }
+    }
+    if (c == kSteps / 2 + 1) {
+      view.column_mm = std::abs(y_beside - middle_y) * kSteps / (columns - 1);
+    }
+  }
+  if (!(last_x >= first_x) || !(view.column_mm > 0)) {
+    throw UserError(rig.name, "its camera does not see its light on the belt");
+  }
+  view.reach_mm = std::max(last_x - view.along_mm, view.along_mm - first_x);
+  return view;
+}
+
 }  // namespace
 
+BeltView belt_view(const rig::Rig& rig) {
+  if (rig.light_plane || rig.belt_pose) {
+    return leaning_view(rig);
+  }
+  const double across = rig.plane_z_mm * rig::tan_beta(rig.camera, rig.camera.columns - 0.5);
+  return {.column_mm = rig.plane_z_mm * rig.camera.pixel_pitch_mm / rig.camera.focal_length_mm,
+          .along_mm = 0,
+          .reach_mm = rig.plane_z_mm * rig::tan_alpha(rig.camera, rig.camera.rows + 0.5),
+          .left_mm = -across,
+          .right_mm = across};
+}
+
 HeightGrid::HeightGrid(const rig::Rig& rig)
-    : columns_(rig.camera.columns),
-      plane_z_(rig.plane_z_mm),
-      above_(rig.parts.value().above_mm),
-      column_mm_(pixel_mm(rig)) {
+    : columns_(rig.camera.columns), plane_z_(rig.plane_z_mm), above_(rig.parts.value().above_mm) {
+  const BeltView view = belt_view(rig);
+  column_mm_ = view.column_mm;
+  light_x_ = view.along_mm;
   const rig::RigParts& parts = *rig.parts;
   if (parts.grid_mm < column_mm_) {
     throw UserError(rig.name, fmt::format("parts.grid_mm is {}; the camera's columns are {:.4g} mm apart on the plane",
                                           parts.grid_mm, column_mm_));
   }
-  // What the camera sees of the plane, and how far a point may be from x = 0.
-  const double across = rig.plane_z_mm * rig::tan_beta(rig.camera, columns_ - 0.5);
-  const double reach = rig.plane_z_mm * rig::tan_alpha(rig.camera, rig.camera.rows + 0.5);
-  const double along = parts.length_mm + 2 * parts.gap_mm + 2 * reach;
+  const double along = parts.length_mm + 2 * parts.gap_mm + 2 * view.reach_mm;
   MapGrid grid;
   grid.pitch_mm = parts.grid_mm;
-  grid.columns = static_cast<int>(std::ceil(2 * across / parts.grid_mm)) + 1;
+  grid.columns = static_cast<int>(std::ceil((view.right_mm - view.left_mm) / parts.grid_mm)) + 1;
   grid.rows = static_cast<int>(std::ceil(along / parts.grid_mm)) + 2;
-  grid.across_mm = -across;
-  grid.along_mm = -reach;
+  grid.across_mm = view.left_mm;
+  grid.along_mm = -view.reach_mm;
   sums_ = CellSums(grid);
   points_.resize(static_cast<std::size_t>(columns_));
 }
@@ -79,7 +145,7 @@ void HeightGrid::add(double belt_mm, const light_section::ProfileView& profile) 
       last.there = false;
       continue;
     }
-    const double row = grid().row_of(belt_mm - begin_ - static_cast<double>(profile.x[i]));
+    const double row = grid().row_of(belt_mm - begin_ - (static_cast<double>(profile.x[i]) - light_x_));
     const double column = grid().column_of(profile.y[i]);
     const auto height = static_cast<float>(plane_z_ - static_cast<double>(profile.z[i]));
     sums_.put(row, column, height);

@@ -113,10 +113,18 @@ class CellSums {
   std::vector<float> sums_;  // of weights and of heights, by turns
 };
 
+// What a rig sees of its belt or table, in the rig's axes, mm. Those of a camera that leans, and of a laser, are where
+// they are: the line may lie far from x = 0, and more of the belt to one side of y = 0.
+struct BeltView {
+  double column_mm = 0;              // distance of neighbouring columns on the plane
+  double along_mm = 0;               // x of the light on the plane, in the middle of the image
+  double reach_mm = 0;               // how far from there points may be along
+  double left_mm = 0, right_mm = 0;  // y
+};
+BeltView belt_view(const rig::Rig& rig);
+
 // The distance of the camera's pixels on the plane, mm.
-inline double pixel_mm(const rig::Rig& rig) {
-  return rig.plane_z_mm * rig.camera.pixel_pitch_mm / rig.camera.focal_length_mm;
-}
+inline double pixel_mm(const rig::Rig& rig) { return belt_view(rig).column_mm; }
 
 // Collects the profiles of one part. Each point gives its height to the four cells around it, by its nearness, and a
 // cell is the mean of what it got: the grid is even, however the belt moves. Between two points that follow each other
@@ -147,6 +155,7 @@ class HeightGrid {
   double plane_z_;
   double above_;
   double column_mm_;  // distance of the camera's columns on the plane
+  double light_x_;    // where the light lies on the plane
   double begin_ = 0;
   CellSums sums_;
   struct Point {

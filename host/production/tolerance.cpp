@@ -16,7 +16,6 @@
 #include "host/files/input_file.h"
 #include "host/files/numbers.h"
 #include "host/files/text.h"
-#include "host/rig/geometry.h"
 #include "host/rig/yaml.h"
 #include "selfproj/files/user_error.h"
 
@@ -234,11 +233,11 @@ std::vector<double> sampled_section(const SectionReference& section, double left
 
 void check_tolerance(const Tolerance& tolerance, const rig::Rig& rig, const SectionReference& section,
                      const std::string& source) {
-  const double across = rig.plane_z_mm * rig::tan_beta(rig.camera, rig.camera.columns - 0.5);
-  if (tolerance.left_mm < -across || tolerance.right_mm > across) {
+  const BeltView view = belt_view(rig);
+  if (tolerance.left_mm < view.left_mm || tolerance.right_mm > view.right_mm) {
     throw UserError(source, fmt::format("its part is from {} to {} mm across; the camera of {} sees from {:.1f} to "
                                         "{:.1f}",
-                                        tolerance.left_mm, tolerance.right_mm, rig.name, -across, across));
+                                        tolerance.left_mm, tolerance.right_mm, rig.name, view.left_mm, view.right_mm));
   }
   if (rig.parts && tolerance.length_mm > rig.parts->length_mm) {
     throw UserError(source, fmt::format("its part is {} mm long; parts.length_mm of {} is {}", tolerance.length_mm,

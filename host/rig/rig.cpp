@@ -39,6 +39,13 @@ const std::vector<std::pair<const char*, PartCut>> kCuts = {
     {"profile", PartCut::profile}, {"distance", PartCut::distance}, {"trigger", PartCut::trigger}};
 const std::vector<std::pair<const char*, PartCut>> kScannerCuts = {{"image", PartCut::image},
                                                                    {"trigger", PartCut::trigger}};
+const std::vector<std::pair<const char*, ValueSource>> kSources = {
+    {"drawing", ValueSource::drawing}, {"measured", ValueSource::measured}, {"assumed", ValueSource::assumed}};
+const std::vector<std::pair<const char*, ValueSource RigSources::*>> kSourceKeys = {{"camera", &RigSources::camera},
+                                                                                    {"light", &RigSources::light},
+                                                                                    {"belt", &RigSources::belt},
+                                                                                    {"speed", &RigSources::speed},
+                                                                                    {"encoder", &RigSources::encoder}};
 const std::vector<std::pair<const char*, bool>> kBelts = {{"encoder", true}, {"clock", false}};
 
 template <class LensT, class Visitor>
@@ -137,6 +144,15 @@ void visit_region(RegionT& region, Visitor& v) {
   v.end();
 }
 
+template <class SourcesT, class Visitor>
+void visit_sources(SourcesT& sources, Visitor& v) {
+  v.begin("sources");
+  for (const auto& [key, member] : kSourceKeys) {
+    v.choice(key, sources.*member, kSources);
+  }
+  v.end();
+}
+
 template <class ProjectorT, class Visitor>
 void visit_pinhole(ProjectorT& projector, Visitor& v) {
   v.begin("projector");
@@ -232,6 +248,9 @@ void visit_rig(RigT& rig, Visitor& v) {
   if (v.has_any({"parts"}, rig.parts)) {
     visit_parts(*rig.parts, rig.kind, v);
   }
+  if (v.has_any({"sources"}, rig.sources)) {
+    visit_sources(*rig.sources, v);
+  }
 }
 
 // What the sections that a rig may have demand of each other.
@@ -275,6 +294,7 @@ void check_sections(const Rig& rig, const std::string& source) {
   const char* const section = rig.light_plane ? "light_plane"
                               : rig.belt_pose ? "belt_pose"
                               : rig.heights   ? "heights"
+                              : rig.sources   ? "sources"
                                               : nullptr;
   if (section != nullptr && rig.kind != RigKind::light_section) {
     throw UserError(source, fmt::format("{} goes only with kind light-section", section));
@@ -389,6 +409,64 @@ Rig load_rig(const std::string& name_or_file) {
     throw UserError(name_or_file, "has a laser line (light_plane), and a projector is needed here");
   }
   return rig;
+}
+
+void expect_measured(const Rig& rig, const std::string& source, Millimetres which) {
+  if (!rig.sources) {
+    return;
+  }
+  const RigSources& from = *rig.sources;
+  const auto refuse = [&](ValueSource value, const char* what, const char* name, const char* command) {
+    if (value == ValueSource::drawing) {
+      throw UserError(source, fmt::format("{} the drawing's and never measured; measure with `selfproj {}`, or say "
+                                          "--assume {}",
+                                          what, command, name));
+    }
+  };
+  refuse(from.camera, "its camera's lens is", "camera", "calibrate camera");
+  refuse(from.light, "its light's place is", "light", rig.light_plane ? "calibrate camera --laser" : "calibrate");
+  refuse(from.belt, "the place of its belt (plane_z_mm, belt_pose) is", "belt", "calibrate belt");
+  if (which == Millimetres::of_section) {
+    return;
+  }
+  if (rig.parts && rig.kind == RigKind::light_section) {
+    expect_way_measured(rig, rig.parts->by_encoder, source);
+  } else if (from.speed == ValueSource::drawing && from.encoder == ValueSource::drawing) {
+    throw UserError(source,
+                    "its conveyor's speed and encoder are the drawing's and never measured; measure with `selfproj "
+                    "calibrate belt --counts` or --seconds, or say --assume encoder or --assume speed");
+  }
+}
+
+void expect_way_measured(const Rig& rig, bool by_encoder, const std::string& source) {
+  const RigSources from =
+      rig.sources.value_or(RigSources{.speed = ValueSource::assumed, .encoder = ValueSource::assumed});
+  if ((by_encoder ? from.encoder : from.speed) == ValueSource::drawing) {
+    throw UserError(source, fmt::format("its conveyor's {} is the drawing's and never measured; measure with `selfproj "
+                                        "calibrate belt --{}`, or say --assume {}",
+                                        by_encoder ? "encoder" : "speed", by_encoder ? "counts" : "seconds",
+                                        by_encoder ? "encoder" : "speed"));
+  }
+}
+
+void assume(Rig& rig, const std::string& names, const std::string& option) {
+  std::string known;
+  for (const auto& [key, member] : kSourceKeys) {
+    known += fmt::format("{}{}", known.empty() ? "" : ", ", key);
+  }
+  for (std::size_t begin = 0; begin <= names.size();) {
+    const std::size_t end = std::min(names.find(',', begin), names.size());
+    const std::string name = names.substr(begin, end - begin);
+    const auto found =
+        std::find_if(kSourceKeys.begin(), kSourceKeys.end(), [&](const auto& key) { return name == key.first; });
+    if (found == kSourceKeys.end()) {
+      throw UserError(option, fmt::format("'{}' is none of {}", name, known));
+    }
+    if (rig.sources && (*rig.sources).*(found->second) == ValueSource::drawing) {
+      (*rig.sources).*(found->second) = ValueSource::assumed;
+    }
+    begin = end + 1;
+  }
 }
 
 std::string to_yaml(const Rig& rig) {

@@ -50,7 +50,7 @@ class Profiler {
   using Reference = std::variant<light_section::ReferenceProfile, Path>;
 
   Profiler(const rig::Rig& rig, const std::optional<Reference>& reference)
-      : rig_(rig), reference_(reference_of(rig, reference)), profiler_(rig, reference_) {}
+      : rig_(measured(rig)), reference_(reference_of(rig, reference)), profiler_(rig, reference_) {}
 
   [[nodiscard]] const rig::Rig& rig() const { return rig_; }
   [[nodiscard]] const light_section::ReferenceProfile& reference() const { return reference_; }
@@ -95,6 +95,10 @@ class Profiler {
   [[nodiscard]] const light_section::DifferentialProfiler& profiler() const { return profiler_; }
 
  private:
+  static const rig::Rig& measured(const rig::Rig& rig) {
+    rig::expect_measured(rig, rig.name, rig::Millimetres::of_section);
+    return rig;
+  }
   static light_section::ReferenceProfile reference_of(const rig::Rig& rig, const std::optional<Reference>& reference) {
     if (!reference) {
       return light_section::reference_of_plane(rig);

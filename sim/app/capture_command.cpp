@@ -117,19 +117,33 @@ void run_capture(const CaptureOptions& options) {
   if (!options.chessboard.empty() && std::filesystem::exists(options.out)) {
     throw UserError(options.out, "exists already; poses need a new folder");
   }
-  rig::Rig rig = rig::load_rig(options.rig);
+  rig::Rig rig = rig::load_any_rig(options.rig);
+  const bool laser = rig.light_plane.has_value();
+  if (laser != options.patterns.empty()) {
+    throw UserError("--patterns", laser ? "is for a projector, and the rig has a laser" : "is required");
+  }
+  if (laser && options.perturbed_rig_seed) {
+    throw UserError("--perturbed-rig-seed", "is for a projector, and the rig has a laser");
+  }
   rig.imaging.seed = options.seed.value_or(rig.imaging.seed);
   if (options.stopped) {
     rig.conveyor.speed_mm_per_s = 0;
   }
+  const bool on_belt = options.chessboard.empty() || !options.visits.heights_mm.empty();
+  if (laser && !on_belt) {  // the board is held before the camera, about as far away as the line on the belt
+    rig.plane_z_mm = PerturbedRig(rig).camera.depth({0, 0, rig.plane_z_mm});
+    rig.belt_pose.reset();
+  }
   const PerturbedRig actual = rig_of_seed(rig, options.perturbed_rig_seed);
-  const std::vector<std::string> files = images::files_of_folder(options.patterns);
   std::vector<ProjectedLight> patterns;
-  patterns.reserve(files.size());
   CaptureSettings settings;
   settings.render.world = options.world.world();
-  for (const std::string& file : files) {
-    patterns.push_back(project_image(rig, images::read_image(file, images::Channel::grey), settings.render, file));
+  if (laser) {
+    patterns.push_back(laser_light(actual, settings.render));
+  } else {
+    for (const std::string& file : images::files_of_folder(options.patterns)) {
+      patterns.push_back(project_image(rig, images::read_image(file, images::Channel::grey), settings.render, file));
+    }
   }
   std::optional<cli::Progress> progress;
   std::size_t done = 0;
@@ -138,7 +152,7 @@ void run_capture(const CaptureOptions& options) {
   settings.done = [&] { progress->update(++done); };
   if (options.chessboard.empty()) {
     const std::unique_ptr<Scene> scene = scene_of(options, rig);
-    progress.emplace("image", files.size());
+    progress.emplace("image", patterns.size());
     capture_scene(actual, *scene, patterns, settings, out);
   } else {
     const images::FrameSize corners = images::size_of_text("--chessboard", options.chessboard, kMaxCorners);
@@ -147,8 +161,14 @@ void run_capture(const CaptureOptions& options) {
     const ChessboardFlaws flaws = options.target_seed
                                       ? drawn_flaws(options.print_scale, options.bend_mm, *options.target_seed)
                                       : ChessboardFlaws{};
-    progress.emplace("image", files.size() * places.size());
-    capture_chessboard(actual, shape, flaws, places, patterns, settings, out);
+    if (laser) {
+      progress.emplace("pose", places.size());
+      capture_chessboard_and_laser(actual, shape, flaws, places, settings, out);
+      done *= 2;
+    } else {
+      progress.emplace("image", patterns.size() * places.size());
+      capture_chessboard(actual, shape, flaws, places, patterns, settings, out);
+    }
   }
   progress.reset();
   out.commit();
@@ -252,7 +272,8 @@ void add_capture_command(CLI::App& app) {
       app, {.name = "capture",
             .purpose = "Captures a scene or a target under each pattern of a folder, with a simulated camera.",
             .details = "A chessboard (--chessboard) gives pose_01/image_00.png and so on, and truth.json with the true "
-                       "camera, projector and poses; everything else gives image_00.png and so on.",
+                       "camera, projector and poses; everything else gives image_00.png and so on. With a laser a "
+                       "chessboard gives boards/pose_01.png in room light and lines/pose_01.png with the laser's line.",
             .examples = R"(
 # Capture a scene under the patterns of its projector.
 selfproj pattern gray --rig scanner --out patterns
@@ -277,9 +298,9 @@ selfproj-sim capture --rig light-section --perturbed-rig-seed 7 --plate 10 --tar
   command->add_option("--rig", options->rig, "Built-in rig or YAML file.")->type_name("RIG")->required();
   command
       ->add_option("--patterns", options->patterns,
-                   "Folder of images of the projector's size, such as `selfproj pattern gray` writes.")
-      ->type_name("DIR")
-      ->required();
+                   "Folder of images of the projector's size, such as `selfproj pattern gray` writes. Required unless "
+                   "the rig has a laser, whose line is what is shown.")
+      ->type_name("DIR");
   cli::begin_group(*command, "What is captured (one of --scene, --chessboard, --plate and --steps is required)");
   command->add_option("--scene", options->scene, "A scene that stands still, of `selfproj-sim scene list`.")
       ->type_name("NAME");

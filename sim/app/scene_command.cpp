@@ -80,7 +80,10 @@ rig::Rig rig_of(const SceneOptions& options) {
   if (name.empty()) {
     name = options.scene.empty() ? SceneInfo{}.rig() : find_scene(options.scene).rig();
   }
-  rig::Rig rig = rig::load_rig(name);
+  rig::Rig rig = rig::load_any_rig(name);
+  if (rig.light_plane && (!options.patterns.empty() || options.perturbed_rig_seed)) {
+    throw UserError("--pattern, --perturbed-rig-seed", "are for a projector, and the rig has a laser");
+  }
   rig.imaging.seed = options.seed.value_or(rig.imaging.seed);
   if (options.region_of.empty()) {
     rig.camera.region.reset();
@@ -114,6 +117,9 @@ images::FloatImage read_pattern(const std::string& file, const rig::Rig& rig) {
 
 // Without a file, a straight line that the camera sees in the middle of its image of the plane.
 images::FloatImage pattern_of(const SceneOptions& options, const rig::Rig& rig) {
+  if (options.patterns.empty() && rig.light_plane) {
+    return light_section::draw_straight_line(rig, kLaserLine);
+  }
   if (options.patterns.empty()) {
     return light_section::draw_straight_line(rig,
                                              Pinhole::of_projector(rig.projector).project({0, 0, rig.plane_z_mm}).row);

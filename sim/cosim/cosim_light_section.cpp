@@ -49,7 +49,7 @@ struct Setup {
 };
 
 rig::Rig light_section_rig(const std::string& name) {
-  rig::Rig rig = rig::load_rig(name);
+  rig::Rig rig = rig::load_any_rig(name);
   if (rig.kind != rig::RigKind::light_section) {
     throw UserError("--rig " + name, "is not a rig of kind light-section");
   }
@@ -87,6 +87,10 @@ rig::Rig perturbed_rig_of(const CosimOptions& options, const rig::Rig& rig) {
                     fmt::format("has images of {}, but --rig has images of {}",
                                 images::size_text(actual.camera.rows, actual.camera.columns),
                                 images::size_text(rig.camera.rows, rig.camera.columns)));
+  }
+  if (actual.light_plane.has_value() != rig.light_plane.has_value()) {
+    throw UserError("--perturbed-rig " + options.perturbed_rig,
+                    fmt::format("has a {}, but --rig has none", actual.light_plane ? "laser" : "projector"));
   }
   actual.imaging.seed = rig.imaging.seed;
   return actual;

@@ -30,17 +30,33 @@ light_section::ReferenceCurve curve_of_scene(const rig::Rig& rig, const Scene& s
   return curve;
 }
 
+namespace {
+
+// The residual of the reference, if it is to be measured.
+void take_out(LightSection& of, const Scene& reference, const RenderOptions& options, bool residual) {
+  if (!residual) {
+    return;
+  }
+  const auto centroids = scan_centroids(of.rig, of.actual, reference, of.pattern, options, kAllModes);
+  for (std::size_t m = 0; m < kAllModes.size(); ++m) {
+    of.references[m] = light_section::without_residual(of.rig, of.references[m], centroids[m]);
+  }
+}
+
+}  // namespace
+
 LightSection self_projection(const rig::Rig& rig, const PerturbedRig& actual, const Scene& reference,
                              const RenderOptions& options, bool residual) {
+  if (rig.light_plane) {  // its line is what it is, and the section is where it is seen
+    LightSection result{rig, actual, light_section::draw_straight_line(actual.rig, kLaserLine), {}};
+    result.references.fill(light_section::reference_of_plane(rig));
+    take_out(result, reference, options, residual);
+    return result;
+  }
   const light_section::ReferenceCurve curve = curve_of_scene(rig, reference);
   LightSection result{rig, actual, light_section::draw_pattern(rig, light_section::pattern_of_curve(rig, curve)), {}};
   result.references.fill(light_section::reference_of_curve(rig, curve));
-  if (residual) {
-    const auto centroids = scan_centroids(rig, actual, reference, result.pattern, options, kAllModes);
-    for (std::size_t m = 0; m < kAllModes.size(); ++m) {
-      result.references[m] = light_section::without_residual(rig, result.references[m], centroids[m]);
-    }
-  }
+  take_out(result, reference, options, residual);
   return result;
 }
 

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <numbers>
 
+#include "selfproj/files/user_error.h"
 #include "selfproj/rig/rig.h"
 #include "sim/scene/random.h"
 
@@ -57,6 +58,96 @@ Pinhole projector_of(const rig::Rig& rig) {
                     {exchanged(rows[1]), exchanged(rows[0]), exchanged(rows[2])});
 }
 
+// The belt's axes, along, across and away from the camera, in the camera's: rows, columns, optical axis.
+std::array<Point3, 3> belt_of(const rig::Rig& rig) {
+  if (!rig.belt_pose) {
+    return {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+  }
+  const auto& [direction, normal] = *rig.belt_pose;
+  const Point3 z = unit(exchanged({normal[0], normal[1], normal[2]}));
+  const Point3 given = exchanged({direction[0], direction[1], direction[2]});
+  const Point3 x = unit(given - dot(given, z) * z);
+  return {x, cross(z, x), z};
+}
+
+// The pinhole in the belt's axes.
+Pinhole over_belt(const Pinhole& p, const std::array<Point3, 3>& belt) {
+  const auto turned = [&](Point3 v) { return Point3{dot(belt[0], v), dot(belt[1], v), dot(belt[2], v)}; };
+  const std::array<Point3, 3>& axes = p.axes();
+  return {turned(p.centre()), {turned(axes[0]), turned(axes[1]), turned(axes[2])}, p.intrinsics(), p.lens()};
+}
+
+// What stands for a laser, and where the camera sees its light on the belt in the middle of its columns.
+struct Laser {
+  Pinhole projector;
+  Point3 aim;
+};
+
+// As far away from there as the camera, square to the line on the belt, with pixels as large as the camera's.
+Laser laser_of(const rig::Rig& rig, const Pinhole& camera, const std::array<Point3, 3>& belt) {
+  const auto& n = rig.light_plane->normal;
+  const Point3 in_camera = exchanged({n[0], n[1], n[2]});
+  const Point3 normal{dot(belt[0], in_camera), dot(belt[1], in_camera), dot(belt[2], in_camera)};
+  const double level = std::hypot(normal.x, normal.y);
+  if (!(level > 1e-6)) {
+    throw UserError(rig.name, "its light_plane is parallel to the belt");
+  }
+  Point3 along{-normal.y / level, normal.x / level, 0};  // the line on the belt
+  along = (dot(along, camera.axes()[1]) < 0 ? -1.0 : 1.0) * along;
+  const double off = (rig.light_plane->distance_mm - normal.z * rig.plane_z_mm) / (level * level);
+  const Point3 on{off * normal.x, off * normal.y, rig.plane_z_mm};
+  const Point3& across = camera.axes()[1];
+  if (!(std::abs(dot(across, along)) > 1e-6)) {
+    throw UserError(rig.name, "its laser's line does not cross the camera's columns");
+  }
+  const Point3 aim = on - (dot(across, on) / dot(across, along)) * along;
+  if (!(camera.depth(aim) > 0)) {
+    throw UserError(rig.name, "its laser's line on the belt is behind the camera");
+  }
+  Point3 up = cross(normal, along);
+  up = (up.z > 0 ? -1.0 : 1.0) * up;
+  const Pinhole::Intrinsics& k = camera.intrinsics();
+  const double away = std::sqrt(dot(aim, aim));
+  return {{aim + away * up,
+           {normal, along, -1 * up},
+           {k.row_scale, k.column_scale, double{kLaserLine}, rig.camera.columns - 0.5}},
+          aim};
+}
+
+// The rig with the size of what stands for its laser.
+rig::Rig with_laser(const rig::Rig& rig) {
+  rig::Rig result = rig;
+  if (rig.light_plane) {
+    const double pitch = rig.camera.pixel_pitch_mm;
+    result.projector = {.x_mm = 1,
+                        .focal_length_mm = rig.camera.focal_length_mm,
+                        .lines = kLaserLines,
+                        .columns = 2 * rig.camera.columns,
+                        .line_pitch_mm = pitch,
+                        .column_pitch_mm = pitch};
+  }
+  return result;
+}
+
+Pinhole shifted(const Pinhole& p, Point3 by) { return {p.centre() + by, p.axes(), p.intrinsics(), p.lens()}; }
+
+PerturbedRig as_it_stands(const rig::Rig& of) {
+  if (!of.belt_pose && !of.light_plane) {
+    return {of, camera_of(of), projector_of(of)};
+  }
+  const std::array<Point3, 3> belt = belt_of(of);
+  const Pinhole camera = over_belt(camera_of(of), belt);
+  if (of.light_plane) {
+    const Laser laser = laser_of(of, camera, belt);
+    const Point3 back{-laser.aim.x, -laser.aim.y, 0};
+    return {with_laser(of), shifted(camera, back), shifted(laser.projector, back)};
+  }
+  const PerturbedRig there{of, camera, over_belt(projector_of(of), belt)};
+  const Point3 aim = middle_of_view(there, of.plane_z_mm);
+  const Point3 back{-aim.x, -aim.y, 0};
+  return {of, shifted(there.camera, back), shifted(there.projector, back)};
+}
+
 Point3 turned_by(Point3 v, const std::array<double, 3>& angles) {
   const std::array<Point3, 3> axes{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
   for (std::size_t i = 0; i < axes.size(); ++i) {
@@ -98,7 +189,7 @@ Perturbation drawn_perturbation(EvenNumbers& random) {
 
 }  // namespace
 
-PerturbedRig::PerturbedRig(const rig::Rig& of) : PerturbedRig(of, camera_of(of), projector_of(of)) {}
+PerturbedRig::PerturbedRig(const rig::Rig& of) : PerturbedRig(as_it_stands(of)) {}
 
 PerturbedRig::PerturbedRig(const rig::Rig& of, const Pinhole& its_camera, const Pinhole& its_projector)
     : rig(of), camera(its_camera), projector(its_projector) {}

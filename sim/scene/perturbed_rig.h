@@ -13,7 +13,10 @@ namespace selfproj::sim {
 // World frame: the plane of the belt is z = plane_z_mm, and the belt moves along +x. A camera without deviations is at
 // the origin and looks along z.
 struct PerturbedRig {
-  // Camera and projector as the rig's file says. If it has a calibration, they are its full model, with lenses.
+  // Camera and projector as the rig's file says. If it has a calibration, they are its full model, with lenses. With a
+  // belt_pose the camera leans. A laser is a projector of kLaserLines lines, which `rig` has then, too: the middle one
+  // lies in the light plane. A camera with belt_pose or laser is above the place from which it sees the light (for a
+  // projector: the middle of its view) at x = y = 0 of the belt.
   // NOLINTNEXTLINE(google-explicit-constructor): a rig without deviations is a perturbed rig too
   PerturbedRig(const rig::Rig& of);
 
@@ -23,6 +26,10 @@ struct PerturbedRig {
   Pinhole camera;
   Pinhole projector;
 };
+
+// The lines of what stands for a laser; the middle one, from 0, is kLaserLine.
+inline constexpr int kLaserLines = 41;
+inline constexpr int kLaserLine = kLaserLines / 2;
 
 // The middle of the area of the plane z = `z` that camera and projector both see. Uses rectangles, which both views
 // nearly are.

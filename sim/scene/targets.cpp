@@ -111,20 +111,26 @@ Point3 turned(Point3 v, Point3 axis, double angle) {
   return c * v + s * cross(axis, v) + ((1 - c) * dot(axis, v)) * axis;
 }
 
-// Checks whether camera and projector see the whole board, and so many squares beyond the outermost corners.
+// Checks whether camera and projector see the whole board, and so many squares beyond the outermost corners. A laser
+// must cross most of it instead, if it is to be lit.
 class Visible {
  public:
-  Visible(const PerturbedRig& actual, const ChessboardShape& shape, double margin)
-      : actual_(actual), shape_(shape), margin_(margin) {}
+  enum class Light : std::uint8_t { needed, not_needed };
+  Visible(const PerturbedRig& actual, const ChessboardShape& shape, double margin, Light light = Light::needed)
+      : actual_(actual), shape_(shape), margin_(margin), light_(light) {}
 
   [[nodiscard]] bool operator()(const ChessboardPlace& place) const {
+    const bool laser = actual_.rig.light_plane.has_value();
+    if (laser && light_ == Light::needed && !crossed(place)) {
+      return false;
+    }
     for (const double side : {-1.0, 1.0}) {
       for (const double end : {-1.0, 1.0}) {
         const Point3 p = place.middle + side * shape_.square_mm * ((shape_.across - 1) / 2.0 + margin_) * place.right +
                          end * shape_.square_mm * ((shape_.down - 1) / 2.0 + margin_) * place.below;
         const rig::Rig& rig = actual_.rig;
         if (!inside(actual_.camera, p, rig.camera.rows, rig.camera.columns) ||
-            !inside(actual_.projector, p, rig.projector.lines, rig.projector.columns)) {
+            (!laser && !inside(actual_.projector, p, rig.projector.lines, rig.projector.columns))) {
           return false;
         }
       }
@@ -141,9 +147,27 @@ class Visible {
     return at.row >= 0 && at.row <= rows - 1 && at.column >= 0 && at.column <= columns - 1;
   }
 
+  // Whether the laser's plane has corners of the inner part of the board on both of its sides.
+  [[nodiscard]] bool crossed(const ChessboardPlace& place) const {
+    constexpr double kInner = 0.6;
+    double least = 0;
+    double most = 0;
+    for (const double right : {-kInner, kInner}) {
+      for (const double below : {-kInner, kInner}) {
+        const Point3 p = place.middle + shape_.square_mm * (shape_.across - 1) / 2.0 * right * place.right +
+                         shape_.square_mm * (shape_.down - 1) / 2.0 * below * place.below;
+        const double off = dot(actual_.projector.axes()[0], p - actual_.projector.centre());
+        least = std::min(least, off);
+        most = std::max(most, off);
+      }
+    }
+    return least < 0 && most > 0;
+  }
+
   const PerturbedRig& actual_;
   const ChessboardShape& shape_;
   double margin_;
+  Light light_;
 };
 
 // A board that faces the camera, turned about its normal and then tilted about an axis in its plane, in degrees but for
@@ -311,7 +335,7 @@ std::vector<ChessboardPlace> places_on_plates(const PerturbedRig& actual, const 
                                               const PlateVisits& visits, const PlateFlaws& flaws, std::uint64_t seed) {
   constexpr std::uint64_t kOwn = 0x9e3779b97f4a7c15;  // other numbers than those of the board's flaws
   EvenNumbers random(seed ^ kOwn);
-  const Visible visible(actual, shape, 1);
+  const Visible visible(actual, shape, 1, Visible::Light::not_needed);
   const double plane = actual.rig.plane_z_mm;
   const Point3 aim = middle_of_view(actual, plane);
   const auto [first, last] = std::minmax_element(visits.belt_mm.begin(), visits.belt_mm.end());
@@ -345,7 +369,8 @@ std::vector<ChessboardPlace> chessboard_places(const PerturbedRig& actual, const
                                                double tilt_deg) {
   constexpr double kTurn = 12;  // degrees about the normal, to either side
   constexpr double kMinShare = 0.1;
-  constexpr double kDepth = 0.06;  // share of the distance, nearer and further away
+  // Share of the distance, nearer and further away. The plane of a laser needs more of it.
+  const double depth = actual.rig.light_plane ? 0.1 : 0.06;
   const rig::Rig& rig = actual.rig;
   const Visible visible(actual, shape, 2);
   std::vector<ChessboardPlace> places;
@@ -358,7 +383,7 @@ std::vector<ChessboardPlace> chessboard_places(const PerturbedRig& actual, const
     if (k > 0) {
       // A long board in a narrow image cannot be turned or brought nearer as far.
       for (double share = 1; share > kMinShare; share /= 2) {
-        const double z = rig.plane_z_mm * (1 + share * kDepth * (k % 3 - 1));
+        const double z = rig.plane_z_mm * (1 + share * depth * (k % 3 - 1));
         place = leaning(middle_of_view(actual, z), share * kTurn * (k % 2 == 0 ? 1 : -1), lean, tilt_deg);
         if (visible(place)) {
           break;
@@ -366,10 +391,9 @@ std::vector<ChessboardPlace> chessboard_places(const PerturbedRig& actual, const
       }
     }
     if (!visible(place)) {
-      throw UserError("--chessboard",
-                      fmt::format("camera and projector do not both see all of it in pose {}; give smaller "
-                                  "squares or fewer of them",
-                                  k + 1));
+      throw UserError("--chessboard", fmt::format("camera and {} do not both see all of it in pose {}; give smaller "
+                                                  "squares or fewer of them",
+                                                  rig.light_plane ? "laser" : "projector", k + 1));
     }
     if (k > 0) {
       const double towards = 3 * lean + 0.5;

@@ -145,16 +145,17 @@ struct PlateFlaws {
 };
 
 // The places of a board on a plate over the belt, along the camera's rows, height by height and there belt place by
-// belt place. The plate is put down anew at each height, with flaws drawn evenly; then only the belt moves it, along x.
-// The middle of its way is where camera and projector both look. Throws UserError if one of them does not see all of
-// the board at a place.
+// belt place. A laser need not light it. The plate is put down anew at each height, with flaws drawn evenly; then only
+// the belt moves it, along x. The middle of its way is where camera and projector both look. Throws UserError if one of
+// them does not see all of the board at a place.
 std::vector<ChessboardPlace> places_on_plates(const PerturbedRig& actual, const ChessboardShape& shape,
                                               const PlateVisits& visits, const PlateFlaws& flaws, std::uint64_t seed);
 
 // `count` places of the board in which camera and projector see it whole, with a margin of one square around it. In the
 // first place it faces the camera, in the middle of the area of the rig's plane that both see. In the others it leans
 // by `tilt_deg` in as many directions, nearer and further away, and is turned and shifted as far as the margin allows,
-// so that the corners fill both images. Throws UserError if a place has no room; then a smaller board is needed.
+// so that the corners fill both images. A laser must cross the board in each place. Throws UserError if a place has no
+// room; then a smaller board is needed.
 std::vector<ChessboardPlace> chessboard_places(const PerturbedRig& actual, const ChessboardShape& shape, int count,
                                                double tilt_deg);
 

@@ -15,6 +15,7 @@
 
 #include "host/files/json_text.h"
 #include "host/images/image_files.h"
+#include "host/light_section/pattern.h"
 #include "host/light_section/scan.h"
 #include "host/structured_light/self_reference.h"
 #include "selfproj/structured_light/gray_sequence.h"
@@ -116,6 +117,46 @@ void capture_chessboard(const PerturbedRig& actual, const ChessboardShape& shape
         {{"middle_mm", json_of(place.middle)}, {"right", json_of(place.right)}, {"below", json_of(place.below)}});
     capture(actual, ChessboardScene(actual.rig, shape, place, flaws), patterns, static_cast<int>(k * patterns.size()),
             fmt::format("pose_{:02}/", k + 1), settings, out);
+  }
+  out.append("truth.json", files::json_text(truth, 2) + "\n");
+}
+
+ProjectedLight laser_light(const PerturbedRig& actual, const RenderOptions& options) {
+  return throw_light(actual.rig, light_section::draw_straight_line(actual.rig, kLaserLine), options);
+}
+
+void capture_chessboard_and_laser(const PerturbedRig& actual, const ChessboardShape& shape,
+                                  const ChessboardFlaws& flaws, const std::vector<ChessboardPlace>& places,
+                                  const CaptureSettings& settings, files::OutputFolder& out) {
+  constexpr double kRoomLight = 0.7;  // of white
+  PerturbedRig in_room = actual;
+  in_room.rig.imaging.ambient = std::max(actual.rig.imaging.ambient, kRoomLight * actual.rig.imaging.white);
+  const ProjectedLight line = laser_light(actual, settings.render);
+  const ProjectedLight dark = throw_light(
+      actual.rig, images::FloatImage(actual.rig.projector.lines, actual.rig.projector.columns), settings.render);
+  Json truth = truth_of(actual);
+  truth["chessboard"] = {
+      {"across_scale", flaws.across_scale}, {"down_scale", flaws.down_scale}, {"bend_mm", flaws.bend_mm}};
+  std::mutex mutex;
+  parallel_for(static_cast<int>(places.size()), settings.threads, [&](int i) {
+    const ChessboardPlace& place = places[static_cast<std::size_t>(i)];
+    const ChessboardScene scene(actual.rig, shape, place, flaws);
+    const auto take = [&](const PerturbedRig& with, const ProjectedLight& light, int frame) {
+      images::Image image{with.rig.camera.rows, with.rig.camera.columns,
+                          std::vector<std::uint8_t>(with.rig.camera.pixels())};
+      PatternRenderer(with, scene, settings.render, 1).render(frame, light, image.pixels);
+      return images::encode_png(image);
+    };
+    const std::string board = take(in_room, dark, 2 * i);
+    const std::string laser = take(actual, line, 2 * i + 1);
+    const std::lock_guard lock(mutex);
+    out.append(fmt::format("boards/pose_{:02}.png", i + 1), board);
+    out.append(fmt::format("lines/pose_{:02}.png", i + 1), laser);
+    settings.done();
+  });
+  for (const ChessboardPlace& place : places) {
+    truth["poses"].push_back(
+        {{"middle_mm", json_of(place.middle)}, {"right", json_of(place.right)}, {"below", json_of(place.below)}});
   }
   out.append("truth.json", files::json_text(truth, 2) + "\n");
 }

@@ -54,6 +54,15 @@ void capture_chessboard(const PerturbedRig& actual, const ChessboardShape& shape
                         const std::vector<ChessboardPlace>& places, const std::vector<ProjectedLight>& patterns,
                         const CaptureSettings& settings, files::OutputFolder& out);
 
+// The same for a rig with a laser, where no patterns are shown: boards/pose_01.png and so on in room light, and
+// lines/pose_01.png and so on in the dark, with the laser's line.
+void capture_chessboard_and_laser(const PerturbedRig& actual, const ChessboardShape& shape,
+                                  const ChessboardFlaws& flaws, const std::vector<ChessboardPlace>& places,
+                                  const CaptureSettings& settings, files::OutputFolder& out);
+
+// The line of the laser, as the projector that stands for it throws it.
+ProjectedLight laser_light(const PerturbedRig& actual, const RenderOptions& options);
+
 // How a reference is scanned for structured light before the measurement. The noise of scans has seed + 1, so that it
 // differs from the measurement's.
 enum class ScanMethod {

@@ -33,9 +33,10 @@ class ColumnCurves {
   // What x, y and z of a fit may be off, mm.
   static constexpr double kMaxError = 0.001;
 
-  // Fits the curves of all columns with the least degree that is exact enough. Throws std::invalid_argument if the
-  // reference has another number of columns than the rig, and UserError, naming the column and its error, if even the
-  // greatest degree misses kMaxError.
+  // Fits the curves of all columns with the least degree that is exact enough. If even the greatest misses kMaxError,
+  // the rows of those columns end nearer to the reference. A laser's points lie within half the belt's distance of the
+  // belt, where a row is worth at most max_z_per_line_mm. Throws std::invalid_argument if the reference has another
+  // number of columns than the rig.
   ColumnCurves(const rig::Rig& rig, const ReferenceProfile& reference);
 
   [[nodiscard]] int columns() const { return static_cast<int>(valid.size()); }
@@ -55,8 +56,12 @@ class ColumnCurves {
   std::vector<float> w, a, b;
 
  private:
+  class ExactColumn;
   struct Column;
-  [[nodiscard]] double fit(const std::vector<Column>& columns, int degree);
+  static void sample(const ExactColumn& exact, double from, double to, Column& column);
+  void narrow(const ExactColumn& exact, std::size_t i, Column& column);
+  void fit(const std::vector<Column>& columns, int degree);
+  [[nodiscard]] double fit(std::size_t i, const Column& column, int degree);
 
   int degree_ = 0;
   double fit_error_ = 0;

@@ -211,6 +211,23 @@ struct RigParts {
   double length_mm = 0;      // a part that is longer is cut here; cut by distance: the length of each
 };
 
+// Where a value of a rig comes from. Only a drawing's is not to be relied on.
+enum class ValueSource : std::uint8_t {
+  drawing,   // of the rig that a calibration began with: it was never measured
+  measured,  // by a calibration
+  assumed,   // the drawing's, and somebody says that it is right
+};
+
+// Where the values come from that make millimetres of a light section. A calibration that knows only some of them
+// writes this; without it all values count as they stand.
+struct RigSources {
+  ValueSource camera = ValueSource::drawing;   // its lens
+  ValueSource light = ValueSource::drawing;    // projector_lens and projector_pose, or light_plane
+  ValueSource belt = ValueSource::drawing;     // plane_z_mm and belt_pose
+  ValueSource speed = ValueSource::drawing;    // conveyor.speed_mm_per_s
+  ValueSource encoder = ValueSource::drawing;  // conveyor.encoder_mm_per_count
+};
+
 struct Rig {
   std::string name;
   RigKind kind = RigKind::light_section;
@@ -229,6 +246,7 @@ struct Rig {
   std::optional<RigBeltPose> belt_pose;
   std::optional<RigHeights> heights;
   std::optional<RigParts> parts;
+  std::optional<RigSources> sources;  // absent: all values count as they stand
 
   // Whether light and view follow the pinholes of (3.3) to (3.9), with nothing else to be known.
   [[nodiscard]] bool is_pinholes() const { return !calibration && !light_plane && !belt_pose && !heights; }
@@ -250,6 +268,21 @@ Rig load_any_rig(const std::string& name_or_file);
 
 // The same from a text (with a laser line or without); errors name `source`.
 Rig parse_rig(const std::string& yaml, const std::string& source);
+
+// What millimetres are taken from: a single section across the belt, or a part whose sections the belt moves past.
+enum class Millimetres : std::uint8_t { of_section, of_part };
+
+// Throws UserError, naming `source`, the value and the command that measures it, if the rig says (RigSources) that
+// these millimetres would come from a value that was never measured. Of the conveyor's speed and encoder that counts
+// which `parts` names; without `parts` one of them is enough.
+void expect_measured(const Rig& rig, const std::string& source, Millimetres which = Millimetres::of_part);
+
+// The same for the way of the belt alone, where it is known what it was taken from.
+void expect_way_measured(const Rig& rig, bool by_encoder, const std::string& source);
+
+// Takes the named values (camera, light, belt, speed, encoder; commas between them) as they stand in the rig. Throws
+// UserError, naming `option`, for another name.
+void assume(Rig& rig, const std::string& names, const std::string& option);
 
 // The rig as YAML, which parse_rig reads back to equal values.
 std::string to_yaml(const Rig& rig);

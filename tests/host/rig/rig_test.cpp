@@ -171,6 +171,38 @@ TEST(Rig, LaserLineIsReadBackAndChecked) {
             "rig.yaml: line 31: camera_glass: unknown key; the key is camera_lens");
 }
 
+TEST(Rig, SourcesAreReadBackAndAskedFor) {
+  rig::Rig rig = rig::load_rig("light-section");
+  EXPECT_NO_THROW(rig::expect_measured(rig, "rig.yaml"));  // nothing is said of its values
+  rig.sources = rig::RigSources{.camera = rig::ValueSource::measured, .light = rig::ValueSource::measured};
+  const std::string yaml = rig::to_yaml(rig);
+  EXPECT_NE(yaml.find("sources:\n  camera: measured\n  light: measured\n  belt: drawing\n"), std::string::npos) << yaml;
+  EXPECT_EQ(rig::to_yaml(rig::parse_rig(yaml, "text")), yaml);
+  EXPECT_EQ(error_of(yaml.substr(0, yaml.find("  encoder: drawing"))), "rig.yaml: sources.encoder is missing");
+  const auto refused = [&](rig::Millimetres which = rig::Millimetres::of_part) -> std::string {
+    try {
+      rig::expect_measured(rig, "rig.yaml", which);
+    } catch (const UserError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(refused(),
+            "rig.yaml: the place of its belt (plane_z_mm, belt_pose) is the drawing's and never measured; measure with "
+            "`selfproj calibrate belt`, or say --assume belt");
+  rig::assume(rig, "belt", "--assume");
+  EXPECT_EQ(rig.sources->belt, rig::ValueSource::assumed);
+  EXPECT_EQ(refused(rig::Millimetres::of_section), "");
+  EXPECT_NE(refused().find("its conveyor's speed and encoder are the drawing's"), std::string::npos);
+  rig.sources->speed = rig::ValueSource::measured;
+  EXPECT_EQ(refused(), "");
+  rig.parts = rig::RigParts{.by_encoder = true, .grid_mm = 1, .gap_mm = 1, .pause_s = 1, .length_mm = 10};
+  EXPECT_NE(refused().find("its conveyor's encoder is the drawing's"), std::string::npos);
+  rig::assume(rig, "camera,encoder", "--assume");
+  EXPECT_EQ(refused(), "");
+  EXPECT_THROW(rig::assume(rig, "belt,zero", "--assume"), UserError);
+}
+
 TEST(Rig, SectionsWithinMeasureAreReadBack) {
   rig::Rig rig = rig::load_rig("light-section");
   rig.measure.runs = rig::RigRuns{.gap_rows = 2, .ambiguous_from = 0.75};
