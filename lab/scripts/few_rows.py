@@ -131,9 +131,9 @@ def main():
           f"{100 * COLUMNS_SHARE:.0f} % of the columns, {options.rows} rows at {options.rate} frames a second")
     if os.environ.get(results.VARIABLE):
         header = ["seed", "A1, RMS", "A1, columns", "A2, RMS", "A2, columns", "does not hold"]
-        rows = [[seed, *(f"{found[n][k]:{f}}" for n in SCENES for k, f in (("rms_mm", ".4f"), ("columns", ".1%"))),
+        rows = [[f"{seed:02}", *(f"{found[n][k]:{f}}" for n in SCENES for k, f in (("rms_mm", ".4f"), ("columns", ".1%"))),
                  ", ".join(found["missed"])] if "refused" not in found else
-                [seed, *["–"] * 4, found["refused"]] for seed, found in by_seed.items()]
+                [f"{seed:02}", *["–"] * 4, found["refused"]] for seed, found in by_seed.items()]
         table = {"title": f"Hidden rigs with {options.rows} rows at {options.rate:,} frames a second", "header": header,
                  "rows": rows, "note": f"mm; bounds {RMS_MM} mm RMS over {COLUMNS_SHARE:.0%} of the columns of the part"}
         results.write("few_rows", "Few rows of simulated rigs calibrated from images alone, compared with the truth",
