@@ -43,6 +43,7 @@ std::string reason_of(Validity validity, const rig::RigMeasure& measure) {
       return "have a second line nearly as strong: keep reflections out, limit the rows (measure.window), or raise "
              "ambiguous_from";
     case Validity::valid:
+    case Validity::outside:
       break;
   }
   return "";
@@ -60,8 +61,10 @@ void count_columns(std::span<const std::uint8_t> validity, ValidityCounts& count
   }
 }
 
-std::string doubt_about_columns(const ValidityCounts& counts, const rig::RigMeasure& measure) {
+std::string doubt_about_columns(const ValidityCounts& of_all, const rig::RigMeasure& measure) {
   constexpr double kLeastShare = 0.1;
+  ValidityCounts counts = of_all;
+  counts.at(static_cast<std::size_t>(Validity::outside)) = 0;  // the rig says so
   const std::uint64_t all = std::accumulate(counts.begin(), counts.end(), std::uint64_t{0});
   const std::uint64_t valid = counts.front();
   if (2 * valid >= all) {

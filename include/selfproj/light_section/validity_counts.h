@@ -20,7 +20,8 @@ void count_columns(std::span<const std::uint8_t> validity, ValidityCounts& count
 
 // Where fewer than half of the columns are valid: how many are, the reasons of the others, the most frequent first, and
 // what to do about each, as one line of text. Reasons of less than a tenth of the columns are left out. Empty if half
-// or more are valid, or there are no columns. The numbers named are those of `measure`.
+// or more are valid, or there are no columns. Columns outside the camera's region do not count. The numbers named are
+// those of `measure`.
 std::string doubt_about_columns(const ValidityCounts& counts, const rig::RigMeasure& measure);
 
 }  // namespace selfproj::light_section
