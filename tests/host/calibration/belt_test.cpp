@@ -23,7 +23,7 @@ namespace selfproj::test {
 namespace {
 
 constexpr double kPlane = 300;
-const calibration::Chessboard kBoard{7, 5, 8};
+const calibration::Chessboard kBeltBoard{7, 5, 8};
 
 cv::Vec3d vector_of(const std::array<double, 3>& v) { return {v[0], v[1], v[2]}; }
 
@@ -70,8 +70,8 @@ class BeltWorld {
     image.name = "belt" + std::to_string(static_cast<int>(along));
     image.rows = truth_.camera.rows;
     image.columns = truth_.camera.columns;
-    for (int i = 0; i < kBoard.corners(); ++i) {
-      const cv::Point3d at = kBoard.place(i);
+    for (int i = 0; i < kBeltBoard.corners(); ++i) {
+      const cv::Point3d at = kBeltBoard.place(i);
       const cv::Vec3d point = middle + (at.x - 24) * right + (at.y - 16) * below;
       const cv::Vec2d pixel = lens_.pixel({point[0] / point[2], point[1] / point[2]});
       image.corners.emplace_back(pixel[0] + noise_ * normal_(random_), pixel[1] + noise_ * normal_(random_));
@@ -149,7 +149,7 @@ TEST(Belt, IsFoundByAChessboardThatItCarries) {
   for (const double turn : {0.0, 20.0, 100.0, 190.0}) {
     BeltWorld world(0.03);
     calibration::BeltSettings settings;
-    settings.chessboard = kBoard;
+    settings.chessboard = kBeltBoard;
     settings.thickness_mm = 3;
     settings.counts = {100, 740, 1380, 2020, 2660};
     settings.moves_mm = {0, 8, 16, 24, 32};
@@ -177,7 +177,7 @@ TEST(Belt, IsFoundByAChessboardThatItCarries) {
 TEST(Belt, LaserTiesZeroAndScale) {
   BeltWorld world(0.02);
   calibration::BeltSettings settings;
-  settings.chessboard = kBoard;
+  settings.chessboard = kBeltBoard;
   settings.counts = {0, 640, 1280, 1920, 2560};
   calibration::LineAtHeight block = world.line(20, 200, 400);
   const calibration::LineAtHeight beside = world.line(0, 404, 620);
@@ -199,7 +199,7 @@ TEST(Belt, LaserTiesZeroAndScale) {
 TEST(Belt, ContradictionsAreRefused) {
   BeltWorld world(0.02);
   calibration::BeltSettings settings;
-  settings.chessboard = kBoard;
+  settings.chessboard = kBeltBoard;
   const auto refused = [&](const std::vector<calibration::BoardImage>& boards,
                            const std::vector<calibration::LineAtHeight>& lines = {}) -> std::string {
     try {
