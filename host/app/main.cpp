@@ -27,7 +27,7 @@ selfproj rig light-section
         selfproj::app::add_calibrate_command(app);
         selfproj::app::add_accuracy_command(app);
         selfproj::cli::set_heading(app, "Set up: rigs, patterns, calibration",
-                                   {"rig", "pattern", "calibrate", "accuracy"});
+                                   {"rig", "rows", "pattern", "calibrate", "accuracy"});
         selfproj::app::add_project_command(app);
         selfproj::app::add_capture_command(app);
         selfproj::app::add_scan_command(app);

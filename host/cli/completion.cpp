@@ -109,7 +109,7 @@ install -D -m 644 {0}.bash ~/.local/share/bash-completion/completions/{0}
   command->group("Shell");
   const auto shell = std::make_shared<std::string>();
   command->add_option("SHELL", *shell, "The shell.")->required()->check(one_of({"bash"}));
-  command->callback([&program] { fmt::print("{}", bash_completion(program)); });
+  command->callback([&program, shell] { fmt::print("{}", bash_completion(program)); });
 }
 
 }  // namespace selfproj::cli

@@ -175,8 +175,9 @@ TEST_F(RunsCommand, PacketsOfTheStrongestRunAreInspected) {
   const auto run = [&](const std::string& program, const std::vector<std::string>& arguments) {
     return run_program(program, arguments, folder_.path());
   };
-  const Outcome sent = run(SELFPROJ_SIM_PROGRAM, {"cosim", "--engine", "rtl", "--count", "3", "--select", "strongest",
-                                                  "--gap", "1", "--packets", "p", "--out", "sim"});
+  const Outcome sent =
+      run(SELFPROJ_SIM_PROGRAM, {"cosim", "--engine", "rtl", "--first", "700", "--count", "3", "--select", "strongest",
+                                 "--gap", "1", "--packets", "p", "--out", "sim"});
   ASSERT_EQ(sent.status, 0) << sent.err;
   EXPECT_NE(sent.out.find("matched 1536 columns in 3 frames, 0 mismatches"), std::string::npos) << sent.out;
   const Outcome seen =

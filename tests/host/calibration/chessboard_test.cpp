@@ -130,58 +130,5 @@ TEST(Chessboards, AreFoundOnNarrowPaper) {
   }
 }
 
-// The line of a laser across the board, with its glare: saturated in the middle, and a veil of light around.
-void add_laser(Random& random, images::Image& image) {
-  const double turn = between(random, -0.35, 0.35);
-  const double at = image.rows * between(random, 0.4, 0.6);
-  const double core = between(random, 1.5, 3.5);
-  const double veil = between(random, 20, 60);
-  const double veil_grey = between(random, 60, 140);
-  for (int row = 0; row < image.rows; ++row) {
-    for (int column = 0; column < image.columns; ++column) {
-      const double away = std::abs((row - at) * std::cos(turn) - (column - image.columns / 2.0) * std::sin(turn));
-      std::uint8_t& pixel = image.pixels[static_cast<std::size_t>(row * image.columns + column)];
-      const double light = 400 * std::exp(-away * away / (2 * core * core)) + veil_grey * std::exp(-away / veil);
-      pixel = static_cast<std::uint8_t>(std::min(255.0, pixel + light));
-    }
-  }
-}
-
-// A board in dim light, with the glare of a laser's line across it: findChessboardCornersSB alone loses such boards.
-// All are found, and the corners that the light does not reach are where they should be.
-TEST(Chessboards, AreFoundUnderTheGlareOfALaser) {
-  int lost_by_sb = 0;
-  constexpr int kBoards = 8;
-  for (int board = 0; board < kBoards; ++board) {
-    SCOPED_TRACE(board);
-    Random random(static_cast<std::uint64_t>(board) + 1);
-    Drawing drawing = draw(random, 9, 6, between(random, -0.4, 0.4), random.between(0, 60), 0.5,
-                           {.columns = 1152, .rows = 768, .least_square = 55, .most_square = 80});
-    for (std::uint8_t& pixel : drawing.image.pixels) {
-      pixel = static_cast<std::uint8_t>(pixel * 2 / 5);
-    }
-    add_laser(random, drawing.image);
-    cv::Mat grey(drawing.image.rows, drawing.image.columns, CV_8UC1, drawing.image.pixels.data());
-    cv::Mat seen;
-    lost_by_sb +=
-        cv::findChessboardCornersSB(grey, {9, 6}, seen, cv::CALIB_CB_EXHAUSTIVE | cv::CALIB_CB_ACCURACY) ? 0 : 1;
-    const calibration::FoundChessboard found =
-        calibration::find_chessboard(drawing.image, {.columns = 9, .rows = 6, .square_mm = 1});
-    EXPECT_EQ(found.reason, "");
-    std::vector<cv::Point2d> expected = drawing.corners;
-    int best = 0;
-    for (int turns = 0; turns < 2 && found.corners.size() == expected.size(); ++turns) {
-      int near = 0;
-      for (std::size_t i = 0; i < expected.size(); ++i) {
-        near += cv::norm(found.corners[i] - expected[i]) < 0.3 ? 1 : 0;
-      }
-      best = std::max(best, near);
-      std::reverse(expected.begin(), expected.end());
-    }
-    EXPECT_GE(best, 9 * 6 * 2 / 3);
-  }
-  EXPECT_GT(lost_by_sb, 0) << "the boards are too easy";
-}
-
 }  // namespace
 }  // namespace selfproj::test
