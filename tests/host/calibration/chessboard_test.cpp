@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <opencv2/calib3d.hpp>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 #include <string>
@@ -31,18 +30,11 @@ struct Drawing {
   std::vector<cv::Point2d> corners;  // of the board's own order
 };
 
-struct Picture {
-  int columns = 640;
-  int rows = 512;
-  double least_square = 24, most_square = 34;  // pixels
-};
-
-Drawing draw(Random& random, int columns, int rows, double turn, int around, double margin = 0.6,
-             const Picture& picture = {}) {
-  const int kColumns = picture.columns;
-  const int kRows = picture.rows;
+Drawing draw(Random& random, int columns, int rows, double turn, int around, double margin = 0.6) {
+  constexpr int kColumns = 640;
+  constexpr int kRows = 512;
   constexpr int kFine = 4;  // a pixel is the mean of so many places along both sides
-  const double square = between(random, picture.least_square, picture.most_square);
+  const double square = between(random, 24, 34);
   const double lean = between(random, -0.25, 0.25);
   const cv::Matx33d seen =
       cv::Matx33d(1, 0, kColumns / 2.0, 0, 1, kRows / 2.0, 0, 0, 1) *
