@@ -14,5 +14,5 @@ tools=$(python3 -B scripts/lib/pypi.py build/wheel-tools nanobind==3.1.0 scikit-
 mkdir -p build/wheels
 "$tools/python3" -m pip --quiet --disable-pip-version-check wheel --no-build-isolation --no-deps --no-index \
   --config-settings "cmake.define.SELFPROJ_BUILT=$build" --wheel-dir build/wheels .
-wheel=$(find build/wheels -name 'selfproj-*.whl' -printf '%T@ %p\n' | sort -n | tail -1 | cut -d ' ' -f 2)
+wheel=$(find "$PWD/build/wheels" -name 'selfproj-*.whl' -printf '%T@ %p\n' | sort -n | tail -1 | cut -d ' ' -f 2)
 echo "$wheel"

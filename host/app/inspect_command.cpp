@@ -334,7 +334,7 @@ selfproj inspect --device ring:line1 --wait-for-board --seconds 3 --json counts.
 
 # Inspect recorded images, without a board.
 selfproj-sim scene render mountain --first 680 --count 40 --out frames
-selfproj inspect --images frames --out mountain
+selfproj inspect --images 'frames/*.png' --out mountain
 
 # Inspect what a real board delivers, beside a good part (needs hardware)
 selfproj inspect --device file:/dev/xdma0_c2h_0 --reference good-part --check --count 100000 \

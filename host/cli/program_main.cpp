@@ -37,11 +37,11 @@ namespace {
 constexpr int kFailed = 1;    // a check or the program itself failed
 constexpr int kBadInput = 2;  // errors that the user can fix
 
-// Prints one line whatever the message contains (a file name may contain a line break).
+// Prints one line whatever the message contains (a file name may contain a line break). Nobody may be there to read it.
 int report(const std::string& program, std::string message, int status) {
   std::replace_if(
       message.begin(), message.end(), [](char c) { return c >= '\0' && c < ' '; }, ' ');
-  fmt::print(stderr, "{}: {}\n", program, files::shown(message));
+  static_cast<void>(std::fputs(fmt::format("{}: {}\n", program, files::shown(message)).c_str(), stderr));
   return status;
 }
 
@@ -270,7 +270,8 @@ int run_as_program(const std::string& name, const std::function<int()>& body) {
   const files::RunFiles files;
   const int status = body();
   if (!flush_output() && status == 0) {
-    fmt::print(stderr, "{}: standard output: {}\n", name, files::error_text(errno != 0 ? errno : EIO));
+    static_cast<void>(std::fputs(
+        fmt::format("{}: standard output: {}\n", name, files::error_text(errno != 0 ? errno : EIO)).c_str(), stderr));
     return 1;
   }
   return status;
