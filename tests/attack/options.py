@@ -36,10 +36,13 @@ selfproj pattern gray: --rig {m}/scanner.yaml --out o
 selfproj pattern stripes: --rig {m}/scanner.yaml --scan {m}/seen --gray-code --bits 2 --out o
 selfproj calibrate: --chessboard 6x5 --square 30 --projector 256x192 --rig {m}/quarter.yaml --out o
   {m}/chess/pose_01 {m}/chess/pose_02
+selfproj calibrate belt: --rig {m}/rig.yaml --chessboard 6x5 --square 30 --out o {views}
 selfproj calibrate camera: --chessboard 6x5 --square 30 --out o {views}
 selfproj lines: --threshold 60 --out o {frames}
 selfproj calibrate heights: --rig {m}/plate.yaml --every 16 --heights 0,10,20 --out o {m}/at0 {m}/at10 {m}/at20
 selfproj accuracy: --out o
+selfproj rows: --rig {m}/rig.yaml --rows 10 --out o.yaml
+selfproj compare: --out o {m}/heights.tiff {m}/heights.tiff
 selfproj devices:
 selfproj project: --seconds 0.1 --gamma {m}/gamma.csv {m}/frame_1.png
 selfproj capture: --camera camera:Fake_1 --patterns {m}/shown --out o
