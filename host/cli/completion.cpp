@@ -64,7 +64,7 @@ void add_cases(const CLI::App& app, const std::string& path, Cases& cases) {
 }  // namespace
 
 std::string bash_completion(const CLI::App& program) {
-  const std::string name = program.get_name();
+  const std::string& name = program.get_name();
   Cases cases;
   add_cases(program, name, cases);
   std::string function = "_" + name;

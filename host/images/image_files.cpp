@@ -120,7 +120,7 @@ cv::Mat narrow(const std::string& file, const DecodedImage& image, std::optional
   }
   const bool whole_bits = image.white != 0 && std::has_single_bit(image.white + 1);
   const int by = shift.value_or(whole_bits ? std::bit_width(image.white) - 8 : 0);
-  const bool scaled = !shift && !whole_bits;
+  const bool scaled = !shift && image.white != 0 && !whole_bits;
   cv::Mat narrowed(image.pixels.rows, image.pixels.cols, CV_MAKETYPE(CV_8U, image.pixels.channels()));
   const int values = image.pixels.cols * image.pixels.channels();
   for (int row = 0; row < image.pixels.rows; ++row) {

@@ -134,11 +134,13 @@ std::string SweepCheck::contradiction() const {
     if (image.lines < few()) {
       continue;
     }
-    if (const std::optional<double> rows = last != nullptr ? moved(*last, image) : std::nullopt) {
-      ++pairs;
-      way += std::abs(*rows);
-      net += expected(*last, image) < 0 ? -*rows : *rows;
-      right += std::abs(expected(*last, image));
+    if (last != nullptr) {
+      if (const std::optional<double> rows = moved(*last, image)) {
+        ++pairs;
+        way += std::abs(*rows);
+        net += expected(*last, image) < 0 ? -*rows : *rows;
+        right += std::abs(expected(*last, image));
+      }
     }
     last = &image;
   }

@@ -61,16 +61,15 @@ void count_columns(std::span<const std::uint8_t> validity, ValidityCounts& count
   }
 }
 
-std::string doubt_about_columns(const ValidityCounts& of_all, const rig::RigMeasure& measure) {
+std::string doubt_about_columns(const ValidityCounts& counts, const rig::RigMeasure& measure) {
   constexpr double kLeastShare = 0.1;
-  ValidityCounts counts = of_all;
-  counts.at(static_cast<std::size_t>(Validity::outside)) = 0;  // the rig says so
-  const std::uint64_t all = std::accumulate(counts.begin(), counts.end(), std::uint64_t{0});
+  constexpr auto kOutside = static_cast<std::size_t>(Validity::outside);  // the rig says so
+  const std::uint64_t all = std::accumulate(counts.begin(), counts.end(), std::uint64_t{0}) - counts[kOutside];
   const std::uint64_t valid = counts.front();
   if (2 * valid >= all) {
     return "";
   }
-  std::array<std::size_t, kValidities - 1> order{};
+  std::array<std::size_t, kOutside - 1> order{};
   std::iota(order.begin(), order.end(), 1);
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return counts[a] > counts[b]; });
   const auto share = [&](std::uint64_t count) { return static_cast<double>(count) / static_cast<double>(all); };
