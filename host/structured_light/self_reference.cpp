@@ -40,7 +40,7 @@ int cell_of_row(double row, int rows, int width) {
 
 bool is_light(const Stripes& stripes, int cell, int plane) {
   // The middle of the cell, in units of half a cell, so that all numbers are whole. Divisions round down, also below 0.
-  const int period = 2 << stripes.bits;  // period of u, in half cells
+  const int period = 2 << std::max(stripes.bits, 0);  // period of u, in half cells
   const int at = 2 * cell + 1;
   const auto floor_of_quotient = [](int a, int b) { return a >= 0 ? a / b : -((-a + b - 1) / b); };
   const int stripe = plane == 0 && stripes.code == StripeCode::cyclic

@@ -253,7 +253,7 @@ TEST(Rows, RatesOfBoardAndWire) {
   rig::Rig rig = rig::load_rig("light-section");
   rig.measure.mode = model::Mode::binary;
   EXPECT_NEAR(light_section::board_rate_hz(rig, 96, 512), 151.2e6 / (96 * 128), 1e-6);
-  EXPECT_NEAR(light_section::board_rate_hz(rig, 1, 512), 151.2e6 / (2048 / 16 + 5 + 8), 1e-6);
+  EXPECT_NEAR(light_section::board_rate_hz(rig, 1, 512), 151.2e6 / (2048.0 / 16 + 5 + 8), 1e-6);
   // 2,128 bytes in two datagrams
   EXPECT_NEAR(light_section::ethernet_rate_hz(rig, 512), 125e6 / (2128 + 2 * (16 + 66)), 1e-6);
 }

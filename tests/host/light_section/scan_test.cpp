@@ -137,7 +137,7 @@ TEST(SweepCheck, ImagesInAnotherOrderAreNoticed) {
   for (const int every : {4, 8, 32}) {
     SCOPED_TRACE(every);
     const std::vector<int> lines = light_section::sweep_lines(rig, every);
-    const std::vector<int> right = lines;
+    const std::vector<int>& right = lines;
     const auto of = [&](const std::vector<int>& shown) {
       return contradiction_of(rig, lines, shown, [&](int line) { return view_of(rig, z, line); });
     };

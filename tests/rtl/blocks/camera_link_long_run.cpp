@@ -251,7 +251,7 @@ class LvdsBench : public LinkOutputs {
   std::int64_t board_;
   std::int64_t window_ = 0;
   std::array<LvdsLanes, 2> links_;
-  Model<Dut> dut_{Begin::kZeros};  // a camera's side, whose clock stands, has no reset of its own
+  Model<Dut> dut_{Begin::zeros};  // a camera's side, whose clock stands, has no reset of its own
   std::int64_t now_ = 0;
   std::int64_t next_board_ = 0;
   std::array<std::int64_t, 2> next_edge_{kNever, kNever};

@@ -36,7 +36,7 @@ void set128(Wide& wide, const Word128& value) {
 }
 
 // What registers begin with: zeros, as in an FPGA, or random values.
-enum class Begin : int { kZeros = 0, kRandom = 2 };
+enum class Begin : int { zeros = 0, random = 2 };
 
 // A model in its own context.
 template <typename Dut>
@@ -76,13 +76,13 @@ class Model {
 
  private:
 #ifdef SELFPROJ_COVERAGE
-  static constexpr Begin kBegin = Begin::kZeros;  // because clearing a random value would count as a toggle
+  static constexpr Begin kBegin = Begin::zeros;  // because clearing a random value would count as a toggle
 #else
-  static constexpr Begin kBegin = Begin::kRandom;
+  static constexpr Begin kBegin = Begin::random;
 #endif
   struct Held {
     explicit Held(Begin begin)
-        : dut((context.randReset(static_cast<int>(begin)), context.randSeed(++models_), &context)) {}
+        : dut((context.randReset(static_cast<int>(begin)), context.randSeed(++models), &context)) {}
     ~Held() {
       Verilated::threadContextp(&context);  // from which a model with open registers takes itself out
       dut.final();
@@ -94,7 +94,7 @@ class Model {
 #endif
   };
 
-  inline static int models_ = 0;  // each model begins with different values
+  inline static int models = 0;  // each model begins with different values
   sim::Reusable<Held> held_;
   std::unique_ptr<Recorder> recorder_;
 };
