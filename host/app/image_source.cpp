@@ -22,17 +22,8 @@
 namespace selfproj::app {
 namespace {
 
-std::vector<std::string> files_of(const std::string& option, const std::vector<std::string>& patterns) {
-  std::vector<std::string> files;
-  for (const std::string& pattern : patterns) {
-    const std::vector<std::string> found = images::files_of_pattern(option, pattern);
-    files.insert(files.end(), found.begin(), found.end());
-  }
-  return files;
-}
-
 images::Preparation with_files(images::Preparation preparation) {
-  preparation.background = files_of("--background", preparation.background);
+  preparation.background = images::files_of_patterns("--background", preparation.background);
   return preparation;
 }
 
@@ -59,7 +50,7 @@ void add_image_source_options(CLI::App& command, ImageSourceOptions& options, CL
 }
 
 ImageSource::ImageSource(const ImageSourceOptions& options, const rig::Rig& rig, const model::Measure& measure)
-    : images_(files_of("--images", options.images), with_files(options.preparation)),
+    : images_(images::files_of_patterns("--images", options.images), with_files(options.preparation)),
       rig_(rig),
       measure_(measure),
       spacing_mm_(options.spacing_mm.value_or(rig.conveyor.speed_mm_per_s / rig.camera.frame_rate_hz)) {

@@ -45,9 +45,8 @@ void write_setup(driver::Control& control, const BoardSetup& setup) {
   }
   const rig::RigRegion sent = camera.sent();
   if (control.build().region) {
-    control.write_together(
-        {{driver::register_part("region.row"), number(camera.region ? sent.row_offset + 1 : 0)},
-         {driver::register_part("region.column"), number(camera.region ? sent.column_offset + 1 : 0)}});
+    control.write_together({{driver::register_part("region.row"), number(camera.region_row())},
+                            {driver::register_part("region.column"), number(camera.region_column())}});
   }
   control.write_together({{driver::register_part("size.columns"), number(sent.columns)},
                           {driver::register_part("size.rows"), number(sent.rows)},

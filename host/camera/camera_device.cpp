@@ -131,8 +131,8 @@ CameraDefaults camera_of_rig(const rig::Rig& rig, const model::Measure& measure)
                     .select = measure.select,
                     .gap = measure.gap,
                     .window = measure.window,
-                    .region_row = rig.camera.region ? sent.row_offset + 1 : 0,
-                    .region_column = rig.camera.region ? sent.column_offset + 1 : 0,
+                    .region_row = rig.camera.region_row(),
+                    .region_column = rig.camera.region_column(),
                     .pixel_clock_hz = rig.pixel_clock_hz()}};
 }
 

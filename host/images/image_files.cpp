@@ -325,6 +325,15 @@ std::vector<std::string> files_of_pattern(const std::string& option, const std::
   throw UserError(option + " " + pattern, "no file matches");
 }
 
+std::vector<std::string> files_of_patterns(const std::string& option, const std::vector<std::string>& patterns) {
+  std::vector<std::string> files;
+  for (const std::string& pattern : patterns) {
+    const std::vector<std::string> found = files_of_pattern(option, pattern);
+    files.insert(files.end(), found.begin(), found.end());
+  }
+  return files;
+}
+
 std::string encode_png(const Image& image) {
   return png_of({image.rows, image.columns, CV_8UC1, const_cast<std::uint8_t*>(image.pixels.data())});
 }

@@ -138,6 +138,9 @@ std::vector<std::string> image_arguments(const std::vector<std::string>& argumen
 // Throws UserError with the option if there is none.
 std::vector<std::string> files_of_pattern(const std::string& option, const std::string& pattern);
 
+// The files of all patterns of an option, one pattern after another.
+std::vector<std::string> files_of_patterns(const std::string& option, const std::vector<std::string>& patterns);
+
 // Returns the bytes of a PNG file. Throws std::invalid_argument if the image has no pixels or is too large.
 std::string encode_png(const Image& image);
 

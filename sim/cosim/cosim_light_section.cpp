@@ -153,21 +153,11 @@ Setup scene_setup(const CosimOptions& options, const SceneInfo& info) {
   return setup;
 }
 
-// The files matched by all patterns of an option.
-std::vector<std::string> files_of(const std::string& option, const std::vector<std::string>& patterns) {
-  std::vector<std::string> files;
-  for (const std::string& pattern : patterns) {
-    const std::vector<std::string> found = images::files_of_pattern(option, pattern);
-    files.insert(files.end(), found.begin(), found.end());
-  }
-  return files;
-}
-
 std::unique_ptr<RecordedFrames> recorded_frames(const CosimOptions& options) {
-  std::vector<std::string> files = files_of("--frames", options.frames);
+  std::vector<std::string> files = images::files_of_patterns("--frames", options.frames);
   const std::size_t count = frames_of_run(options, files.size(), "--frames " + options.frames.front());
   images::Preparation preparation = options.preparation;
-  preparation.background = files_of("--background", options.preparation.background);
+  preparation.background = images::files_of_patterns("--background", options.preparation.background);
   if (preparation.background.size() == 1 && files.size() > 1) {
     // one for all frames
   } else if (!preparation.background.empty() && preparation.background.size() != files.size()) {
@@ -252,8 +242,8 @@ class LightSectionCosim final : public CosimMeasurement {
                          .select = measure_.select,
                          .gap = measure_.gap,
                          .window = measure_.window,
-                         .region_row = rig.camera.region ? sent.row_offset + 1 : 0,
-                         .region_column = rig.camera.region ? sent.column_offset + 1 : 0};
+                         .region_row = rig.camera.region_row(),
+                         .region_column = rig.camera.region_column()};
     platform.frame_rate_hz = sent.frame_rate_hz;
     platform.pixel_clock_hz = rig.pixel_clock_hz();
     if (rig.conveyor.encoder_mm_per_count > 0 && setup_.profiler != nullptr) {

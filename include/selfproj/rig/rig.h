@@ -58,6 +58,10 @@ struct RigCamera {
                                      .exposure_s = exposure_s});
   }
 
+  // Where its frames begin, as packets and boards say it: row and column of the sensor from 1; 0 without a region.
+  [[nodiscard]] int region_row() const { return region ? region->row_offset + 1 : 0; }
+  [[nodiscard]] int region_column() const { return region ? region->column_offset + 1 : 0; }
+
   [[nodiscard]] std::size_t pixels() const {
     return static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns);
   }
