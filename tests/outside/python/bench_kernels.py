@@ -58,7 +58,7 @@ def main():
         print("bench_kernels.py: usage: bench_kernels.py BUILD", file=sys.stderr)
         return 2
     build = pathlib.Path(sys.argv[1]).resolve()
-    wrong = environment.install(build) if environment.PACKAGE.get() else "PyPI is not reached"
+    wrong = environment.install(build, environment.PACKAGE)
     if wrong:
         print(f"bench_kernels.py: {wrong}", file=sys.stderr)
         return 2

@@ -13,18 +13,20 @@ from lib import pypi  # noqa: E402
 
 PACKAGE = pypi.Environment(ROOT / "build" / "python-tests",
                            ["nanobind==3.1.0", "numpy==2.4.6", "scikit-build-core==1.1.2"], "--only-binary", ":all:")
-
-
 USER = pypi.Environment(ROOT / "build" / "python-user", ["numpy==2.4.6"], "--only-binary", ":all:")
 
 
-def install(build):
-    """Makes a wheel with the libraries of a build, and installs it into both environments. Returns what was printed if
-    that failed, otherwise an empty string."""
+def install(build, *environments):
+    """Makes a wheel with the libraries of a build, and installs it into these environments, which it makes first. Returns
+    what was printed if that failed, a line that begins with "skipped:" where PyPI is not reached, otherwise an empty
+    string."""
+    for environment in environments:
+        if not environment.get():
+            return environment.missing()
     made = subprocess.run([ROOT / "scripts" / "wheel.sh", build], capture_output=True, text=True, check=False)
     if made.returncode:
         return made.stdout + made.stderr
-    for environment in (PACKAGE, USER):
+    for environment in environments:
         begin = time.monotonic()
         done = environment.pip("--no-deps", "--no-index", "--force-reinstall", made.stdout.split()[-1])
         if done.returncode:
