@@ -1,0 +1,152 @@
+// A verdict from the moments of frames, without a division: the definition, which the circuit sp_verdict equals to the
+// last bit.
+//
+// **Columns.** A table has for each column η two limits, in 1/128 rows, and whether the column is judged. Limits may be
+// moved by s columns and d/128 rows, because a part does not always lie in the same place: column η has the limits of
+// column η - s, plus d. A judged column with the moments M0, M1 is
+//
+//     unlit   if M0 = 0
+//     above   if 128 M1 - d M0 < low  · M0      its centroid M1 / M0 lies above the band, at smaller rows
+//     below   if 128 M1 - d M0 > high · M0      … below it, at larger rows
+//     good    otherwise
+//
+// It is *out* if it is above, where defects above are asked for, or below, where those below are.
+//
+// **Defects.** Write the frames of a part under each other, one row of cells for each frame, and mark the cells of
+// columns that are out. A column has a *hit* for each of its last h frames, this one included, in which it was out.
+// A frame has a defect if w neighbouring columns or more have at least m hits each. The part is without hits until its
+// first whole frame has come: frames that break before that are judged by themselves.
+//
+// A frame *lacks light* if more than u of its judged columns are unlit.
+//
+// A frame that breaks is judged over the whole groups of four columns that came. The other columns keep their hits.
+// All frames of a part have the same size.
+//
+// **Parts.** By light: a part begins with the frame after a whole frame with t lit columns or more, and ends with the
+// last of e whole frames in a row that have fewer. A column is lit if M0 > 0, judged or not. By the encoder, which
+// counts up: part k = 0, 1, … begins with the first frame whose encoder count is not before start + k · pitch, and ends
+// before the first frame whose count is `length` or more behind that point. k counts from where the encoder was chosen.
+// Counts are compared modulo 2^32. Frames outside of parts have no verdict.
+//
+// **Sections.** A part may have other limits along its way. It begins with section 0; the next section begins with the
+// first frame whose count is `begins[section + 1]` or more behind the part's beginning, by one section at most from
+// frame to frame. The beginning is start + k · pitch, or with parts by light the count of the part's first frame.
+//
+// **Settings** are taken over where a part begins, and so is the bank of limits: a bank can be written while the other
+// judges. The settings by which parts begin and end are always those in force.
+#ifndef SELFPROJ_MODEL_VERDICT_H
+#define SELFPROJ_MODEL_VERDICT_H
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace selfproj::model {
+
+// The limits of a column, in 1/kRowParts rows, row 1 being kRowParts.
+struct ColumnLimits {
+  std::uint32_t low = 0;   // 0..kMaxLimit
+  std::uint32_t high = 0;  // 0..kMaxLimit
+  bool judged = false;
+
+  bool operator==(const ColumnLimits&) const = default;
+};
+
+inline constexpr int kRowParts = 128;
+inline constexpr std::uint32_t kMaxLimit = (1U << 17) - 1;  // rows to 1023
+inline constexpr int kMaxShiftColumns = 127;                // both ways
+inline constexpr int kMaxShiftRows = 8191;                  // both ways, in 1/kRowParts rows
+inline constexpr int kMaxHistory = 8;                       // frames
+
+enum class ColumnState : std::uint8_t { good, above, below, unlit };
+
+// The state of a judged column. `shift` is d. The inequalities above, exactly.
+ColumnState column_state(const ColumnLimits& limits, int shift, std::uint32_t m0, std::uint32_t m1);
+
+// What is taken over where a part begins.
+struct VerdictSettings {
+  int width = 1;      // w, 1..255 columns
+  int history = 1;    // h, 1..kMaxHistory frames
+  int hits = 1;       // m, 1..h
+  bool above = true;  // defects above are asked for
+  bool below = true;
+  int most_unlit = 4095;  // u, 0..4095 columns; 4095: light is not judged
+  int shift_columns = 0;  // s, -kMaxShiftColumns..kMaxShiftColumns
+  int shift_rows = 0;     // d, -kMaxShiftRows..kMaxShiftRows
+  int bank = 0;           // 0 or 1
+
+  bool operator==(const VerdictSettings&) const = default;
+};
+
+// Where parts begin and end.
+struct PartRule {
+  bool by_encoder = false;
+  int lit = 1;               // t, 1..4095 columns
+  int dark_frames = 1;       // e, 1..255
+  std::uint32_t start = 0;   // count at which part 0 begins
+  std::uint32_t length = 1;  // counts, 1..2^31 - 1
+  std::uint32_t pitch = 1;   // counts, more than length
+
+  bool operator==(const PartRule&) const = default;
+};
+
+// What was found in a frame of a part.
+struct FrameVerdict {
+  bool in_part = false;
+  bool defect = false;
+  bool lacks_light = false;
+  int section = 0;
+  std::uint32_t part = 0;  // parts that began before this one since reset; wraps
+  int first_column = 0;    // of the leftmost defect, from 1; 0 without one
+  int columns = 0;         // of it
+  int unlit = 0;           // judged columns that are unlit
+
+  bool operator==(const FrameVerdict&) const = default;
+};
+
+// Judges frame after frame.
+class Verdict {
+ public:
+  // Tables of `columns` (a multiple of 4), in 1 to 64 sections.
+  Verdict(int columns, int sections);
+
+  // Writes the limits of a column, from 0. Throws std::invalid_argument if something is out of range.
+  void write(int bank, int section, int column, const ColumnLimits& limits);
+
+  // From which count behind a part's beginning on a section, from 1, is in force.
+  void begin_section(int bank, int section, std::uint32_t count);
+
+  // Judges the next frame: its encoder count, and the moments of the columns that came, which are as many as it has
+  // unless it broke. Settings and rule are those of this moment.
+  FrameVerdict frame(const VerdictSettings& settings, const PartRule& rule, std::uint32_t encoder,
+                     std::span<const std::uint32_t> m0, std::span<const std::uint32_t> m1, bool whole);
+
+  [[nodiscard]] bool in_part() const { return in_part_; }
+
+ private:
+  void begin(const VerdictSettings& settings, std::uint32_t count);
+  void find_part(const VerdictSettings& settings, const PartRule& rule, std::uint32_t encoder);
+  void judge(std::span<const std::uint32_t> m0, std::span<const std::uint32_t> m1, FrameVerdict& found);
+  void look_for_light(const PartRule& rule, std::span<const std::uint32_t> m0);
+
+  int columns_;
+  int sections_;
+  std::vector<ColumnLimits> limits_;   // [bank][section][column]
+  std::vector<std::uint32_t> begins_;  // [bank][section]
+  std::vector<std::uint8_t> past_;     // hits of each column: bit 0 the frame before, bit 1 the one before that …
+  VerdictSettings settings_;           // in force
+  bool in_part_ = false;
+  bool begins_next_ = false;  // a part by light begins with the next frame
+  bool fresh_ = true;         // no whole frame of the part has come
+  int section_ = 0;
+  int dark_ = 0;
+  std::uint32_t began_ = 0;  // encoder count
+  bool by_encoder_ = false;  // the frame before
+  std::uint32_t next_ = 0;   // count at which the next part by the encoder begins
+  std::uint32_t parts_ = 0;  // that have begun
+};
+
+}  // namespace selfproj::model
+
+#endif  // SELFPROJ_MODEL_VERDICT_H

@@ -1,0 +1,398 @@
+// Compares verdicts of the RTL with the model, frame by frame, while limits are written and settings change.
+#include "selfproj/model/verdict.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <bit>
+#include <cstdint>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "Vsp_ejector_ports.h"
+#include "Vsp_verdict_ports.h"
+#include "Vsp_verdict_small_ports.h"
+#include "selfproj/model/generated/selfproj_spec.h"
+#include "tests/rtl/blocks/clocked.h"
+#include "tests/support/random_cases.h"
+
+namespace selfproj::test {
+namespace {
+
+using model::FrameVerdict;
+using model::PartRule;
+using model::VerdictSettings;
+
+constexpr int kVerdictDelay = 18;  // from the last beat of a frame
+constexpr int kBreakDelay = 19;    // from its break
+constexpr int kFirstBeat = 7;      // least clocks from frame_i
+
+template <typename Port>
+void set(Port& port, int value) {
+  port = static_cast<Port>(value);
+}
+
+struct Build {
+  int columns, rows, sections;
+  bool grey;
+};
+template <typename Dut>
+constexpr Build kBuild = {64, 15, 4, true};
+template <>
+constexpr Build kBuild<Vsp_verdict_small> = {512, 127, 1, false};
+
+// Frames of moments of any size, with gaps and breaks.
+template <typename Dut>
+class VerdictBench {
+ public:
+  static constexpr Build kOf = kBuild<Dut>;
+
+  explicit VerdictBench(Random& random) : random_(random), model_(kOf.columns, kOf.sections) {
+    const auto valid = [this] { return judged_.in_part && known_; };
+    dut_.valid_when({"first_column_o", "columns_o", "unlit_o", "section_o", "part_o", "bank_o"}, valid);
+    dut_.valid_when({"in_part_o", "defect_o", "lacks_light_o"}, [this] { return known_; });
+    dut_->write_limits_i = dut_->write_begin_i = dut_->frame_i = dut_->beat_valid_i = dut_->break_i = 0;
+    dut_->groups_i = 1;
+    dut_->grey_i = 0;
+    settle_settings();
+    dut_.reset();
+    for (int bank = 0; bank < 2; ++bank) {
+      write_bank(bank);
+    }
+  }
+
+  int parts = 0, defects = 0, dark = 0, broken = 0, sections = 0;  // of frames that were compared
+
+  void draw_settings() {
+    settings_.width = random_.chance(70) ? random_.between(1, 4) : random_.between(1, 255);
+    settings_.history = random_.between(1, model::kMaxHistory);
+    settings_.hits = random_.between(1, settings_.history);
+    settings_.above = random_.chance(70);
+    settings_.below = random_.chance(70);
+    settings_.most_unlit = random_.chance(30) ? 4095 : random_.between(0, kOf.columns / 2);
+    settings_.shift_columns = random_.chance(30) ? 0 : random_.between(-20, 20);
+    settings_.shift_rows = random_.chance(30) ? 0 : random_.between(-300, 300);
+    if (random_.chance(5)) {
+      settings_.shift_columns = random_.chance(50) ? -model::kMaxShiftColumns : model::kMaxShiftColumns;
+      settings_.shift_rows = random_.chance(50) ? -model::kMaxShiftRows : model::kMaxShiftRows;
+    }
+    settings_.bank = random_.between(0, 1);
+    settle_settings();
+  }
+
+  void draw_rule() {
+    rule_.by_encoder = random_.chance(50);
+    rule_.lit = random_.between(1, 8);
+    rule_.dark_frames = random_.between(1, 3);
+    rule_.start = encoder_ + static_cast<std::uint32_t>(random_.between(-50, 50));
+    rule_.length = static_cast<std::uint32_t>(random_.between(1, 60));
+    rule_.pitch = rule_.length + static_cast<std::uint32_t>(random_.between(1, 40));
+    settle_settings();
+  }
+
+  // Writes limits of the bank that is not in force.
+  void write_bank(int bank) {
+    for (int section = 0; section < kOf.sections; ++section) {
+      for (int column = 0; column < kOf.columns; ++column) {
+        write(bank, section, column);
+      }
+      if (section > 0) {
+        begin_section(bank, section);
+      }
+    }
+  }
+  void write_one() {
+    const int bank = model_.in_part() ? 1 - bank_ : random_.between(0, 1);
+    write(bank, random_.between(0, kOf.sections - 1), random_.between(0, kOf.columns - 1));
+  }
+
+  void frame() {
+    encoder_ += static_cast<std::uint32_t>(random_.between(0, 6));
+    if (!model_.in_part() && random_.chance(50)) {
+      columns_ = 4 * random_.between(1, kOf.columns / 4);
+    }
+    const int columns = columns_;
+    const bool grey = kOf.grey && random_.chance(50);
+    const int beats = columns / (grey ? 2 : 4);
+    const bool breaks = random_.chance(15);
+    const bool silent = breaks && random_.chance(30);  // it breaks before its last row
+    const int come = silent ? 0 : breaks ? random_.between(0, beats - 1) : beats;
+    draw_moments(columns, grey);
+
+    dut_->frame_i = 1;
+    dut_->encoder_i = encoder_;
+    set(dut_->groups_i, columns / 4);
+    dut_->grey_i = grey;
+    clock();
+    dut_->frame_i = 0;
+    dut_->encoder_i = static_cast<IData>(random_.bits());
+    const auto count = static_cast<std::size_t>(come) * (grey ? 2 : 4);
+    const FrameVerdict wanted =
+        model_.frame(settings_, rule_, encoder_, {m0_.data(), count}, {m1_.data(), count}, !breaks);
+    bank_ = taken_over(wanted);
+    for (int i = 1; i < kFirstBeat + (random_.chance(50) ? 0 : random_.between(0, 9)); ++i) {
+      clock();
+    }
+    if (silent) {
+      return;
+    }
+    const int gaps = random_.chance(50) ? 0 : random_.between(1, 80);
+    std::int64_t due = 0;
+    for (int beat = 0; beat < come; ++beat) {
+      while (random_.chance(gaps)) {
+        clock();
+      }
+      send(beat, grey);
+      due = dut_.clock() + kVerdictDelay;
+      const bool here = breaks && beat + 1 == come && random_.chance(30);
+      dut_->break_i = here;
+      clock();
+      if (here) {
+        due = dut_.clock() - 1 + kBreakDelay;
+      }
+      dut_->beat_valid_i = 0;
+      dut_->break_i = 0;
+      broke_ = here;
+    }
+    if (breaks && !std::exchange(broke_, false)) {
+      dut_->break_i = 1;
+      due = dut_.clock() + kBreakDelay;
+      clock();
+      dut_->break_i = 0;
+    }
+    while (dut_.clock() < due) {
+      clock();
+    }
+    compare(wanted, columns);
+    broken += breaks ? 1 : 0;
+  }
+
+ private:
+  // Which bank judges a frame of this part.
+  int taken_over(const FrameVerdict& found) {
+    if (found.in_part && (parts_.empty() || *parts_.rbegin() != found.part)) {
+      parts_.insert(found.part);
+      return settings_.bank;
+    }
+    return bank_;
+  }
+
+  void settle_settings() {
+    set(dut_->width_i, settings_.width);
+    set(dut_->history_i, settings_.history - 1);
+    set(dut_->hits_i, settings_.hits);
+    dut_->above_i = settings_.above;
+    dut_->below_i = settings_.below;
+    set(dut_->most_unlit_i, settings_.most_unlit);
+    set(dut_->shift_columns_i, settings_.shift_columns & 0xFF);
+    set(dut_->shift_rows_i, settings_.shift_rows & 0x3FFF);
+    dut_->bank_i = settings_.bank != 0;
+    dut_->rule_by_encoder_i = rule_.by_encoder;
+    set(dut_->rule_lit_i, rule_.lit);
+    set(dut_->rule_dark_i, rule_.dark_frames);
+    dut_->rule_start_i = rule_.start;
+    dut_->rule_length_i = rule_.length;
+    dut_->rule_pitch_i = rule_.pitch;
+  }
+
+  void write(int bank, int section, int column) {
+    const int middle = model::kRowParts * random_.between(1, kOf.rows);
+    const int band = random_.between(0, 2 * model::kRowParts);
+    const model::ColumnLimits limits = {
+        static_cast<std::uint32_t>(std::max(0, middle - band)),
+        static_cast<std::uint32_t>(std::min(model::kRowParts * kOf.rows, middle + band)), random_.chance(90)};
+    model_.write(bank, section, column, limits);
+    const int row_bits = std::bit_width(static_cast<unsigned>(kOf.rows)) + 7;
+    dut_->write_limits_i = 1;
+    set(dut_->write_lane_i, column % 4);
+    set(dut_->write_group_i, (bank * kOf.sections + section) * (kOf.columns / 4) + column / 4);
+    dut_->write_word_i = (static_cast<std::uint64_t>(limits.judged) << 2 * row_bits) |
+                         (static_cast<std::uint64_t>(limits.high) << row_bits) | limits.low;
+    clock();
+    dut_->write_limits_i = 0;
+  }
+
+  void begin_section(int bank, int section) {
+    const auto count = static_cast<std::uint32_t>(random_.between(0, 60));
+    model_.begin_section(bank, section, count);
+    dut_->write_begin_i = 1;
+    set(dut_->write_section_i, bank * kOf.sections + section);
+    dut_->write_count_i = count;
+    clock();
+    dut_->write_begin_i = 0;
+  }
+
+  // Columns near the rows where limits lie, so that some are good, and at the limits themselves.
+  void draw_moments(int columns, bool grey) {
+    m0_.assign(static_cast<std::size_t>(columns), 0);
+    m1_ = m0_;
+    const int unlit = random_.chance(50) ? 3 : random_.between(0, 100);
+    for (std::size_t c = 0; c < m0_.size(); ++c) {
+      if (random_.chance(unlit)) {
+        continue;
+      }
+      const int most = (grey ? 255 : 1) * kOf.rows;
+      const int m0 = random_.between(1, most);
+      const int row_parts = random_.between(model::kRowParts, model::kRowParts * kOf.rows);
+      m0_[c] = static_cast<std::uint32_t>(m0);
+      m1_[c] = static_cast<std::uint32_t>((static_cast<std::int64_t>(row_parts) * m0 + random_.between(0, 127)) / 128);
+      m1_[c] = std::min(m1_[c], static_cast<std::uint32_t>(most * (kOf.rows + 1) / 2));
+    }
+  }
+
+  void send(int beat, bool grey) {
+    Word128 data = {};
+    for (int i = 0; i < (grey ? 2 : 4); ++i) {
+      const auto column = static_cast<std::size_t>(beat * (grey ? 2 : 4) + i);
+      if (grey) {
+        const std::uint64_t word = static_cast<std::uint64_t>(m1_[column]) << spec::kGreyM1Lsb |
+                                   static_cast<std::uint64_t>(m0_[column]) << spec::kGreyM0Lsb |
+                                   random_.bits() << spec::kGreyNLsb;
+        data[static_cast<std::size_t>(2 * i)] = static_cast<std::uint32_t>(word);
+        data[static_cast<std::size_t>(2 * i + 1)] = static_cast<std::uint32_t>(word >> 32);
+      } else {
+        data[static_cast<std::size_t>(i)] =
+            m1_[column] << spec::kBinaryRunM1Lsb | m0_[column] << spec::kBinaryRunM0Lsb |
+            (random_.chance(50) ? 1U << spec::kBinaryRunSecondLsb : 0) |
+            static_cast<std::uint32_t>(random_.between(0, 3)) << spec::kBinaryRunRunsLsb;
+      }
+    }
+    set128(dut_->beat_data_i, data);
+    dut_->beat_valid_i = 1;
+  }
+
+  void clock() {
+    dut_.settle();
+    if (dut_->verdict_valid_o) {
+      ++seen_;
+      came_ = dut_.clock();
+    }
+    dut_.rise();
+    known_ = false;
+  }
+
+  void compare(const FrameVerdict& wanted, int columns) {
+    dut_.settle();
+    ASSERT_TRUE(dut_->verdict_valid_o) << "clock " << dut_.clock() << ", last seen " << came_;
+    judged_ = wanted;
+    known_ = true;
+    ASSERT_EQ(dut_->in_part_o != 0, wanted.in_part);
+    ASSERT_EQ(dut_->defect_o != 0, wanted.defect);
+    ASSERT_EQ(dut_->lacks_light_o != 0, wanted.lacks_light);
+    if (wanted.in_part) {
+      ASSERT_EQ(dut_->unlit_o, wanted.unlit) << columns << " columns";
+      ASSERT_EQ(dut_->first_column_o, wanted.first_column);
+      ASSERT_EQ(dut_->columns_o, wanted.columns);
+      ASSERT_EQ(dut_->section_o, wanted.section);
+      ASSERT_EQ(dut_->part_o, wanted.part);
+      ASSERT_EQ(dut_->bank_o, bank_);
+    }
+    const bool bad = wanted.defect || wanted.lacks_light;
+    ASSERT_EQ(dut_->first_bad_o != 0, bad && bad_.insert(wanted.part).second);
+    parts = static_cast<int>(parts_.size());
+    defects += wanted.defect ? 1 : 0;
+    dark += wanted.lacks_light ? 1 : 0;
+    sections = std::max(sections, wanted.section);
+    dut_.rise();
+    known_ = false;
+    dut_.settle();
+    ASSERT_FALSE(dut_->verdict_valid_o);
+  }
+
+  Random& random_;
+  Clocked<Dut> dut_;
+  model::Verdict model_;
+  VerdictSettings settings_;
+  PartRule rule_;
+  std::uint32_t encoder_ = 0xFFFF'FF00;  // wraps
+  std::vector<std::uint32_t> m0_, m1_;
+  std::set<std::uint32_t> parts_, bad_;  // that have begun, and of which a frame was bad
+  FrameVerdict judged_;
+  bool known_ = false, broke_ = false;
+  int columns_ = kOf.columns;
+  int bank_ = 0;
+  int seen_ = 0;
+  std::int64_t came_ = -1;
+};
+
+template <typename Dut>
+void random_frames(int cases, int frames) {
+  int defects = 0, dark = 0, broken = 0, parts = 0, sections = 0;
+  for_cases(cases, [&](Random& random) {
+    VerdictBench<Dut> bench(random);
+    bench.draw_settings();
+    bench.draw_rule();
+    for (int i = 0; i < frames; ++i) {
+      if (random.chance(10)) {
+        bench.draw_settings();
+      }
+      if (random.chance(3)) {
+        bench.draw_rule();
+      }
+      for (int writes = random.chance(30) ? random.between(1, 20) : 0; writes > 0; --writes) {
+        bench.write_one();
+      }
+      bench.frame();
+      ASSERT_FALSE(testing::Test::HasFatalFailure()) << "frame " << i;
+    }
+    defects += bench.defects;
+    dark += bench.dark;
+    broken += bench.broken;
+    parts += bench.parts;
+    sections = std::max(sections, bench.sections);
+  });
+  if (runs_all_cases()) {
+    EXPECT_GT(defects, cases);
+    EXPECT_GT(dark, cases);
+    EXPECT_GT(broken, cases);
+    EXPECT_GT(parts, 2 * cases);
+    EXPECT_EQ(sections, VerdictBench<Dut>::kOf.sections - 1);
+  }
+}
+
+TEST(Verdict, RandomFramesEqualTheModel) { random_frames<Vsp_verdict>(20, 250); }
+TEST(VerdictSmall, RandomFramesEqualTheModel) { random_frames<Vsp_verdict_small>(6, 100); }
+
+// The pin follows its definition, five clocks late.
+TEST(Ejector, PulsesByTheEncoder) {
+  int pulses = 0;
+  for_cases(30, [&](Random& random) {
+    Clocked<Vsp_ejector> ejector;
+    const auto delay = static_cast<std::uint32_t>(random.chance(30) ? 0 : random.between(1, 40));
+    const int length = random.between(1, 12);
+    ejector->delay_i = delay;
+    set(ejector->length_i, length);
+    ejector->bad_i = 0;
+    std::uint32_t encoder = 0xFFFF'FFC0;  // wraps
+    ejector->encoder_i = encoder;
+    ejector.reset();
+    std::vector<std::uint32_t> places;
+    int quiet = 0;  // clocks in which the encoder stood
+    for (int i = 0; i < 3000; ++i) {
+      const bool steps = quiet >= 8 && random.chance(40);
+      quiet = steps ? 0 : quiet + 1;
+      encoder += steps ? 1U : 0U;
+      ejector->encoder_i = encoder;
+      ejector->bad_i = quiet == 1 && random.chance(5) && (places.empty() || encoder - places.back() > 12);
+      ejector->place_i = encoder;
+      if (ejector->bad_i) {
+        places.push_back(encoder);
+      }
+      ejector.settle();
+      ASSERT_FALSE(ejector->lost_o);
+      if (quiet >= 8) {  // by now the pin has followed
+        const bool wanted = std::ranges::any_of(places, [&](std::uint32_t place) {
+          return encoder - (place + delay) < static_cast<std::uint32_t>(length);
+        });
+        ASSERT_EQ(ejector->ejector_o != 0, wanted) << "clock " << i;
+        pulses += wanted ? 1 : 0;
+      }
+      ejector.rise();
+    }
+  });
+  EXPECT_GT(pulses, 1000);
+}
+
+}  // namespace
+}  // namespace selfproj::test
