@@ -67,7 +67,7 @@ std::string csv_of_map(const images::FloatImage& map) {
     csv += std::to_string(r + 1);
     for (int c = 0; c < map.columns; c += kCsvStep) {
       const float value = map.row(r)[c];
-      csv += std::isnan(value) ? "," : fmt::format(",{:.3f}", value);
+      csv += std::isnan(value) ? "," : fmt::format(",{:.3f}", std::round(1000 * value) / 1000 + 0.0F);
     }
     csv += "\n";
   }

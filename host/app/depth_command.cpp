@@ -51,7 +51,7 @@ void check_options(const DepthOptions& options) {
   const structured_light::DepthGeometry& geometry = options.setup.geometry;
   const structured_light::ScannerSettings& scanner = options.setup.scanner;
   if (geometry.rig.empty() == geometry.calibration.empty()) {
-    throw UserError("--rig, --calibration", "give one of them, not both");
+    throw UserError("--rig, --calibration", "exactly one of them is needed");
   }
   if (!geometry.rig.empty() && (geometry.lines > 0 || geometry.row_lines > 0)) {
     throw UserError("--lines, --row-lines", "go only with --calibration; a rig has its own lines");
@@ -67,7 +67,7 @@ void check_options(const DepthOptions& options) {
   }
   const bool device = !options.receive.device.empty();
   if (options.images.empty() != device) {
-    throw UserError("IMAGE, --device", "give one of them, not both");
+    throw UserError("IMAGE, --device", "exactly one of them is needed");
   }
   if (device && (geometry.row_bits > 0 || scanner.strict || scanner.median || !options.pixels.given().empty())) {
     throw UserError("--device",

@@ -158,10 +158,10 @@ void run_check(const HeightsOptions& options, const rig::Rig& rig,
 
 void run_heights(HeightsOptions options) {
   if (options.heights.empty() == options.steps.empty()) {
-    throw UserError("--heights, --steps", "give one of them, not both");
+    throw UserError("--heights, --steps", "exactly one of them is needed");
   }
   if (options.check == !options.out.empty()) {
-    throw UserError("--out, --check", "give one of them, not both");
+    throw UserError("--out, --check", "exactly one of them is needed");
   }
   rig::Rig rig = rig::load_any_rig(options.rig);
   model::Measure measure = rig.measure.of_board();

@@ -1,8 +1,10 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -20,11 +22,13 @@
 #include "host/images/image_files.h"
 #include "host/light_section/pattern.h"
 #include "host/light_section/scan.h"
+#include "host/structured_light/self_reference.h"
 #include "selfproj/files/user_error.h"
 #include "selfproj/images/float_image.h"
 #include "selfproj/light_section/reference.h"
 #include "selfproj/light_section/reference_file.h"
 #include "selfproj/model/column_runs.h"
+#include "selfproj/model/gray_decoder.h"
 #include "selfproj/rig/rig.h"
 #include "selfproj/structured_light/gray_sequence.h"
 
@@ -215,12 +219,34 @@ void run_pattern(const PatternOptions& options) {
 struct GrayOptions {
   std::string projector;
   std::string rig;
+  int bits = 0;
   std::string out;
 };
 
+// The code of the projector's lines alone.
+void make_gray_of_lines(const GrayOptions& options) {
+  const rig::Rig rig = rig::load_rig(options.rig);
+  files::OutputFolder folder(options.out);
+  for (int i = 0; i < 2 * options.bits; ++i) {
+    const images::FloatImage light = structured_light::gray_pattern(rig, options.bits, rig.projector.lines, i);
+    images::Image image{light.rows, light.columns, std::vector<std::uint8_t>(light.values.size())};
+    std::ranges::transform(light.values, image.pixels.begin(), [](float value) { return value > 0 ? 255 : 0; });
+    folder.append(fmt::format("pattern_{:02}.png", i), images::encode_png(image));
+  }
+  folder.commit();
+  fmt::print(
+      "{}: {} patterns of {}: {} bits for the {} lines; `selfproj depth --rig {} --bits {}` takes their images\n",
+      options.out, 2 * options.bits, images::size_text(rig.projector.lines, rig.projector.columns), options.bits,
+      rig.projector.lines, options.rig, options.bits);
+}
+
 void make_gray(const GrayOptions& options) {
+  if (options.bits > 0) {
+    make_gray_of_lines(options);
+    return;
+  }
   if (options.projector.empty() == options.rig.empty()) {
-    throw UserError("--projector, --rig", "give one of them, not both");
+    throw UserError("--projector, --rig", "exactly one of them is needed");
   }
   images::FrameSize size;
   if (options.rig.empty()) {
@@ -248,21 +274,34 @@ CLI::App* add_gray(CLI::App& pattern) {
   CLI::App* command = cli::add_command(
       pattern,
       {.name = "gray",
-       .purpose = "Writes the Gray-code patterns of both projector axes.",
+       .purpose = "Writes the Gray-code patterns of both projector axes, or of its lines alone.",
        .details = "The sequence is: each bit of the column code, most significant first, as a positive and its "
                   "negative; the same for the row code; white; black. Capture one image of each, in this order. "
-                  "`selfproj calibrate` and `selfproj pattern stripes --gray-code` take such captures.",
+                  "`selfproj calibrate`, `selfproj pattern stripes --gray-code` and `selfproj depth --row-bits` take "
+                  "such captures. With --bits only the code of a rig's lines is written, for `selfproj depth --rig`.",
        .examples = R"(
 # The patterns of a projector of 1024 x 768 pixels: 42 images.
 selfproj pattern gray --projector 1024x768 --out patterns
+# 16 patterns: 256 codes over the lines of a rig.
+selfproj pattern gray --rig scanner --bits 8 --out lines
 )"});
   const auto options = std::make_shared<GrayOptions>();
   command
       ->add_option("--projector", options->projector,
                    "Columns and rows of the projector in pixels. This or --rig is needed.")
       ->type_name("WxH");
-  command->add_option("--rig", options->rig, "Built-in rig or YAML file with the projector. Its lines are the rows.")
-      ->type_name("RIG");
+  auto* rig =
+      command
+          ->add_option("--rig", options->rig, "Built-in rig or YAML file with the projector. Its lines are the rows.")
+          ->type_name("RIG");
+  command
+      ->add_option("--bits", options->bits,
+                   "Only the code of the rig's lines, of this many bits: 2^M codes share the lines, or each line has a "
+                   "code of its own where there are fewer.")
+      ->type_name("M")
+      ->transform(cli::whole_number(1, model::GrayDecoder::kMaxBits))
+      ->needs(rig)
+      ->excludes("--projector");
   command->add_option("--out", options->out, "Folder for pattern_00.png and so on.")->type_name("DIR")->required();
   command->callback([options] { make_gray(*options); });
   return command;

@@ -48,7 +48,7 @@ void check_options(const ScanOptions& options) {
       throw UserError("--strict", "cannot be used with --self-projected");
     }
   } else if (geometry.rig.empty() == geometry.calibration.empty()) {
-    throw UserError("--rig, --calibration", "give one of them, not both");
+    throw UserError("--rig, --calibration", "exactly one of them is needed");
   }
 }
 

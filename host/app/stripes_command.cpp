@@ -106,7 +106,7 @@ structured_light::ProjectorPoints scanned(const rig::Rig& rig, const StripesOpti
 
 void run_stripes(const StripesOptions& options) {
   if (options.sweep == !options.scan.empty()) {
-    throw UserError("--scan, --sweep", "give one of them, not both");
+    throw UserError("--scan, --sweep", "exactly one of them is needed");
   }
   if (options.gray_code && options.sweep) {
     throw UserError("--gray-code", "goes only with --scan; `selfproj pattern gray` writes its patterns");

@@ -225,6 +225,9 @@ PartResult Classifier::classify(const CutPart& part, PlacedMaps& maps) const {
   if (part.restarted) {
     make_inconclusive(result, "the board was restarted in it");
   }
+  if (part.cut_off) {
+    make_inconclusive(result, "the run began or ended in it");
+  }
   if (part.too_long) {
     make_inconclusive(result, "is longer than parts.length_mm");
   }

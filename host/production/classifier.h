@@ -43,9 +43,9 @@ class Classifier {
 
   // The result of the part but for its number and delay, and its maps.
   //
-  // The verdict is inconclusive if the board was restarted in the part, it is too long, it could not be placed or lies
-  // outside of what the tolerance allows; then no defect of it counts. Otherwise a defect makes it bad, and
-  // without one a region that misses too many points makes it inconclusive.
+  // The verdict is inconclusive if the board was restarted in the part, the run began or ended in it, it is too long,
+  // it could not be placed or lies outside of what the tolerance allows; then no defect of it counts. Otherwise a
+  // defect makes it bad, and without one a region that misses too many points makes it inconclusive.
   PartResult classify(const CutPart& part, PlacedMaps& maps) const;
 
   // Heights on the grid, less those of the reference.

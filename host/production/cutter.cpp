@@ -62,6 +62,7 @@ void ProfileCutter::begin(double belt, const model::PacketHeader& header) {
   in_part_ = true;
   part_ = {};
   part_.first = header.sequence;
+  part_.cut_off = std::exchange(began_with_a_part_, false);
   present_from_ = present_to_ = belt;
   part_.begin_mm = belt;
   const std::size_t size = before_.size();
@@ -113,6 +114,7 @@ std::optional<CutPart> ProfileCutter::add(const model::PacketHeader& header, con
   std::optional<CutPart> complete;
   const double belt = belt_.add(header);
   const bool pause = any_ && belt_.pause_s() > rule_.pause_s;
+  began_with_a_part_ = rule_.cut == rig::PartCut::profile && !any_;
   any_ = true;
   switch (rule_.cut) {
     case rig::PartCut::profile: {
@@ -165,6 +167,7 @@ std::optional<CutPart> ProfileCutter::finish() {
     in_part_ = false;
     ++specks_;
   }
+  part_.cut_off = part_.cut_off || (rule_.cut == rig::PartCut::profile && part_.last == last_sequence_);
   return in_part_ ? end() : std::nullopt;
 }
 

@@ -27,6 +27,7 @@ struct CutPart {
   std::uint64_t missing = 0;  // frames in between that did not come, or gave no profile
   bool too_long = false;      // cut at length_mm, although it goes on
   bool restarted = false;     // the board was restarted meanwhile: where the belt went is not known
+  bool cut_off = false;       // cut by the profile: it lay in the first frame of the run, or in the last
   std::int64_t last_ns = 0;   // when its last frame came in, as `arrival_ns` of add()
 };
 
@@ -97,7 +98,8 @@ class ProfileCutter final : public Cutter {
   BeltPosition belt_;
   HeightGrid grid_;
   bool any_ = false;
-  double present_from_ = 0;  // belt at the first and the last frame that make it a part
+  bool began_with_a_part_ = false;  // this frame is the first of the run
+  double present_from_ = 0;         // belt at the first and the last frame that make it a part
   double present_to_ = 0;
   double last_kept_ = 0;
   std::uint64_t last_sequence_ = 0;

@@ -96,7 +96,7 @@ std::string part_csv(const PartResult& result) {
 }
 
 void add_figures(const PartResult& result, PartStatistics& statistics) {
-  if (!result.placement) {
+  if (!result.placement || result.verdict == Verdict::inconclusive) {
     return;
   }
   const Placement& placed = *result.placement;

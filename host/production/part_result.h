@@ -127,11 +127,11 @@ nlohmann::ordered_json part_json(const PartResult& result);
 std::string part_csv_head();
 std::string part_csv(const PartResult& result);
 
-// Statistics over all placed parts, by the name of the figure. The map stays small: it has at most five figures of the
-// placement, and four of each region.
+// Statistics over all parts that are good or bad, by the name of the figure. The map stays small: it has at most five
+// figures of the placement, and four of each region.
 using PartStatistics = std::map<std::string, RunningFigures>;
 
-// Adds the figures of a part that was placed. Other parts are left out, because their figures have no meaning.
+// Adds the figures of a part, unless it is inconclusive: what it lies or measures then has no meaning.
 void add_figures(const PartResult& result, PartStatistics& statistics);
 
 // For each name: number of parts, mean, standard deviation, min, max, and the rise of the fitted straight line

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <stdexcept>
@@ -111,7 +112,7 @@ std::unique_ptr<Triangulation> triangulation_of_rig(const rig::Rig& rig, int bit
   }
   LensSettings settings = settings_of(rig, limits);
   settings.bits = bits;
-  settings.lines = rig.projector.lines;
+  settings.lines = std::max<double>(rig.projector.lines, std::ldexp(1.0, bits));
   return std::make_unique<LensTriangulation>(rig::calibration_of(rig), settings);
 }
 

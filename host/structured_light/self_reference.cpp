@@ -361,12 +361,13 @@ images::FloatImage gray_pattern(const rig::Rig& rig, int bits, int lines, int in
   check(index >= 0 && index < 2 * bits, "gray pattern: index out of range");
   images::FloatImage pattern(rig.projector.lines, rig.projector.columns);
   const double first = 0.5 * (rig.projector.lines - lines);
+  const double height = std::max<double>(lines, std::ldexp(1.0, bits));  // H of (4.1); a line has one code at most
   for (int l = 0; l < pattern.rows; ++l) {
     const double y = l - first + 0.5;  // middle of the line, in lines from the first coded one
     if (y < 0 || y > lines) {
       continue;
     }
-    const auto stripe = static_cast<int>(std::floor(std::ldexp(y / lines, index / 2) + 0.5));
+    const auto stripe = static_cast<int>(std::floor(std::ldexp(y / height, index / 2) + 0.5));
     const bool light = (stripe % 2 != 0) == (index % 2 == 0);
     std::fill_n(pattern.row(l), pattern.columns, light ? 1.0F : 0.0F);
   }

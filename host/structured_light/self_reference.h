@@ -91,7 +91,8 @@ images::FloatImage self_projected_pattern(const SelfReference& reference, int in
 images::FloatImage scan_pattern(const rig::Rig& rig, int index);
 
 // Pattern i of the conventional method (4.1): stripes along the projector's lines, 2^bits codes over the central
-// `lines` lines, which may be all. Beyond them positives and negatives are dark.
+// `lines` lines, which may be all. Beyond them positives and negatives are dark. Where the codes are more than the
+// lines, line v of them has code v, as in GraySequence.
 images::FloatImage gray_pattern(const rig::Rig& rig, int bits, int lines, int index);
 
 // A reference as a folder, which `selfproj pattern stripes` makes:

@@ -436,8 +436,9 @@ std::string contradiction_of(const Triangulation& triangulation, const std::uint
   const std::optional<Pace> pace = pace_of(triangulation, codes);
   if (pace && (pace->along < kMinPace || (pace->along < kSlowPace && pace->across > kAcross))) {
     return "the code does not run across the image as the geometry says: is the picture mirrored, are positive and "
-           "negative exchanged, are these the images of the projector's other axis, or is the geometry that of another "
-           "setup?";
+           "negative exchanged, are these the images of the projector's other axis (those of `selfproj pattern gray` "
+           "begin with the columns; "
+           "--row-bits takes both), or is the geometry that of another setup?";
   }
   if (of(PointState::valid) == 0) {
     return fmt::format("none of {:.0f} pixels with a code has a point: is the geometry that of the images?", measured);

@@ -122,11 +122,12 @@ nb::tuple state_of_part(const CutPart& p) {
   const production::MapGrid& g = p.cells.grid;
   return nb::make_tuple(array_of_image(p.cells.height), array_of_image(p.cells.weight),
                         std::vector<double>{g.pitch_mm, g.along_mm, g.across_mm, p.begin_mm, p.length_mm},
-                        std::vector<std::uint64_t>{p.first, p.last, p.frames, p.missing}, p.too_long, p.restarted);
+                        std::vector<std::uint64_t>{p.first, p.last, p.frames, p.missing}, p.too_long, p.restarted,
+                        p.cut_off);
 }
 
 void set_part(CutPart& self, const nb::tuple& state) {
-  require(state.size() == 6, "state: is none of a Part");
+  require(state.size() == 7, "state: is none of a Part");
   CutPart p;
   p.cells.height = float_image_of(nb::cast<FloatArray>(state[0]));
   p.cells.weight = float_image_of(nb::cast<FloatArray>(state[1]));
@@ -139,6 +140,7 @@ void set_part(CutPart& self, const nb::tuple& state) {
   p.first = counts[0], p.last = counts[1], p.frames = counts[2], p.missing = counts[3];
   p.too_long = nb::cast<bool>(state[4]);
   p.restarted = nb::cast<bool>(state[5]);
+  p.cut_off = nb::cast<bool>(state[6]);
   new (&self) CutPart(std::move(p));
 }
 

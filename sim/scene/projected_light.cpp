@@ -275,21 +275,21 @@ PatternSet::PatternSet(const rig::Rig& rig, std::span<const images::Image> image
   }
 }
 
-// g_2i = floor(2^i Y/H + 1/2) mod 2, in integers.
+// g_2i = floor(2^i Y/H + 1/2) mod 2, in integers. H is 2^m where the lines are fewer, so that line v has code v.
 std::vector<images::Image> gray_patterns(const rig::RigProjector& projector, int bits) {
   constexpr int kMaxBits = 12;
   if (bits < 1 || bits > kMaxBits) {
     throw std::invalid_argument("Gray patterns of other than 1..12 bits");
   }
   constexpr std::uint8_t kFull = 255;
-  const std::int64_t lines = projector.lines;
+  const std::int64_t height = std::max<std::int64_t>(projector.lines, std::int64_t{1} << bits);
   std::vector<images::Image> patterns;
   for (int i = 0; i < bits; ++i) {
     for (const bool positive : {true, false}) {
       images::Image image{projector.lines, projector.columns, {}};
-      image.pixels.reserve(static_cast<std::size_t>(lines) * static_cast<std::size_t>(projector.columns));
-      for (std::int64_t line = 0; line < lines; ++line) {
-        const bool lit = ((2 * (line << i) + lines) / (2 * lines)) % 2 == 1;
+      image.pixels.reserve(static_cast<std::size_t>(projector.lines) * static_cast<std::size_t>(projector.columns));
+      for (std::int64_t line = 0; line < projector.lines; ++line) {
+        const bool lit = ((2 * (line << i) + height) / (2 * height)) % 2 == 1;
         image.pixels.insert(image.pixels.end(), static_cast<std::size_t>(projector.columns),
                             lit == positive ? kFull : std::uint8_t{0});
       }

@@ -199,7 +199,8 @@ class PatternSet {
 };
 
 // The 2 bits patterns of (4.1) along the projector's lines, with values 0 and 255, lines x columns: positive and
-// negative of plane 0 (the most significant), then of plane 1, and so on. `bits` is 1..12.
+// negative of plane 0 (the most significant), then of plane 1, and so on. `bits` is 1..12. Where 2^bits is more than
+// the lines, line v has code v.
 std::vector<images::Image> gray_patterns(const rig::RigProjector& projector, int bits);
 
 }  // namespace selfproj::sim

@@ -32,7 +32,7 @@ selfproj depth: --rig {m}/scanner.yaml --bits 2 --out o {seen}
 selfproj match: --rig {m}/scanner.yaml --reference {m}/stripes --out o {seen}
 selfproj pattern: --rig {m}/rig.yaml --reference {m}/curve.csv --out o
 selfproj pattern chessboard: --out o.svg
-selfproj pattern gray: --rig {m}/scanner.yaml --out o
+selfproj pattern gray: --rig {m}/scanner.yaml --bits 8 --out o
 selfproj pattern stripes: --rig {m}/scanner.yaml --scan {m}/seen --gray-code --bits 2 --out o
 selfproj calibrate: --chessboard 6x5 --square 30 --projector 256x192 --rig {m}/quarter.yaml --out o
   {m}/chess/pose_01 {m}/chess/pose_02

@@ -7,6 +7,7 @@ PROGRAMS is the folder of selfproj and selfproj-sim, MAKE_PARTS a program that w
 within sections as well, and are small.
 """
 
+import json
 import os
 import pathlib
 import re
@@ -183,7 +184,22 @@ class Pairs(unittest.TestCase):
             selfproj record --device file:codes.packets --out again.packets
             selfproj depth --rig rig.yaml --bits 6 --device file:again.packets --out depth4
             selfproj images --device file:again.packets --out images
+            selfproj pattern gray --rig rig.yaml --bits 7 --out lines
+            selfproj-sim capture --rig rig.yaml --scene desk --patterns lines --out by_lines
+            selfproj depth --rig rig.yaml --bits 7 --out depth5 by_lines/image_*.png
+            selfproj-sim capture --rig rig.yaml --scene desk --patterns codes --out by_both
+            selfproj depth --rig rig.yaml --bits 7 --row-bits 7 --out depth6 by_both
+            selfproj depth --rig rig.yaml --bits 7 --out depth7 by_both/image_{14..27}.png
+            selfproj compare --out compared5 depth6/depth.tiff depth5/depth.tiff
+            selfproj compare --out compared7 depth6/depth.tiff depth7/depth.tiff
+            cmp lines/pattern_00.png codes/pattern_14.png
+            cmp lines/pattern_13.png codes/pattern_27.png
         """)
+        # The lines' code alone rounds more than both codes together, and gives the same surface otherwise.
+        for compared in ("compared5", "compared7"):
+            found = json.loads((self.folder / "scanner" / compared / "summary.json").read_text(encoding="utf-8"))
+            self.assertLess(abs(found["mean_mm"]), 2)
+            self.assertGreater(found["compared"], 1000)
 
     # With lenses, and with a laser line in place of the projector.
     def test_calibrated_rigs(self):

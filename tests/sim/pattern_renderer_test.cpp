@@ -124,7 +124,8 @@ TEST(GrayPatterns, AreThoseOf41) {
       ASSERT_EQ(patterns.size(), static_cast<std::size_t>(2 * bits));
       for (int i = 0; i < bits; ++i) {
         for (int y = 0; y < lines; ++y) {
-          const auto g = static_cast<int>(std::fmod(std::floor(std::pow(2.0, i) * y / lines + 0.5), 2.0));
+          const double height = std::max<double>(lines, std::pow(2.0, bits));
+          const auto g = static_cast<int>(std::fmod(std::floor(std::pow(2.0, i) * y / height + 0.5), 2.0));
           for (int c = 0; c < 3; ++c) {
             const auto at = static_cast<std::size_t>(3 * y + c);
             ASSERT_EQ(patterns[static_cast<std::size_t>(2 * i)].pixels[at], g == 1 ? 255 : 0);

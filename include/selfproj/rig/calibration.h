@@ -84,7 +84,7 @@ struct DepthMatrices {
 
 // The matrices of the pinholes of a rig whose projector shows `bits` pairs, 1..12, coded along its lines. Its central H
 // lines, or all of them if H is 0, are divided into 2^bits codes: code centre Xp = pitch ((c + 1/2) H/2^bits - 1/2 - (H
-// - 1)/2) + center_xp_mm.
+// - 1)/2) + center_xp_mm. Where 2^bits is more than H, each line has a code of its own, the first of them 0.
 DepthMatrices depth_matrices(const Rig& rig, int bits, int coded_lines = 0);
 
 // The projector axis along which codes count.

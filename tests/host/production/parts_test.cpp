@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <numbers>
 #include <string>
@@ -67,6 +68,28 @@ TEST(Parts, AreCutByTheProfile) {
     }
     EXPECT_NEAR(there * grid.pitch_mm, std::min(part.length_mm, 60.5), 3);
   }
+}
+
+TEST(Parts, ThatARunCutsOffAreTold) {
+  const auto cut_off = [](const std::function<void(MadeBelt&, Cut&)>& run) {
+    Cut cut(rig_with_parts());
+    MadeBelt belt(cut.cutter.rig(), 2);
+    run(belt, cut);
+    cut.finish();
+    EXPECT_EQ(cut.parts.size(), 1U);
+    return !cut.parts.empty() && cut.parts[0].cut_off;
+  };
+  EXPECT_TRUE(cut_off([](MadeBelt& belt, Cut& cut) { belt.pass(cut, {.length = 20}, -2); }));
+  EXPECT_TRUE(cut_off([](MadeBelt& belt, Cut& cut) {
+    belt.bare(cut, 5);
+    belt.pass(cut, {.length = 20}, -2);
+  }));
+  EXPECT_TRUE(cut_off([](MadeBelt& belt, Cut& cut) {
+    belt.pass(cut, {.length = 20}, -2);
+    belt.bare(cut, 1);
+  }));
+  // Both edges have come, though not the gap behind the part.
+  EXPECT_FALSE(cut_off([](MadeBelt& belt, Cut& cut) { belt.pass(cut, {.length = 20}, 1); }));
 }
 
 TEST(Parts, CornersThatComeBeforeThePartIsWideEnoughAreInItsMap) {
