@@ -481,9 +481,8 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     commands = parser.add_subparsers(dest="command", required=True)
     table = commands.add_parser("table")
-    table.add_argument("--module", default="sp_board", metavar="NAME",
-                       choices=[path.stem for path in rtl_tree.sources()[1:]])
-    table.add_argument("families", nargs="*", metavar="FAMILY", choices=[[], *FAMILIES], default=[])
+    table.add_argument("--module", default="sp_board", metavar="NAME")
+    table.add_argument("families", nargs="*", metavar="FAMILY")
     for name in ("place", "update"):
         commands.add_parser(name).add_argument("--seeds", type=int, default=40)
     commands.add_parser("stale")
@@ -491,6 +490,11 @@ def main():
     words = sys.argv[1:] if sys.argv[1:2] and sys.argv[1] in (*commands.choices, "-h", "--help") else \
         ["table", *sys.argv[1:]]
     arguments = parser.parse_args(words)
+    if arguments.command == "table":
+        for word, known, what in [(arguments.module, [path.stem for path in rtl_tree.sources()[1:]], "a module of rtl/"),
+                                  *((family, FAMILIES, "one of " + ", ".join(FAMILIES)) for family in arguments.families)]:
+            if word not in known:
+                sys.exit(f"fpga.py: {word}: is not {what}")
     if not shutil.which("yosys"):
         subprocess.run([ROOT / "scripts" / "setup.sh"], stdout=sys.stderr, check=True)
     if arguments.command in ("place", "update") and not program_of("iCE40 HX8K"):

@@ -68,9 +68,10 @@ def arguments():
     parser.add_argument("--seed", type=int, default=1, metavar="N")
     parser.add_argument("--seeds", metavar="FIRST-LAST")
     parser.add_argument("--address", type=ipaddress.IPv4Address, default=ipaddress.IPv4Address("192.168.1.50"))
-    parser.add_argument("--sensor", action="store_const", const="parallel sensor", dest="configuration",
-                        default="test camera")
-    parser.add_argument("--codes", action="store_const", const="Gray decoder", dest="configuration")
+    kind = parser.add_mutually_exclusive_group()
+    kind.add_argument("--sensor", action="store_const", const="parallel sensor", dest="configuration",
+                      default="test camera")
+    kind.add_argument("--codes", action="store_const", const="Gray decoder", dest="configuration")
     parser.add_argument("--jumbo", action="store_true")
     parser.add_argument("--keep", action="store_true")
     words = parser.parse_args()

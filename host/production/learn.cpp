@@ -251,7 +251,7 @@ void Learner::compare(const Classifier& classifier, const Tolerance& outline, Re
   for (std::size_t part = 0; part < parts_.size(); ++part) {
     results.push_back(classifier.classify(parts_[part], maps));
     if (results.back().verdict != Verdict::good && reasons[part].empty()) {
-      reasons[part] = "it could not be placed";
+      reasons[part] = parts_[part].cut_off ? "the run began or ended in it" : "it could not be placed";
     }
   }
   const auto look_at = [&](const auto& value_of, double floor, const std::string& what) {

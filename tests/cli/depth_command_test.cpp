@@ -319,7 +319,7 @@ TEST_F(DepthCommand, RefusesADeviceThatDoesNotFit) {
   };
   expect_refused(with(base, {"--device", "file:empty.bin"}), "file:empty.bin: ", "no complete code image");
   expect_refused(with(base, {"--device", "file:missing.bin"}), "missing.bin: ", "No such file");
-  expect_refused(with(base, {"--device", "file:codes.bin", "a.png"}), "IMAGE, --device: ", "not both");
+  expect_refused(with(base, {"--device", "file:codes.bin", "a.png"}), "IMAGE, --device: ", "exactly one");
   expect_refused(base, "IMAGE, --device: ", "one of them");
   expect_refused(with(base, {"--device", "file:codes.bin", "--median"}), "--device: ", "--median");
   expect_refused(with(base, {"--count", "3", "a.png"}), "--count: ", "--device");

@@ -81,7 +81,7 @@ TEST(HeightsCommand, CorrectsARigAndChecksIt) {
                  "heights: 2 are too few; 3 or more are needed, 5 are good");
   expect_refused(folder, heights(folder, {"--heights", "0,20", "--out", "out", "at0"}),
                  "--heights: has 2 heights for 1 folders");
-  expect_refused(folder, heights(folder, {"--out", "out", "at0"}), "--heights, --steps: give one of them, not both");
+  expect_refused(folder, heights(folder, {"--out", "out", "at0"}), "--heights, --steps: exactly one of them is needed");
   expect_refused(folder, heights(folder, {"--heights", "0,5,20", "--out", "out", "at0", "at10", "at20"}),
                  "at10: is given as 5 mm above at0, but the rig sees it");
   expect_refused(folder, heights(folder, {"--heights", "0,13.4,26.8", "--out", "out", "at0", "at10", "at20"}),

@@ -24,6 +24,8 @@ int main(int argc, char** argv) {
     good.pass(made_part(false, any(random), any(random)), 5);
     run.pass(made_part(i % 3 == 2, any(random), any(random)), 5);
   }
+  good.bare(1);
+  run.bare(1);
   write_text(folder / "rig.yaml", rig::to_yaml(rig));
   write_text(folder / "good.packets", good.text());
   write_text(folder / "run.packets", run.text());

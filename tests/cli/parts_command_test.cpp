@@ -42,11 +42,13 @@ class PartsCommand : public ::testing::Test {
     for (int i = 0; i < 8; ++i) {
       good.pass(made_part(false, any(random), any(random)), 5);
     }
+    good.bare(1);
     write_text(*folder_ / "good.packets", good.text());
     MadePackets run(rig, 4);
     for (int i = 0; i < 6; ++i) {
       run.pass(made_part(i == 2 || i == 4, any(random), any(random)), 5);
     }
+    run.bare(1);
     write_text(*folder_ / "run.packets", run.text());
     learned_ = new Outcome(
         host({"tolerance", "learn", "--rig", "rig.yaml", "--device", "file:good.packets", "--out", "tolerance.yaml"}));

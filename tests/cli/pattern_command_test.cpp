@@ -88,7 +88,7 @@ TEST(PatternCommand, GraySequence) {
   expect_pattern_refused(folder, pattern(folder, {"gray", "--projector", "0x5", "--out", "out"}),
                          "--projector: is '0x5'");
   expect_pattern_refused(folder, pattern(folder, {"gray", "--out", "out"}),
-                         "--projector, --rig: give one of them, not both");
+                         "--projector, --rig: exactly one of them is needed");
   expect_pattern_refused(folder, pattern(folder, {"gray", "--projector", "4x4"}), "--out");
 }
 

@@ -253,7 +253,7 @@ TEST_F(LiveCapture, ScansOfAnotherRigAreRefusedBeforeAnythingIsShown) {
   const Outcome both =
       run({"scan", "--camera", "camera:127.0.0.1", "--rig", "small.yaml", "--calibration", "c.yaml", "--out", "scan"});
   EXPECT_EQ(both.status, 2);
-  EXPECT_EQ(both.err, "selfproj: --rig, --calibration: give one of them, not both\n");
+  EXPECT_EQ(both.err, "selfproj: --rig, --calibration: exactly one of them is needed\n");
   EXPECT_EQ(folder_.names(), before);
 }
 

@@ -41,6 +41,13 @@ class MadePackets {
     }
   }
 
+  // The belt without a part for this way.
+  void bare(double mm) {
+    for (const double end = belt_ + mm; belt_ < end; belt_ += step_mm) {
+      frame(MadePart(), -1000);
+    }
+  }
+
   [[nodiscard]] std::string text() const { return {bytes.begin(), bytes.end()}; }
 
  private:
