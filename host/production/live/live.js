@@ -3,7 +3,11 @@
 (() => {
   const $ = (id) => document.getElementById(id);
   const style = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
-  const number = (value, digits) => (value === undefined ? '–' : Number(value).toFixed(digits));
+  const number = (value, digits) => {
+    if (value === undefined) return '–';
+    const digits_ = Number(value).toFixed(digits);
+    return Number(digits_) === 0 ? digits_.replace('-', '') : digits_;
+  };
   const text = (element, value) => { if (element.textContent !== value) element.textContent = value; };
 
   // Blue, white, red over -1 .. 1; grey where there is no value.
@@ -52,12 +56,21 @@
       }
       g.stroke();
     };
+    // Lines at round heights, with their numbers
+    const step = [0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500].find((s) => (high - low) / s <= 6) || 1000;
+    g.font = '15px system-ui, sans-serif';
+    g.fillStyle = style('--faint');
     g.strokeStyle = style('--line');
-    g.beginPath(); g.moveTo(8, py(0)); g.lineTo(canvas.width - 8, py(0)); g.stroke();
+    for (let v = Math.ceil(low / step) * step; v <= high; v += step) {
+      g.lineWidth = Math.abs(v) < step / 2 ? 2 : 1;
+      g.beginPath(); g.moveTo(8, py(v)); g.lineTo(canvas.width - 8, py(v)); g.stroke();
+      g.fillText(`${number(v, step < 1 ? 1 : 0)} mm`, 8, py(v) - 4);
+    }
     curve(height, 1, '--height');
     curve(difference, 10, '--difference');
     const highest = Math.max(...seen).toFixed(2);
     text($('span'), `  y ${left.toFixed(0)} to ${right.toFixed(0)} mm, height up to ${highest} mm`);
+    text($('map-note'), `across, y ${left.toFixed(0)} to ${right.toFixed(0)} mm; the newest profile above`);
   };
 
   const drawWaterfall = (columns, rows, values) => {
@@ -187,6 +200,7 @@
     const [json, floats] = lengths(bytes, 0);
     const {head, values} = parse(bytes, 0, json, floats);
     if (!head.part || !solid) return;
+    text($('solid-note'), `Part ${head.part}, ${head.verdict}: height, coloured by the difference. Drag to turn.`);
     // The colours are about the mean difference of the regions, so that a part on a bare plane shows its defects too.
     const means = head.regions.map((region) => region.mean_mm);
     head.zero = means.reduce((sum, v) => sum + v, 0) / Math.max(1, means.length);
@@ -294,9 +308,9 @@
       $('parts').tBodies[0].replaceChildren(...head.parts.map((part) => {
         const placed = part.placement || {};
         const worst = part.defects[0];
-        return row([String(part.part), part.verdict, number(placed.length_mm, 3), number(placed.across_mm, 3),
-          number(placed.turn_deg, 3), String(part.defects.length),
-          worst ? number(worst.depth_mm, 3) : '–'], part.verdict);
+        return row([String(part.part), part.verdict, String(part.defects.length),
+          worst ? number(worst.depth_mm, 2) : '–', number(placed.length_mm, 2), number(placed.across_mm, 2),
+          number(placed.turn_deg, 2)], part.verdict);
       }));
       $('statistics').tBodies[0].replaceChildren(...Object.entries(head.statistics).map(([name, f]) =>
         row([name, number(f.mean, 4), number(f.spread, 4), number(f.rise_in_1000_parts, 4)])));
@@ -318,6 +332,7 @@
     if (!response.ok) throw new Error(await response.text());
     shown = solidShown = imageShown = 0;
     text($('connection'), 'connected');
+    document.body.classList.remove('stale');
     const reader = response.body.getReader();
     let bytes = new Uint8Array(0);
     for (;;) {
@@ -343,7 +358,8 @@
   (async () => {
     for (;;) {
       try { await watch(); } catch (error) { /* told below */ }
-      text($('connection'), 'not connected; trying again');
+      text($('connection'), 'not connected: what is below is old; trying again');
+      document.body.classList.add('stale');
       await new Promise((resolve) => setTimeout(resolve, 1000));
     }
   })();
