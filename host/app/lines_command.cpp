@@ -74,6 +74,9 @@ void run_lines(const LinesOptions& options) {
   std::vector<report::CameraPicture> pictures;
   model::Runs runs;
   runs.resize(measure.select, images.columns());
+  // A line is thin: light of more rows than this is likely no line.
+  const auto widest = static_cast<std::uint32_t>(std::max(16, images.rows() / 10));
+  std::int64_t wide = 0;
   {
     cli::Progress progress("image", images.count());
     for (std::size_t i = 0; i < images.count(); ++i) {
@@ -85,6 +88,7 @@ void run_lines(const LinesOptions& options) {
         light_section::fast_measure_columns(frame.view(), measure, runs.view());
       }
       lines.add(i + 1, runs);
+      wide += std::ranges::count_if(runs.moments.n, [&](std::uint32_t n) { return n > widest; });
       if (i < options.pictures) {
         pictures.push_back(lines.picture(i + 1, std::move(as_taken), runs));
         folder.append(fmt::format("frame_{}.png", i + 1), report::frame_png(pictures.back()));
@@ -102,6 +106,13 @@ void run_lines(const LinesOptions& options) {
   if (lines.lit() == 0) {
     note_doubt(images.files().front(),
                fmt::format("no column of any image has a pixel above the threshold of {}", measure.threshold));
+  }
+  if (2 * wide > lines.lit()) {
+    note_doubt(
+        images.files().front(),
+        fmt::format("{:.0f} % of the columns with light have more than {} lit rows, which is likely no line: raise "
+                    "--threshold, subtract the view without the line (--background), or choose another --channel",
+                    100.0 * static_cast<double>(wide) / static_cast<double>(lines.lit()), widest));
   }
   const std::string select = images::select_text(measure);
   fmt::print("{} {} of {}, {}, threshold {}{}{}: {} columns with light, {} ambiguous → {}\n", images.count(),
