@@ -45,9 +45,10 @@ TEXT
 
 captures=../shared/data/laser-chrisspen/images
 if [[ -d $captures ]]; then
-  printf '\nReal captures of a laser line go through the same board; the image without the laser is subtracted:\n'
-  "$programs"/selfproj-sim cosim --frames "$captures/sample*/sample*-b-0.jpg" \
-    --background "$captures/sample*/sample*-a-0.jpg" --channel red --threshold 30 --out "$out/captures"
+  printf '\nReal captures of a laser line go through the same board; the image without the laser is subtracted. The first of
+them is left out, whose two images have different exposures:\n'
+  "$programs"/selfproj-sim cosim --frames "$captures"/sample[2-9]/sample*-b-0.jpg \
+    --background "$captures"/sample[2-9]/sample*-a-0.jpg --channel red --threshold 30 --out "$out/captures"
 fi
 
 cat <<TEXT
