@@ -34,9 +34,11 @@ std::string reason_of(Validity validity, const rig::RigMeasure& measure) {
                             : "have the line at the border of the image: the part is higher or lower than the camera "
                               "sees, or camera and light do not meet there";
     case Validity::no_reference:
-      return "have no reference: the reference is of something else, or its light does not reach them; make one of "
-             "what "
-             "is measured (selfproj pattern), and see whether plane_z_mm is where the belt is";
+      return fmt::format(
+          "have no reference: the reference is of something else, its light does not reach them, or max_z_per_line_mm, "
+          "{:g}, is too small there; make one of what is measured (selfproj pattern), and see whether plane_z_mm is "
+          "where the belt is",
+          measure.max_z_per_line_mm);
     case Validity::out_of_range:
       return "cannot be triangulated: is the rig that of these images, and is max_z_per_line_mm not too small?";
     case Validity::ambiguous:
