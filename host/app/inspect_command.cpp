@@ -258,7 +258,7 @@ class Run {
       const std::vector<report::Fact> more = production_->facts();
       facts.insert(facts.end(), more.begin(), more.end());
     }
-    if (inspection_ && inspection_->frames() > 1 && !rig_.parts) {
+    if (inspection_ && inspection_->frames() > 1 && (!rig_.parts || !inspection_->encoder_counts())) {
       rig::expect_way_measured(rig_, inspection_->encoder_counts(), options_.section.rig);
     }
     if (inspection_ && inspection_->frames() > 0) {

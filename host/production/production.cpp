@@ -155,6 +155,8 @@ void Production::run(const std::stop_token& stop) {
 
 void Production::work(MeasuredFrame& measured) {
   last_arrival_ns_ = measured.arrival_ns;
+  encoder_ = encoder_.value_or(measured.header.encoder);
+  encoder_counts_ = encoder_counts_ || *encoder_ != measured.header.encoder;
   if (cutter_) {
     classify(cutter_->add(measured));
   }
@@ -194,7 +196,9 @@ void Production::classify(const std::optional<CutPart>& part) {
     counts_.last_depth_mm = result.defects.empty() ? 0 : result.defects.front().depth_mm;
     counts_.last_delay_ns = result.delay_ns;
     counts_.last_ns = now;
-    if (result.verdict == Verdict::inconclusive) {
+    if (part->cut_off) {
+      ++cut_off_;
+    } else if (result.verdict == Verdict::inconclusive) {
       last_inconclusive_ = result.reason;
     }
     delays_.add(result.delay_ns);
@@ -268,7 +272,13 @@ std::string Production::doubt() const {
     return "";
   }
   const std::lock_guard lock(mutex_);
-  const std::uint64_t inconclusive = counts_.verdicts[static_cast<std::size_t>(Verdict::inconclusive)];
+  const rig::RigParts& parts = *rig_.parts;
+  if (parts.by_encoder && parts.cut != rig::PartCut::image && !encoder_counts_) {
+    return "the encoder did not count, so the belt stood still or its encoder is not connected; the rig's section "
+           "`parts` "
+           "says with belt: clock that speed and time are taken instead";
+  }
+  const std::uint64_t inconclusive = counts_.verdicts[static_cast<std::size_t>(Verdict::inconclusive)] - cut_off_;
   if (inconclusive > 0) {
     return fmt::format("{} of {} parts {} no verdict; the last: {}", inconclusive, counts_.parts(),
                        inconclusive == 1 ? "has" : "have", last_inconclusive_);
@@ -276,7 +286,6 @@ std::string Production::doubt() const {
   if (counts_.parts() > 0) {
     return "";
   }
-  const rig::RigParts& parts = *rig_.parts;
   const std::string specks = counts_.specks > 0
                                  ? fmt::format(", and what was shorter than min_length_mm ({} mm) came {} times",
                                                parts.min_length_mm, counts_.specks)

@@ -97,8 +97,8 @@ class Production {
     }
   }
 
-  // Why parts have no verdict, in words, after finish(): none was cut, or some are inconclusive. Empty if all have one,
-  // or no parts are classified.
+  // Why parts have no verdict, in words, after finish(): none was cut, the encoder did not count, or some are
+  // inconclusive. Empty if all have one but those that the run cut off, or no parts are classified.
   [[nodiscard]] std::string doubt() const;
 
   // What was counted so far; the end of the status line on a terminal: "12 parts: 10 good, ..."; and at the end one
@@ -131,9 +131,12 @@ class Production {
   PlacedMaps maps_;
   std::int64_t next_beat_ns_ = 0;
   std::int64_t last_arrival_ns_ = 0;
+  std::optional<std::uint32_t> encoder_;  // of the first frame
+  bool encoder_counts_ = false;           // it has changed since
 
-  mutable std::mutex mutex_;       // of the next five
-  std::string last_inconclusive_;  // the reason of the last inconclusive part
+  mutable std::mutex mutex_;       // of the next six
+  std::string last_inconclusive_;  // the reason of the last inconclusive part that the run did not cut off
+  std::uint64_t cut_off_ = 0;      // parts that the run cut off
   PartCounts counts_;
   PartStatistics statistics_;
   driver::DurationHistogram delays_;  // from the arrival of a part's last frame to its result
