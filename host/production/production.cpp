@@ -273,7 +273,7 @@ std::string Production::doubt() const {
   }
   const std::lock_guard lock(mutex_);
   const rig::RigParts& parts = *rig_.parts;
-  if (parts.by_encoder && parts.cut != rig::PartCut::image && !encoder_counts_) {
+  if (rig_.kind == rig::RigKind::light_section && parts.by_encoder && !encoder_counts_) {
     return "the encoder did not count, so the belt stood still or its encoder is not connected; the rig's section "
            "`parts` "
            "says with belt: clock that speed and time are taken instead";
