@@ -80,6 +80,13 @@ void run_rows(const RowsOptions& options) {
   if (!options.out.empty() && !options.rows) {
     throw UserError("--out", "needs --rows");
   }
+  if (options.rows && options.rate_hz) {
+    const double most = std::floor(light_section::board_rate_hz(rig, *options.rows, rig.camera.columns));
+    if (*options.rate_hz > most) {
+      throw UserError("--rate", fmt::format("is {:.0f}; the board takes at most {:.0f} frames a second of {} rows",
+                                            *options.rate_hz, most, *options.rows));
+    }
+  }
   const std::optional<files::OutputFile> file =
       options.out.empty() ? std::nullopt : std::optional<files::OutputFile>(std::in_place, options.out);
   const light_section::DifferentialProfiler profiler(rig, options.section.load_reference(rig, ""));
@@ -188,7 +195,10 @@ selfproj rows --rows 20 --rate 50000 --out few.yaml
       ->transform(cli::real_number(0.01, 1))
       ->type_name("SHARE")
       ->capture_default_str();
-  command->add_option("--rate", options->rate_hz, "Frames a second at which the camera is to run, at most the board's.")
+  command
+      ->add_option(
+          "--rate", options->rate_hz,
+          "Frames a second at which the camera is to run; of heights at which the board takes fewer, that many.")
       ->transform(cli::real_number(0.1, 1e7))
       ->type_name("HZ")
       ->default_str("what the board takes");
