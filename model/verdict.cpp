@@ -9,8 +9,9 @@ namespace {
 
 constexpr int kGroup = 4;  // columns
 
-// Whether `count` is not before `point`, modulo 2^32.
-bool reached(std::uint32_t count, std::uint32_t point) { return count - point < (1U << 31); }
+// The way from `point` to `count`, and whether `count` is not before `point`.
+std::uint32_t way(std::uint32_t count, std::uint32_t point) { return (count - point) & kCountMask; }
+bool reached(std::uint32_t count, std::uint32_t point) { return way(count, point) <= kCountMask / 2; }
 
 void check(bool good, const char* what) {
   if (!good) {
@@ -78,7 +79,7 @@ void Verdict::begin(const VerdictSettings& settings, std::uint32_t count) {
 void Verdict::find_part(const VerdictSettings& settings, const PartRule& rule, std::uint32_t encoder) {
   bool begins = false;
   if (rule.by_encoder) {
-    in_part_ = in_part_ && encoder - began_ < rule.length;
+    in_part_ = in_part_ && way(encoder, began_) < rule.length;
     next_ = by_encoder_ ? next_ : rule.start;
     if (!in_part_ && reached(encoder, next_)) {
       begin(settings, next_);
@@ -92,7 +93,7 @@ void Verdict::find_part(const VerdictSettings& settings, const PartRule& rule, s
   by_encoder_ = rule.by_encoder;
   begins_next_ = false;
   if (in_part_ && !begins && section_ + 1 < sections_ &&
-      encoder - began_ >= begins_[static_cast<std::size_t>(settings_.bank * sections_ + section_) + 1]) {
+      way(encoder, began_) >= begins_[static_cast<std::size_t>(settings_.bank * sections_ + section_) + 1]) {
     ++section_;
   }
 }
@@ -145,7 +146,7 @@ FrameVerdict Verdict::frame(const VerdictSettings& settings, const PartRule& rul
   if (in_part_) {
     found.in_part = true;
     found.section = section_;
-    found.part = parts_ - 1;
+    found.part = (parts_ - 1) & 0xFFFF;
     judge(m0, m1, found);
     fresh_ = fresh_ && !whole;
   }

@@ -10,7 +10,7 @@
 // those of sp_column_moments or sp_column_runs; mode and size stand still from frame_i to the
 // verdict. A frame without beats has no verdict, and is told by a frame_i alone.
 //
-// Output: verdict_valid_o comes 18 clocks after the last beat of a frame, or 19 after its break, for
+// Output: verdict_valid_o comes 17 clocks after the last beat of a frame, or 18 after its break, for
 // each frame whose beats came. What it says stays until the next frame_i; outside of a part only
 // in_part_o, defect_o and lacks_light_o, all 0, have a meaning. first_bad_o comes with the first
 // verdict of a part that has a defect or lacks light.
@@ -42,7 +42,7 @@ module sp_verdict #(
   input  wire logic [2*LimitBits:0]   write_word_i,   // {judged, high, low}, in 1/128 rows
   input  wire logic                   write_begin_i,
   input  wire logic [LogSections:0]   write_section_i,  // {bank, section}
-  input  wire logic [31:0]            write_count_i,    // behind the beginning of a part
+  input  wire logic [23:0]            write_count_i,    // behind the beginning of a part
 
   // Settings, taken over where a part begins
   input  wire logic [7:0]             width_i,       // w, 1..255 columns
@@ -59,13 +59,13 @@ module sp_verdict #(
   input  wire logic                   rule_by_encoder_i,
   input  wire logic [ColumnBits-1:0]  rule_lit_i,    // t, 1 or more
   input  wire logic [7:0]             rule_dark_i,   // e, 1..255
-  input  wire logic [31:0]            rule_start_i,
-  input  wire logic [31:0]            rule_length_i,
-  input  wire logic [31:0]            rule_pitch_i,
+  input  wire logic [23:0]            rule_start_i,
+  input  wire logic [23:0]            rule_length_i,
+  input  wire logic [23:0]            rule_pitch_i,
 
   // A frame
   input  wire logic                   frame_i,
-  input  wire logic [31:0]            encoder_i,
+  input  wire logic [23:0]            encoder_i,     // count, modulo 2^24
   input  wire logic [ColumnBits-3:0]  groups_i,      // of a line: columns / 4
   input  wire logic                   grey_i,        // two columns a beat
   input  wire logic                   beat_valid_i,
@@ -81,7 +81,7 @@ module sp_verdict #(
   output logic      [ColumnBits-1:0]  columns_o,
   output logic      [ColumnBits-1:0]  unlit_o,
   output logic      [SectionBits-1:0] section_o,
-  output logic      [31:0]            part_o,
+  output logic      [15:0]            part_o,
   output logic                        bank_o,          // in force
   output logic                        first_bad_o
 );

@@ -13,15 +13,15 @@
 // stand still from then to done_o. break_i ends a frame early, in the clock of its last beat or
 // later. Limits are written at any time to a bank and section that is not in force.
 //
-// Output: groups of four columns, in order, seven clocks after their beat, in the grey modes after
+// Output: groups of four columns, in order, six clocks after their beat, in the grey modes after
 // the second of their two beats. The half of a group that a break cuts off does not leave.
-// done_o comes with the last group of a frame, or eight clocks after its break, with whole_o = 0.
+// done_o comes with the last group of a frame, or seven clocks after its break, with whole_o = 0.
 // Nothing overflows: products have all their bits.
 //
 //   beat_valid_i  _/1\___________________________
 //   table word    -----<w>-----------------------
 //   products      -------------<p>---------------
-//   group_valid_o _________________________/1\___
+//   group_valid_o _____________________/1\_______
 `default_nettype none
 
 module sp_verdict_columns #(
@@ -244,100 +244,90 @@ module sp_verdict_columns #(
     s1_whole_q     <= !break_q;
   end
 
-  // --- Stages 2 to 5: products, difference, comparison ---
-  logic [5:2]               valid_q, group_end_q, done_q, whole_q;
-  logic [GroupBits-1:0]     s2_group_q, s3_group_q, s4_group_q, s5_group_q;
-  logic [3:0]               s5_above_q, s5_below_q, s5_unlit_q, s5_lit_q, s5_came_q;
+  // --- Stages 2 to 4: products, difference, comparison ---
+  logic [4:2]               valid_q, group_end_q, done_q, whole_q;
+  logic [GroupBits-1:0]     s2_group_q, s3_group_q, s4_group_q;
+  logic [3:0]               s4_above_q, s4_below_q, s4_unlit_q, s4_lit_q, s4_came_q;
 
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
       valid_q <= '0;
       done_q  <= '0;
     end else begin
-      valid_q <= {valid_q[4:2], s1_valid_q};
-      done_q  <= {done_q[4:2], s1_done_q};
+      valid_q <= {valid_q[3:2], s1_valid_q};
+      done_q  <= {done_q[3:2], s1_done_q};
     end
   end
   always_ff @(posedge clk_i) begin
-    group_end_q <= {group_end_q[4:2], s1_group_end_q};
-    whole_q     <= {whole_q[4:2], s1_whole_q};
-    {s5_group_q, s4_group_q, s3_group_q, s2_group_q} <=
-        {s4_group_q, s3_group_q, s2_group_q, s1_group_q};
+    group_end_q <= {group_end_q[3:2], s1_group_end_q};
+    whole_q     <= {whole_q[3:2], s1_whole_q};
+    {s4_group_q, s3_group_q, s2_group_q} <= {s3_group_q, s2_group_q, s1_group_q};
   end
 
   for (genvar k = 0; k < 4; k++) begin : gen_judge
-    logic [M0Bits-1:0]             s2_m0_q;
-    logic [M1Bits-1:0]             s2_m1_q, s3_m1_q;
-    logic [LimitBits-1:0]          s2_low_q, s2_high_q;
-    logic                          s2_judged_q, s3_judged_q, s4_judged_q;
-    logic                          s2_came_q, s3_came_q, s4_came_q;
-    logic                          s3_lit_q, s4_lit_q;
-    logic [ProductBits-1:0]        s3_low_q, s3_high_q, s4_low_q, s4_high_q;
-    logic signed [M0Bits+13:0]     s3_moved_q;  // d M0
-    logic signed [XBits-1:0]       s4_x_q;
-    logic [WordBits-1:0]           word;
+    logic [M0Bits-1:0]         s2_m0_q;
+    logic [M1Bits-1:0]         s2_m1_q;
+    logic signed [M0Bits+13:0] s2_moved_q;  // d M0
+    logic [LimitBits-1:0]      s2_low_q, s2_high_q;
+    logic                      s2_judged_q, s3_judged_q, s2_came_q, s3_came_q, s3_lit_q;
+    logic signed [XBits-1:0]   s3_x_q;
+    logic [ProductBits-1:0]    s3_low_q, s3_high_q;
+    logic [WordBits-1:0]       word;
 
     assign word = s1_words[k*WordBits+:WordBits];
     always_ff @(posedge clk_i) begin
       s2_m0_q     <= s1_m0_q[k*M0Bits+:M0Bits];
       s2_m1_q     <= s1_m1_q[k*M1Bits+:M1Bits];
+      s2_moved_q  <= $signed(shift_rows_i) * $signed({1'b0, s1_m0_q[k*M0Bits+:M0Bits]});
       s2_came_q   <= s1_came_q[k];
       s2_judged_q <= s1_there_q[k] && word[2*LimitBits];
       s2_high_q   <= word[LimitBits+:LimitBits];
       s2_low_q    <= word[0+:LimitBits];
 
-      s3_m1_q     <= s2_m1_q;
       s3_came_q   <= s2_came_q;
       s3_judged_q <= s2_judged_q;
       s3_lit_q    <= s2_m0_q != '0;
       s3_low_q    <= s2_low_q * ProductBits'(s2_m0_q);
       s3_high_q   <= s2_high_q * ProductBits'(s2_m0_q);
-      s3_moved_q  <= $signed(shift_rows_i) * $signed({1'b0, s2_m0_q});
+      s3_x_q      <= $signed(XBits'({s2_m1_q, 7'd0})) - XBits'(s2_moved_q);
 
-      s4_came_q   <= s3_came_q;
-      s4_judged_q <= s3_judged_q;
-      s4_lit_q    <= s3_lit_q;
-      s4_low_q    <= s3_low_q;
-      s4_high_q   <= s3_high_q;
-      s4_x_q      <= $signed(XBits'({s3_m1_q, 7'd0})) - XBits'(s3_moved_q);
-
-      s5_came_q[k]  <= s4_came_q;
-      s5_above_q[k] <= s4_judged_q && s4_lit_q && s4_x_q < $signed(XBits'(s4_low_q));
-      s5_below_q[k] <= s4_judged_q && s4_lit_q && s4_x_q > $signed(XBits'(s4_high_q));
-      s5_unlit_q[k] <= s4_judged_q && !s4_lit_q;
-      s5_lit_q[k]   <= s4_lit_q;
+      s4_came_q[k]  <= s3_came_q;
+      s4_above_q[k] <= s3_judged_q && s3_lit_q && s3_x_q < $signed(XBits'(s3_low_q));
+      s4_below_q[k] <= s3_judged_q && s3_lit_q && s3_x_q > $signed(XBits'(s3_high_q));
+      s4_unlit_q[k] <= s3_judged_q && !s3_lit_q;
+      s4_lit_q[k]   <= s3_lit_q;
     end
   end
 
-  // --- Stages 6 and 7: back into the order of the columns; two beats make a group ---
-  logic [3:0] s6_above_q, s6_below_q, s6_unlit_q, s6_lit_q, s6_came_q;
-  logic       s6_valid_q, s6_group_end_q, s6_done_q, s6_whole_q;
-  logic [GroupBits-1:0] s6_group_q;
+  // --- Stages 5 and 6: back into the order of the columns; two beats make a group ---
+  logic [3:0] s5_above_q, s5_below_q, s5_unlit_q, s5_lit_q, s5_came_q;
+  logic       s5_valid_q, s5_group_end_q, s5_done_q, s5_whole_q;
+  logic [GroupBits-1:0] s5_group_q;
 
   always_ff @(posedge clk_i) begin
     case (turn)
-      2'd0: {s6_above_q, s6_below_q, s6_unlit_q, s6_lit_q, s6_came_q} <=
-          {s5_above_q, s5_below_q, s5_unlit_q, s5_lit_q, s5_came_q};
-      2'd1: {s6_above_q, s6_below_q, s6_unlit_q, s6_lit_q, s6_came_q} <=
-          {s5_above_q[2:0], s5_above_q[3], s5_below_q[2:0], s5_below_q[3],
-           s5_unlit_q[2:0], s5_unlit_q[3], s5_lit_q[2:0], s5_lit_q[3],
-           s5_came_q[2:0], s5_came_q[3]};
-      2'd2: {s6_above_q, s6_below_q, s6_unlit_q, s6_lit_q, s6_came_q} <=
-          {s5_above_q[1:0], s5_above_q[3:2], s5_below_q[1:0], s5_below_q[3:2],
-           s5_unlit_q[1:0], s5_unlit_q[3:2], s5_lit_q[1:0], s5_lit_q[3:2],
-           s5_came_q[1:0], s5_came_q[3:2]};
-      default: {s6_above_q, s6_below_q, s6_unlit_q, s6_lit_q, s6_came_q} <=
-          {s5_above_q[0], s5_above_q[3:1], s5_below_q[0], s5_below_q[3:1],
-           s5_unlit_q[0], s5_unlit_q[3:1], s5_lit_q[0], s5_lit_q[3:1],
-           s5_came_q[0], s5_came_q[3:1]};
+      2'd0: {s5_above_q, s5_below_q, s5_unlit_q, s5_lit_q, s5_came_q} <=
+          {s4_above_q, s4_below_q, s4_unlit_q, s4_lit_q, s4_came_q};
+      2'd1: {s5_above_q, s5_below_q, s5_unlit_q, s5_lit_q, s5_came_q} <=
+          {s4_above_q[2:0], s4_above_q[3], s4_below_q[2:0], s4_below_q[3],
+           s4_unlit_q[2:0], s4_unlit_q[3], s4_lit_q[2:0], s4_lit_q[3],
+           s4_came_q[2:0], s4_came_q[3]};
+      2'd2: {s5_above_q, s5_below_q, s5_unlit_q, s5_lit_q, s5_came_q} <=
+          {s4_above_q[1:0], s4_above_q[3:2], s4_below_q[1:0], s4_below_q[3:2],
+           s4_unlit_q[1:0], s4_unlit_q[3:2], s4_lit_q[1:0], s4_lit_q[3:2],
+           s4_came_q[1:0], s4_came_q[3:2]};
+      default: {s5_above_q, s5_below_q, s5_unlit_q, s5_lit_q, s5_came_q} <=
+          {s4_above_q[0], s4_above_q[3:1], s4_below_q[0], s4_below_q[3:1],
+           s4_unlit_q[0], s4_unlit_q[3:1], s4_lit_q[0], s4_lit_q[3:1],
+           s4_came_q[0], s4_came_q[3:1]};
     endcase
-    s6_group_q     <= s5_group_q;
-    s6_group_end_q <= group_end_q[5];
-    s6_whole_q     <= whole_q[5];
+    s5_group_q     <= s4_group_q;
+    s5_group_end_q <= group_end_q[4];
+    s5_whole_q     <= whole_q[4];
   end
   always_ff @(posedge clk_i) begin
-    if (rst_i) {s6_valid_q, s6_done_q} <= '0;
-    else {s6_valid_q, s6_done_q} <= {valid_q[5], done_q[5]};
+    if (rst_i) {s5_valid_q, s5_done_q} <= '0;
+    else {s5_valid_q, s5_done_q} <= {valid_q[4], done_q[4]};
   end
 
   always_ff @(posedge clk_i) begin
@@ -345,18 +335,18 @@ module sp_verdict_columns #(
       group_valid_o <= 1'b0;
       done_o        <= 1'b0;
     end else begin
-      group_valid_o <= s6_valid_q && s6_group_end_q;
-      done_o        <= s6_done_q;
+      group_valid_o <= s5_valid_q && s5_group_end_q;
+      done_o        <= s5_done_q;
     end
   end
   always_ff @(posedge clk_i) begin
-    whole_o <= s6_whole_q;
-    group_o <= s6_group_q;
-    if (s6_valid_q) begin
+    whole_o <= s5_whole_q;
+    group_o <= s5_group_q;
+    if (s5_valid_q) begin
       for (int lane = 0; lane < 4; lane++) begin
-        if (s6_came_q[lane]) begin
+        if (s5_came_q[lane]) begin
           {above_o[lane], below_o[lane], unlit_o[lane], lit_o[lane]} <=
-              {s6_above_q[lane], s6_below_q[lane], s6_unlit_q[lane], s6_lit_q[lane]};
+              {s5_above_q[lane], s5_below_q[lane], s5_unlit_q[lane], s5_lit_q[lane]};
         end
       end
     end

@@ -3,7 +3,7 @@
 // By light: a part begins with the frame after a whole frame with rule_lit_i lit columns or more,
 // and ends with the last of rule_dark_i whole frames in a row that have fewer. By the encoder, with
 // rule_by_encoder_i: part k begins with the first frame not before start + k * pitch and ends
-// before the first frame that is `length` or more behind that point, modulo 2^32.
+// before the first frame that is `length` or more behind that point, modulo 2^24.
 //
 // frame_i begins a frame. Four clocks later start_o says that all outputs are those of this frame,
 // which stand still until the next frame_i, and so must the rule. found_i ends the frame: found_whole_i
@@ -32,20 +32,20 @@ module sp_verdict_parts #(
   input  wire logic                    rule_by_encoder_i,
   input  wire logic [ColumnBits-1:0]   rule_lit_i,     // 1 or more
   input  wire logic [7:0]              rule_dark_i,    // 1..255
-  input  wire logic [31:0]             rule_start_i,
-  input  wire logic [31:0]             rule_length_i,
-  input  wire logic [31:0]             rule_pitch_i,
+  input  wire logic [23:0]             rule_start_i,
+  input  wire logic [23:0]             rule_length_i,
+  input  wire logic [23:0]             rule_pitch_i,
 
   // Where sections begin, in counts behind the beginning of a part
   input  wire logic                    write_i,
   input  wire logic [LogSections:0]    write_section_i,  // {bank, section}
-  input  wire logic [31:0]             write_begin_i,
+  input  wire logic [23:0]             write_begin_i,
 
   input  wire logic                    bank_i,      // to be taken over
   input  wire logic [SettingsBits-1:0] settings_i,  // to be taken over
 
   input  wire logic                    frame_i,
-  input  wire logic [31:0]             encoder_i,   // count of the frame, in the clock of frame_i
+  input  wire logic [23:0]             encoder_i,   // count of the frame, in the clock of frame_i
   input  wire logic                    found_i,
   input  wire logic                    found_whole_i,
   input  wire logic [ColumnBits-1:0]   found_lit_i,
@@ -54,7 +54,7 @@ module sp_verdict_parts #(
   output logic                         in_part_o,
   output logic                         first_o,     // the frame is the first of its part
   output logic                         fresh_o,     // no whole frame of the part came before
-  output logic [31:0]                  part_o,      // parts that began before it; wraps
+  output logic [15:0]                  part_o,      // parts that began before it; wraps
   output logic [SectionBits-1:0]       section_o,
   output logic                         bank_o,
   output logic [SettingsBits-1:0]      settings_o
@@ -72,11 +72,11 @@ module sp_verdict_parts #(
   end
 
   logic [3:1]  step_q;               // clocks after frame_i
-  logic [31:0] encoder_q, began_q, next_q;
+  logic [23:0] encoder_q, began_q, next_q;
   logic        chosen_q;                 // the frame before was by the encoder, too
-  logic [31:0] next;                     // where the next part begins
-  logic [31:0] next_way;
-  logic [31:0] s2_way_q;                 // from the part's beginning
+  logic [23:0] next;                     // where the next part begins
+  logic [23:0] next_way;
+  logic [23:0] s2_way_q;                 // from the part's beginning
   logic        s2_next_q, s3_next_q;     // the next one has been reached
   logic        s3_over_q;                // the part is over
   logic        begins_next_q;
@@ -92,7 +92,7 @@ module sp_verdict_parts #(
   always_ff @(posedge clk_i) begin
     if (frame_i) encoder_q <= encoder_i;
     s2_way_q      <= encoder_q - began_q;
-    s2_next_q     <= !next_way[31];
+    s2_next_q     <= !next_way[23];
     s3_over_q     <= s2_way_q >= rule_length_i;
     s3_next_q     <= s2_next_q;
   end
@@ -100,7 +100,7 @@ module sp_verdict_parts #(
   assign next     = chosen_q ? next_q : rule_start_i;
   assign next_way = encoder_q - next;
   logic unused;
-  assign unused = ^next_way[30:0];
+  assign unused = ^next_way[22:0];
   assign ends   = rule_by_encoder_i && in_part_o && s3_over_q;
   assign begins = rule_by_encoder_i ? (!in_part_o || s3_over_q) && s3_next_q : begins_next_q;
   assign dark   = found_lit_i < rule_lit_i;
@@ -120,7 +120,7 @@ module sp_verdict_parts #(
       if (begins) begin
         fresh_o <= 1'b1;
         dark_q  <= '0;
-        part_o  <= part_o + 32'd1;
+        part_o  <= part_o + 16'd1;
       end
     end else if (found_i && found_whole_i) begin
       fresh_o <= fresh_o && !in_part_o;
@@ -147,15 +147,30 @@ module sp_verdict_parts #(
 
   // --- Sections ---
   if (LogSections > 0) begin : gen_sections
-    localparam int Sections = 1 << LogSections;
-    logic [31:0] memory[0:2*Sections-1];
-    logic [31:0] begin_q;   // of the next section
+    logic [23:0] begin_of_next;  // of the next section
     logic        s3_later_q, last;
     assign last = section_o == '1;
+    sp_ram #(
+      .Width   (24),
+      .LogDepth(LogSections + 1)
+    ) u_begins (
+      .wr_clk_i (clk_i),
+      .wr_en_i  (write_i),
+      .wr_addr_i(write_section_i),
+      .wr_data_i(write_begin_i),
+      .rd_clk_i (clk_i),
+      .rd_en_i  (1'b1),
+      .rd_addr_i({bank_o, section_o + SectionBits'(1)}),
+      .rd_data_o(begin_of_next)
+`ifdef FORMAL
+      ,
+      .f_addr_i ('0),
+      .f_word_o (),
+      .f_first_o()
+`endif
+    );
     always_ff @(posedge clk_i) begin
-      if (write_i) memory[write_section_i] <= write_begin_i;
-      begin_q    <= memory[{bank_o, section_o + SectionBits'(1)}];
-      s3_later_q <= s2_way_q >= begin_q;
+      s3_later_q <= s2_way_q >= begin_of_next;
       if (step_q[3]) begin
         if (begins) section_o <= '0;
         else if (in_part_o && s3_later_q && !last) section_o <= section_o + SectionBits'(1);

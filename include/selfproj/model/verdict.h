@@ -26,7 +26,7 @@
 // last of e whole frames in a row that have fewer. A column is lit if M0 > 0, judged or not. By the encoder, which
 // counts up: part k = 0, 1, … begins with the first frame whose encoder count is not before start + k · pitch, and ends
 // before the first frame whose count is `length` or more behind that point. k counts from where the encoder was chosen.
-// Counts are compared modulo 2^32. Frames outside of parts have no verdict.
+// Counts are compared modulo 2^24. Frames outside of parts have no verdict.
 //
 // **Sections.** A part may have other limits along its way. It begins with section 0; the next section begins with the
 // first frame whose count is `begins[section + 1]` or more behind the part's beginning, by one section at most from
@@ -54,10 +54,11 @@ struct ColumnLimits {
 };
 
 inline constexpr int kRowParts = 128;
-inline constexpr std::uint32_t kMaxLimit = (1U << 17) - 1;  // rows to 1023
-inline constexpr int kMaxShiftColumns = 127;                // both ways
-inline constexpr int kMaxShiftRows = 8191;                  // both ways, in 1/kRowParts rows
-inline constexpr int kMaxHistory = 8;                       // frames
+inline constexpr std::uint32_t kMaxLimit = (1U << 17) - 1;   // rows to 1023
+inline constexpr int kMaxShiftColumns = 127;                 // both ways
+inline constexpr int kMaxShiftRows = 8191;                   // both ways, in 1/kRowParts rows
+inline constexpr int kMaxHistory = 8;                        // frames
+inline constexpr std::uint32_t kCountMask = (1U << 24) - 1;  // of the encoder, as far as parts need it
 
 enum class ColumnState : std::uint8_t { good, above, below, unlit };
 
@@ -85,7 +86,7 @@ struct PartRule {
   int lit = 1;               // t, 1..4095 columns
   int dark_frames = 1;       // e, 1..255
   std::uint32_t start = 0;   // count at which part 0 begins
-  std::uint32_t length = 1;  // counts, 1..2^31 - 1
+  std::uint32_t length = 1;  // counts, 1..2^23 - 1
   std::uint32_t pitch = 1;   // counts, more than length
 
   bool operator==(const PartRule&) const = default;

@@ -24,8 +24,8 @@ using model::FrameVerdict;
 using model::PartRule;
 using model::VerdictSettings;
 
-constexpr int kVerdictDelay = 18;  // from the last beat of a frame
-constexpr int kBreakDelay = 19;    // from its break
+constexpr int kVerdictDelay = 17;  // from the last beat of a frame
+constexpr int kBreakDelay = 18;    // from its break
 constexpr int kFirstBeat = 7;      // least clocks from frame_i
 
 template <typename Port>
@@ -121,12 +121,12 @@ class VerdictBench {
     draw_moments(columns, grey);
 
     dut_->frame_i = 1;
-    dut_->encoder_i = encoder_;
+    dut_->encoder_i = encoder_ & model::kCountMask;
     set(dut_->groups_i, columns / 4);
     dut_->grey_i = grey;
     clock();
     dut_->frame_i = 0;
-    dut_->encoder_i = static_cast<IData>(random_.bits());
+    dut_->encoder_i = static_cast<IData>(random_.bits()) & model::kCountMask;
     const auto count = static_cast<std::size_t>(come) * (grey ? 2 : 4);
     const FrameVerdict wanted =
         model_.frame(settings_, rule_, encoder_, {m0_.data(), count}, {m1_.data(), count}, !breaks);
@@ -191,7 +191,7 @@ class VerdictBench {
     dut_->rule_by_encoder_i = rule_.by_encoder;
     set(dut_->rule_lit_i, rule_.lit);
     set(dut_->rule_dark_i, rule_.dark_frames);
-    dut_->rule_start_i = rule_.start;
+    dut_->rule_start_i = rule_.start & model::kCountMask;
     dut_->rule_length_i = rule_.length;
     dut_->rule_pitch_i = rule_.pitch;
   }
