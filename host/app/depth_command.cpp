@@ -288,7 +288,7 @@ selfproj depth --rig scanner --bits 8 --device ring:line1 \
       ->transform(cli::whole_number(1, model::GrayDecoder::kMaxBits))
       ->type_name("N");
   add_threshold_option(*command, scanner.threshold, std::to_string(scanner.threshold));
-  command->add_flag("--median", scanner.median, "Apply a 3 x 3 median to the code image.");
+  command->add_flag("--median", scanner.median, "Apply a 3 x 3 median to the code image; with one axis only.");
   add_strict_option(*command, scanner);
   cli::add_pixel_options(*command, options->pixels);
   add_unchecked_option(*command, options->unchecked);
