@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <exception>
@@ -17,6 +18,7 @@
 #include "host/files/signals_held.h"
 #include "host/production/endpoint.h"
 #include "selfproj/files/user_error.h"
+#include "selfproj/model/pixel_clock.h"
 
 namespace selfproj::production {
 namespace {
@@ -155,8 +157,11 @@ void Production::run(const std::stop_token& stop) {
 
 void Production::work(MeasuredFrame& measured) {
   last_arrival_ns_ = measured.arrival_ns;
-  encoder_ = encoder_.value_or(measured.header.encoder);
-  encoder_counts_ = encoder_counts_ || *encoder_ != measured.header.encoder;
+  if (!first_ || measured.header.time_stamp < newest_.time_stamp) {  // also where the board was restarted
+    first_ = measured.header;
+  }
+  newest_ = measured.header;
+  encoder_counts_ = encoder_counts_ || first_->encoder != newest_.encoder;
   if (cutter_) {
     classify(cutter_->add(measured));
   }
@@ -280,8 +285,8 @@ std::string Production::doubt() const {
   }
   const std::uint64_t inconclusive = counts_.verdicts[static_cast<std::size_t>(Verdict::inconclusive)] - cut_off_;
   if (inconclusive > 0) {
-    return fmt::format("{} of {} parts {} no verdict; the last: {}", inconclusive, counts_.parts(),
-                       inconclusive == 1 ? "has" : "have", last_inconclusive_);
+    return fmt::format("{} of {} parts {} no verdict; the last: {}{}", inconclusive, counts_.parts(),
+                       inconclusive == 1 ? "has" : "have", last_inconclusive_, odd_rate());
   }
   if (counts_.parts() > 0) {
     return "";
@@ -303,6 +308,22 @@ std::string Production::doubt() const {
       break;
   }
   return "no part was cut" + specks;
+}
+
+std::string Production::odd_rate() const {
+  constexpr double kOdd = 0.05;
+  if (rig_.kind != rig::RigKind::light_section || rig_.parts->by_encoder || !first_) {
+    return "";
+  }
+  const double seconds = model::seconds_of_clocks(newest_.time_stamp - first_->time_stamp, rig_.pixel_clock_hz());
+  const double wanted = rig_.camera.sent().frame_rate_hz;
+  const double rate = seconds > 0 ? static_cast<double>(newest_.sequence - first_->sequence) / seconds : wanted;
+  return std::abs(rate / wanted - 1) < kOdd
+             ? ""
+             : fmt::format(
+                   "; by their time stamps {:.0f} frames a second came, the rig says {:.0f}: what lies along the "
+                   "belt is taken from speed and time stamps",
+                   rate, wanted);
 }
 
 std::string Production::status_text() const {

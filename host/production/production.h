@@ -115,6 +115,8 @@ class Production {
   void look_at_the_clock();
   void classify(const std::optional<CutPart>& part);
   [[nodiscard]] PartCounts counts() const;
+  // Where frames came at another rate than the rig's, and the belt's way follows from it: the end of a sentence.
+  [[nodiscard]] std::string odd_rate() const;
 
   ProductionOptions options_;
   rig::Rig rig_;
@@ -131,8 +133,9 @@ class Production {
   PlacedMaps maps_;
   std::int64_t next_beat_ns_ = 0;
   std::int64_t last_arrival_ns_ = 0;
-  std::optional<std::uint32_t> encoder_;  // of the first frame
-  bool encoder_counts_ = false;           // it has changed since
+  std::optional<model::PacketHeader> first_;  // since the board was restarted
+  model::PacketHeader newest_;
+  bool encoder_counts_ = false;  // it has changed between two frames
 
   mutable std::mutex mutex_;       // of the next six
   std::string last_inconclusive_;  // the reason of the last inconclusive part that the run did not cut off
