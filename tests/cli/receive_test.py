@@ -181,7 +181,7 @@ class Receive(unittest.TestCase):
         def check(command):
             device = f"ring:{command.ring}"
             command.says("no such ring", command.receive(device, status=2))
-            process = command.start(*command.words, "--device", device, "--wait-for-board", "--seconds", "3", "--check")
+            process = command.start(*command.words, "--device", device, "--wait-for-board", "--seconds", "6", "--check")
             command.end(command.board("--wait-for-reader", "--rate", "4000"))
             command.end(process)
 
