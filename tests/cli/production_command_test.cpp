@@ -319,7 +319,8 @@ TEST_F(ProductionCommand, BeltOfAProjectorIsFound) {
   EXPECT_EQ(rig.parts->grid_mm, 0.25);  // a column is 0.233 mm wide
   EXPECT_EQ(rig.parts->above_mm, 1);
   ASSERT_EQ(sim({"scene", "render", "plane", "--count", "1", "--out", "plane"}).status, 0);
-  const Words inspect = {"inspect", "--rig", "belt/rig.yaml", "--images", "plane", "--check", "--out", "seen"};
+  const Words inspect = {"inspect", "--rig", "belt/rig.yaml", "--images", "plane/frame_00001.png",
+                         "--check", "--out", "seen"};
   EXPECT_NE(host(inspect).err.find("its camera's lens is the drawing's and never measured; measure with `selfproj "
                                    "calibrate`, or say --assume camera"),
             std::string::npos);
