@@ -6,6 +6,7 @@
 #include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -18,6 +19,7 @@
 #include "host/files/output_folder.h"
 #include "host/images/frame_options.h"
 #include "host/images/image_files.h"
+#include "host/production/height_map.h"
 #include "selfproj/files/user_error.h"
 #include "selfproj/rig/rig.h"
 
@@ -35,6 +37,7 @@ struct BeltOptions {
   std::vector<std::string> laser;
   std::vector<double> heights;
   int threshold = calibration::CameraSettings{}.threshold;
+  std::optional<double> above_mm, length_mm;  // of parts
   std::string out;
 };
 
@@ -185,6 +188,15 @@ std::string report_text(const BeltOptions& options, const calibration::BeltCalib
   return text;
 }
 
+// What a rig needs for parts, as far as it does not say it.
+rig::RigParts parts_of(const BeltOptions& options, const rig::Rig& rig) {
+  const bool by_encoder = !options.settings.counts.empty() || options.settings.seconds.empty();
+  rig::RigParts parts = rig.parts ? *rig.parts : production::usual_parts(rig, by_encoder);
+  parts.above_mm = options.above_mm.value_or(parts.above_mm);
+  parts.length_mm = options.length_mm.value_or(parts.length_mm);
+  return parts;
+}
+
 void run_belt(BeltOptions options) {
   const rig::Rig rig = apply(options);
   files::OutputFolder folder(options.out);
@@ -201,7 +213,8 @@ void run_belt(BeltOptions options) {
     lines.push_back({options.laser[i], options.heights[i],
                      calibration::line_centres(read_image(options, rig, options.laser[i]), options.threshold)});
   }
-  const calibration::BeltCalibration belt = calibration::calibrate_belt(rig, boards, lines, options.settings);
+  calibration::BeltCalibration belt = calibration::calibrate_belt(rig, boards, lines, options.settings);
+  belt.rig.parts = parts_of(options, belt.rig);
   folder.append("rig.yaml", rig::to_yaml(belt.rig));
   folder.append("report.json", report_json(options, belt));
   folder.commit();
@@ -257,6 +270,15 @@ void add_belt_options(CLI::App& command, BeltOptions& options) {
       ->transform(cli::whole_number(0, 254))
       ->type_name("T")
       ->capture_default_str();
+  cli::begin_group(command, "Parts: the section `parts` of the rig, if it has none yet");
+  command.add_option("--part-above", options.above_mm, "What is higher above the belt belongs to a part, in mm.")
+      ->transform(cli::number_above_zero(1e6))
+      ->type_name("MM")
+      ->default_str("four cells of a map, each as wide as a column of the camera");
+  command.add_option("--part-length", options.length_mm, "A part that is longer along the belt is cut here, in mm.")
+      ->transform(cli::number_above_zero(1e6))
+      ->type_name("MM")
+      ->default_str("twice the width of the camera's view");
   cli::begin_group(command, "Tolerances");
   command
       .add_option("--scale-tolerance", settings.scale_tolerance,
@@ -292,7 +314,9 @@ CLI::App* add_belt_command(CLI::App& calibrate) {
            "it moves; with --counts also the encoder's scale, with --seconds the speed.\n\n"
            "For a laser, record its line on the empty belt too, which becomes height 0, and on a gauge block, which "
            "ties the scale of heights. A projector's heights are tied by `selfproj calibrate heights`.\n\n"
-           "The output folder gets rig.yaml, which says in its section `sources` what was measured, and report.json.",
+           "The output folder gets report.json and rig.yaml. Its section `sources` says what was measured, its section "
+           "`parts` how `selfproj inspect` and `selfproj tolerance learn` cut parts: by the encoder if --counts are "
+           "given, or else by the clock.",
        .examples = R"(
 # The belt of a laser line, by its encoder (needs your files)
 selfproj calibrate belt --rig line1/rig.yaml --chessboard 9x7 --square 20 \

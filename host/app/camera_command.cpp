@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -13,7 +14,9 @@
 #include <vector>
 
 #include "host/app/commands.h"
+#include "host/calibration/chessboard.h"
 #include "host/calibration/laser_plane.h"
+#include "host/calibration/line_removal.h"
 #include "host/cli/command_line.h"
 #include "host/cli/progress.h"
 #include "host/files/json_text.h"
@@ -74,6 +77,58 @@ void apply(CameraOptions& options) {
   for (const std::string& file : options.laser) {
     images::check_image_file(file);
   }
+}
+
+// The light of the colour that stands out most from a board of black and white.
+struct Light {
+  images::Channel of;
+  images::Image image;
+};
+Light strongest_light(const std::string& file, std::optional<int> shift) {
+  using images::Channel;
+  std::optional<Light> best;
+  double most = -1;
+  for (const Channel channel : {Channel::red_difference, Channel::green_difference, Channel::blue_difference}) {
+    images::Image image = images::read_image(file, images::PixelRule(channel, shift));
+    constexpr int kLit = 40;  // grey values
+    const auto lit = static_cast<double>(
+        std::count_if(image.pixels.begin(), image.pixels.end(), [](std::uint8_t value) { return value > kLit; }));
+    if (lit > most) {
+      most = lit;
+      best = Light{channel, std::move(image)};
+    }
+  }
+  return std::move(*best);
+}
+
+// The image in the two colours that the laser does not have.
+images::Image without_colour(const std::string& file, images::Channel of, std::optional<int> shift) {
+  using images::Channel;
+  const Channel first = of == Channel::red_difference ? Channel::green : Channel::red;
+  const Channel second = of == Channel::blue_difference ? Channel::green : Channel::blue;
+  images::Image image = images::read_image(file, images::PixelRule(first, shift));
+  const images::Image other = images::read_image(file, images::PixelRule(second, shift));
+  std::transform(image.pixels.begin(), image.pixels.end(), other.pixels.begin(), image.pixels.begin(),
+                 [](std::uint8_t a, std::uint8_t b) { return static_cast<std::uint8_t>((a + b + 1) / 2); });
+  return image;
+}
+
+// The board. Where a laser is calibrated, its line may be on in the board's image, too.
+calibration::BoardImage observe(const CameraOptions& options, const std::string& file) {
+  const images::PixelRule rule = options.pixels.rule();
+  const images::Image image = images::read_image(file, rule);
+  const calibration::Chessboard& chessboard = options.settings.chessboard;
+  if (options.laser.empty()) {
+    return calibration::observe_board(file, image, chessboard);
+  }
+  if (!images::is_colour_image(file)) {
+    const images::Image none;
+    return calibration::observe_board(file, image, chessboard, &none);
+  }
+  const Light light = strongest_light(file, rule.shift);
+  const bool crossed = rule.channel == images::Channel::grey && calibration::line_of_light(light.image);
+  return calibration::observe_board(file, crossed ? without_colour(file, light.of, rule.shift) : image, chessboard,
+                                    &light.image);
 }
 
 // Reads the images of the laser. They must have the size of the chessboard's images.
@@ -175,8 +230,7 @@ void run_camera(CameraOptions options) {
   {
     cli::Progress progress("image", options.images.size());
     for (const std::string& file : options.images) {
-      boards.push_back(calibration::observe_board(file, images::read_image(file, options.pixels.rule()),
-                                                  options.settings.chessboard));
+      boards.push_back(observe(options, file));
       progress.update(boards.size());
     }
   }

@@ -39,6 +39,7 @@ struct HeightsOptions {
   cli::SelectOptions select;
   bool unchecked = false;
   bool check = false;
+  std::string assume;               // values that --check takes though they were never measured
   std::optional<double> within_mm;  // nothing: by the tolerances and the noise of the images
   std::string out;
   std::vector<std::string> folders;
@@ -167,6 +168,9 @@ void run_heights(HeightsOptions options) {
   model::Measure measure = rig.measure.of_board();
   options.select.apply(measure);
   rig.measure.apply(measure);
+  if (!options.assume.empty()) {
+    rig::assume(rig, options.assume, "--assume");
+  }
   if (rig.kind != rig::RigKind::light_section) {
     throw UserError(options.rig, "is not a rig of kind light-section");
   }
@@ -184,6 +188,7 @@ void run_heights(HeightsOptions options) {
     throw UserError("DIR", "a folder is given twice");
   }
   if (options.check) {
+    rig::expect_measured(rig, options.rig, rig::Millimetres::of_section);
     run_check(options, rig, read_positions(options, rig, heights));
     return;
   }
@@ -238,6 +243,11 @@ void add_heights_options(CLI::App& command, HeightsOptions& options) {
                   "Built-in rig or YAML file of kind light-section; one with a laser must know its belt.")
       ->type_name("RIG")
       ->capture_default_str();
+  command
+      .add_option("--assume", options.assume,
+                  "Values of the rig that --check takes though no calibration measured them (its section `sources`), "
+                  "with commas between them: camera, light, belt.")
+      ->type_name("NAME,...");
   command.add_option("--every", options.every, "Distance of two lines of the sweep, in projector lines.")
       ->transform(cli::whole_number(1, 64))
       ->type_name("N")

@@ -53,31 +53,37 @@ ImageSource::ImageSource(const ImageSourceOptions& options, const rig::Rig& rig,
     : images_(images::files_of_patterns("--images", options.images), with_files(options.preparation)),
       rig_(rig),
       measure_(measure),
-      spacing_mm_(options.spacing_mm.value_or(rig.conveyor.speed_mm_per_s / rig.camera.frame_rate_hz)) {
+      sent_(rig.camera.sent()),
+      spacing_mm_(options.spacing_mm.value_or(rig.conveyor.speed_mm_per_s / sent_.frame_rate_hz)) {
   const rig::RigCamera& camera = rig.camera;
-  if (images_.rows() != camera.rows || images_.columns() != camera.columns) {
-    throw UserError(first(), fmt::format("is {}, but the camera of the rig {}; --roi takes a part, and --transpose "
-                                         "exchanges rows and columns",
-                                         images::size_text(images_.rows(), images_.columns()),
-                                         images::size_text(camera.rows, camera.columns)));
+  const auto has_size = [&](int rows, int columns) { return images_.rows() == rows && images_.columns() == columns; };
+  if (!has_size(sent_.rows, sent_.columns) && !has_size(camera.rows, camera.columns)) {
+    throw UserError(
+        first(), fmt::format("is {}, but the camera of the rig {}{}; --roi takes a part, and --transpose exchanges "
+                             "rows and columns",
+                             images::size_text(images_.rows(), images_.columns()),
+                             images::size_text(camera.rows, camera.columns),
+                             camera.region ? ", and its region " + images::size_text(sent_.rows, sent_.columns) : ""));
   }
-  if (camera.rows > model::kMaxSoftwareRows) {
-    throw UserError(first(), fmt::format("has {} rows; at most {} are possible", camera.rows, model::kMaxSoftwareRows));
+  if (sent_.rows > model::kMaxSoftwareRows) {
+    throw UserError(first(), fmt::format("has {} rows; at most {} are possible", sent_.rows, model::kMaxSoftwareRows));
   }
-  if (camera.rows > spec::kMaxRows) {
+  if (sent_.rows > spec::kMaxRows) {
     files::note(fmt::format("{}: has {} rows and a board takes at most {}: this program alone measures them", first(),
-                            camera.rows, spec::kMaxRows));
+                            sent_.rows, spec::kMaxRows));
   }
 }
 
 model::PacketHeader ImageSource::header_of(std::uint64_t image) const {
   model::PacketHeader header;
   header.kind = spec::kKindMoments;
-  model::describe_frame(header, images_.rows(), images_.columns(), measure_);
+  model::describe_frame(header, sent_.rows, sent_.columns, measure_);
+  header.region_row = static_cast<std::uint16_t>(rig_.camera.region_row());
+  header.region_column = static_cast<std::uint16_t>(rig_.camera.region_column());
   header.sequence = image;
   const double belt_mm = static_cast<double>(image) * spacing_mm_;
   const double speed = rig_.conveyor.speed_mm_per_s;
-  const double seconds = speed > 0 ? belt_mm / speed : static_cast<double>(image) / rig_.camera.frame_rate_hz;
+  const double seconds = speed > 0 ? belt_mm / speed : static_cast<double>(image) / sent_.frame_rate_hz;
   header.time_stamp = static_cast<std::uint64_t>(std::llround(seconds * rig_.pixel_clock_hz()));
   // Time stamps are finer than the counts of an encoder, which are rounded.
   if (!(speed > 0) || (rig_.parts && rig_.parts->by_encoder)) {
@@ -90,17 +96,23 @@ void ImageSource::run(std::uint64_t most,
                       const std::function<void(const model::PacketHeader&, const model::RunsView&)>& take) {
   const std::size_t count =
       most == 0 ? images_.count() : static_cast<std::size_t>(std::min<std::uint64_t>(most, images_.count()));
-  const bool tall = images_.rows() > spec::kMaxRows;
+  const bool tall = sent_.rows > spec::kMaxRows;
+  const bool whole = images_.rows() != sent_.rows || images_.columns() != sent_.columns;  // of the sensor
   const files::StopSignal stop;
   model::Runs runs;
-  runs.resize(measure_.select, images_.columns());
+  runs.resize(measure_.select, sent_.columns);
   cli::Progress progress("image", count);
   for (std::size_t i = 0; i < count && !files::StopSignal::came(); ++i) {
     const images::Image image = images_.frame(i);
+    model::ImageView view = image.view();
+    if (whole) {
+      view = {view.pixels + static_cast<std::ptrdiff_t>(sent_.row_offset) * view.stride + sent_.column_offset,
+              sent_.rows, sent_.columns, view.stride};
+    }
     if (tall) {
-      model::measure_tall_columns(image.view(), measure_, runs.view());
+      model::measure_tall_columns(view, measure_, runs.view());
     } else {
-      light_section::fast_measure_columns(image.view(), measure_, runs.view());
+      light_section::fast_measure_columns(view, measure_, runs.view());
     }
     take(header_of(i), runs.view());
     progress.update(i + 1);

@@ -28,8 +28,9 @@ void add_image_source_options(CLI::App& command, ImageSourceOptions& options, CL
 
 class ImageSource {
  public:
-  // Reads the first image. Throws UserError as PreparedImages does, or if the images have another size than the rig's
-  // camera or more than kMaxSoftwareRows rows. Notes if they have more rows than a board takes.
+  // Reads the first image. Throws UserError as PreparedImages does, or if the images have neither the size of the
+  // rig's camera nor that of its region, or more than kMaxSoftwareRows rows. Notes if they have more rows than a board
+  // takes.
   ImageSource(const ImageSourceOptions& options, const rig::Rig& rig, const model::Measure& measure);
 
   [[nodiscard]] std::size_t count() const { return images_.count(); }
@@ -45,6 +46,7 @@ class ImageSource {
   images::PreparedImages images_;
   rig::Rig rig_;
   model::Measure measure_;
+  rig::RigRegion sent_;  // of a whole image of the sensor, this part is measured
   double spacing_mm_;
 };
 

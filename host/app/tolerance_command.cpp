@@ -40,7 +40,7 @@ struct LearnCommandOptions {
   bool strict = false;
   production::LearnOptions learn;
   std::optional<double> min_defect_mm2;  // empty: LearnOptions' for a light section, of 9 cells for a scanner
-  std::optional<double> edge_mm;         // likewise, 3 cells
+  std::optional<double> edge_mm;         // empty: of a light section kEdgeCells cells, of a scanner 3
 
   // Where the parts come from, in messages.
   [[nodiscard]] const std::string& source() const {
@@ -72,6 +72,9 @@ void write_tolerance(const LearnCommandOptions& options, const rig::Rig& rig, co
                100 * region.max_missing);
   }
 }
+
+// Near an edge a light section's line lies partly beside it, and its centroid is pulled.
+constexpr double kEdgeCells = 6;
 
 production::LearnOptions learn_options(const LearnCommandOptions& options, const production::LearnOptions& otherwise) {
   production::LearnOptions learn = options.learn;
@@ -124,7 +127,9 @@ void learn_section(const LearnCommandOptions& options) {
   const files::OutputFile out(options.out);
   const light_section::ReferenceProfile reference = options.section.load_reference(rig, options.receive.device);
   const light_section::DifferentialProfiler profiler(rig, reference);
-  production::Learner learner(rig, production::section_of(rig, reference, profiler), learn_options(options, {}));
+  production::Learner learner(
+      rig, production::section_of(rig, reference, profiler),
+      learn_options(options, {.edge_mm = kEdgeCells * rig.parts.value_or(rig::RigParts{}).grid_mm}));
   production::ProfileCutter cutter(rig);
   SectionRun section(rig, profiler);
   const model::Measure measure = measure_of_rig(rig);
@@ -218,7 +223,7 @@ selfproj match --rig scans/rig.yaml --reference scans/stripes --device file:scan
   command->add_option("--edge-mm", options->edge_mm, "Strip along edges and walls that is not inspected.")
       ->transform(cli::real_number(0, 1000))
       ->type_name("MM")
-      ->default_str("1.5; of a scanner 3 cells");
+      ->default_str("6 cells of the map; of a scanner 3");
   command
       ->add_option("--spreads", options->learn.spreads,
                    "Standard deviations from the mean of the good parts to a limit.")

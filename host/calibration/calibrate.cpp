@@ -694,6 +694,17 @@ rig::Rig calibrated_rig(const CalibrationReport& report, const rig::Rig& drawn) 
     }
     rig.plane_z_mm = report.belt->plane_z_mm;
   }
+  if (rig.kind == rig::RigKind::light_section) {
+    using rig::ValueSource;
+    const rig::RigSources before = drawn.sources.value_or(rig::RigSources{});
+    // Places of the belt are those of its encoder, and the chessboard has moved as far.
+    rig.sources =
+        rig::RigSources{.camera = ValueSource::measured,
+                        .light = ValueSource::measured,
+                        .belt = report.belt ? ValueSource::measured : before.belt,
+                        .speed = before.speed,
+                        .encoder = report.belt && report.belt->moved ? ValueSource::measured : before.encoder};
+  }
   if (rig.kind == rig::RigKind::scanner) {
     // The limit of the drawn rig may be that of a much finer one.
     rig.measure.max_z_per_line_mm = std::max(rig.measure.max_z_per_line_mm, coarse(rig, report.mean_distance_mm));

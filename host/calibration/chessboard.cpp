@@ -17,6 +17,7 @@
 #include <utility>
 #include <vector>
 
+#include "host/calibration/line_removal.h"
 #include "host/files/numbers.h"
 
 namespace selfproj::calibration {
@@ -408,6 +409,25 @@ FoundChessboard find_chessboard(const images::Image& image, const Chessboard& ch
   refine(grey, chessboard, spacing, lattice.corners);
   found.corners.assign(lattice.corners.begin(), lattice.corners.end());
   found.spacing_px = files::median_of(spacing);
+  return found;
+}
+
+FoundChessboard find_chessboard_under_line(const images::Image& image, const images::Image& light,
+                                           const Chessboard& chessboard) {
+  constexpr double kBeside = 0.35;    // of the corners' distance
+  constexpr double kThin = 1.0 / 40;  // of the image's shorter side
+  const int most = std::max(3, static_cast<int>(kThin * std::min(image.rows, image.columns)));
+  const std::optional<LightBand> band = line_of_light(light.pixels.empty() ? thin_light(image, most) : light);
+  FoundChessboard found = band ? find_chessboard(without_band(image, *band), chessboard) : FoundChessboard{};
+  const auto above = std::count_if(found.corners.begin(), found.corners.end(),
+                                   [&](const cv::Point2d& corner) { return band->off(corner) > 0; });
+  if (above == 0 || above == static_cast<std::ptrdiff_t>(found.corners.size())) {  // the line is beside the board
+    FoundChessboard plain = find_chessboard(image, chessboard);
+    return plain.corners.empty() && !found.corners.empty() ? found : plain;
+  }
+  for (const cv::Point2d& corner : found.corners) {
+    found.hidden.push_back(std::abs(band->off(corner)) < band->half + kBeside * found.spacing_px);
+  }
   return found;
 }
 

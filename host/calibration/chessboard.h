@@ -34,11 +34,18 @@ struct FoundChessboard {
   std::string reason;       // why it is empty
   double spacing_px = 0;    // median distance from a corner to its nearest neighbour
   bool by_squares = false;  // by OpenCV's findChessboardCorners, after findChessboardCornersSB found no such chessboard
+  std::vector<bool> hidden;  // of each corner: under the line of a laser, or so near that it moves the corner; or empty
 };
 
 // Finds the corners of the whole chessboard, in any orientation. A chessboard with more corners than asked for is not
 // taken for a part of itself. Both of OpenCV's detectors are asked, the older one only where the other finds nothing.
 FoundChessboard find_chessboard(const images::Image& image, const Chessboard& chessboard);
+
+// The same where the line of a laser may cross the chessboard: it is filled before (line_removal.h). `light` shows its
+// light alone, in the pixels of the same image, such as a difference of channels; empty: what is bright and thin in
+// `image`. Where there is no line, this is find_chessboard.
+FoundChessboard find_chessboard_under_line(const images::Image& image, const images::Image& light,
+                                           const Chessboard& chessboard);
 
 // What a report says of a chessboard that was found by_squares.
 inline constexpr const char* kBySquares = "findChessboardCorners; findChessboardCornersSB found none";

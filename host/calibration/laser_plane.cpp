@@ -259,8 +259,10 @@ FittedPlane robust_plane(const std::vector<Eigen::Vector3d>& points) {
 
 int BoardImage::used_corners() const { return static_cast<int>(std::count(used.begin(), used.end(), true)); }
 
-BoardImage observe_board(const std::string& name, const images::Image& image, const Chessboard& chessboard) {
-  const FoundChessboard found = find_chessboard(image, chessboard);
+BoardImage observe_board(const std::string& name, const images::Image& image, const Chessboard& chessboard,
+                         const images::Image* light) {
+  const FoundChessboard found =
+      light != nullptr ? find_chessboard_under_line(image, *light, chessboard) : find_chessboard(image, chessboard);
   BoardImage result;
   result.name = name;
   result.reason = found.reason;
@@ -269,6 +271,7 @@ BoardImage observe_board(const std::string& name, const images::Image& image, co
   result.columns = image.columns;
   result.corners = found.corners;
   result.used.assign(found.corners.size(), true);
+  std::transform(found.hidden.begin(), found.hidden.end(), result.used.begin(), [](bool hidden) { return !hidden; });
   return result;
 }
 
@@ -377,6 +380,8 @@ rig::Rig rig_of_laser(const rig::Rig& drawn, const CameraReport& camera, const L
   rig.light_plane = laser.plane;
   rig.belt_pose.reset();
   rig.heights.reset();
+  // At the edges of parts a column sees the line on the part and on the belt, and their mean is neither.
+  rig.measure.runs = drawn.measure.runs.value_or(rig::RigRuns{.gap_rows = 1});
   rig.sources = rig::RigSources{.camera = rig::ValueSource::measured, .light = rig::ValueSource::measured};
   return rig;
 }

@@ -53,8 +53,10 @@ struct LaserPlane {
                                             // is that of the plane in the points' middle
 };
 
-// Finds the chessboard. That there is none is not an error.
-BoardImage observe_board(const std::string& name, const images::Image& image, const Chessboard& chessboard);
+// Finds the chessboard. That there is none is not an error. With `light` a laser's line may cross it
+// (find_chessboard_under_line); corners under it are not used.
+BoardImage observe_board(const std::string& name, const images::Image& image, const Chessboard& chessboard,
+                         const images::Image* light = nullptr);
 
 // The camera's lens, with the model that the images support (model_choice.h). Throws UserError if fewer than two images
 // can be used, if they differ in size, or if nothing converges.
@@ -70,7 +72,8 @@ std::vector<cv::Point2d> line_centres(const images::Image& image, int threshold)
 // on all of them.
 LaserPlane laser_plane(const CameraReport& camera, const std::vector<images::Image>& lines);
 
-// The rig of this camera and laser. What they do not tell, such as the pixel pitch and the belt, is that of `drawn`.
+// The rig of this camera and laser. What they do not tell, such as the pixel pitch and the belt, is that of `drawn`. If
+// `drawn` takes all lit pixels of a column, this rig takes the strongest run.
 rig::Rig rig_of_laser(const rig::Rig& drawn, const CameraReport& camera, const LaserPlane& laser);
 
 }  // namespace selfproj::calibration

@@ -212,6 +212,11 @@ std::size_t count_pages(const std::string& file) {
 
 }  // namespace
 
+bool is_colour_image(const std::string& file) {
+  check_image_file(file);
+  return decode_image(file).pixels.channels() > 1;
+}
+
 Image read_image(const std::string& file, const PixelRule& rule) {
   check_image_file(file);
   return by_rule(file, decode_image(file), rule);

@@ -64,6 +64,9 @@ std::optional<ImagePart> image_part(std::string_view text, int max_side);
 // are not those of an image.
 void check_image_file(const std::string& file);
 
+// Whether the file has an image of several channels. Throws UserError if it has none.
+bool is_colour_image(const std::string& file);
+
 // How the pixels of a file become one channel of 8 bits.
 struct PixelRule {
   std::optional<Channel> channel = std::nullopt;

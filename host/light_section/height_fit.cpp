@@ -572,6 +572,7 @@ void expect_order(const std::vector<HeightLevel>& levels) {
 cv::Vec4d plane_of(const rig::Rig& rig, const std::vector<HeightSample>& samples) {
   const double along = rig.light_plane ? 0 : 1;
   cv::Matx44d matrix = cv::Matx44d::zeros();
+  matrix(0, 0) = 1 - along;  // cv::invert gives zeros for a singular matrix
   cv::Vec4d right(0, 0, 0, 0);
   for (const HeightSample& s : samples) {
     const cv::Vec4d terms(along * s.x, s.y, 1, -s.height_mm);

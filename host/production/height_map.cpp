@@ -111,6 +111,26 @@ BeltView belt_view(const rig::Rig& rig) {
           .right_mm = across};
 }
 
+rig::RigParts usual_parts(const rig::Rig& rig, bool by_encoder) {
+  constexpr double kStepsOfGrid = 20;  // to the next power of ten
+  constexpr double kFinest = 0.01;     // mm
+  constexpr double kLengthStep = 10;   // mm
+  const BeltView view = belt_view(rig);
+  const double step = std::pow(10, std::ceil(std::log10(view.column_mm))) / kStepsOfGrid;
+  const auto round = [](double value) { return std::round(1e6 * value) / 1e6; };  // as it is read
+  const double grid = round(std::max(kFinest, step * std::ceil(view.column_mm / step)));
+  rig::RigParts parts;
+  parts.by_encoder = by_encoder;
+  parts.grid_mm = grid;
+  parts.above_mm = round(4 * grid);
+  parts.min_width_mm = round(8 * grid);
+  parts.gap_mm = round(12 * grid);
+  parts.pause_s = 5 / rig.camera.sent().frame_rate_hz;
+  parts.min_length_mm = round(20 * grid);
+  parts.length_mm = kLengthStep * std::ceil(2 * (view.right_mm - view.left_mm) / kLengthStep);
+  return parts;
+}
+
 HeightGrid::HeightGrid(const rig::Rig& rig)
     : columns_(rig.camera.columns), plane_z_(rig.plane_z_mm), above_(rig.parts.value().above_mm) {
   const BeltView view = belt_view(rig);

@@ -423,7 +423,7 @@ void expect_measured(const Rig& rig, const std::string& source, Millimetres whic
                                           what, command, name));
     }
   };
-  refuse(from.camera, "its camera's lens is", "camera", "calibrate camera");
+  refuse(from.camera, "its camera's lens is", "camera", rig.light_plane ? "calibrate camera" : "calibrate");
   refuse(from.light, "its light's place is", "light", rig.light_plane ? "calibrate camera --laser" : "calibrate");
   refuse(from.belt, "the place of its belt (plane_z_mm, belt_pose) is", "belt", "calibrate belt");
   if (which == Millimetres::of_section) {

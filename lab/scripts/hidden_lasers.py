@@ -10,9 +10,13 @@ line on the empty belt and on a plate of 20 mm. The program `selfproj` sees thes
     selfproj calibrate camera     lens and light plane
     selfproj calibrate belt       plane, zero, way of the belt, encoder
     selfproj inspect              a block with a step of 20 mm, and a smooth ridge that passes under the line
+    selfproj pattern --residual   the reference: one image of a good part
+    selfproj tolerance learn      from five good parts
+    selfproj inspect --tolerance  good parts, and bad ones with a dent or a bump of 0.4 to 1 mm: their verdicts
 
 Heights are compared with the truth of the simulation, places along and across with those that the true rig measures of
-the same packets. Bounds: the step within 0.02 mm, heights 0.03 mm RMS, places within 0.1 mm over 100 mm.
+the same packets. Bounds: the step within 0.02 mm, heights 0.03 mm RMS, places within 0.1 mm over 100 mm, no verdict
+wrong.
 
 --small takes smaller images and fewer boards. With --out, all files are kept in DIR, a new folder. With SELFPROJ_RESULTS set,
 hidden_lasers.json is written. The exit status is 1 where a bound is not held. Standard library only.
@@ -28,11 +32,12 @@ import shutil
 import sys
 import tempfile
 
+import drawn_rigs
 import float_tiff
 import hidden_rigs
 import results  # hidden_rigs has set its path
 
-BOUNDS = {"step_mm": 0.02, "rms_mm": 0.03, "along_mm": 0.1, "across_mm": 0.1}
+BOUNDS = {"step_mm": 0.02, "rms_mm": 0.03, "along_mm": 0.1, "across_mm": 0.1, "wrong_verdicts": 0}
 DISTANCE_MM = 330
 STEP_MM = 20
 BOARD = ("--chessboard", "9x6", "--square", 7)       # held by hand
@@ -43,57 +48,19 @@ RATE_HZ, SPEED = 1500, 15000                         # 10 mm from frame to frame
 class Effort:
     """How large the images are, and how many."""
 
-    def __init__(self, scale, poses, moves):
+    def __init__(self, scale, poses, moves, parts):
         self.rows, self.columns, self.focal_px = round(480 * scale), round(640 * scale), 1600 * scale
-        self.poses, self.moves = poses, moves
+        self.poses, self.moves, self.parts = poses, moves, parts
 
 
-FULL = Effort(1, 18, (0, 5, 10, 15, 20, 25))
-SMALL = Effort(0.625, 9, (0, 8, 16, 24))
+FULL = Effort(1, 18, (0, 5, 10, 15, 20, 25), 4)
+SMALL = Effort(0.625, 9, (0, 8, 16, 24), 2)
 
-RIG = """name: {name}
-kind: light-section
-plane_z_mm: {plane!r}
-camera:
-  rows: {rows}
-  columns: {columns}
-  pixel_pitch_um: 10
-  focal_length_mm: {focal!r}
-  frame_rate_hz: {rate}
-  exposure_us: 2
-{projector}conveyor:
-  speed_mm_per_s: {speed}
-  encoder_mm_per_count: {encoder!r}
-measure:
-  mode: grey-over
-  threshold: 20
-  min_lit_px: 3
-  max_lit_px: 40
-  line_width_px: 3
-  code_threshold: 5
-  max_z_per_line_mm: 5
-imaging:
-  white: 200
-  ambient: 8
-  dark: 2
-  camera_blur_px: 0.7
-  projector_blur_px: 0.7
-  electrons_per_grey: 80
-  read_noise: 1
-  seed: 1
-"""
-PROJECTOR = """projector:
-  x_mm: 100
-  z_mm: 0
-  tilt_deg: 0
-  focal_length_mm: 20
-  lines: 64
-  columns: 64
-  line_pitch_um: 10
-  column_pitch_um: 10
-  center_xp_mm: 0
-  center_yp_mm: 0
-"""
+# Parts of the simulated line (`selfproj-sim production`): heights of a part's two treads, and their width.
+TREADS_MM, TREAD_WIDTH_MM = "12,20", 22
+
+PROJECTOR = {"x_mm": 100, "z_mm": 0, "tilt_deg": 0, "focal_length_mm": 20, "lines": 64, "columns": 64,
+             "line_pitch_um": 10, "column_pitch_um": 10, "center_xp_mm": 0, "center_yp_mm": 0}
 
 
 def turned(vector, axis, degrees):
@@ -143,19 +110,14 @@ def true_rig(seed, lean, effort):
     lens = {"fx_px": focal, "fy_px": focal * draw(0.999, 1.001), "cx_px": effort.columns / 2 - 0.5 + draw(-10, 10),
             "cy_px": effort.rows / 2 - 0.5 + draw(-10, 10), "k1": draw(-0.1, 0.1), "k2": 0.0, "p1": draw(-5e-4, 5e-4),
             "p2": draw(-5e-4, 5e-4), "k3": 0.0}
-    text = RIG.format(name=f"hidden-laser-{seed}-{lean}", plane=dot(aim, normal), rows=effort.rows,
-                      columns=effort.columns, focal=focal / 100, projector="", rate=RATE_HZ, speed=SPEED, encoder=0.01 * draw(0.8, 1.2))
-    text += "camera_lens:\n" + "".join(f"  {key}: {value!r}\n" for key, value in lens.items())
-    text += "light_plane:\n" + "".join(f"  normal_{c}: {v!r}\n" for c, v in zip("xyz", light))
-    text += f"  distance_mm: {dot(aim, light)!r}\n"
-    return text + "belt_pose:\n" + "".join(f"  {name}_{c}: {v!r}\n" for name, vector in
-                                           (("direction", way), ("normal", normal)) for c, v in zip("xyz", vector))
+    return drawn_rigs.rig(f"hidden-laser-{seed}-{lean}", (effort.rows, effort.columns), focal, plane=dot(aim, normal),
+                          rate=RATE_HZ, speed=SPEED, encoder=0.01 * draw(0.8, 1.2), lens=lens, runs=drawn_rigs.RUNS,
+                          light=(light, dot(aim, light)), belt=(way, normal))
 
 
 def drawing(effort):
-    return RIG.format(name="drawing", plane=300.0, rows=effort.rows, columns=effort.columns,
-                      focal=effort.focal_px / 100,
-                      projector=PROJECTOR, rate=RATE_HZ, speed=1000, encoder=0.01)
+    return drawn_rigs.rig("drawing", (effort.rows, effort.columns), effort.focal_px, plane=300.0, projector=PROJECTOR,
+                          rate=RATE_HZ, speed=1000, encoder=0.01)
 
 
 def value_of(text, key):
@@ -201,6 +163,23 @@ def heights_off(found, truth):
     return off
 
 
+def judged(chain, seed, effort):
+    """Parts by the documented commands, from the line that is now known. Returns how many verdicts are wrong."""
+    chain.take("capture", "--steps", TREADS_MM, "--tread", TREAD_WIDTH_MM, "--out", "golden")
+    chain.run("selfproj-sim", "production", "--rig", "truth.yaml", "--good", 5, "--parts", effort.parts, "--bad-every",
+              2, "--seed", seed, "--out", "parts")
+    line = ("--rig", "line/rig.yaml", "--reference", "good_part")
+    chain.host("pattern", "--rig", "line/rig.yaml", "--residual", "golden", "--out", "good_part")
+    chain.host("tolerance", "learn", *line, "--device", "file:parts/good.packets", "--out", "tolerance.yaml")
+    chain.host("inspect", *line, "--device", "file:parts/run.packets", "--tolerance", "tolerance.yaml", "--parts",
+               "judged", "--check")
+    with (chain.folder / "parts/run.csv").open(encoding="utf-8") as table:
+        true = [row["verdict"] for row in csv.DictReader(table)]
+    found = [json.loads(text)["verdict"] for text in
+             (chain.folder / "judged/parts.jsonl").read_text(encoding="utf-8").splitlines()]
+    return sum(a != b for a, b in zip(true, found)) + abs(len(true) - len(found))
+
+
 def measured(seed, lean, folder, options):
     chain = LaserChain(folder.resolve(), options.programs.resolve(), 100 * seed + lean)
     effort = SMALL if options.small else FULL
@@ -229,6 +208,7 @@ def measured(seed, lean, folder, options):
         chain.packets("frames/*.png", "part.packets")
         chain.inspect("line/rig.yaml", "part.packets", "result")
         chain.inspect("truth.yaml", "part.packets", "by_truth")
+        wrong_verdicts = judged(chain, seed, effort)
     except hidden_rigs.Refused as error:
         return {"refused": str(error), "seconds": round(chain.seconds, 1)}
     step = [h for row in float_tiff.read(chain.folder / "step_result/height.tiff") for h in row if not math.isnan(h)]
@@ -249,15 +229,16 @@ def measured(seed, lean, folder, options):
 
     return {"step_mm": abs(level(step, STEP_MM) - level(step, 0) - STEP_MM),
             "rms_mm": math.sqrt(sum(o * o for o in off) / len(off)), "max_mm": max(map(abs, off)),
-            "along_mm": spread(0), "across_mm": spread(1), "points": len(off), "seconds": round(chain.seconds, 1)}
+            "along_mm": spread(0), "across_mm": spread(1), "wrong_verdicts": wrong_verdicts, "points": len(off),
+            "seconds": round(chain.seconds, 1)}
 
 
 def line_of(name, found):
     if "refused" in found:
         return f"{name}: {found['refused']}"
     return (f"{name}: step {found['step_mm']:.4f}, heights {found['rms_mm']:.4f} RMS, {found['max_mm']:.3f} at most; over "
-            f"100 mm along {found['along_mm']:.3f}, across {found['across_mm']:.3f} mm; {found['points']} points, "
-            f"{found['seconds']} s")
+            f"100 mm along {found['along_mm']:.3f}, across {found['across_mm']:.3f} mm; {found['points']} points; "
+            f"{found['wrong_verdicts']} wrong verdicts; {found['seconds']} s")
 
 
 def main():

@@ -6,10 +6,10 @@ and by the row of the line there: tan(radians a row · rows above the middle + o
 These two numbers become a rig: a camera without distortion, and the plane of the laser. The samples whose line he found
 well (3 to 7) are measured with it, and the distance of each tenth of the columns is compared with his.
 
-Prints the ratio of our distance to his, and what his calibration allows: how well his own numbers give the six distances
-back, and half a row of the image, because he read whole rows. The exit status is 1 if the median of what we are off is
-more than that. If SELFPROJ_RESULTS names a
-folder, laser_cloud.json is written there. Needs build/bin/selfproj, or --programs DIR. Standard library only.
+Prints the ratio of our distance to his, and what his calibration allows: two standard errors of the straight line through
+his six pairs of row and angle, at the row of each place. This criterion was chosen before it was run. The exit status is
+1 if the median of what we are off is more than that. If SELFPROJ_RESULTS names a folder, laser_cloud.json is written
+there. Needs build/bin/selfproj, or --programs DIR. Standard library only.
 """
 
 import argparse
@@ -25,61 +25,15 @@ import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "scripts"))
+import drawn_rigs  # noqa: E402
 import results  # noqa: E402
 
 SAMPLES = range(3, 8)
 COLUMNS, ROWS = 320, 240
 GROUPS = 10       # of columns, for each of which the owner has a distance
-FURTHEST = 1500   # mm: beyond, one row of the image is worth more than a third of the distance
-RIG = """name: laser-chrisspen
-kind: light-section
-plane_z_mm: 1000
-camera:
-  rows: {rows}
-  columns: {columns}
-  pixel_pitch_um: 10
-  focal_length_mm: {focal_mm!r}
-  frame_rate_hz: 1
-  exposure_us: 1000
-conveyor:
-  speed_mm_per_s: 0
-  encoder_mm_per_count: 1
-measure:
-  mode: grey-over
-  threshold: 15
-  min_lit_px: 1
-  max_lit_px: 24
-  line_width_px: 3
-  code_threshold: 5
-  max_z_per_line_mm: 5
-  runs:
-    gap_rows: 1
-    ambiguous_from: 0.5
-imaging:
-  white: 200
-  ambient: 8
-  dark: 2
-  camera_blur_px: 0.7
-  projector_blur_px: 0.7
-  electrons_per_grey: 80
-  read_noise: 1
-  seed: 1
-camera_lens:
-  fx_px: {focal!r}
-  fy_px: {focal!r}
-  cx_px: {cx!r}
-  cy_px: {cy!r}
-  k1: 0
-  k2: 0
-  p1: 0
-  p2: 0
-  k3: 0
-light_plane:
-  normal_x: 0
-  normal_y: {normal_y!r}
-  normal_z: {normal_z!r}
-  distance_mm: {distance!r}
-"""
+NEAREST, FURTHEST = 300, 900  # mm: what the rig measures, half of the middle's distance to both sides
+MEASURE = {"threshold": 15, "min_lit_px": 1, "max_lit_px": 24}
+STANDARD_ERRORS = 2
 
 
 def calibration(folder):
@@ -98,8 +52,26 @@ def rig_text(radians_a_row, offset, height, rows):
     """The rig of a laser above the camera, for the first `rows` rows of the image."""
     length = math.hypot(1, math.tan(offset))
     focal = 1 / radians_a_row
-    return RIG.format(rows=rows, columns=COLUMNS, focal=focal, focal_mm=focal / 100, cx=COLUMNS / 2, cy=ROWS / 2,
-                      normal_y=-1 / length, normal_z=math.tan(offset) / length, distance=height / length)
+    return drawn_rigs.rig("laser-chrisspen", (rows, COLUMNS), focal, plane=(NEAREST + FURTHEST) / 2, exposure=1000,
+                          measure=MEASURE, runs=drawn_rigs.RUNS, max_z_per_line=FURTHEST**2 * radians_a_row / height,
+                          lens={"fx_px": focal, "fy_px": focal, "cx_px": COLUMNS / 2, "cy_px": ROWS / 2},
+                          light=((0, -1 / length, math.tan(offset) / length), height / length))
+
+
+class AngleErrors:
+    """Standard errors of the line of least squares, angle = a rows + b, through the owner's pairs."""
+
+    def __init__(self, line_rows, distances, height):
+        rows = [ROWS / 2 - line_rows[column] for column in distances]
+        angles = [math.atan(height / distance) for distance in distances.values()]
+        self.count, self.middle = len(rows), statistics.fmean(rows)
+        self.squares = sum((row - self.middle) ** 2 for row in rows)
+        line = statistics.linear_regression(rows, angles)
+        left = [angle - line.slope * row - line.intercept for row, angle in zip(rows, angles)]
+        self.spread = math.sqrt(sum(angle * angle for angle in left) / (self.count - 2))
+
+    def at(self, row):
+        return self.spread * math.sqrt(1 / self.count + (row - self.middle) ** 2 / self.squares)
 
 
 def cloud_of(path):
@@ -133,16 +105,15 @@ def main():
     first = samples[SAMPLES[0]]
     radians_a_row, offset = float(first["rpc"]), float(first["ro"])
 
+    errors = AngleErrors(line_rows, distances, height)
     own = {column: owners_distance(line_rows[column], radians_a_row, offset, height) / distance
            for column, distance in distances.items()}
-    near = [abs(ratio - 1) for column, ratio in own.items() if distances[column] <= FURTHEST]
-    allowed = max(near)
     print("his numbers against the distances that he measured: " +
           ", ".join(f"{distances[column]:.0f} mm {100 * (ratio - 1):+.1f} %" for column, ratio in own.items()))
 
     # Rows that see the line nearer than FURTHEST.
     rows = int(ROWS / 2 - (math.atan(height / FURTHEST) - offset) / radians_a_row)
-    ratios, shares = [], []  # the latter: of what is allowed there
+    ratios, limits = [], []  # of our distance to his; how far it may be off there
     with tempfile.TemporaryDirectory(prefix="laser_cloud.") as temporary:
         rig = pathlib.Path(temporary) / "rig.yaml"
         rig.write_text(rig_text(radians_a_row, offset, height, rows), encoding="utf-8")
@@ -155,21 +126,23 @@ def main():
                 groups[min(GROUPS - 1, max(0, int(column * GROUPS / COLUMNS)))].append(z)
             for group, text in zip(groups, samples[sample]["distances_10"].split(",")):
                 his = float(text)
-                if 0 < his <= FURTHEST and len(group) >= COLUMNS // GROUPS // 2:
+                if NEAREST <= his <= FURTHEST and len(group) >= COLUMNS // GROUPS // 2:
                     ratios.append(statistics.median(group) / his)
-                    half_a_row = 0.5 * radians_a_row * his / height
-                    shares.append((ratios[-1] - 1) / (allowed + half_a_row))
+                    angle = math.atan(height / his)
+                    off = errors.at((angle - offset) / radians_a_row)
+                    limits.append(STANDARD_ERRORS * off / (math.sin(angle) * math.cos(angle)))
                     print(f"sample {sample}: {statistics.median(group):7.1f} mm, his {his:5.0f} mm")
     middle = statistics.median(ratios)
     spread = statistics.quantiles(ratios, n=4)
-    print(f"{len(ratios)} places: our distance is {middle:.4f} of his (quartiles {spread[0]:.4f} and {spread[2]:.4f}). His "
-          f"numbers are off by up to {allowed:.3f}; with half a row, the median is off by {statistics.median(shares):.2f} of "
-          f"what his calibration allows")
+    share = statistics.median((ratio - 1) / limit for ratio, limit in zip(ratios, limits))
+    print(f"{len(ratios)} places: our distance is {middle:.4f} of his (quartiles {spread[0]:.4f} and {spread[2]:.4f}). "
+          f"His calibration allows {statistics.median(limits):.4f} (median); the median is off by {share:.2f} of what it "
+          "allows")
     results.write("laser_cloud", "The cloud of captures of a laser line, with the owner's rig, against his distances",
                   "lab/scripts/laser_cloud.py laser-chrisspen",
                   {"places": len(ratios), "ratio": middle, "quartile_low": spread[0], "quartile_high": spread[2],
-                   "allowed": allowed, "share_of_allowed": statistics.median(shares)})
-    return 0 if abs(statistics.median(shares)) <= 1 else 1
+                   "allowed": statistics.median(limits), "share_of_allowed": share})
+    return 0 if abs(share) <= 1 else 1
 
 
 if __name__ == "__main__":

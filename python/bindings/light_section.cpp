@@ -106,7 +106,7 @@ void bind_rig(nb::module_& module) {
   module.def(
       "load_rig", [](const Path& name_or_file) { return rig::load_any_rig(name_or_file.string()); },
       nb::arg("name_or_file"),
-      "A built-in rig (light-section, scanner), or that of a YAML file. InputError with file, line and reason.");
+      "A built-in rig (light-section, scanner, laser), or that of a YAML file. InputError with file, line and reason.");
 }
 
 void bind_profiles(nb::module_& module) {

@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -31,12 +32,15 @@
 #include "sim/app/commands.h"
 #include "sim/board/packet_recording.h"
 #include "sim/cosim/light_section.h"
+#include "sim/scene/optics.h"
 #include "sim/scene/parallel.h"
 #include "sim/scene/pattern_renderer.h"
+#include "sim/scene/perturbed_rig.h"
 #include "sim/scene/planted_part.h"
 #include "sim/scene/projected_light.h"
 #include "sim/scene/random.h"
 #include "sim/scene/renderer.h"
+#include "sim/scene/targets.h"
 #include "sim/scene/virtual_capture.h"
 
 namespace selfproj::sim {
@@ -139,6 +143,9 @@ class Line {
   // The reference that lies beside a recording; empty if there is none of this kind.
   [[nodiscard]] virtual std::string reference_beside() const { return ""; }
 
+  // The images of targets from which the rig is calibrated, if a calibration takes them.
+  virtual void write_targets(files::OutputFolder& /*folder*/) const {}
+
   // The packets of parts one after another. `done` is called after each part, `take_image`, if any, with each image.
   [[nodiscard]] virtual PacketRecording packets(const std::vector<LinePart>& parts, const Done& done,
                                                 const TakeImage& take_image) const = 0;
@@ -156,9 +163,12 @@ class Line {
 };
 
 rig::Rig rig_of_moving_parts(rig::Rig rig, const ProductionOptions& options) {
-  if (!rig.is_pinholes()) {
-    throw UserError("--rig " + options.rig, "has lenses or a laser; the simulated line takes a rig of pinholes alone");
+  if (rig.camera.region) {
+    throw UserError("--rig " + options.rig, "has a region (camera.region); the simulated line sends whole images");
   }
+  // The rig is the simulation's truth: nothing of it remains to be measured or corrected.
+  rig.sources.reset();
+  rig.heights.reset();
   constexpr double kMostExposed = 0.9;  // of the time from frame to frame
   rig.name = "line";
   rig.camera.frame_rate_hz = options.rate;
@@ -176,34 +186,132 @@ rig::Rig rig_of_moving_parts(rig::Rig rig, const ProductionOptions& options) {
   return rig;
 }
 
-// Parts that pass under the pattern of the good one.
+// The camera, held by hand, of a rig with a laser: as far from the chessboard as from the line on the belt.
+rig::Rig rig_of_held_boards(rig::Rig rig) {
+  rig.plane_z_mm = PerturbedRig(rig).camera.depth({0, 0, rig.plane_z_mm});
+  rig.belt_pose.reset();
+  return rig;
+}
+
+constexpr ChessboardShape kBoard{9, 6, 6};
+constexpr int kPoses = 10;
+constexpr double kLean = 30;                               // degrees, of held boards
+constexpr std::array<double, 4> kPlaces = {0, 8, 16, 24};  // mm, of the board on the belt
+constexpr double kBlock = 20;                              // mm, height of the gauge block
+constexpr double kBlockWidth = 40;
+
+// Where the belt was at each image of the board on it.
+std::string places_csv(const rig::Rig& rig) {
+  std::string text = "moves_mm,counts,seconds\n";
+  for (const double place : kPlaces) {
+    text += fmt::format("{},{},{}\n", place, std::llround(place / rig.conveyor.encoder_mm_per_count),
+                        place / rig.conveyor.speed_mm_per_s);
+  }
+  return text;
+}
+
+// Where along the belt, mm, the light meets the part.
+struct LightOnPart {
+  double first, last;
+};
+
+// The light is a plane: that of a laser, or through the camera's middle row, on which the line is seen.
+LightOnPart light_on_part(const rig::Rig& rig) {
+  const PerturbedRig actual(rig);
+  const Pinhole& camera = actual.camera;
+  const Pinhole::Intrinsics& k = camera.intrinsics();
+  const double middle = (0.5 * (rig.camera.rows - 1) - k.row_0) / k.row_scale;
+  const Point3 normal = rig.light_plane ? actual.projector.axes()[0] : camera.axes()[0] - middle * camera.axes()[2];
+  const Point3 on = (rig.light_plane ? actual.projector : camera).centre();
+  LightOnPart light{0, 0};
+  for (const double height : {0.0, PlantedPart::kTreads[1] + kMaxDepth}) {
+    for (const double y : {-PlantedPart::kTreadWidth, PlantedPart::kTreadWidth}) {
+      const double x = on.x - (normal.y * (y - on.y) + normal.z * (rig.plane_z_mm - height - on.z)) / normal.x;
+      light = {std::min(light.first, x), std::max(light.last, x)};
+    }
+  }
+  return light;
+}
+
+// Parts that pass under the pattern of the good one, or under a laser's line.
 class MovingLine final : public Line {
  public:
   explicit MovingLine(const ProductionOptions& options)
-      : Line(rig_of_moving_parts(rig::load_rig(options.rig), options)),
-        setup_(self_projection(rig(), rig(), PlantedPart(rig(), {}, {}), {}, false)) {
-    if (setup_.references[0].valid_columns() == 0) {
-      throw UserError("--rig " + options.rig, "no camera column sees the part in the projector's light");
+      : Line(rig_of_moving_parts(rig::load_any_rig(options.rig), options)),
+        light_(rig().is_pinholes() ? LightOnPart{0, 0} : light_on_part(rig())),
+        foot_(PerturbedRig(rig()).camera.centre().y) {
+    const PlantedPart part(rig(), {}, {});
+    if (rig().light_plane) {
+      pattern_ = light_section::draw_straight_line(PerturbedRig(rig()).rig, kLaserLine);
+    }
+    light_section::ReferenceCurve curve = curve_of_scene(rig(), part);
+    // The host's y counts from the camera.
+    std::transform(curve.y_mm.begin(), curve.y_mm.end(), curve.y_mm.begin(), [this](double y) { return y - foot_; });
+    if (!rig().light_plane) {
+      pattern_ = light_section::draw_pattern(rig(), light_section::pattern_of_curve(rig(), curve));
+    }
+    reference_ = light_section::reference_of_curve(rig(), curve);
+    if (reference_.valid_columns() == 0) {
+      throw UserError("--rig " + options.rig, rig().light_plane
+                                                  ? "no camera column sees the laser on the part"
+                                                  : "no camera column sees the part in the projector's light");
     }
   }
 
   [[nodiscard]] const char* reference() const override { return "part"; }
 
   void write_reference(files::OutputFolder& folder) const override {
-    folder.append("part/reference.csv", light_section::reference_csv(rig(), setup_.references[0]));
-    folder.append("part/pattern.tiff", images::encode_float_tiff("pattern.tiff", setup_.pattern));
-    folder.append("part/pattern.png", light_section::encode_pattern_png(setup_.pattern));
-    folder.append("part/preview.png", light_section::draw_preview(rig(), setup_.pattern, setup_.references[0]));
+    folder.append("part/reference.csv", light_section::reference_csv(rig(), reference_));
+    if (!rig().light_plane) {
+      folder.append("part/pattern.tiff", images::encode_float_tiff("pattern.tiff", pattern_));
+      folder.append("part/pattern.png", light_section::encode_pattern_png(pattern_));
+    }
+    folder.append("part/preview.png",
+                  light_section::draw_preview(rig(), rig().light_plane ? images::FloatImage() : pattern_, reference_));
   }
 
+  // Of a laser.
+  void write_targets(files::OutputFolder& folder) const override {
+    if (!rig().light_plane) {
+      return;
+    }
+    CaptureSettings settings;
+    const auto draw_noise = [seed = rig().imaging.seed](rig::Rig of, int target) {
+      constexpr std::int64_t kTargets = 10;
+      of.imaging.seed = kTargets * seed + target;
+      return PerturbedRig(of);
+    };
+    const PerturbedRig by_hand = draw_noise(rig_of_held_boards(rig()), 1);
+    settings.prefix = "held/";
+    capture_chessboard_and_laser(by_hand, kBoard, {}, chessboard_places(by_hand, kBoard, kPoses, kLean), settings,
+                                 folder);
+    const PerturbedRig carried = draw_noise(rig(), 2);
+    settings.prefix = "carried/";
+    const PlateVisits visits{{0}, {kPlaces.begin(), kPlaces.end()}};
+    capture_chessboard_and_laser(carried, kBoard, {}, places_on_plates(carried, kBoard, visits, {}, 0), settings,
+                                 folder);
+    folder.append("carried/places.csv", places_csv(rig()));
+    const auto take = [&](const std::string& name, const Scene& scene, int target) {
+      const PerturbedRig actual = draw_noise(rig(), target);
+      settings.prefix = name + "/";
+      capture_scene(actual, scene, {laser_light(actual, settings.render)}, settings, folder);
+    };
+    take("empty", FlatPlate(0, {}, 0), 3);
+    take("block", StepBlock({kBlock}, kBlockWidth, 0, {}, 0), 4);
+    take("golden",
+         StepBlock({PlantedPart::kTreads.begin(), PlantedPart::kTreads.end()}, PlantedPart::kTreadWidth, 0, {}, 0), 5);
+  }
+
+  // A laser's line is the same whatever it is compared with.
   [[nodiscard]] std::string reference_beside() const override {
-    return light_section::reference_csv(rig(), setup_.references[0]);
+    return rig().light_plane ? "" : light_section::reference_csv(rig(), reference_);
   }
 
   [[nodiscard]] PacketRecording packets(const std::vector<LinePart>& parts, const Done& done,
                                         const TakeImage& take_image) const override {
-    const auto first = static_cast<int>((ConveyedScene::kLead - kBefore) / kStep);
-    const auto count = static_cast<int>((PlantedPart::kLength + kBefore + kBehind) / kStep);
+    const auto first = static_cast<int>(std::floor((ConveyedScene::kLead - kBefore + light_.first) / kStep));
+    const auto count =
+        static_cast<int>(std::ceil((PlantedPart::kLength + kBefore + kBehind + light_.last - light_.first) / kStep));
     const rig::RigCamera& camera = rig().camera;
     const model::Measure measure = rig().measure.of_board();
     const double counts_per_frame = kStep / rig().conveyor.encoder_mm_per_count;
@@ -214,7 +322,7 @@ class MovingLine final : public Line {
       PerturbedRig actual(rig());
       actual.rig.imaging.seed = parts[at].noise;
       const PlantedPart scene(actual.rig, parts[at].pose, parts[at].defects);
-      const LineRenderer renderer(actual, scene, setup_.pattern);
+      const LineRenderer renderer(actual, scene, pattern_);
       images::Image image{camera.rows, camera.columns, std::vector<std::uint8_t>(camera.pixels())};
       model::Runs runs;
       runs.resize(measure.select, camera.columns);
@@ -250,8 +358,17 @@ class MovingLine final : public Line {
     return recording;
   }
 
+  [[nodiscard]] Place place(const PlantedDefect& defect) const override {
+    Place place = Line::place(defect);
+    place.across -= foot_;
+    return place;
+  }
+
  private:
-  LightSection setup_;
+  LightOnPart light_;
+  double foot_;  // y of the camera, above the middle of the parts' way
+  images::FloatImage pattern_;
+  light_section::ReferenceProfile reference_;
 };
 
 rig::Rig rig_of_still_parts(rig::Rig rig, const ProductionOptions& options) {
@@ -383,6 +500,9 @@ void run_production(const ProductionOptions& options) {
   const double clocks = line->rig().pixel_clock_hz() / options.rate;
   folder.append("rig.yaml", rig::to_yaml(line->rig()));
   line->write_reference(folder);
+  if (options.images) {
+    line->write_targets(folder);
+  }
   const std::vector<LinePart> good = series_of(options, 0, options.good, 0);
   const std::vector<LinePart> parts = series_of(options, 1, options.parts, options.bad_every);
   cli::Progress progress("part", good.size() + parts.size());
@@ -425,15 +545,18 @@ void add_production_command(CLI::App& app) {
            "kind scanner the parts are five times larger, and stand still under the stripes of the good part.\n\n"
            "The output folder, which must be new, gets\n"
            "- rig.yaml: the rig, with the section `parts`\n"
-           "- part/ (of a scanner stripes/): the reference and its patterns, as `selfproj pattern` writes them\n"
+           "- part/ (of a scanner stripes/): the reference and its patterns, as `selfproj pattern` writes them; of a "
+           "laser, which has no patterns, the reference alone\n"
            "- good.packets: what the board sends of good parts, for `selfproj tolerance learn`\n"
            "- run.packets: what it sends of good and bad ones; `selfproj-sim board --replay` plays it, with --loop "
            "without end\n"
            "- good.packets.reference.csv, run.packets.reference.csv: the reference under which they were taken, of a "
-           "light "
-           "section\n"
+           "light section with a projector\n"
            "- run.csv: the truth: which parts of the run are bad, and where\n"
-           "- with --images good/ and run/: the camera's images",
+           "- with --images good/ and run/: the camera's images. Of a laser also those from which the rig is "
+           "calibrated: held/boards/ and held/lines/, a chessboard of 9x6 corners with squares of 6 mm in ten poses, "
+           "and the line on it; carried/boards/, the same on the belt at the places of carried/places.csv; the line on "
+           "the empty belt (empty/), on a block 20 mm high (block/), and on a good part (golden/)",
        .examples = R"(
 # A line; the tolerance of its good parts; its parts classified.
 selfproj-sim production --out line
@@ -441,6 +564,9 @@ selfproj tolerance learn --rig line/rig.yaml --reference line/part \
   --device file:line/good.packets --out tolerance.yaml
 selfproj inspect --rig line/rig.yaml --reference line/part --device file:line/run.packets \
   --tolerance tolerance.yaml --parts today
+
+# A laser's line, with all images that its calibration takes.
+selfproj-sim production --rig laser --images --good 5 --parts 3 --out laser-line
 )"});
   const auto options = std::make_shared<ProductionOptions>();
   command->add_option("--rig", options->rig, "Built-in rig or YAML file.")->type_name("RIG")->capture_default_str();

@@ -65,7 +65,7 @@ void capture(const PerturbedRig& actual, const Scene& scene, const std::vector<P
     renderer.render(first + i, patterns[static_cast<std::size_t>(i)], image.pixels);
     const std::string bytes = images::encode_png(image);
     const std::lock_guard lock(mutex);
-    out.append(fmt::format("{}image_{:0{}}.png", prefix, i, digits), bytes);
+    out.append(fmt::format("{}{}image_{:0{}}.png", settings.prefix, prefix, i, digits), bytes);
     settings.done();
   });
 }
@@ -118,7 +118,7 @@ void capture_chessboard(const PerturbedRig& actual, const ChessboardShape& shape
     capture(actual, ChessboardScene(actual.rig, shape, place, flaws), patterns, static_cast<int>(k * patterns.size()),
             fmt::format("pose_{:02}/", k + 1), settings, out);
   }
-  out.append("truth.json", files::json_text(truth, 2) + "\n");
+  out.append(settings.prefix + "truth.json", files::json_text(truth, 2) + "\n");
 }
 
 ProjectedLight laser_light(const PerturbedRig& actual, const RenderOptions& options) {
@@ -150,15 +150,15 @@ void capture_chessboard_and_laser(const PerturbedRig& actual, const ChessboardSh
     const std::string board = take(in_room, dark, 2 * i);
     const std::string laser = take(actual, line, 2 * i + 1);
     const std::lock_guard lock(mutex);
-    out.append(fmt::format("boards/pose_{:02}.png", i + 1), board);
-    out.append(fmt::format("lines/pose_{:02}.png", i + 1), laser);
+    out.append(fmt::format("{}boards/pose_{:02}.png", settings.prefix, i + 1), board);
+    out.append(fmt::format("{}lines/pose_{:02}.png", settings.prefix, i + 1), laser);
     settings.done();
   });
   for (const ChessboardPlace& place : places) {
     truth["poses"].push_back(
         {{"middle_mm", json_of(place.middle)}, {"right", json_of(place.right)}, {"below", json_of(place.below)}});
   }
-  out.append("truth.json", files::json_text(truth, 2) + "\n");
+  out.append(settings.prefix + "truth.json", files::json_text(truth, 2) + "\n");
 }
 
 int scan_images(const rig::Rig& rig, ScanMethod method) {

@@ -5,6 +5,7 @@
 
 #include <functional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "host/files/output_folder.h"
@@ -40,6 +41,7 @@ void take_images(const PatternRenderer& renderer, const PatternShots& shots,
 struct CaptureSettings {
   RenderOptions render;
   int threads = 0;                     // 0: one for each core
+  std::string prefix = {};             // of the files' names, such as `inner/`
   std::function<void()> done = [] {};  // called after each image, never by two threads at once
 };
 

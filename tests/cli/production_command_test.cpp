@@ -2,15 +2,18 @@
 // finds, in packets, with a camera and with structured light.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "selfproj/images/float_image.h"
+#include "selfproj/rig/calibration.h"
 #include "selfproj/rig/rig.h"
 #include "tests/cli/program.h"
 
@@ -175,6 +178,157 @@ TEST_F(ProductionCommand, SaysWhyThereIsNoPoint) {
   const Outcome strict = inspect("line/rig.yaml", {"--tolerance", "strict.yaml", "--check"});
   EXPECT_EQ(strict.status, 1);
   EXPECT_NE(strict.err.find("1 of 1 parts has no verdict; the last: "), std::string::npos) << strict.err;
+}
+
+// Rigs with a laser, or with lenses, have a line as well: the defect of a bad part is where run.csv says.
+TEST_F(ProductionCommand, TakesLasersAndLenses) {
+  const rig::Rig drawn = rig::load_rig("light-section");
+  rig::Calibration calibration = rig::calibration_of(drawn);
+  calibration.camera.k[0] = 0.05;
+  rig::Rig lenses = rig::rig_of(calibration, drawn);
+  lenses.sources = rig::RigSources{};  // the simulation knows its rig
+  write_text(folder_ / "lenses.yaml", rig::to_yaml(lenses));
+  for (const std::string rig : {"laser", "lenses.yaml"}) {
+    SCOPED_TRACE(rig);
+    const std::string line = "line-of-" + rig;
+    const Outcome made = sim(
+        {"production", "--rig", rig, "--good", "1", "--parts", "1", "--bad-every", "1", "--seed", "4", "--out", line});
+    ASSERT_EQ(made.status, 0) << made.err;
+    EXPECT_EQ(std::filesystem::exists(folder_ / (line + "/run.packets.reference.csv")), rig != "laser");
+    const Outcome run = host({"inspect", "--rig", line + "/rig.yaml", "--reference", line + "/part", "--device",
+                              "file:" + line + "/run.packets", "--check", "--out", line + "-out"});
+    ASSERT_EQ(run.status, 0) << run.err;
+    std::istringstream truth(read_text(folder_ / (line + "/run.csv")));
+    std::string row;
+    std::getline(truth, row);
+    std::getline(truth, row);
+    const std::vector<std::string> fields = fields_of(row);
+    ASSERT_EQ(fields.at(1), "bad");
+    const double across = std::stod(fields.at(3));
+    const double depth = std::stod(fields.at(5));
+    // Differences where the profile says that the defect is, across the belt.
+    std::istringstream profile(read_text(folder_ / (line + "-out/profile.csv")));
+    std::getline(profile, row);
+    const std::vector<std::string> keys = fields_of(row);
+    const auto key = [&](const std::string& name) {
+      return static_cast<std::size_t>(std::find(keys.begin(), keys.end(), name) - keys.begin());
+    };
+    const std::size_t y = key("y");
+    const std::size_t deeper = key("dz");
+    ASSERT_LT(std::max(y, deeper), keys.size()) << row;
+    int there = 0;
+    while (std::getline(profile, row)) {
+      const std::vector<std::string> point = fields_of(row);
+      if (point.size() == keys.size() && std::abs(std::stod(point[y]) - across) < std::stod(fields.at(4)) / 4 &&
+          std::abs(-std::stod(point[deeper]) - depth) < 0.1) {
+        ++there;
+      }
+    }
+    EXPECT_GT(there, 20);
+  }
+}
+
+// A rig that sends a region of its sensor: images of the region and of the whole sensor give the same heights.
+TEST_F(ProductionCommand, ImagesOfARegionAreMeasured) {
+  rig::Rig rig = rig::load_rig("light-section");
+  rig.camera.region = rig::RigRegion{.row_offset = 30,
+                                     .rows = 40,
+                                     .column_offset = 64,
+                                     .columns = 400,
+                                     .frame_rate_hz = rig.camera.frame_rate_hz,
+                                     .exposure_s = rig.camera.exposure_s};
+  write_text(folder_ / "few.yaml", rig::to_yaml(rig));
+  const Words quiet = {"scene", "render", "plane", "--count", "1", "--without", "shot-noise,read-noise"};
+  ASSERT_EQ(sim(with(quiet, {"--out", "whole"})).status, 0);
+  ASSERT_EQ(sim(with(quiet, {"--region-of", "few.yaml", "--out", "part"})).status, 0);
+  for (const std::string images : {"whole", "part"}) {
+    const Outcome run =
+        host({"inspect", "--rig", "few.yaml", "--images", images + "/frame_00001.png", "--out", images + "-out"});
+    ASSERT_EQ(run.status, 0) << run.err;
+  }
+  for (const std::string file : {"moments.csv", "profile.csv", "height.tiff"}) {
+    EXPECT_EQ(read_text(folder_ / ("part-out/" + file)), read_text(folder_ / ("whole-out/" + file))) << file;
+  }
+  const Outcome wrong =
+      host({"inspect", "--rig", "few.yaml", "--images", "part/frame_00001.png", "--roi", "64x40+0+0"});
+  EXPECT_NE(wrong.err.find("but the camera of the rig 512 x 96, and its region 400 x 40"), std::string::npos)
+      << wrong.err;
+}
+
+// Every command that gives millimetres refuses them from a value that was never measured, of either kind of rig, unless
+// it is told to take it.
+TEST_F(ProductionCommand, NothingThatWasNeverMeasuredGivesMillimetres) {
+  for (const std::string kind : {"laser", "light-section"}) {
+    ASSERT_EQ(sim({"scene", "render", "plane", "--rig", kind, "--count", "1", "--out", kind}).status, 0);
+    std::vector<std::pair<std::string, Words>> commands = {
+        {"belt,encoder", {"inspect", "--images", kind}},
+        {"belt,encoder", {"inspect", "--device", "file:nothing.packets"}},
+        {"belt,encoder", {"tolerance", "learn", "--images", kind, "--out", "tolerance.yaml"}},
+        {"belt,encoder", {"rows"}},
+        {"belt", {"calibrate", "heights", "--heights", "0", "--every", "4", "--check", kind}}};
+    if (kind == "laser") {
+      commands.push_back({"belt", {"pattern", "--residual", kind, "--out", "reference"}});
+    }
+    using rig::ValueSource;
+    rig::Rig rig = rig::load_any_rig(kind);
+    rig.sources = rig::RigSources{.camera = ValueSource::measured, .light = ValueSource::measured};
+    write_text(folder_ / "begun.yaml", rig::to_yaml(rig));
+    rig.sources->belt = rig.sources->encoder = ValueSource::measured;
+    rig.sources->light = ValueSource::drawing;
+    write_text(folder_ / "dark.yaml", rig::to_yaml(rig));
+    for (const auto& [assumed, words] : commands) {
+      SCOPED_TRACE(kind + ": " + words.front());
+      for (const std::string file : {"begun.yaml", "dark.yaml"}) {
+        const Outcome refused = host(with(words, {"--rig", file}));
+        EXPECT_NE(refused.status, 0);
+        EXPECT_NE(refused.err.find("the drawing's and never measured; measure with `selfproj "), std::string::npos)
+            << refused.err;
+        const Outcome taken = host(with(words, {"--rig", file, "--assume", file == "begun.yaml" ? assumed : "light"}));
+        EXPECT_EQ(taken.err.find("never measured"), std::string::npos) << taken.err;
+      }
+    }
+  }
+}
+
+// The belt of a rig with a projector, which lights the chessboard evenly: the rig knows belt and encoder, and how parts
+// are cut, with no key edited.
+TEST_F(ProductionCommand, BeltOfAProjectorIsFound) {
+  ASSERT_EQ(host({"pattern", "gray", "--rig", "light-section", "--out", "gray"}).status, 0);
+  std::filesystem::create_directories(folder_ / "white");
+  std::filesystem::copy_file(folder_ / "gray/pattern_36.png", folder_ / "white/0.png");
+  ASSERT_EQ(sim({"capture", "--rig", "light-section", "--patterns", "white", "--chessboard", "21x3", "--square", "2.2",
+                 "--heights", "0", "--moves", "0,3,6", "--out", "carried"})
+                .status,
+            0);
+  Words belt = {"calibrate", "belt",     "--rig",     "light-section", "--chessboard", "21x3",  "--square",
+                "2.2",       "--counts", "0,300,600", "--part-length", "40",           "--out", "belt"};
+  for (int i = 1; i <= 3; ++i) {
+    belt.push_back("carried/pose_0" + std::to_string(i) + "/image_00.png");
+  }
+  const Outcome found = host(belt);
+  ASSERT_EQ(found.status, 0) << found.err;
+  const rig::Rig rig = rig::load_rig((folder_ / "belt/rig.yaml").string());
+  EXPECT_NEAR(rig.plane_z_mm, 1167, 0.1);
+  EXPECT_NEAR(rig.conveyor.encoder_mm_per_count, 0.01, 1e-5);
+  ASSERT_TRUE(rig.sources && rig.parts);
+  EXPECT_EQ(rig.sources->belt, rig::ValueSource::measured);
+  EXPECT_EQ(rig.sources->encoder, rig::ValueSource::measured);
+  EXPECT_EQ(rig.sources->camera, rig::ValueSource::drawing);
+  EXPECT_TRUE(rig.parts->by_encoder);
+  EXPECT_EQ(rig.parts->length_mm, 40);
+  EXPECT_EQ(rig.parts->grid_mm, 0.25);  // a column is 0.233 mm wide
+  EXPECT_EQ(rig.parts->above_mm, 1);
+  ASSERT_EQ(sim({"scene", "render", "plane", "--count", "1", "--out", "plane"}).status, 0);
+  const Words inspect = {"inspect", "--rig", "belt/rig.yaml", "--images", "plane/frame_00001.png",
+                         "--check", "--out", "seen"};
+  EXPECT_NE(host(inspect).err.find("its camera's lens is the drawing's and never measured; measure with `selfproj "
+                                   "calibrate`, or say --assume camera"),
+            std::string::npos);
+  const Outcome assumed = host(with(inspect, {"--assume", "camera,light"}));
+  ASSERT_EQ(assumed.status, 0) << assumed.err;
+  for (const float height : images::read_float_tiff(folder_ / "seen/height.tiff").values) {
+    ASSERT_FALSE(std::abs(height) > 0.3F) << height;
+  }
 }
 
 // Tall images, which no board takes, are measured all the same.

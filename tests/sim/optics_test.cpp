@@ -143,7 +143,7 @@ TEST(BrownLens, StretchBoundsTheDisplacement) {
 // Camera and projector with every deviation at its bound project a grid of points where OpenCV projects them, and the
 // rays of the pixels lead back.
 TEST(PerturbedRig, ProjectsAsOpenCvDoes) {
-  for (const std::string& name : rig::built_in_rigs()) {
+  for (const std::string name : {"light-section", "scanner"}) {
     const rig::Rig rig = rig::load_rig(name);
     const double reach = name == "scanner" ? 150 : 55;
     for (const double sign : {-1.0, 1.0}) {
@@ -208,7 +208,7 @@ TEST(PerturbedRig, OfACalibratedRigIsItsFullModel) {
 // Under a pattern whose light grows from line to line (or column to column), the grey value tells which point of the
 // projector a camera pixel sees. It is the one that OpenCV's formulas give by way of the plane.
 TEST(PerturbedRig, CameraPixelsSeeTheProjectorPointsOfOpenCv) {
-  for (const std::string& name : rig::built_in_rigs()) {
+  for (const std::string name : {"light-section", "scanner"}) {
     const rig::Rig rig = rig::load_rig(name);
     sim::Perturbation camera = large_deviation(1);
     sim::Perturbation projector = large_deviation(-1);

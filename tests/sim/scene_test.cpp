@@ -270,7 +270,7 @@ TEST(Pinhole, CameraIsThatOf33) {
 
 // θ = θ0 + atan(Xp/fp) is measured from z towards −x, and y = (z − z0) Yp / (fp cos θ0 − Xp sin θ0).
 TEST(Pinhole, ProjectorIsThatOf36To38) {
-  for (const std::string& name : rig::built_in_rigs()) {
+  for (const std::string name : {"light-section", "scanner"}) {
     const rig::RigProjector rig = rig::load_rig(name).projector;
     const sim::Pinhole projector = sim::Pinhole::of_projector(rig);
     Random random(1);

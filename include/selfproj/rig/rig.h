@@ -259,7 +259,7 @@ struct Rig {
   [[nodiscard]] double pixel_clock_hz() const { return board.value_or(RigBoard{}).pixel_clock_hz; }
 };
 
-// Names of the built-in rigs: light-section (rig A), scanner (rig B).
+// Names of the built-in rigs: light-section (rig A), scanner (rig B), laser (an example of a laser's line).
 const std::vector<std::string>& built_in_rigs();
 
 // A built-in rig by its name, or the rig of a YAML file. Throws UserError with file, line, key and reason if the file

@@ -30,11 +30,19 @@ struct Drawing {
   std::vector<cv::Point2d> corners;  // of the board's own order
 };
 
-Drawing draw(Random& random, int columns, int rows, double turn, int around, double margin = 0.6) {
-  constexpr int kColumns = 640;
-  constexpr int kRows = 512;
-  constexpr int kFine = 4;  // a pixel is the mean of so many places along both sides
-  const double square = between(random, 24, 34);
+struct Size {
+  int columns = 640;
+  int rows = 512;
+  double least_square = 24, most_square = 34;
+  int fine = 4;  // a pixel is the mean of so many places along both sides
+};
+
+Drawing draw(Random& random, int columns, int rows, double turn, int around, double margin = 0.6,
+             const Size& size = {}) {
+  const int kColumns = size.columns;
+  const int kRows = size.rows;
+  const int kFine = size.fine;
+  const double square = between(random, size.least_square, size.most_square);
   const double lean = between(random, -0.25, 0.25);
   const cv::Matx33d seen =
       cv::Matx33d(1, 0, kColumns / 2.0, 0, 1, kRows / 2.0, 0, 0, 1) *
@@ -119,6 +127,101 @@ TEST(Chessboards, AreFoundOnNarrowPaper) {
         calibration::find_chessboard(drawing.image, {.columns = 9, .rows = 6, .square_mm = 1});
     EXPECT_EQ(found.reason, "");
     EXPECT_LT(largest_error(found.corners, drawing.corners), 0.2);
+  }
+}
+
+// A board in room light, with the line of a laser across it in any direction: saturated in the middle, with a veil of
+// light around it. `light` is what the laser adds to its own colour; a camera of colours sees a share of it in the
+// others.
+images::Image laser_on(Random& random, const images::Image& board, double scale) {
+  const double turn = between(random, 0, kHalfTurn);
+  const double at = between(random, -0.1, 0.1) * board.rows;
+  const double core = between(random, 1.5, 3.5) * scale;
+  const double veil = between(random, 20, 60) * scale;
+  const double veil_grey = between(random, 30, 90);
+  images::Image light = board;
+  for (int row = 0; row < board.rows; ++row) {
+    for (int column = 0; column < board.columns; ++column) {
+      auto& pixel = light.pixels[static_cast<std::size_t>(row * board.columns + column)];
+      const double albedo = pixel / 220.0;
+      const double away =
+          std::abs((row - board.rows / 2.0) * std::cos(turn) - (column - board.columns / 2.0) * std::sin(turn) - at);
+      const double lit = albedo * 900 * std::exp(-away * away / (2 * core * core)) + veil_grey * std::exp(-away / veil);
+      pixel = static_cast<std::uint8_t>(std::min(255.0, lit));
+    }
+  }
+  return light;
+}
+
+images::Image sum_of(const images::Image& a, double of_a, const images::Image& b, double of_b) {
+  images::Image sum = a;
+  for (std::size_t i = 0; i < sum.pixels.size(); ++i) {
+    sum.pixels[i] = static_cast<std::uint8_t>(std::clamp(of_a * a.pixels[i] + of_b * b.pixels[i], 0.0, 255.0));
+  }
+  return sum;
+}
+
+// All of 14 boards are found under the glare of a laser, by a camera of colours and by one without. Corners that the
+// line does not hide are where they are without it: root mean square and largest error, in pixels.
+TEST(Chessboards, AreFoundUnderTheGlareOfALaser) {
+  constexpr int kBoards = 14;
+  constexpr Size kSize{.columns = 768, .rows = 512, .least_square = 36, .most_square = 52, .fine = 3};
+  int plainly = 0;
+  for (const bool colours : {true, false}) {
+    double squares = 0;
+    double largest = 0;
+    int corners = 0;
+    for (int board = 0; board < kBoards; ++board) {
+      SCOPED_TRACE(board);
+      Random random(static_cast<std::uint64_t>(board) + 1);
+      const Drawing drawing = draw(random, 9, 6, between(random, -0.4, 0.4), random.between(0, 60), 0.5, kSize);
+      const images::Image in_room = sum_of(drawing.image, 0.5, drawing.image, 0);
+      const images::Image laser = laser_on(random, drawing.image, 1);
+      // The laser's own colour, and the two others, which see a fifth of it.
+      const images::Image own = sum_of(in_room, 1, laser, 1);
+      const images::Image others = sum_of(in_room, 1, laser, 0.2);
+      const images::Image difference = sum_of(own, 1, others, -1);
+      const calibration::Chessboard wanted{.columns = 9, .rows = 6, .square_mm = 1};
+      plainly += calibration::find_chessboard(own, wanted).corners.empty() ? 0 : 1;
+      const calibration::FoundChessboard found =
+          colours ? calibration::find_chessboard_under_line(others, difference, wanted)
+                  : calibration::find_chessboard_under_line(own, {}, wanted);
+      EXPECT_EQ(found.reason, "");
+      std::vector<cv::Point2d> expected = drawing.corners;
+      if (!found.corners.empty() && cv::norm(found.corners.front() - expected.front()) > 20) {
+        std::reverse(expected.begin(), expected.end());
+      }
+      int used = 0;
+      for (std::size_t i = 0; i < found.corners.size(); ++i) {
+        if (found.hidden.empty() || !found.hidden[i]) {
+          const double off = cv::norm(found.corners[i] - expected[i]);
+          squares += off * off;
+          largest = std::max(largest, off);
+          ++used;
+        }
+      }
+      corners += used;
+      EXPECT_GE(used, 54 / 2);
+      EXPECT_LT(used, 54) << "the line hides corners";
+    }
+    EXPECT_LT(std::sqrt(squares / corners), 0.05) << (colours ? "colours" : "grey");
+    EXPECT_LT(largest, 0.2) << (colours ? "colours" : "grey");
+  }
+  EXPECT_LT(plainly, 2 * kBoards) << "the boards are too easy";
+}
+
+// Where no line crosses the board, it is found as ever.
+TEST(Chessboards, WithoutALaserAreFoundAsEver) {
+  Random random(3);
+  const Drawing drawing = draw(random, 9, 6, 0.2, 60, 0.5);
+  const calibration::Chessboard wanted{.columns = 9, .rows = 6, .square_mm = 1};
+  const calibration::FoundChessboard plain = calibration::find_chessboard(drawing.image, wanted);
+  const images::Image dark{drawing.image.rows, drawing.image.columns,
+                           std::vector<std::uint8_t>(drawing.image.pixels.size(), 3)};
+  for (const images::Image& light : {images::Image{}, dark}) {
+    const calibration::FoundChessboard found = calibration::find_chessboard_under_line(drawing.image, light, wanted);
+    EXPECT_EQ(found.corners, plain.corners);
+    EXPECT_TRUE(found.hidden.empty());
   }
 }
 

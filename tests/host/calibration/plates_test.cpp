@@ -19,6 +19,7 @@
 
 #include "host/calibration/calibrate.h"
 #include "selfproj/files/user_error.h"
+#include "selfproj/rig/rig.h"
 #include "tests/support/chessboard_world.h"
 #include "tests/support/error_of.h"
 
@@ -177,6 +178,29 @@ TEST(Plates, TellRaysLightAndBelt) {
   for (const cv::Vec2d& o : off) {
     EXPECT_LT(cv::norm(o - mean), 0.06);  // the fence leaves 0.03 mm of 60 mm of height
   }
+
+  // The rig says what of it was measured.
+  using rig::ValueSource;
+  rig::Rig drawn = rig::load_rig("light-section");
+  const rig::Rig found = calibration::calibrated_rig(report, drawn);
+  ASSERT_TRUE(found.sources);
+  EXPECT_EQ(found.sources->camera, ValueSource::measured);
+  EXPECT_EQ(found.sources->light, ValueSource::measured);
+  EXPECT_EQ(found.sources->belt, ValueSource::measured);
+  EXPECT_EQ(found.sources->encoder, ValueSource::measured);
+  EXPECT_EQ(found.sources->speed, ValueSource::drawing);
+  calibration::CalibrationReport held = report;
+  held.belt.reset();
+  drawn.sources = rig::RigSources{.speed = ValueSource::assumed};
+  const rig::Rig by_hand = calibration::calibrated_rig(held, drawn);
+  ASSERT_TRUE(by_hand.sources);
+  EXPECT_EQ(by_hand.sources->light, ValueSource::measured);
+  EXPECT_EQ(by_hand.sources->belt, ValueSource::drawing);
+  EXPECT_EQ(by_hand.sources->encoder, ValueSource::drawing);
+  EXPECT_EQ(by_hand.sources->speed, ValueSource::assumed);
+  drawn.sources.reset();
+  drawn.kind = rig::RigKind::scanner;
+  EXPECT_FALSE(calibration::calibrated_rig(held, drawn).sources);
 }
 
 // What is said of these plates, the belt and its places said to be as `change` leaves them.

@@ -99,6 +99,57 @@ std::string height_error_of(const rig::Rig& rig, const std::vector<light_section
   }
 }
 
+// The row in which a column of a rig with a laser sees the line on a plate; by search.
+double laser_row(const rig::RigOptics& optics, int column, double height) {
+  const auto seen = [&](double row) {
+    return optics.rig().plane_z_mm - *optics.meet(*optics.ray({row, static_cast<double>(column)}), {});
+  };
+  double above = 0;
+  double below = optics.rig().camera.rows - 1;
+  const bool falls = seen(above) > seen(below);
+  for (int i = 0; i < 60; ++i) {
+    const double middle = 0.5 * (above + below);
+    ((seen(middle) > height) == falls ? above : below) = middle;
+  }
+  return above;
+}
+
+// A laser whose plane is believed to be turned by a tenth of a degree about its line on the belt, and moved.
+TEST(HeightFit, TiesALaserToPlates) {
+  const rig::Rig truth = rig::load_any_rig("laser");
+  rig::Rig believed = truth;
+  const double angle = 30.1 * CV_PI / 180;
+  const double distance = truth.plane_z_mm / truth.belt_pose->normal[2];  // of the belt along the axis
+  believed.light_plane = rig::RigLightPlane{{0, -std::cos(angle), std::sin(angle)}, distance * std::sin(angle) + 0.1};
+  const rig::RigOptics optics(truth);
+  std::mt19937 engine(7);
+  std::normal_distribution<double> noise(0, kNoise);
+  std::vector<light_section::HeightPosition> positions;
+  for (const double height : {0.0, 10.0, 20.0, 30.0}) {
+    light_section::HeightPosition position{"at " + std::to_string(height), height, {}};
+    for (const double image : {0.0, 1.0}) {
+      for (int c = 0; c < truth.camera.columns; c += 3) {
+        position.seen.push_back({image, laser_row(optics, c, height) + noise(engine), c});
+      }
+    }
+    positions.push_back(position);
+  }
+  const light_section::HeightFit fit = light_section::fit_heights(believed, positions, {});
+  EXPECT_GT(std::abs(fit.levels.back().before_mean_mm), 0.03);
+  const rig::RigOptics found(fit.rig);
+  for (const double height : {0.0, 5.0, 17.0, 30.0}) {
+    for (int c = 5; c < truth.camera.columns; c += 30) {
+      const rig::CameraPlace place{laser_row(optics, c, height), static_cast<double>(c)};
+      const double z = found.corrected(place, *found.meet(*found.ray(place), {}));
+      EXPECT_NEAR(fit.rig.plane_z_mm - z, height, 0.02) << c;
+    }
+  }
+  for (light_section::HeightPosition& position : positions) {
+    position.height_mm *= 1.1;
+  }
+  EXPECT_NE(height_error_of(believed, positions, {}).find("check: heights: the rig sees 0.9"), std::string::npos);
+}
+
 TEST(HeightFit, RemovesWhatTheGeometryLeavesOfAHiddenRig) {
   for (const Distortion& distortion : kCase) {
     const HiddenRig hidden(distortion);

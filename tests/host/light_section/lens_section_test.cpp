@@ -293,5 +293,49 @@ TEST(LensSection, RowsEndWhereCurvesCannotBeFitted) {
   }
 }
 
+// A laser that the image's lower rows see at a smaller and smaller angle, and at last run parallel to: the curves are
+// fitted where rows see the belt and what lies about it, and the other rows give no points.
+TEST(LensSection, RowsNearlyParallelToALaserGiveNoPoints) {
+  rig::Rig rig = rig::load_any_rig("laser");
+  rig.camera.rows = 1000;
+  rig.calibration->camera.cy_px = 499.5;
+  rig.calibration->camera.k1 = 0;
+  rig.belt_pose.reset();
+  rig.plane_z_mm = 500;
+  // n · ray = 0, where the ray is parallel to the plane, at 300 rows below the middle.
+  const double slope = 300 / rig.calibration->camera.fy_px;
+  const double length = std::hypot(1, slope);
+  rig.light_plane = rig::RigLightPlane{{0, 1 / length, -slope / length}, -slope * rig.plane_z_mm / length};
+  const light_section::ReferenceProfile reference = light_section::reference_of_plane(rig);
+  const light_section::DifferentialProfiler profiler(rig, reference);
+  ASSERT_NE(profiler.curves(), nullptr);
+  const light_section::ColumnCurves& curves = *profiler.curves();
+  EXPECT_LE(curves.fit_error_mm(), light_section::ColumnCurves::kMaxError);
+  constexpr float kMiddle = 500.5F;  // rows from 1: here the belt is seen
+  for (std::size_t c = 0; c < static_cast<std::size_t>(rig.camera.columns); ++c) {
+    ASSERT_NE(curves.valid[c], 0) << c;
+    EXPECT_LT(curves.first[c], kMiddle - 100) << c;
+    EXPECT_GT(curves.last[c], kMiddle + 20) << c;
+    EXPECT_LT(curves.last[c], kMiddle + 300) << c;
+  }
+  // z = d / (n · ray), by hand, at rows between them; beyond them out_of_range.
+  light_section::Profile profile;
+  profile.resize(rig.camera.columns);
+  for (const double centroid : {420.5, 500.5, 530.5, 795.5, 900.5}) {
+    model::Moments moments = moments_of(std::vector<double>(static_cast<std::size_t>(rig.camera.columns), centroid));
+    profiler.profile(moments.view(), profile.view());
+    const double z = slope * rig.plane_z_mm / (slope - (centroid - 500.5) / rig.calibration->camera.fy_px);
+    for (std::size_t c = 0; c < static_cast<std::size_t>(rig.camera.columns); ++c) {
+      const auto validity = static_cast<light_section::Validity>(profile.validity[c]);
+      if (centroid > static_cast<double>(curves.last[c])) {
+        ASSERT_EQ(validity, light_section::Validity::out_of_range) << centroid << " " << c;
+      } else {
+        ASSERT_EQ(validity, light_section::Validity::valid) << centroid << " " << c;
+        ASSERT_NEAR(profile.z[c], z, 0.002) << centroid << " " << c;
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace selfproj::test

@@ -57,7 +57,7 @@ TEST(Lens, HasNoRayBeyondItsFold) {
 // Rigs of both directions of counting.
 std::vector<rig::Rig> rigs() {
   std::vector<rig::Rig> result;
-  for (const std::string& name : rig::built_in_rigs()) {
+  for (const std::string name : {"light-section", "scanner"}) {
     rig::Rig rig = rig::load_rig(name);
     rig.projector.center_yp_mm = 0.7;
     for (const int signs : {0, 1, 2, 3}) {
