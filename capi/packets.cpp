@@ -36,11 +36,12 @@ using namespace selfproj::capi;
 std::int32_t selfproj_payload_bytes(std::uint32_t kind, std::int32_t mode, std::int32_t columns, std::size_t* bytes) {
   return guarded([&] {
     require(bytes != nullptr, "null pointer");
-    require(kind >= SELFPROJ_KIND_MOMENTS && kind <= SELFPROJ_KIND_IMAGE, "unknown kind");
+    require(kind >= SELFPROJ_KIND_MOMENTS && kind <= SELFPROJ_KIND_COMPACT, "unknown kind");
     const int count = checked_columns(columns);
     *bytes = kind == SELFPROJ_KIND_MOMENTS ? model::moments_payload_bytes(mode_of(mode), count)
              : kind == SELFPROJ_KIND_CODES ? model::codes_line_payload_bytes(count)
-                                           : model::image_line_payload_bytes(count);
+             : kind == SELFPROJ_KIND_IMAGE ? model::image_line_payload_bytes(count)
+                                           : model::compact_payload_bytes(count);
   });
 }
 

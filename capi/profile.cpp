@@ -96,7 +96,8 @@ std::int32_t selfproj_profile_of_packet(selfproj_profiler* profiler, const selfp
     check_packet(packet);
     require(packet->payload != nullptr, "packet: null pointer");
     const selfproj_header& header = packet->header;
-    if (header.kind != SELFPROJ_KIND_MOMENTS || packet->status != 0) {
+    if (header.kind > SELFPROJ_KIND_COMPACT || !model::has_columns(static_cast<std::uint8_t>(header.kind)) ||
+        packet->status != 0) {
       return failed(SELFPROJ_BAD_INPUT, "the packet has no moments of a good frame");
     }
     const model::Mode mode =
@@ -109,7 +110,7 @@ std::int32_t selfproj_profile_of_packet(selfproj_profiler* profiler, const selfp
     if (!profiler->profiler.unlike_camera(view.header).empty()) {
       return failed(SELFPROJ_BAD_INPUT, "the packet is of a frame of another size than the rig's camera");
     }
-    require(packet->payload_bytes >= model::moments_payload_bytes(mode, view.header.columns),
+    require(packet->payload_bytes >= model::columns_payload_bytes(view.header),
             "packet: the payload is too short");
     view.payload = {packet->payload, packet->payload_bytes};
     if (!profiler->profiler.profile(view, profiler->profile.view())) {

@@ -29,7 +29,11 @@ Bytes forged(Bytes packet, std::size_t offset, std::size_t bytes, std::uint64_t 
 TEST(Packet, RoundTrip) {
   for (const int columns : {4, 8, 12, 16, 20, 508, 512, spec::kMaxColumns}) {
     for (const model::Mode mode : {model::Mode::binary, model::Mode::grey, model::Mode::grey_over}) {
-      for (const std::uint8_t kind : {spec::kKindMoments, spec::kKindCodes, spec::kKindImage}) {
+      for (const std::uint8_t kind : {spec::kKindMoments, spec::kKindCodes, spec::kKindImage, spec::kKindCompact}) {
+        if (kind == spec::kKindCompact && mode == model::Mode::binary) {
+          EXPECT_EQ(verdict(packet_of(header_of(kind, mode, columns))), model::PacketError::geometry);
+          continue;
+        }
         for (const std::uint32_t status : {std::uint32_t{0}, spec::kStatusLongLine | spec::kStatusIncomplete}) {
           model::PacketHeader header = header_of(kind, mode, columns);
           const Bytes payload = Random(static_cast<std::uint64_t>(columns)).bytes(payload_bytes_of(header));
