@@ -110,8 +110,7 @@ std::int32_t selfproj_profile_of_packet(selfproj_profiler* profiler, const selfp
     if (!profiler->profiler.unlike_camera(view.header).empty()) {
       return failed(SELFPROJ_BAD_INPUT, "the packet is of a frame of another size than the rig's camera");
     }
-    require(packet->payload_bytes >= model::columns_payload_bytes(view.header),
-            "packet: the payload is too short");
+    require(packet->payload_bytes >= model::columns_payload_bytes(view.header), "packet: the payload is too short");
     view.payload = {packet->payload, packet->payload_bytes};
     if (!profiler->profiler.profile(view, profiler->profile.view())) {
       return failed(SELFPROJ_BAD_INPUT, "the packet was not measured as the images of the reference were");

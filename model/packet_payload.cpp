@@ -177,8 +177,9 @@ void pack_compact(Select select, int columns, const RunsView& runs, std::uint8_t
   const MomentsView& of = runs.moments;
   std::uint8_t* word = payload;
   for (std::size_t i = 0; i < checked(columns); ++i) {
-    store_little_endian(word, compact_word(select, of.m0[i], of.m1[i], of.n[i], strongest ? runs.runs[i] : std::uint8_t{0},
-                                           strongest ? runs.second[i] : std::uint8_t{0}));
+    store_little_endian(word,
+                        compact_word(select, of.m0[i], of.m1[i], of.n[i], strongest ? runs.runs[i] : std::uint8_t{0},
+                                     strongest ? runs.second[i] : std::uint8_t{0}));
     word += kCompactBytes;
   }
   std::fill(word, payload + compact_payload_bytes(columns), std::uint8_t{0});
@@ -187,15 +188,16 @@ void pack_compact(Select select, int columns, const RunsView& runs, std::uint8_t
 void unpack_compact(Select select, int columns, const std::uint8_t* payload, const RunsView& out) {
   const RunsView to = out;
   const bool strongest = select == Select::strongest;
-  for_each_compact_word(payload, 0, columns, [&](int i, std::uint32_t centroid, std::uint32_t n, std::uint32_t quality) {
-    to.moments.m0[i] = centroid != 0 ? kCompactM0 : 0;
-    to.moments.m1[i] = centroid;
-    to.moments.n[i] = n;
-    if (strongest) {
-      to.runs[i] = static_cast<std::uint8_t>(quality >> 4U);
-      to.second[i] = static_cast<std::uint8_t>(quality & 15U);
-    }
-  });
+  for_each_compact_word(payload, 0, columns,
+                        [&](int i, std::uint32_t centroid, std::uint32_t n, std::uint32_t quality) {
+                          to.moments.m0[i] = centroid != 0 ? kCompactM0 : 0;
+                          to.moments.m1[i] = centroid;
+                          to.moments.n[i] = n;
+                          if (strongest) {
+                            to.runs[i] = static_cast<std::uint8_t>(quality >> 4U);
+                            to.second[i] = static_cast<std::uint8_t>(quality & 15U);
+                          }
+                        });
 }
 
 void pack_codes(int columns, const std::uint16_t* codes, std::uint8_t* payload) {

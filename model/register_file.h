@@ -18,10 +18,10 @@ struct BoardBuild {
   bool image = true;
   bool codes = false;  // the Gray-code decoder
   bool median = false;
-  bool runs = false;    // the strongest run of a column
-  bool region = false;  // the register region
+  bool runs = false;     // the strongest run of a column
+  bool region = false;   // the register region
   bool compact = false;  // compact columns, and their register
-  int code_bits = 0;    // largest number of code bits; 0 without the decoder
+  int code_bits = 0;     // largest number of code bits; 0 without the decoder
 };
 
 // What the board is doing: the registers that only the board changes.

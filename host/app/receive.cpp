@@ -49,7 +49,8 @@ void write_setup(driver::Control& control, const BoardSetup& setup) {
                             {driver::register_part("region.column"), number(camera.region_column())}});
   }
   if (compact && !control.build().compact) {
-    throw UserError(control.uri(), "this board is built without compact columns; the rig asks for them (measure.words)");
+    throw UserError(control.uri(),
+                    "this board is built without compact columns; the rig asks for them (measure.words)");
   }
   if (control.build().compact) {
     control.write(driver::register_part("compact.on"), compact ? 1 : 0);

@@ -93,11 +93,10 @@ Control::Control(std::unique_ptr<RegisterPort> port) : port_(std::move(port)) {
 
 void Control::need(const spec::Register& one) const {
   if (!model::has_register(build_, one.address)) {
-    throw UserError(
-        uri(), "this board has no register " + std::string(one.name) +
-                   (one.address == spec::kRegRegion || one.address == spec::kRegCompact
-                        ? ": it was built without it"
-                        : ": it has no Gray-code decoder"));
+    throw UserError(uri(), "this board has no register " + std::string(one.name) +
+                               (one.address == spec::kRegRegion || one.address == spec::kRegCompact
+                                    ? ": it was built without it"
+                                    : ": it has no Gray-code decoder"));
   }
 }
 

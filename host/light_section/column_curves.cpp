@@ -418,7 +418,7 @@ void for_each_strip(const ColumnCurves& curves, const LineRules& rules, int begi
 void profile_by_curves(const ColumnCurves& curves, const LineRules& rules, const ColumnWords& words,
                        const std::uint8_t* payload, int begin, int end, const ProfileView& out) {
   const bool runs = words.select == model::Select::strongest;
-  const auto unpack = words.compact                        ? (runs ? unpack_runs_compact : unpack_compact)
+  const auto unpack = words.compact                       ? (runs ? unpack_runs_compact : unpack_compact)
                       : words.mode == model::Mode::binary ? (runs ? unpack_runs_binary : unpack_binary)
                                                           : (runs ? unpack_runs_grey : unpack_grey);
   for_each_strip(curves, rules, begin, end, out,

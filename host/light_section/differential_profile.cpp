@@ -267,7 +267,7 @@ void DifferentialProfiler::profile(const ColumnWords& words, const std::uint8_t*
     return;
   }
   const bool runs = words.select == model::Select::strongest;
-  const auto strip_of = words.compact                        ? (runs ? strip_compact_runs : strip_compact)
+  const auto strip_of = words.compact                       ? (runs ? strip_compact_runs : strip_compact)
                         : words.mode == model::Mode::binary ? (runs ? strip_binary_runs : strip_binary)
                                                             : (runs ? strip_grey_runs : strip_grey);
   for (int first = begin; first < end; first += kStrip) {

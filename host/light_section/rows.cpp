@@ -29,8 +29,8 @@ double median_of(std::vector<double> values) {
   return *middle;
 }
 
-// Frames whose starts come closer than this lose packets: the beats of a packet with exact columns and some clocks more.
-// Columns that are divided leave RowBits + 12 clocks later, in a build for 1,023 rows.
+// Frames whose starts come closer than this lose packets: the beats of a packet with exact columns and some clocks
+// more. Columns that are divided leave RowBits + 12 clocks later, in a build for 1,023 rows.
 double clocks_of_packet(const rig::RigMeasure& measure, int columns) {
   const std::size_t exact = model::packet_bytes(model::moments_payload_bytes(measure.mode, columns));
   const int more = measure.mode == model::Mode::binary ? 8 : measure.sends_compact() ? 14 + 10 + 12 : 14;
@@ -38,9 +38,8 @@ double clocks_of_packet(const rig::RigMeasure& measure, int columns) {
 }
 
 std::size_t packet_size(const rig::Rig& rig, int columns) {
-  return model::packet_bytes(rig.measure.sends_compact()
-                                 ? model::compact_payload_bytes(columns)
-                                 : model::moments_payload_bytes(rig.measure.mode, columns));
+  return model::packet_bytes(rig.measure.sends_compact() ? model::compact_payload_bytes(columns)
+                                                         : model::moments_payload_bytes(rig.measure.mode, columns));
 }
 
 }  // namespace

@@ -380,7 +380,8 @@ Rig parse_rig(const std::string& yaml, const std::string& source) {
                                         rig.measure.window->last));
   }
   if (rig.measure.sends_compact() && rig.measure.mode == model::Mode::binary) {
-    throw UserError(source, "measure.words is compact, which goes with modes grey and grey_over: binary words have 32 bits");
+    throw UserError(source,
+                    "measure.words is compact, which goes with modes grey and grey_over: binary words have 32 bits");
   }
   if (rig.measure.min_lit_px > rig.measure.max_lit_px) {
     throw UserError(source, fmt::format("measure.min_lit_px is {}, more than measure.max_lit_px, {}",

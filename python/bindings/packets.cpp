@@ -81,9 +81,7 @@ MomentsResult moments_of(const PacketHandle& packet) {
   const auto select = static_cast<model::Select>(view.header.select);
   MomentsResult result(select, std::nullopt, view.header.columns);
   const PacketHandle::Use use(packet);
-  without_gil([&] {
-    model::unpack_columns(view.header, view.payload.data(), result.view(0));
-  });
+  without_gil([&] { model::unpack_columns(view.header, view.payload.data(), result.view(0)); });
   return result;
 }
 

@@ -84,7 +84,8 @@ void check(const PlatformOptions& options) {
   }
   if ((options.settings.select == model::Select::strongest || options.settings.compact) &&
       (options.settings.codes || !options.trace_file.empty() || options.engine == PlatformEngine::hls)) {
-    throw std::invalid_argument("there is no build with the strongest runs or compact columns and codes, waveforms or SystemC shells");
+    throw std::invalid_argument(
+        "there is no build with the strongest runs or compact columns and codes, waveforms or SystemC shells");
   }
   if (options.quantum_lines == 0 || options.trace_from == 0) {
     throw std::invalid_argument("the quantum and the first frame of a trace are at least 1");

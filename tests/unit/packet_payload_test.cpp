@@ -92,8 +92,8 @@ TEST(PayloadWords, FieldsAtTheirBits) {
   EXPECT_EQ(word_of(model::Mode::grey, 0, 0, 0xFFFFFFFF), 0x007FE00000000000U);
 }
 
-// What an image can give, at its corners: the centroid is the nearest multiple of 1/512, halves up, and so within half of
-// one of M1 / M0; no field overflows.
+// What an image can give, at its corners: the centroid is the nearest multiple of 1/512, halves up, and so within half
+// of one of M1 / M0; no field overflows.
 TEST(PayloadWords, CompactColumnsAreBounded) {
   const auto check = [](std::uint32_t m0, std::uint32_t m1, std::uint32_t n) {
     const std::uint32_t word = model::compact_word(model::Select::all, m0, m1, n, 0, 0);

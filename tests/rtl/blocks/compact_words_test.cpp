@@ -93,8 +93,7 @@ void play(Random& random, int max_rows) {
           for (std::size_t k = 0; k < 2; ++k) {
             exact[2 * c + k] = model::load_little_endian<std::uint32_t>(bytes.data() + 4 * k);
           }
-          beat[2 * pair + c] =
-              model::compact_word(select, column.m0, column.m1, column.n, column.runs, column.second);
+          beat[2 * pair + c] = model::compact_word(select, column.m0, column.m1, column.n, column.runs, column.second);
         }
         if (!compact) {
           expected.push_back(exact);

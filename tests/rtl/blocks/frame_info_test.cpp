@@ -116,10 +116,10 @@ TEST(FrameInfo, EachFieldStandsFromItsClockToTheNextFrames) {
       const bool take = start && now - last_take >= kTakeDistance && (frames.empty() || random.chance(80));
       if (take) {
         last_take = now;
-        settings = {random.between(0, 255),  random.between(0, 2),     random.between(0, 255),  random.between(0, 4095),
-                    random.between(0, 1023), random.between(0, 3),     random.between(0, 1),    random.between(0, 1023),
-                    random.between(0, 1023), random.between(0, 65535), random.between(0, 65535),
-                    random.between(0, 1)};
+        settings = {random.between(0, 255),   random.between(0, 2),     random.between(0, 255),
+                    random.between(0, 4095),  random.between(0, 1023),  random.between(0, 3),
+                    random.between(0, 1),     random.between(0, 1023),  random.between(0, 1023),
+                    random.between(0, 65535), random.between(0, 65535), random.between(0, 1)};
       }
       info->frame_start_i = start;
       info->take_i = take;
