@@ -77,6 +77,18 @@ std::int32_t selfproj_unpack_moments(std::int32_t select, std::int32_t mode, std
   });
 }
 
+std::int32_t selfproj_unpack_compact(std::int32_t select, std::int32_t columns, const std::uint8_t* payload,
+                                     std::size_t payload_bytes, std::uint32_t* m0, std::uint32_t* m1, std::uint32_t* n,
+                                     std::uint8_t* runs, std::uint8_t* second) {
+  return guarded([&] {
+    require(payload != nullptr, "null pointer");
+    const int count = checked_columns(columns);
+    require(payload_bytes >= model::compact_payload_bytes(count), "payload_bytes are too few for the columns");
+    const model::Select what = select_of(select);
+    model::unpack_compact(what, count, payload, runs_of(what, {m0, m1, n}, runs, second));
+  });
+}
+
 std::int32_t selfproj_unpack_codes(std::int32_t columns, const std::uint8_t* payload, std::size_t payload_bytes,
                                    std::uint16_t* codes) {
   return guarded([&] {

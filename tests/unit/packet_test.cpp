@@ -194,9 +194,10 @@ TEST(Packet, NamesWhatIsWrong) {
   EXPECT_EQ(verdict(forged(moments, spec::kHeaderMagic, 4, spec::kMagic ^ 1)), model::PacketError::magic);
   EXPECT_EQ(verdict(forged(moments, spec::kHeaderSpecHash, 4, spec::kHash ^ 1)), model::PacketError::hash);
   EXPECT_EQ(verdict(forged(moments, spec::kHeaderVersion, 2, spec::kVersion + 1)), model::PacketError::version);
-  for (const std::uint64_t kind : {0, 4, 255}) {
+  for (const std::uint64_t kind : {0, 5, 255}) {
     EXPECT_EQ(verdict(forged(moments, spec::kHeaderKind, 1, kind)), model::PacketError::kind);
   }
+  EXPECT_EQ(verdict(forged(moments, spec::kHeaderKind, 1, spec::kKindCompact)), model::PacketError::size);
   EXPECT_EQ(verdict(forged(moments, spec::kHeaderReserved, 1, 0x80)), model::PacketError::reserved);
   for (const Bytes& packet : {moments, image}) {
     EXPECT_EQ(verdict(forged(packet, spec::kHeaderMode, 1, 3)), model::PacketError::geometry);
