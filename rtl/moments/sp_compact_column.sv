@@ -132,6 +132,61 @@ module sp_compact_column #(
   logic unused_ends;
   assign unused_ends = ^{m0_q[M0Bits*(Bits+1)+:M0Bits], mean_rest_q[RowBits*QualityBits+:RowBits]};
 
+`ifdef FORMAL
+  // The moments of any one column, which come in at any one clock
+  localparam int FLatency = RowBits + 12;
+  localparam int FBits = M0Bits + Bits + 2;
+  (* anyconst *) logic [M0Bits-1:0]  f_m0;
+  (* anyconst *) logic [M1Bits-1:0]  f_m1;
+  (* anyconst *) logic [RowBits-1:0] f_n;
+  (* anyconst *) logic [1:0]         f_runs;
+  (* anyconst *) logic [4:0]         f_second;
+  (* anyseq *) logic                 f_comes;
+  logic [FLatency:1]                 f_came_q = '0;
+  logic                              f_strongest_q;
+  always_ff @(posedge clk_i) begin
+    f_came_q      <= {f_came_q[FLatency-1:1], f_comes};
+    f_strongest_q <= strongest_i;
+  end
+  // An image gives them: every lit pixel weighs 1..255, and its row is 1..MaxRows.
+  always_comb begin
+    if (f_comes) assume ({m0_i, m1_i, n_i, runs_i, second_i} == {f_m0, f_m1, f_n, f_runs, f_second});
+    if (f_came_q != '0) assume (strongest_i == f_strongest_q);
+    assume (f_n <= RowBits'(MaxRows) && second_i <= 5'd16);
+    assume (FBits'(f_m0) >= FBits'(f_n) && FBits'(f_m0) <= FBits'(255) * FBits'(f_n));
+    assume (FBits'(f_m1) >= FBits'(f_m0) && FBits'(f_m1) <= FBits'(MaxRows) * FBits'(f_m0));
+  end
+
+  logic [FBits-1:0]       f_twice, f_centroid;  // 2 M0 centroid; the centroid of the word
+  logic [QualityBits-1:0] f_quality;
+  always_comb begin
+    f_centroid = FBits'(word_o[sp_spec_pkg::CompactCentroidLsb+:sp_spec_pkg::CompactCentroidBits]);
+    f_quality  = word_o[sp_spec_pkg::CompactQualityLsb+:QualityBits];
+    f_twice    = '0;
+    for (int bit_of = 0; bit_of < Bits; bit_of++) begin
+      if (f_centroid[bit_of]) f_twice = f_twice + (FBits'(f_m0) << (bit_of + 1));
+    end
+  end
+  always_comb if (f_came_q[FLatency]) begin
+    // Rule 1: the word of a column without light is 0.
+    if (f_n == '0) assert (word_o == '0);
+    else begin
+      // Rule 2: the centroid is the nearest multiple of 1/512, halves up.
+      assert (f_twice + FBits'(f_m0) > (FBits'(f_m1) << (Fraction + 1)));
+      assert (f_twice <= (FBits'(f_m1) << (Fraction + 1)) + FBits'(f_m0));
+      assert (f_centroid >> Bits == '0);
+      // Rule 3: n is the number of lit pixels, 63 at most; the quality is what the select says.
+      assert (word_o[sp_spec_pkg::CompactNLsb+:NBits] == (f_n > 63 ? NBits'(63) : NBits'(f_n)));
+      if (f_strongest_q) assert (f_quality == {f_runs, f_second[4] ? 4'd15 : f_second[3:0]});
+      else begin
+        assert (FBits'(f_quality) * (FBits'(f_n) << 2) <= FBits'(f_m0));
+        assert (FBits'(f_m0) < (FBits'(f_quality) + FBits'(1)) * (FBits'(f_n) << 2));
+      end
+    end
+    cover (f_n != '0 && f_centroid[0] && !f_strongest_q);
+  end
+`endif
+
 endmodule
 
 `default_nettype wire
