@@ -100,8 +100,7 @@ std::int32_t selfproj_profile_of_packet(selfproj_profiler* profiler, const selfp
         packet->status != 0) {
       return failed(SELFPROJ_BAD_INPUT, "the packet has no moments of a good frame");
     }
-    const model::Mode mode =
-        mode_of(static_cast<std::int32_t>(std::min<std::uint32_t>(header.mode, SELFPROJ_GREY_OVER + 1)));
+    static_cast<void>(mode_of(static_cast<std::int32_t>(std::min<std::uint32_t>(header.mode, SELFPROJ_GREY_OVER + 1))));
     static_cast<void>(select_of(static_cast<std::int32_t>(std::min<std::uint32_t>(header.select, 2))));
     model::PacketView view;
     selfproj_header given = header;

@@ -254,11 +254,6 @@ ProfileTables DifferentialProfiler::tables_from(int first, const LineRules& rule
           rules};
 }
 
-void DifferentialProfiler::profile(model::Select select, model::Mode mode, const std::uint8_t* payload,
-                                   const ProfileView& out) const {
-  profile({select, mode, false}, payload, 0, columns(), rules_, out);
-}
-
 // The payload begins with column `begin` of the sensor.
 void DifferentialProfiler::profile(const ColumnWords& words, const std::uint8_t* payload, int begin, int end,
                                    const LineRules& rules, const ProfileView& out) const {
@@ -284,9 +279,7 @@ bool DifferentialProfiler::profile(const model::PacketView& packet, const Profil
   }
   const auto [row, column] = place_of_frame(camera_, header).value_or(FramePlace{});
   const int end = column + header.columns;
-  profile({static_cast<model::Select>(header.select), static_cast<model::Mode>(header.mode),
-           header.kind == spec::kKindCompact},
-          packet.payload.data(), column, end, line_rules(camera_, measure_, row, header.rows), out);
+  profile(words_of(header), packet.payload.data(), column, end, line_rules(camera_, measure_, row, header.rows), out);
   blank(out, 0, column);
   blank(out, end, columns());
   return true;

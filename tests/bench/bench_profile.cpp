@@ -56,8 +56,7 @@ struct Packets {
     model::PacketHeader header;
     header.kind = compact ? spec::kKindCompact : spec::kKindMoments;
     header.columns = kColumns;
-    rows = static_cast<std::uint16_t>(packet_rig.camera.rows);
-    header.rows = rows;
+    header.rows = static_cast<std::uint16_t>(packet_rig.camera.rows);
     header.mode = static_cast<std::uint8_t>(mode);
     header.select = static_cast<std::uint8_t>(select);
     std::vector<std::uint8_t> payload(model::columns_payload_bytes(header));
@@ -91,7 +90,6 @@ struct Packets {
   model::Mode mode;
   int count;
   bool compact;
-  std::uint16_t rows = 0;
   std::size_t size;
   std::vector<std::uint8_t> bytes;
 };
@@ -145,21 +143,6 @@ bool profiles_are_right(const rig::Rig& rig, const light_section::ReferenceProfi
 
 enum class Work : std::uint8_t { parse, profile, both };
 
-// Compact columns come with a header only.
-void profile_payload(const light_section::DifferentialProfiler& profiler, const Packets& packets,
-                     model::PacketView& view, const light_section::ProfileView& out) {
-  if (!packets.compact) {
-    profiler.profile(packets.select, packets.mode, view.payload.data(), out);
-    return;
-  }
-  view.header.kind = spec::kKindCompact;
-  view.header.columns = kColumns;
-  view.header.rows = packets.rows;
-  view.header.mode = static_cast<std::uint8_t>(packets.mode);
-  view.header.select = static_cast<std::uint8_t>(packets.select);
-  benchmark::DoNotOptimize(profiler.profile(view, out));
-}
-
 void work(benchmark::State& state, const light_section::DifferentialProfiler& profiler, const Packets& packets,
           Work what) {
   light_section::Profile profile;
@@ -175,7 +158,7 @@ void work(benchmark::State& state, const light_section::DifferentialProfiler& pr
       }
       benchmark::DoNotOptimize(view);
       if (what != Work::parse) {
-        profile_payload(profiler, packets, view, out);
+        profiler.profile({packets.select, packets.mode, packets.compact}, view.payload.data(), out);
       }
       benchmark::ClobberMemory();
     }

@@ -69,7 +69,14 @@ class DifferentialProfiler {
 
   // The same for a payload with the strongest run of each column. A column is ambiguous if its second run has at least
   // the share of the strongest one's M0 that the rig calls ambiguous. Unknown selects count as `all`.
-  void profile(model::Select select, model::Mode mode, const std::uint8_t* payload, const ProfileView& out) const;
+  void profile(model::Select select, model::Mode mode, const std::uint8_t* payload, const ProfileView& out) const {
+    profile(ColumnWords{.select = select, .mode = mode}, payload, out);
+  }
+
+  // The same for a payload of these words, perhaps compact ones.
+  void profile(const ColumnWords& words, const std::uint8_t* payload, const ProfileView& out) const {
+    profile(words, payload, 0, columns(), rules_, out);
+  }
 
   // Why a frame of this size and place is not one of the rig's camera; empty if it is: the whole sensor, or a region of
   // it. See place_of_frame.

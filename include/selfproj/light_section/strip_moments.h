@@ -10,6 +10,7 @@
 
 #include "selfproj/light_section/profile.h"
 #include "selfproj/model/column_runs.h"
+#include "selfproj/model/packet.h"
 #include "selfproj/model/packet_payload.h"
 #include "selfproj/rig/rig.h"
 
@@ -29,10 +30,17 @@ struct StripMoments {
 
 // What the words of a payload are.
 struct ColumnWords {
-  model::Select select;
-  model::Mode mode;
-  bool compact;
+  model::Select select = model::Select::all;
+  model::Mode mode = model::Mode::grey_over;
+  bool compact = false;
 };
+
+// Those of a packet for which has_columns holds.
+inline ColumnWords words_of(const model::PacketHeader& header) {
+  return {.select = static_cast<model::Select>(header.select),
+          .mode = static_cast<model::Mode>(header.mode),
+          .compact = header.kind == spec::kKindCompact};
+}
 
 // Which lines count.
 struct LineRules {
