@@ -227,7 +227,7 @@ TEST(Rig, CompactWordsAreReadBackAndChecked) {
   EXPECT_NE(text.find("words: compact"), std::string::npos);
   EXPECT_TRUE(rig::parse_rig(text, "rig.yaml").measure.sends_compact());
   rig.measure.mode = model::Mode::binary;
-  EXPECT_EQ(error_of([&] { rig::parse_rig(rig::to_yaml(rig), "rig.yaml"); }),
+  EXPECT_EQ(error_of(rig::to_yaml(rig)),
             "rig.yaml: measure.words is compact, which goes with modes grey and grey_over: binary words have 32 bits");
 }
 
