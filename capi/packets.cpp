@@ -36,11 +36,12 @@ using namespace selfproj::capi;
 std::int32_t selfproj_payload_bytes(std::uint32_t kind, std::int32_t mode, std::int32_t columns, std::size_t* bytes) {
   return guarded([&] {
     require(bytes != nullptr, "null pointer");
-    require(kind >= SELFPROJ_KIND_MOMENTS && kind <= SELFPROJ_KIND_IMAGE, "unknown kind");
+    require(kind >= SELFPROJ_KIND_MOMENTS && kind <= SELFPROJ_KIND_COMPACT, "unknown kind");
     const int count = checked_columns(columns);
     *bytes = kind == SELFPROJ_KIND_MOMENTS ? model::moments_payload_bytes(mode_of(mode), count)
              : kind == SELFPROJ_KIND_CODES ? model::codes_line_payload_bytes(count)
-                                           : model::image_line_payload_bytes(count);
+             : kind == SELFPROJ_KIND_IMAGE ? model::image_line_payload_bytes(count)
+                                           : model::compact_payload_bytes(count);
   });
 }
 
@@ -73,6 +74,18 @@ std::int32_t selfproj_unpack_moments(std::int32_t select, std::int32_t mode, std
             "payload_bytes are too few for the columns");
     const model::Select what = select_of(select);
     model::unpack_columns(what, mode_of(mode), count, payload, runs_of(what, {m0, m1, n}, runs, second));
+  });
+}
+
+std::int32_t selfproj_unpack_compact(std::int32_t select, std::int32_t columns, const std::uint8_t* payload,
+                                     std::size_t payload_bytes, std::uint32_t* m0, std::uint32_t* m1, std::uint32_t* n,
+                                     std::uint8_t* runs, std::uint8_t* second) {
+  return guarded([&] {
+    require(payload != nullptr, "null pointer");
+    const int count = checked_columns(columns);
+    require(payload_bytes >= model::compact_payload_bytes(count), "payload_bytes are too few for the columns");
+    const model::Select what = select_of(select);
+    model::unpack_compact(what, count, payload, runs_of(what, {m0, m1, n}, runs, second));
   });
 }
 

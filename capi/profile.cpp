@@ -96,11 +96,11 @@ std::int32_t selfproj_profile_of_packet(selfproj_profiler* profiler, const selfp
     check_packet(packet);
     require(packet->payload != nullptr, "packet: null pointer");
     const selfproj_header& header = packet->header;
-    if (header.kind != SELFPROJ_KIND_MOMENTS || packet->status != 0) {
+    if (header.kind > SELFPROJ_KIND_COMPACT || !model::has_columns(static_cast<std::uint8_t>(header.kind)) ||
+        packet->status != 0) {
       return failed(SELFPROJ_BAD_INPUT, "the packet has no moments of a good frame");
     }
-    const model::Mode mode =
-        mode_of(static_cast<std::int32_t>(std::min<std::uint32_t>(header.mode, SELFPROJ_GREY_OVER + 1)));
+    static_cast<void>(mode_of(static_cast<std::int32_t>(std::min<std::uint32_t>(header.mode, SELFPROJ_GREY_OVER + 1))));
     static_cast<void>(select_of(static_cast<std::int32_t>(std::min<std::uint32_t>(header.select, 2))));
     model::PacketView view;
     selfproj_header given = header;
@@ -109,8 +109,7 @@ std::int32_t selfproj_profile_of_packet(selfproj_profiler* profiler, const selfp
     if (!profiler->profiler.unlike_camera(view.header).empty()) {
       return failed(SELFPROJ_BAD_INPUT, "the packet is of a frame of another size than the rig's camera");
     }
-    require(packet->payload_bytes >= model::moments_payload_bytes(mode, view.header.columns),
-            "packet: the payload is too short");
+    require(packet->payload_bytes >= model::columns_payload_bytes(view.header), "packet: the payload is too short");
     view.payload = {packet->payload, packet->payload_bytes};
     if (!profiler->profiler.profile(view, profiler->profile.view())) {
       return failed(SELFPROJ_BAD_INPUT, "the packet was not measured as the images of the reference were");

@@ -107,6 +107,7 @@ int32_t selfproj_match(const uint16_t* codes, size_t count, int32_t bits, const 
 #define SELFPROJ_KIND_MOMENTS 1 /* one packet a frame */
 #define SELFPROJ_KIND_CODES 2   /* one packet a line of a code image */
 #define SELFPROJ_KIND_IMAGE 3   /* one packet a line of a raw image */
+#define SELFPROJ_KIND_COMPACT 4 /* one packet a frame, columns divided in the circuit */
 
 /* The fields of a header; docs/packet-reference.md explains them. */
 typedef struct selfproj_header {
@@ -144,8 +145,8 @@ typedef struct selfproj_packet {
   selfproj_header header; /* its size need not be set */
 } selfproj_packet;
 
-/* The bytes of a payload for so many columns, 0..65535: moments in this mode, one line of codes, or one line of an
- * image (mode is ignored for the last two). */
+/* The bytes of a payload for so many columns, 0..65535: moments in this mode, one line of codes, one line of an image,
+ * or compact columns (mode is ignored for the last three). */
 int32_t selfproj_payload_bytes(uint32_t kind, int32_t mode, int32_t columns, size_t* bytes);
 
 /* Writes moments as a payload, and reads them back. `payload` has selfproj_payload_bytes(SELFPROJ_KIND_MOMENTS, ...)
@@ -157,6 +158,12 @@ int32_t selfproj_pack_moments(int32_t select, int32_t mode, int32_t columns, con
 int32_t selfproj_unpack_moments(int32_t select, int32_t mode, int32_t columns, const uint8_t* payload,
                                 size_t payload_bytes, uint32_t* m0, uint32_t* m1, uint32_t* n, uint8_t* runs,
                                 uint8_t* second);
+
+/* Reads compact columns, `payload_bytes` at least those of SELFPROJ_KIND_COMPACT: m0 becomes 512, or 0 without light,
+ * m1 the centroid in 1/512 rows; n, `runs` and `second` at most 63, 3 and 15. With SELFPROJ_ALL the last two may be
+ * null. */
+int32_t selfproj_unpack_compact(int32_t select, int32_t columns, const uint8_t* payload, size_t payload_bytes,
+                                uint32_t* m0, uint32_t* m1, uint32_t* n, uint8_t* runs, uint8_t* second);
 
 /* Reads the code words of one line. */
 int32_t selfproj_unpack_codes(int32_t columns, const uint8_t* payload, size_t payload_bytes, uint16_t* codes);

@@ -196,7 +196,8 @@ void BoardModel::end_frame(std::uint32_t status) {
   }
   decoder_.end(status == 0);
   due_ = false;
-  BoardPacket packet{.header = header(spec::kKindMoments), .payload = {}, .status = status};
+  BoardPacket packet{
+      .header = header(kind_of_columns(settings_.compact, settings_.mode)), .payload = {}, .status = status};
   const bool in_last_row = row_ == settings_.rows || (row_ == settings_.rows - 1 && column_ != 0);
   if (in_last_row) {
     const int complete = row_ == settings_.rows ? settings_.columns : column_;
@@ -206,8 +207,8 @@ void BoardModel::end_frame(std::uint32_t status) {
     const ImageView image{
         .pixels = pixels_.data(), .rows = settings_.rows, .columns = complete, .stride = settings_.columns};
     measure_columns(image, settings_.measure(), view);  // the other columns are 0
-    packet.payload.resize(moments_payload_bytes(settings_.mode, settings_.columns));
-    pack_columns(settings_.select, settings_.mode, settings_.columns, view, packet.payload.data());
+    packet.payload.resize(columns_payload_bytes(packet.header));
+    pack_columns(packet.header, view, packet.payload.data());
   }
   packet.header.payload_size = static_cast<std::uint32_t>(packet.payload.size());
   sink_(std::move(packet));
@@ -218,10 +219,10 @@ void append_moments_packet(const ImageView& image, const Measure& measure, Packe
   Runs runs;
   runs.resize(measure.select, image.columns);
   measure_columns(image, measure, runs.view());
-  std::vector<std::uint8_t> payload(moments_payload_bytes(measure.mode, image.columns));
-  pack_columns(measure.select, measure.mode, image.columns, runs.view(), payload.data());
-  header.kind = spec::kKindMoments;
+  header.kind = kind_of_columns(header.kind == spec::kKindCompact, measure.mode);
   describe_frame(header, image.rows, image.columns, measure);
+  std::vector<std::uint8_t> payload(columns_payload_bytes(header));
+  pack_columns(header, runs.view(), payload.data());
   append_packet(header, payload, 0, out);
 }
 

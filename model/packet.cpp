@@ -159,14 +159,18 @@ bool geometry_is_right(const PacketHeader& header) {
       header.rows < 1 || header.rows > spec::kMaxRows) {
     return false;
   }
-  return header.kind == spec::kKindMoments || header.payload_size == 0 || lines_in_frame(header);
+  if (header.kind == spec::kKindCompact && static_cast<Mode>(header.mode) == Mode::binary) {
+    return false;
+  }
+  return has_columns(header.kind) || header.payload_size == 0 || lines_in_frame(header);
 }
 
 // The bytes of payload that kind, mode, columns and lines imply. Kind and geometry must be right.
 std::size_t implied_payload_bytes(const PacketHeader& header) {
   switch (header.kind) {
     case spec::kKindMoments:
-      return moments_payload_bytes(static_cast<Mode>(header.mode), header.columns);
+    case spec::kKindCompact:
+      return columns_payload_bytes(header);
     case spec::kKindCodes:
       return header.lines * codes_line_payload_bytes(header.columns);
     default:
@@ -208,7 +212,7 @@ PacketError judge_header(const std::uint8_t* bytes, const PacketHeader& header) 
   if (const PacketError error = judge_version(bytes); error != PacketError::none) {
     return error;
   }
-  if (header.kind != spec::kKindMoments && header.kind != spec::kKindCodes && header.kind != spec::kKindImage) {
+  if (!has_columns(header.kind) && header.kind != spec::kKindCodes && header.kind != spec::kKindImage) {
     return PacketError::kind;
   }
   if (std::ranges::any_of(reserved_bytes(bytes), [](std::uint8_t b) { return b != 0; })) {
@@ -299,6 +303,29 @@ Measure measure_of(const PacketHeader& header) {
           .select = static_cast<Select>(header.select),
           .gap = header.gap,
           .window = {header.first_row, header.last_row}};
+}
+
+std::size_t columns_payload_bytes(const PacketHeader& header) {
+  return header.kind == spec::kKindCompact ? compact_payload_bytes(header.columns)
+                                           : moments_payload_bytes(static_cast<Mode>(header.mode), header.columns);
+}
+
+void pack_columns(const PacketHeader& header, const RunsView& runs, std::uint8_t* payload) {
+  const auto select = static_cast<Select>(header.select);
+  if (header.kind == spec::kKindCompact) {
+    pack_compact(select, header.columns, runs, payload);
+  } else {
+    pack_columns(select, static_cast<Mode>(header.mode), header.columns, runs, payload);
+  }
+}
+
+void unpack_columns(const PacketHeader& header, const std::uint8_t* payload, const RunsView& out) {
+  const auto select = static_cast<Select>(header.select);
+  if (header.kind == spec::kKindCompact) {
+    unpack_compact(select, header.columns, payload, out);
+  } else {
+    unpack_columns(select, static_cast<Mode>(header.mode), header.columns, payload, out);
+  }
 }
 
 PacketError parse_packet(std::span<const std::uint8_t> bytes, PacketView& out) {

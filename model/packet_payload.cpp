@@ -11,6 +11,7 @@ namespace {
 
 constexpr std::size_t kBinaryBytes = spec::kBinaryWordBits / 8;
 constexpr std::size_t kGreyBytes = spec::kGreyWordBits / 8;
+constexpr std::size_t kCompactBytes = spec::kCompactWordBits / 8;
 constexpr std::size_t kCodeBytes = spec::kCodeWordBits / 8;
 constexpr std::size_t kPixelBytes = spec::kPixelBits / 8;
 
@@ -153,6 +154,50 @@ void unpack_columns(Select select, Mode mode, int columns, const std::uint8_t* p
   } else {
     unpack_moments(mode, columns, payload, out.moments);
   }
+}
+
+std::uint32_t compact_word(Select select, std::uint32_t m0, std::uint32_t m1, std::uint32_t n, std::uint8_t runs,
+                           std::uint8_t second) {
+  if (n == 0 || m0 == 0) {
+    return 0;
+  }
+  constexpr std::uint32_t kMostSecond = 15;
+  const auto centroid = static_cast<std::uint32_t>((std::uint64_t{kCompactM0} * m1 + m0 / 2) / m0);
+  const std::uint32_t quality =
+      select == Select::strongest ? 16U * runs + std::min<std::uint32_t>(second, kMostSecond) : m0 / (4 * n);
+  return (centroid & ones32(spec::kCompactCentroidBits)) << spec::kCompactCentroidLsb |
+         std::min<std::uint32_t>(n, spec::kCompactNMax) << spec::kCompactNLsb |
+         (quality & ones32(spec::kCompactQualityBits)) << spec::kCompactQualityLsb;
+}
+
+std::size_t compact_payload_bytes(int columns) { return whole_beats(checked(columns) * kCompactBytes); }
+
+void pack_compact(Select select, int columns, const RunsView& runs, std::uint8_t* payload) {
+  const bool strongest = select == Select::strongest;
+  const MomentsView& of = runs.moments;
+  std::uint8_t* word = payload;
+  for (std::size_t i = 0; i < checked(columns); ++i) {
+    store_little_endian(word,
+                        compact_word(select, of.m0[i], of.m1[i], of.n[i], strongest ? runs.runs[i] : std::uint8_t{0},
+                                     strongest ? runs.second[i] : std::uint8_t{0}));
+    word += kCompactBytes;
+  }
+  std::fill(word, payload + compact_payload_bytes(columns), std::uint8_t{0});
+}
+
+void unpack_compact(Select select, int columns, const std::uint8_t* payload, const RunsView& out) {
+  const RunsView to = out;
+  const bool strongest = select == Select::strongest;
+  for_each_compact_word(payload, 0, columns,
+                        [&](int i, std::uint32_t centroid, std::uint32_t n, std::uint32_t quality) {
+                          to.moments.m0[i] = centroid != 0 ? kCompactM0 : 0;
+                          to.moments.m1[i] = centroid;
+                          to.moments.n[i] = n;
+                          if (strongest) {
+                            to.runs[i] = static_cast<std::uint8_t>(quality >> 4U);
+                            to.second[i] = static_cast<std::uint8_t>(quality & 15U);
+                          }
+                        });
 }
 
 void pack_codes(int columns, const std::uint16_t* codes, std::uint8_t* payload) {

@@ -23,7 +23,8 @@ const spec::Register* register_at(std::uint32_t address) {
 
 bool has_register(const BoardBuild& build, std::uint32_t address) {
   const bool decoder = address == spec::kRegDecode || address == spec::kRegLostCodes || address == spec::kRegAbandoned;
-  return register_at(address) != nullptr && (build.codes || !decoder) && (build.region || address != spec::kRegRegion);
+  return register_at(address) != nullptr && (build.codes || !decoder) &&
+         (build.region || address != spec::kRegRegion) && (build.compact || address != spec::kRegCompact);
 }
 
 RegisterFile::RegisterFile(const BoardBuild& build) : build_(build) {
@@ -72,7 +73,8 @@ RegisterAnswer RegisterFile::read(std::uint32_t address, const BoardState& state
     case spec::kRegCapability:
       return answer(capability());
     case spec::kRegStatus:
-      return answer(static_cast<std::uint32_t>(state.frame_open ? 1U : 0U) << spec::kRegStatusFrameOpenLsb |
+      return answer(static_cast<std::uint32_t>(build_.compact ? 1U : 0U) << spec::kRegStatusCompactLsb |
+                    static_cast<std::uint32_t>(state.frame_open ? 1U : 0U) << spec::kRegStatusFrameOpenLsb |
                     static_cast<std::uint32_t>(pending_ ? 1U : 0U) << spec::kRegStatusPendingLsb);
     case spec::kRegFrames:
       return answer(state.frames);
@@ -185,6 +187,7 @@ BoardSettings RegisterFile::settings() const {
       .stream = number(spec::kRegMeasure, spec::kRegMeasureStreamLsb, spec::kRegMeasureStreamBits),
       .region_row = number(spec::kRegRegion, spec::kRegRegionRowLsb, spec::kRegRegionRowBits),
       .region_column = number(spec::kRegRegion, spec::kRegRegionColumnLsb, spec::kRegRegionColumnBits),
+      .compact = field(spec::kRegCompact, spec::kRegCompactOnLsb, 1) != 0,
       .codes = field(spec::kRegDecode, spec::kRegDecodeCodesLsb, 1) != 0,
       .median = field(spec::kRegDecode, spec::kRegDecodeMedianLsb, 1) != 0,
       .code_bits = number(spec::kRegDecode, spec::kRegDecodeBitsLsb, spec::kRegDecodeBitsBits),

@@ -18,9 +18,10 @@ struct BoardBuild {
   bool image = true;
   bool codes = false;  // the Gray-code decoder
   bool median = false;
-  bool runs = false;    // the strongest run of a column
-  bool region = false;  // the register region
-  int code_bits = 0;    // largest number of code bits; 0 without the decoder
+  bool runs = false;     // the strongest run of a column
+  bool region = false;   // the register region
+  bool compact = false;  // compact columns, and their register
+  int code_bits = 0;     // largest number of code bits; 0 without the decoder
 };
 
 // What the board is doing: the registers that only the board changes.
@@ -80,7 +81,8 @@ class RegisterFile {
   std::uint32_t time_high_ = 0;
 };
 
-// Whether a build has the register. Some exist only with the Gray-code decoder, one only with the region.
+// Whether a build has the register. Some exist only with the Gray-code decoder, one only with the region, one
+// with compact columns.
 bool has_register(const BoardBuild& build, std::uint32_t address);
 
 }  // namespace selfproj::model

@@ -155,7 +155,8 @@ class Run {
   void receive() {
     Receiver receiver(options_.receive);  // before the page can be seen
     produce();
-    receiver.open(camera::camera_of_rig(rig_, measure_), BoardSetup{rig_.camera, measure_});
+    receiver.open(camera::camera_of_rig(rig_, measure_),
+                  BoardSetup{rig_.camera, measure_, rig_.measure.sends_compact()});
     const auto take = [&](const model::PacketView& packet) {
       const light_section::ProfileView profile = place();
       if (section_.profile(packet, receiver.device(), profile)) {

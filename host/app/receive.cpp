@@ -38,7 +38,7 @@ driver::Wait wait_of(const std::string& name) {
 }
 
 void write_setup(driver::Control& control, const BoardSetup& setup) {
-  const auto& [camera, measure] = setup;
+  const auto& [camera, measure, compact] = setup;
   const auto number = [](int value) { return static_cast<std::uint32_t>(value); };
   if (measure.select == model::Select::strongest && !control.build().runs) {
     throw UserError(control.uri(), "this board is built without the strongest run; select all lit pixels");
@@ -47,6 +47,13 @@ void write_setup(driver::Control& control, const BoardSetup& setup) {
   if (control.build().region) {
     control.write_together({{driver::register_part("region.row"), number(camera.region_row())},
                             {driver::register_part("region.column"), number(camera.region_column())}});
+  }
+  if (compact && !control.build().compact) {
+    throw UserError(control.uri(),
+                    "this board is built without compact columns; the rig asks for them (measure.words)");
+  }
+  if (control.build().compact) {
+    control.write(driver::register_part("compact.on"), compact ? 1 : 0);
   }
   control.write_together({{driver::register_part("size.columns"), number(sent.columns)},
                           {driver::register_part("size.rows"), number(sent.rows)},

@@ -53,6 +53,7 @@ void add_production_options(CLI::App& command, production::ProductionOptions& op
 struct BoardSetup {
   rig::RigCamera camera;
   model::Measure measure;
+  bool compact = false;
 };
 
 // A run of a command that receives packets. From its construction on, Ctrl-C ends the run instead of the program.

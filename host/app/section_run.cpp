@@ -127,7 +127,7 @@ std::string delay_text(const driver::DurationHistogram& delay) {
 
 bool SectionRun::is_usable(const model::PacketView& packet, const std::string& uri) {
   const model::PacketHeader& header = packet.header;
-  if (header.kind != spec::kKindMoments) {
+  if (!model::has_columns(header.kind)) {
     ++counts_.not_moments;
     return false;
   }

@@ -152,7 +152,7 @@ void learn_section(const LearnCommandOptions& options) {
     return;
   }
   Receiver receiver(options.receive);
-  receiver.open(camera::camera_of_rig(rig, measure), BoardSetup{rig.camera, measure});
+  receiver.open(camera::camera_of_rig(rig, measure), BoardSetup{rig.camera, measure, rig.measure.sends_compact()});
   const auto receive = [&](const model::PacketView& packet) {
     if (section.profile(packet, receiver.device(), profile.view())) {
       add_part(learner, cutter.add(packet.header, profile.view(), receiver.device().arrival_ns()));

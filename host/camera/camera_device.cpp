@@ -36,6 +36,7 @@ model::BoardSettings board_settings(const Camera& camera, const CameraBoardSetti
   board.stream = given.stream.value_or(board.stream);
   board.region_row = given.region_row;
   board.region_column = given.region_column;
+  board.compact = given.compact;
   board.codes = given.code_bits.has_value();
   board.code_bits = given.code_bits.value_or(board.code_bits);
   board.code_threshold = given.code_threshold.value_or(board.code_threshold);
@@ -133,6 +134,7 @@ CameraDefaults camera_of_rig(const rig::Rig& rig, const model::Measure& measure)
                     .window = measure.window,
                     .region_row = rig.camera.region_row(),
                     .region_column = rig.camera.region_column(),
+                    .compact = rig.measure.sends_compact(),
                     .pixel_clock_hz = rig.pixel_clock_hz()}};
 }
 
@@ -148,6 +150,7 @@ std::unique_ptr<driver::Device> open_any_device(const std::string& uri, const dr
     board.region_row = defaults.board.region_row;
     board.region_column = defaults.board.region_column;
   }
+  board.compact = defaults.board.compact;
   fill(board.mode, defaults.board.mode);
   fill(board.threshold, defaults.board.threshold);
   fill(board.select, defaults.board.select);

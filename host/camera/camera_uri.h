@@ -39,6 +39,7 @@ struct CameraBoardSettings {
   std::optional<model::RowWindow> window = {};
   int region_row = 0;  // where on the sensor the images begin, from 1; 0: not said
   int region_column = 0;
+  bool compact = false;               // columns in packets of kind compact
   std::optional<int> code_bits = {};  // given: Gray codes are decoded
   std::optional<int> code_threshold = {};
   std::optional<int> patterns = {};  // patterns that follow each other; image k shows pattern k modulo this

@@ -88,7 +88,7 @@ void SoftwareBoard::process(const model::ImageView& image, bool complete, std::u
   header.pattern = inputs.pattern;
   const bool codes = decode(image, complete, inputs.pattern);
   if (!complete) {
-    header.kind = spec::kKindMoments;
+    header.kind = model::kind_of_columns(settings_.compact, settings_.mode);
     send(header, 0, spec::kStatusIncomplete);
     return;
   }
@@ -123,10 +123,10 @@ void SoftwareBoard::send(model::PacketHeader header, std::size_t payload_bytes, 
 void SoftwareBoard::send_moments(const model::ImageView& image, const model::PacketHeader& header) {
   const model::RunsView view = runs_.view();
   light_section::fast_measure_columns(image, measure_, view);
-  model::pack_columns(measure_.select, measure_.mode, image.columns, view, payload_.data());
   model::PacketHeader moments = header;
-  moments.kind = spec::kKindMoments;
-  send(moments, model::moments_payload_bytes(measure_.mode, image.columns), 0);
+  moments.kind = model::kind_of_columns(settings_.compact, measure_.mode);
+  model::pack_columns(moments, view, payload_.data());
+  send(moments, model::columns_payload_bytes(moments), 0);
 }
 
 void SoftwareBoard::send_image(const model::ImageView& image, model::PacketHeader header) {

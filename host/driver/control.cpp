@@ -61,8 +61,8 @@ RegisterPart register_part(std::string_view name) {
 }
 
 Control::Control(std::unique_ptr<RegisterPort> port) : port_(std::move(port)) {
-  const std::array<std::uint32_t, 4> addresses{spec::kRegId, spec::kRegVersion, spec::kRegSpecHash,
-                                               spec::kRegCapability};
+  const std::array<std::uint32_t, 5> addresses{spec::kRegId, spec::kRegVersion, spec::kRegSpecHash,
+                                               spec::kRegCapability, spec::kRegStatus};
   const std::vector<std::uint32_t> words = port_->read(addresses);
   if (words[0] != spec::kMagic) {
     throw UserError(uri(), "no selfproj board is there: its first register is " + hex(words[0]));
@@ -86,15 +86,17 @@ Control::Control(std::unique_ptr<RegisterPort> port) : port_(std::move(port)) {
       .median = flag(can, spec::kRegCapabilityMedianLsb),
       .runs = flag(can, spec::kRegCapabilityRunsLsb),
       .region = flag(can, spec::kRegCapabilityRegionLsb),
+      .compact = flag(words[4], spec::kRegStatusCompactLsb),
       .code_bits = static_cast<int>(field_of(can, spec::kRegCapabilityCodeBitsLsb, spec::kRegCapabilityCodeBitsBits)),
   };
 }
 
 void Control::need(const spec::Register& one) const {
   if (!model::has_register(build_, one.address)) {
-    throw UserError(
-        uri(), "this board has no register " + std::string(one.name) +
-                   (one.address == spec::kRegRegion ? ": it was built without it" : ": it has no Gray-code decoder"));
+    throw UserError(uri(), "this board has no register " + std::string(one.name) +
+                               (one.address == spec::kRegRegion || one.address == spec::kRegCompact
+                                    ? ": it was built without it"
+                                    : ": it has no Gray-code decoder"));
   }
 }
 
@@ -203,6 +205,11 @@ void Control::set(const model::BoardSettings& settings) {
     write_word(at(spec::kRegRegion), region);
   } else if (region != 0) {
     throw UserError(uri(), "this board has no register for the region of the sensor");
+  }
+  if (build_.compact) {
+    write_word(at(spec::kRegCompact), bit(settings.compact, spec::kRegCompactOnLsb));
+  } else if (settings.compact) {
+    throw UserError(uri(), "this board has no compact columns");
   }
   write_word(at(spec::kRegTimeout), number(settings.timeout, spec::kRegTimeoutClocksLsb));
   if (build_.codes) {

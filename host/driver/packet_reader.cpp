@@ -87,9 +87,10 @@ bool PacketStreamReader::next(model::PacketView& packet) {
 
 bool PacketTally::accept(const model::PacketHeader& header) {
   auto& stream = newest_[header.stream];
-  Newest& kind = stream[static_cast<std::size_t>(header.kind - 1)];
+  // Exact and compact columns come in place of each other, and the board counts their losses together.
+  const bool moments = model::has_columns(header.kind);
+  Newest& kind = stream[moments ? 0 : static_cast<std::size_t>(header.kind - 1)];
   const model::PacketHeader& newest = kind.header;
-  const bool moments = header.kind == spec::kKindMoments;
   const auto lost_since = static_cast<std::uint32_t>(header.lost - newest.lost);  // modulo 2^32
   constexpr std::uint32_t kBackwards = std::uint32_t{1} << 31U;
 

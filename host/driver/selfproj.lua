@@ -65,7 +65,7 @@ local format = {
     {"status", 8, 32, "0: the frame is good; else the status bits below"},
     {"check", 12, 32, "check word over the header, the payload and the first 12 bytes of the trailer"},
   },
-  kinds = {[1] = "moments", [2] = "codes", [3] = "image"},
+  kinds = {[1] = "moments", [2] = "codes", [3] = "image", [4] = "compact"},
   modes = {[0] = "binary", [1] = "grey", [2] = "grey_over"},
   selects = {[0] = "all", [1] = "strongest"},
   flags = {
@@ -108,6 +108,13 @@ local format = {
     code = {bits = 16, fields = {
       {"code", 0, 12, "space code, from 0"},
       {"measurable", 15, 1, "1: at most one bit plane is ambiguous; 0: do not use the code"},
+    }},
+    compact = {bits = 32, fields = {
+      {"centroid", 0, 20, "M1 / M0 in 1/512 rows, rounded to the nearest, halves up; 0: no light"},
+      {"n", 20, 6, "number of lit pixels; 63: as many or more"},
+      {"quality", 26, 6,
+        "select strongest: runs in 5..4, second in 3..0, 15 there for 15 or 16; select all: floor(M0 / (4 N)), " ..
+        "the mean weight of a lit pixel in 1/64 of 256"},
     }},
   },
 }
@@ -262,7 +269,7 @@ local function word_of(buffer)
     local run = format.selects[number(buffer, format.header, "select")] == "strongest" and "_run" or ""
     return (format.modes[number(buffer, format.header, "mode")] == "binary" and "binary" or "grey") .. run
   end
-  return kind == "codes" and "code" or nil
+  return (kind == "codes" and "code") or (kind == "compact" and "compact") or nil
 end
 
 local function add_payload(tree, buffer, size)

@@ -87,7 +87,7 @@ LineSource::LineSource(const DeviceEntry& entry)
 
 bool LineSource::usable(const model::PacketView& packet) {
   const model::PacketHeader& header = packet.header;
-  if (header.kind != spec::kKindMoments) {
+  if (!model::has_columns(header.kind)) {
     ++work_.not_moments;
     return false;
   }
@@ -141,10 +141,8 @@ driver::Next LineSource::next(std::chrono::nanoseconds timeout) {
 
 void LineSource::compute_line() {
   header_ = packet_.header;
-  const auto mode = static_cast<model::Mode>(header_.mode);
-  const auto select = static_cast<model::Select>(header_.select);
-  profiler_.profile(select, mode, packet_.payload.data(), profile_.view());
-  model::unpack_columns(select, mode, profiler_.columns(), packet_.payload.data(), runs_.view());
+  profiler_.profile(light_section::words_of(header_), packet_.payload.data(), profile_.view());
+  model::unpack_columns(header_, packet_.payload.data(), runs_.view());
   const double travel = belt_.add(header_);
   if (carried_) {
     for (float& x : profile_.x) {

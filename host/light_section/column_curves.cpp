@@ -385,6 +385,14 @@ SELFPROJ_CLONES void unpack_runs_grey(const std::uint8_t* payload, int first, in
   unpack_grey_runs(payload, first, count, moments);
 }
 
+SELFPROJ_CLONES void unpack_compact(const std::uint8_t* payload, int first, int count, StripMoments& moments) {
+  unpack_compact_columns<model::Select::all>(payload, first, count, moments);
+}
+
+SELFPROJ_CLONES void unpack_runs_compact(const std::uint8_t* payload, int first, int count, StripMoments& moments) {
+  unpack_compact_columns<model::Select::strongest>(payload, first, count, moments);
+}
+
 // Calls unpack(first, count, moments) and the kernel for each strip of the columns from `begin` up to `end`.
 template <class Unpack>
 void for_each_strip(const ColumnCurves& curves, const LineRules& rules, int begin, int end, const ProfileView& out,
@@ -407,11 +415,12 @@ void for_each_strip(const ColumnCurves& curves, const LineRules& rules, int begi
 
 }  // namespace
 
-void profile_by_curves(const ColumnCurves& curves, const LineRules& rules, model::Select select, model::Mode mode,
+void profile_by_curves(const ColumnCurves& curves, const LineRules& rules, const ColumnWords& words,
                        const std::uint8_t* payload, int begin, int end, const ProfileView& out) {
-  const bool runs = select == model::Select::strongest;
-  const auto unpack = mode == model::Mode::binary ? (runs ? unpack_runs_binary : unpack_binary)
-                                                  : (runs ? unpack_runs_grey : unpack_grey);
+  const bool runs = words.select == model::Select::strongest;
+  const auto unpack = words.compact                       ? (runs ? unpack_runs_compact : unpack_compact)
+                      : words.mode == model::Mode::binary ? (runs ? unpack_runs_binary : unpack_binary)
+                                                          : (runs ? unpack_runs_grey : unpack_grey);
   for_each_strip(curves, rules, begin, end, out,
                  [&](int first, int count, StripMoments& moments) { unpack(payload, first - begin, count, moments); });
 }

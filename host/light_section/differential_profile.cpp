@@ -137,6 +137,20 @@ SELFPROJ_CLONES void strip_grey_runs(const std::uint8_t* payload, int first, int
   triangulate(moments, columns, tables, out);
 }
 
+SELFPROJ_CLONES void strip_compact(const std::uint8_t* payload, int first, int columns, const ProfileTables& tables,
+                                   const ProfileView& out) {
+  StripMoments moments;
+  unpack_compact_columns<model::Select::all>(payload, first, columns, moments);
+  triangulate(moments, columns, tables, out);
+}
+
+SELFPROJ_CLONES void strip_compact_runs(const std::uint8_t* payload, int first, int columns,
+                                        const ProfileTables& tables, const ProfileView& out) {
+  StripMoments moments;
+  unpack_compact_columns<model::Select::strongest>(payload, first, columns, moments);
+  triangulate(moments, columns, tables, out);
+}
+
 SELFPROJ_CLONES void strip_moments(const model::RunsView& from, int first, int columns, const ProfileTables& tables,
                                    const ProfileView& out) {
   StripMoments moments;
@@ -240,21 +254,17 @@ ProfileTables DifferentialProfiler::tables_from(int first, const LineRules& rule
           rules};
 }
 
-void DifferentialProfiler::profile(model::Select select, model::Mode mode, const std::uint8_t* payload,
-                                   const ProfileView& out) const {
-  profile(select, mode, payload, 0, columns(), rules_, out);
-}
-
 // The payload begins with column `begin` of the sensor.
-void DifferentialProfiler::profile(model::Select select, model::Mode mode, const std::uint8_t* payload, int begin,
-                                   int end, const LineRules& rules, const ProfileView& out) const {
+void DifferentialProfiler::profile(const ColumnWords& words, const std::uint8_t* payload, int begin, int end,
+                                   const LineRules& rules, const ProfileView& out) const {
   if (curves_) {
-    profile_by_curves(*curves_, rules, select, mode, payload, begin, end, out);
+    profile_by_curves(*curves_, rules, words, payload, begin, end, out);
     return;
   }
-  const bool runs = select == model::Select::strongest;
-  const auto strip_of =
-      mode == model::Mode::binary ? (runs ? strip_binary_runs : strip_binary) : (runs ? strip_grey_runs : strip_grey);
+  const bool runs = words.select == model::Select::strongest;
+  const auto strip_of = words.compact                       ? (runs ? strip_compact_runs : strip_compact)
+                        : words.mode == model::Mode::binary ? (runs ? strip_binary_runs : strip_binary)
+                                                            : (runs ? strip_grey_runs : strip_grey);
   for (int first = begin; first < end; first += kStrip) {
     const int count = std::min(kStrip, end - first);
     strip_of(payload, first - begin, count, tables_from(first, rules), from_column(out, first));
@@ -263,14 +273,13 @@ void DifferentialProfiler::profile(model::Select select, model::Mode mode, const
 
 bool DifferentialProfiler::profile(const model::PacketView& packet, const ProfileView& out) const {
   const model::PacketHeader& header = packet.header;
-  if (header.kind != spec::kKindMoments || packet.status != 0 || !unlike_camera(header).empty() ||
+  if (!model::has_columns(header.kind) || packet.status != 0 || !unlike_camera(header).empty() ||
       !unlike_reference(header).empty()) {
     return false;
   }
   const auto [row, column] = place_of_frame(camera_, header).value_or(FramePlace{});
   const int end = column + header.columns;
-  profile(static_cast<model::Select>(header.select), static_cast<model::Mode>(header.mode), packet.payload.data(),
-          column, end, line_rules(camera_, measure_, row, header.rows), out);
+  profile(words_of(header), packet.payload.data(), column, end, line_rules(camera_, measure_, row, header.rows), out);
   blank(out, 0, column);
   blank(out, end, columns());
   return true;

@@ -97,15 +97,13 @@ void Inspection::add(const model::PacketHeader& header, const model::RunsView& r
 
 void Inspection::add(const model::PacketHeader& header, std::span<const std::uint8_t> payload,
                      const ProfileView& profile) {
-  const auto mode = static_cast<model::Mode>(header.mode);
-  if (payload.size() != model::moments_payload_bytes(mode, header.columns)) {
+  if (payload.size() != model::columns_payload_bytes(header)) {
     throw std::invalid_argument("a payload of another width");
   }
   if (!begin_frame(header)) {
     return;
   }
-  model::unpack_columns(static_cast<model::Select>(header.select), mode, header.columns, payload.data(),
-                        last_frame(header));
+  model::unpack_columns(header, payload.data(), last_frame(header));
   add_profile(profile);
 }
 

@@ -29,11 +29,17 @@ double median_of(std::vector<double> values) {
   return *middle;
 }
 
-// Frames whose starts come closer than a packet's beats and so many clocks lose packets.
-int gap_after_packet(model::Mode mode) { return mode == model::Mode::binary ? 8 : 14; }
+// Frames whose starts come closer than this lose packets: the beats of a packet with exact columns and some clocks
+// more. Columns that are divided leave RowBits + 12 clocks later, in a build for 1,023 rows.
+double clocks_of_packet(const rig::RigMeasure& measure, int columns) {
+  const std::size_t exact = model::packet_bytes(model::moments_payload_bytes(measure.mode, columns));
+  const int more = measure.mode == model::Mode::binary ? 8 : measure.sends_compact() ? 14 + 10 + 12 : 14;
+  return static_cast<double>(exact) / spec::kPacketBeatBytes + more;
+}
 
 std::size_t packet_size(const rig::Rig& rig, int columns) {
-  return model::packet_bytes(model::moments_payload_bytes(rig.measure.mode, columns));
+  return model::packet_bytes(rig.measure.sends_compact() ? model::compact_payload_bytes(columns)
+                                                         : model::moments_payload_bytes(rig.measure.mode, columns));
 }
 
 }  // namespace
@@ -139,8 +145,7 @@ double centroid_noise(const rig::RigImaging& imaging, double peak, double lit_ro
 
 double board_rate_hz(const rig::Rig& rig, int rows, int columns) {
   const double beats = rows * (columns / static_cast<double>(spec::kPixelsPerBeat));
-  const double packet = static_cast<double>(packet_size(rig, columns)) / spec::kPacketBeatBytes;
-  return rig.pixel_clock_hz() / std::max(beats, packet + gap_after_packet(rig.measure.mode));
+  return rig.pixel_clock_hz() / std::max(beats, clocks_of_packet(rig.measure, columns));
 }
 
 double ethernet_rate_hz(const rig::Rig& rig, int columns) {

@@ -46,6 +46,7 @@ const std::vector<std::pair<const char*, ValueSource RigSources::*>> kSourceKeys
                                                                                     {"belt", &RigSources::belt},
                                                                                     {"speed", &RigSources::speed},
                                                                                     {"encoder", &RigSources::encoder}};
+const std::vector<std::pair<const char*, bool>> kWords = {{"exact", false}, {"compact", true}};
 const std::vector<std::pair<const char*, bool>> kBelts = {{"encoder", true}, {"clock", false}};
 
 template <class LensT, class Visitor>
@@ -220,6 +221,9 @@ void visit_rig(RigT& rig, Visitor& v) {
     v.integer("last_row", rig.measure.window->last, 1, spec::kMaxRows);
     v.end();
   }
+  if (v.has_any({"words"}, rig.measure.compact)) {
+    v.choice("words", *rig.measure.compact, kWords);
+  }
   v.end();
   v.begin("imaging");
   v.number("white", rig.imaging.white, 1, {0, 255});
@@ -374,6 +378,10 @@ Rig parse_rig(const std::string& yaml, const std::string& source) {
   if (rig.measure.window && rig.measure.window->first > rig.measure.window->last) {
     throw UserError(source, fmt::format("measure.window.first_row is {}, after last_row, {}", rig.measure.window->first,
                                         rig.measure.window->last));
+  }
+  if (rig.measure.sends_compact() && rig.measure.mode == model::Mode::binary) {
+    throw UserError(source,
+                    "measure.words is compact, which goes with modes grey and grey_over: binary words have 32 bits");
   }
   if (rig.measure.min_lit_px > rig.measure.max_lit_px) {
     throw UserError(source, fmt::format("measure.min_lit_px is {}, more than measure.max_lit_px, {}",

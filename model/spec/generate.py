@@ -76,14 +76,26 @@ def with_whole_descriptions(node):
     return node
 
 
+def without_later(node):
+    """Returns the same tree without the items that were added since the version was laid out (`later`).
+
+    They are new kinds of packet and new registers: no packet of before changes, and who does not know them refuses them.
+    """
+    if isinstance(node, dict):
+        return {key: without_later(value) for key, value in node.items()}
+    if isinstance(node, list):
+        return [without_later(value) for value in node if not (isinstance(value, dict) and value.get("later"))]
+    return node
+
+
 def spec_hash(spec):
     """First 32 bits of the SHA-256 of the specification without its prose, keys sorted.
 
     Datagrams, replay and the link only carry packets, frames and accesses, and have their own magic numbers; they do
-    not count. Neither does what is only planned.
+    not count. Neither does what is only planned, nor what came later without a change of what there was.
     """
     agreed = {key: value for key, value in spec.items() if key not in ("datagram", "replay", "link", "planned")}
-    canonical = json.dumps(without_descriptions(agreed), sort_keys=True, separators=(",", ":"))
+    canonical = json.dumps(without_descriptions(without_later(agreed)), sort_keys=True, separators=(",", ":"))
     return int.from_bytes(hashlib.sha256(canonical.encode()).digest()[:4], "big")
 
 

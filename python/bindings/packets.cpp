@@ -77,14 +77,11 @@ Out<std::uint8_t> moments_packet(const In<std::uint8_t>& image, int threshold, m
 
 MomentsResult moments_of(const PacketHandle& packet) {
   const model::PacketView& view = packet.view();
-  require(view.header.kind == spec::kKindMoments && !view.payload.empty(), "the packet has no moments");
+  require(model::has_columns(view.header.kind) && !view.payload.empty(), "the packet has no moments");
   const auto select = static_cast<model::Select>(view.header.select);
   MomentsResult result(select, std::nullopt, view.header.columns);
   const PacketHandle::Use use(packet);
-  without_gil([&] {
-    model::unpack_columns(select, static_cast<model::Mode>(view.header.mode), view.header.columns, view.payload.data(),
-                          result.view(0));
-  });
+  without_gil([&] { model::unpack_columns(view.header, view.payload.data(), result.view(0)); });
   return result;
 }
 
@@ -159,6 +156,7 @@ void bind_header(nb::module_& module) {
 
 void bind_packets(nb::module_& module) {
   module.attr("KIND_MOMENTS") = spec::kKindMoments;
+  module.attr("KIND_COMPACT") = spec::kKindCompact;
   module.attr("KIND_CODES") = spec::kKindCodes;
   module.attr("KIND_IMAGE") = spec::kKindImage;
   bind_header(module);

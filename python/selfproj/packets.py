@@ -7,9 +7,11 @@
 from collections.abc import Iterator
 from typing import Any
 
-from ._core.packets import (KIND_CODES, KIND_IMAGE, KIND_MOMENTS, Header, Packet, build, moments_packet, parse)
+from ._core.packets import (KIND_CODES, KIND_COMPACT, KIND_IMAGE, KIND_MOMENTS, Header, Packet, build,
+                            moments_packet, parse)
 
-__all__ = ["KIND_CODES", "KIND_IMAGE", "KIND_MOMENTS", "Header", "Packet", "build", "moments_packet", "parse", "split"]
+__all__ = ["KIND_CODES", "KIND_COMPACT", "KIND_IMAGE", "KIND_MOMENTS", "Header", "Packet", "build", "moments_packet",
+           "parse", "split"]
 
 
 def split(data: Any) -> Iterator[Packet]:

@@ -17,6 +17,7 @@ module sp_board #(
   parameter bit Runs = 1'b0,   // the strongest run of a column
   parameter bit Image = 1'b1,  // raw-image packets
   parameter bit Region = 1'b0,  // the register region: where on the sensor frames begin
+  parameter bit Compact = 1'b0,  // columns divided in the circuit; only with Grey
   parameter bit Codes = 1'b0,  // Gray-code decoder, with on-chip memory for its state
   parameter bit CodesMedian = 1'b1,  // 3 x 3 median behind the decoder
   parameter int CodeBits = sp_spec_pkg::CodeCodeBits,  // largest number of code bits: 1..12
@@ -82,6 +83,7 @@ module sp_board #(
   logic [7:0]            set_threshold, set_stream, set_code_threshold;
   logic [2*RowBits+2:0]  set_select, select;
   logic [31:0]           set_region, region;
+  logic                  set_compact, compact;
   logic [23:0]           set_timeout, trigger_period, trigger_camera;
   logic                  trigger_run, trigger_on_frame, frame_open, taking;
   logic [7:0]            trigger_last_pattern;
@@ -128,6 +130,7 @@ module sp_board #(
     .Runs      (Runs),
     .Image     (Image),
     .Region    (Region),
+    .Compact   (Compact),
     .Codes     (Codes),
     .Median    (CodesMedian),
     .MaxBits   (CodeBits)
@@ -151,6 +154,7 @@ module sp_board #(
     .stream_o              (set_stream),
     .select_o              (set_select),
     .region_o              (set_region),
+    .compact_o             (set_compact),
     .timeout_o             (set_timeout),
     .trigger_run_o         (trigger_run),
     .trigger_on_frame_o    (trigger_on_frame),
@@ -192,7 +196,8 @@ module sp_board #(
   sp_frame_tracker #(
     .MaxColumns(MaxColumns),
     .MaxRows   (MaxRows),
-    .Region    (Region)
+    .Region    (Region),
+    .Compact   (Compact)
   ) u_tracker (
     .clk_i              (clk_i),
     .rst_i              (rst_i),
@@ -211,6 +216,7 @@ module sp_board #(
     .stream_i           (set_stream),
     .select_i           (set_select),
     .region_i           (set_region),
+    .compact_i          (set_compact),
     .timeout_i          (set_timeout),
     .taking_o           (taking),
     .take_o             (take),
@@ -222,6 +228,7 @@ module sp_board #(
     .stream_o           (stream),
     .select_o           (select),
     .region_o           (region),
+    .compact_o          (compact),
     .one_group_o        (one_group),
     .two_groups_o       (two_groups),
     .beat_valid_o       (beat_valid),
@@ -275,7 +282,8 @@ module sp_board #(
   sp_frame_info #(
     .ColumnBits(ColumnBits),
     .RowBits   (RowBits),
-    .Region    (Region)
+    .Region    (Region),
+    .Compact   (Compact)
   ) u_info (
     .clk_i         (clk_i),
     .rst_i         (rst_i),
@@ -289,6 +297,7 @@ module sp_board #(
     .stream_i      (stream),
     .select_i      (select),
     .region_i      (region),
+    .compact_i     (compact),
     .encoder_i     (encoder_count),
     .pattern_i     (pattern_now),
     .time_o        (time_now),
@@ -308,6 +317,7 @@ module sp_board #(
     .Grey      (Grey),
     .Runs      (Runs),
     .Region    (Region),
+    .Compact   (Compact),
     .LogDepth  (MomentsLogDepth)
   ) u_moments_path (
     .clk_i              (clk_i),
@@ -316,6 +326,7 @@ module sp_board #(
     .mode_i             (mode),
     .threshold_i        (threshold),
     .select_i           (select),
+    .compact_i          (compact),
     .one_group_i        (one_group),
     .two_groups_i       (two_groups),
     .beat_valid_i       (beat_valid),

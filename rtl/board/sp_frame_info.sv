@@ -32,7 +32,8 @@
 module sp_frame_info #(
   parameter int ColumnBits = 12,  // 1..16
   parameter int RowBits = 10,  // 1..16
-  parameter bit Region = 1'b1  // region_i counts; else its fields are 0
+  parameter bit Region = 1'b1,  // region_i counts; else its fields are 0
+  parameter bit Compact = 1'b0  // compact_i counts; else the kind is 0
 ) (
   input  wire logic                  clk_i,
   input  wire logic                  rst_i,
@@ -48,6 +49,7 @@ module sp_frame_info #(
   input  wire logic [7:0]            stream_i,
   input  wire logic [2*RowBits+2:0]  select_i,  // {last row that counts, first, strongest, gap}
   input  wire logic [31:0]           region_i,  // {column, row}
+  input  wire logic                  compact_i,
 
   input  wire logic [31:0]           encoder_i,
   input  wire logic [15:0]           pattern_i,
@@ -72,6 +74,7 @@ module sp_frame_info #(
   // Beats of the fields
   localparam int StreamBeat = sp_spec_pkg::HeaderStreamLsb / BeatBits;
   localparam int PatternBeat = sp_spec_pkg::HeaderPatternLsb / BeatBits;
+  localparam int KindBeat = sp_spec_pkg::HeaderKindLsb / BeatBits;
   localparam int ModeBeat = sp_spec_pkg::HeaderModeLsb / BeatBits;
   localparam int ThresholdBeat = sp_spec_pkg::HeaderThresholdLsb / BeatBits;
   localparam int SequenceBeat = sp_spec_pkg::HeaderSequenceLsb / BeatBits;
@@ -239,8 +242,24 @@ module sp_frame_info #(
     assign unused        = ^region_i;
   end
 
+  // The kind of packet that tells of the columns, only where there are two
+  logic [7:0] kind;
+  if (Compact) begin : gen_compact
+    logic compact_q;
+    always_ff @(posedge clk_i) begin
+      if (taken_q[3+KindBeat]) compact_q <= compact_i && mode_i != sp_spec_pkg::ModeBinary;
+    end
+    assign kind = compact_q ? sp_spec_pkg::KindCompact : sp_spec_pkg::KindMoments;
+  end else begin : gen_no_compact
+    logic unused;
+
+    assign kind   = 8'd0;
+    assign unused = compact_i;
+  end
+
   always_comb begin
     info_o = '0;
+    info_o[sp_spec_pkg::HeaderKindLsb+:8]                = kind;
     info_o[sp_spec_pkg::HeaderStreamLsb+:8]              = stream_q;
     info_o[sp_spec_pkg::HeaderPatternLsb+:16]            = pattern;
     info_o[sp_spec_pkg::HeaderModeLsb+:2]                = mode_q;

@@ -33,6 +33,7 @@ module sp_frame_tracker #(
   parameter int MaxColumns = sp_spec_pkg::MaxColumns,  // a multiple of 4, 12..2048
   parameter int MaxRows = sp_spec_pkg::MaxRows,  // 2..1023
   parameter bit Region = 1'b1,  // hand region_i on; else region_o is 0
+  parameter bit Compact = 1'b0,  // hand compact_i on; else compact_o is 0
   // derived, do not set
   parameter int GroupBits = $clog2(MaxColumns / 4),
   parameter int ColumnBits = $clog2(MaxColumns + 1),
@@ -60,6 +61,7 @@ module sp_frame_tracker #(
   input  wire logic [7:0]            stream_i,
   input  wire logic [2*RowBits+2:0]  select_i,  // as in sp_registers
   input  wire logic [31:0]           region_i,  // as in sp_registers
+  input  wire logic                  compact_i,
   input  wire logic [23:0]           timeout_i,
 
   output logic                       taking_o,  // one clock before take_o: the settings are taken
@@ -73,6 +75,7 @@ module sp_frame_tracker #(
   output logic      [7:0]            stream_o,
   output logic      [2*RowBits+2:0]  select_o,
   output logic      [31:0]           region_o,
+  output logic                       compact_o,
   output logic                       one_group_o,
   output logic                       two_groups_o,
 
@@ -179,6 +182,14 @@ module sp_frame_tracker #(
 
     assign region_o = 32'd0;
     assign unused   = ^region_i;
+  end
+  if (Compact) begin : gen_compact
+    always_ff @(posedge clk_i) if (s1_take_q) compact_o <= compact_i;
+  end else begin : gen_no_compact
+    logic unused;
+
+    assign compact_o = 1'b0;
+    assign unused    = compact_i;
   end
 
   // --- Size: facts in force, and facts of a frame that starts with the beat in stage 1 (s1_) ---

@@ -1,8 +1,9 @@
-// From beats to moments packets: the sums, their packets, and the packet FIFO into the bus clock.
+// From beats to moments packets: the sums, divided or not, their packets, and the packet FIFO into
+// the bus clock.
 //
 // Guarantees: every frame start gives a packet or is counted in lost_o; packets come out whole.
-// This module only connects sp_column_moments, or sp_column_runs, and sp_packet_output, which have
-// the latency, the formats and the overflow rule.
+// This module only connects sp_column_moments, or sp_column_runs, perhaps sp_compact_words, and
+// sp_packet_output, which have the latency, the formats and the overflow rule.
 `default_nettype none
 
 module sp_moments_path #(
@@ -11,6 +12,7 @@ module sp_moments_path #(
   parameter bit Grey = 1'b1,
   parameter bit Runs = 1'b0,    // the strongest run of a column
   parameter bit Region = 1'b1,  // headers say where on the sensor frames begin
+  parameter bit Compact = 1'b0,  // packets of kind compact; only with Grey
   parameter int LogDepth = 11,  // log2 of the depth of the packet FIFO, in beats of 16 bytes: 3..15
   // derived, do not set
   parameter int GroupBits = $clog2(MaxColumns / 4),
@@ -26,6 +28,7 @@ module sp_moments_path #(
   input  wire logic [1:0]            mode_i,
   input  wire logic [7:0]            threshold_i,
   input  wire logic [2*RowBits+2:0]  select_i,  // {last row that counts, first, strongest, gap}
+  input  wire logic                  compact_i,
   input  wire logic                  one_group_i,
   input  wire logic                  two_groups_i,
   input  wire logic                  beat_valid_i,
@@ -53,6 +56,10 @@ module sp_moments_path #(
   output logic      [127:0]          m_data_o
 );
 
+  if (Compact && !Grey) begin : gen_compact_needs_grey
+    compact_needs_grey u_error ();
+  end
+
   localparam int StatusBits = sp_spec_pkg::StatusBits;
   localparam int PayloadBits = $clog2(MaxColumns * (Grey ? 8 : 4) / 16 + 1);
 
@@ -61,10 +68,11 @@ module sp_moments_path #(
   logic [PayloadBits-1:0] payload_beats, payload_beats_q;
   logic                   last_row_start_q;
 
-  // Four columns per beat in mode binary, two in the grey modes
-  assign payload_beats = Grey && mode_i != sp_spec_pkg::ModeBinary ?
-                         PayloadBits'({groups_i, 1'b0}) :
-                                                                     PayloadBits'(groups_i);
+  // Four columns per beat in mode binary and in compact packets, else two
+  logic pairs, compact;
+  assign pairs         = Grey && mode_i != sp_spec_pkg::ModeBinary;
+  assign compact       = Compact && pairs && compact_i;
+  assign payload_beats = pairs && !compact ? PayloadBits'({groups_i, 1'b0}) : PayloadBits'(groups_i);
 
   // The start of a last row is passed on one clock late. The header is then read only when the
   // header of a frame that breaks there is out.
@@ -139,8 +147,50 @@ module sp_moments_path #(
     assign unused = ^select_i[2:0];
   end
 
+  // --- Divided columns ---
+  logic         payload_valid, payload_break;
+  logic [127:0] payload_data;
+  if (Compact) begin : gen_compact
+    // What a packet is made of is known at its start and counts from its acceptance on, four clocks
+    // later. The packet before has left by then, and the first words come later still.
+    localparam int Decided = 4;
+    logic [Decided:1]   started_q;
+    logic [2*Decided-1:0] asked_q;
+    logic               compact_q, strongest_q;
+    always_ff @(posedge clk_i) begin
+      if (rst_i) started_q <= '0;
+      else started_q <= {started_q[Decided-1:1], last_row_start_i};
+    end
+    always_ff @(posedge clk_i) begin
+      asked_q <= {asked_q[2*Decided-3:0], compact, Runs && select_i[2]};
+      if (rst_i) {compact_q, strongest_q} <= 2'b00;
+      else if (started_q[Decided] && accept) {compact_q, strongest_q} <= asked_q[2*Decided-2+:2];
+    end
+    sp_compact_words #(
+      .MaxRows(MaxRows)
+    ) u_compact (
+      .clk_i        (clk_i),
+      .rst_i        (rst_i),
+      .compact_i    (compact_q),
+      .strongest_i  (strongest_q),
+      .words_valid_i(words_valid),
+      .words_data_i (words_data),
+      .words_break_i(words_break),
+      .valid_o      (payload_valid),
+      .data_o       (payload_data),
+      .break_o      (payload_break)
+    );
+  end else begin : gen_exact
+    logic unused_compact;
+    assign unused_compact = compact_i;
+    assign payload_valid  = words_valid;
+    assign payload_data   = words_data;
+    assign payload_break  = words_break;
+  end
+
   sp_packet_output #(
     .Kind       (sp_spec_pkg::KindMoments),
+    .KindOfFrame(Compact),
     .ColumnBits (ColumnBits),
     .RowBits    (RowBits),
     .Region     (Region),
@@ -158,9 +208,9 @@ module sp_moments_path #(
     .start_status_i ({StatusBits{1'b0}}),
     .break_status_i (break_status_i),
     .accept_o       (accept),
-    .payload_valid_i(words_valid),
-    .payload_data_i (words_data),
-    .payload_break_i(words_break),
+    .payload_valid_i(payload_valid),
+    .payload_data_i (payload_data),
+    .payload_break_i(payload_break),
     .info_i         (info_i),
     .lost_o         (lost_o),
     .bus_clk_i      (bus_clk_i),

@@ -6,6 +6,7 @@
 
 module sp_packet_output #(
   parameter logic [7:0] Kind = sp_spec_pkg::KindMoments,
+  parameter bit         KindOfFrame = 1'b0,  // the kind is that of info_i, one packet per frame
   parameter int         ColumnBits = 12,  // 1..16
   parameter int         RowBits = 10,  // 1..16
   parameter bit         Region = 1'b1,  // headers say where on the sensor frames begin
@@ -53,6 +54,7 @@ module sp_packet_output #(
 
   sp_packetizer #(
     .Kind       (Kind),
+    .KindOfFrame(KindOfFrame),
     .ColumnBits (ColumnBits),
     .RowBits    (RowBits),
     .Region     (Region),

@@ -36,6 +36,7 @@
 
 module sp_packetizer #(
   parameter logic [7:0] Kind = sp_spec_pkg::KindMoments,
+  parameter bit         KindOfFrame = 1'b0,  // the kind is that of info_i, one packet per frame
   parameter int         ColumnBits = 12,  // 1..16
   parameter int         RowBits = 10,  // 1..16
   parameter bit         Region = 1'b1,  // headers say where on the sensor frames begin
@@ -105,9 +106,13 @@ module sp_packetizer #(
   localparam int LineBeat = sp_spec_pkg::HeaderFirstLineLsb / BeatBits;
   localparam int LineAt = sp_spec_pkg::HeaderFirstLineLsb % BeatBits;
 
+  localparam logic [7:0] KindBits = KindOfFrame ? 8'hFF : 8'h00;  // of info_i
+  localparam logic [7:0] OwnKind = Kind & ~KindBits;
+
   // The bits taken from info_i. A packet of a line has its own number of lines, and the sequence is
   // kept for the trailer.
   localparam logic [HeaderBits-1:0] FrameBits =
+    HeaderBits'(KindBits) << sp_spec_pkg::HeaderKindLsb |
     sp_spec_pkg::frame_mask(ColumnBits, RowBits, Region ? 16 : 0) &
     ~(~({HeaderBits{1'b1}} << 64) << sp_spec_pkg::HeaderSequenceLsb) &
     ~(~({HeaderBits{1'b1}} << (PerLine ? 16 : 0)) << sp_spec_pkg::HeaderLinesLsb);
@@ -116,7 +121,7 @@ module sp_packetizer #(
     HeaderBits'(sp_spec_pkg::Magic) << sp_spec_pkg::HeaderMagicLsb |
     HeaderBits'(sp_spec_pkg::SpecHash) << sp_spec_pkg::HeaderSpecHashLsb |
     HeaderBits'(sp_spec_pkg::SpecVersion) << sp_spec_pkg::HeaderVersionLsb |
-    HeaderBits'(Kind) << sp_spec_pkg::HeaderKindLsb |
+    HeaderBits'(OwnKind) << sp_spec_pkg::HeaderKindLsb |
     HeaderBits'(1) << (PerLine ? sp_spec_pkg::HeaderLinesLsb : sp_spec_pkg::HeaderFirstLineLsb);
 
   // What this module is made for

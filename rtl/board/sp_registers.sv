@@ -27,6 +27,7 @@ module sp_registers #(
   parameter bit Runs = 1'b0,  // the strongest run of a column
   parameter bit Image = 1'b1,
   parameter bit Region = 1'b0,  // the register region
+  parameter bit Compact = 1'b0,  // the register compact
   parameter bit Codes = 1'b0,  // Gray-code decoder
   parameter bit Median = 1'b0,
   parameter int MaxBits = sp_spec_pkg::CodeCodeBits,  // 1..12
@@ -57,6 +58,7 @@ module sp_registers #(
   output logic      [7:0]             stream_o,
   output logic      [2*RowBits+2:0]   select_o,  // {last row that counts, first, strongest, gap}
   output logic      [31:0]            region_o,  // {column, row}; 0 without Region
+  output logic                        compact_o,  // 0 without Compact
   output logic      [23:0]            timeout_o,
   output logic                        trigger_run_o,
   output logic                        trigger_on_frame_o,
@@ -127,9 +129,11 @@ module sp_registers #(
                                             Words'(1) << sp_spec_pkg::RegLostCodes / 4 |
                                             Words'(1) << sp_spec_pkg::RegAbandoned / 4;
   localparam logic [Words-1:0] RegionWords = Words'(1) << sp_spec_pkg::RegRegion / 4;
+  localparam logic [Words-1:0] CompactWords = Words'(1) << sp_spec_pkg::RegCompact / 4;
   localparam logic [Words-1:0] Present = sp_spec_pkg::RegisterWords &
                                          ~(Codes ? {Words{1'b0}} : CodesWords) &
-                                         ~(Region ? {Words{1'b0}} : RegionWords);
+                                         ~(Region ? {Words{1'b0}} : RegionWords) &
+                                         ~(Compact ? {Words{1'b0}} : CompactWords);
   // no gap between them, so their end is enough
   localparam bit NoHoles = (Present & (Present + Words'(1))) == '0;
   localparam logic [7:0] LastRegister = 8'(4 * ($clog2({1'b0, Present} + (Words + 1)'(1)) - 1));
@@ -160,8 +164,10 @@ module sp_registers #(
   // Writes, one clock later still
   localparam int WriteControl = 0, WriteSize = 1, WriteMeasure = 2, WriteDecode = 3,
                  WriteTimeout = 4, WriteTrigger = 5, WritePeriod = 6, WriteCamera = 7,
-                 WriteWidth = 8, WriteWindow = 9, Writes = Region ? 11 : 10;
-  localparam int WriteRegion = Writes - 1;  // with Region
+                 WriteWidth = 8, WriteWindow = 9, Others = 10;
+  localparam int WriteRegion = Region ? Others : 0;  // with Region
+  localparam int WriteCompact = Compact ? Others + 32'(Region) : 0;  // with Compact
+  localparam int Writes = Others + 32'(Region) + 32'(Compact);
   // This register takes data_i: one bit for one clock, or none. In reset all are set, and every
   // register takes its reset value; so this bit alone is its enable.
   logic [Writes-1:0] put_q;
@@ -181,6 +187,7 @@ module sp_registers #(
     hold_o       <= rst_i || asked_q[2:0] != '0 && write_i || hold_q;
     pending_q    <= put_q[WriteControl] || put_q[WriteSize] || put_q[WriteMeasure] ||
                     put_q[WriteDecode] || put_q[WriteWindow] || Region && put_q[WriteRegion] ||
+                    Compact && put_q[WriteCompact] ||
                     pending_q && !take_i;
   end
 
@@ -198,6 +205,7 @@ module sp_registers #(
         put_q[WriteWindow]  <= hit_q[sp_spec_pkg::RegWindow/4] && window_good_q;
         put_q[WriteTimeout] <= hit_q[sp_spec_pkg::RegTimeout/4];
         if (Region) put_q[WriteRegion] <= hit_q[sp_spec_pkg::RegRegion/4];
+        if (Compact) put_q[WriteCompact] <= hit_q[sp_spec_pkg::RegCompact/4];
         put_q[WriteTrigger] <= hit_q[sp_spec_pkg::RegTriggerControl/4] &&
                                !((trigger_run_o || trigger_on_frame_o) && trigger_wanted);
         put_q[WritePeriod]  <= hit_q[sp_spec_pkg::RegTriggerPeriod/4] && period_good_q &&
@@ -269,7 +277,7 @@ module sp_registers #(
   logic [31:0] time_high_q;
   logic [31:0] control_word, size_word, measure_word, trigger_word, status_word, decode_word;
   logic [31:0] timeout_word, period_word, camera_word, width_word, errors_word, window_word;
-  logic [31:0] decode_or_region;
+  logic [31:0] decode_or_region, last_words;
 
   assign control_word = 32'(run_o) << sp_spec_pkg::RegControlRunLsb |
                         32'(hold_q) << sp_spec_pkg::RegControlHoldLsb |
@@ -290,7 +298,8 @@ module sp_registers #(
   assign camera_word  = 32'(trigger_camera_o) << sp_spec_pkg::RegTriggerCameraClocksLsb;
   assign width_word   = 32'(trigger_width_o) << sp_spec_pkg::RegTriggerWidthClocksLsb;
   assign errors_word  = 32'(encoder_errors_i) << sp_spec_pkg::RegEncoderErrorsCountLsb;
-  assign status_word  = 32'(frame_open_i) << sp_spec_pkg::RegStatusFrameOpenLsb |
+  assign status_word  = 32'(Compact) << sp_spec_pkg::RegStatusCompactLsb |
+                        32'(frame_open_i) << sp_spec_pkg::RegStatusFrameOpenLsb |
                         32'(pending_q) << sp_spec_pkg::RegStatusPendingLsb;
   assign decode_word  = 32'(code_threshold_o) << sp_spec_pkg::RegDecodeThresholdLsb |
                         32'(bits_o) << sp_spec_pkg::RegDecodeBitsLsb |
@@ -371,7 +380,7 @@ module sp_registers #(
       set_q    <= control_q | size_q | period_q | width_q;
       moving_q <= fixed_q | frames_q | time_q | encoder_q;
     end
-    if (asked_q[3]) data_o <= set_q | moving_q | broken_q | lost_q | codes_q | decode_or_region;
+    if (asked_q[3]) data_o <= set_q | moving_q | broken_q | lost_q | codes_q | last_words;
   end
 
   // --- Region: a build without it has nothing to set ---
@@ -386,6 +395,23 @@ module sp_registers #(
   end else begin : gen_no_region
     assign region_o         = 32'd0;
     assign decode_or_region = decode_q;
+  end
+
+  // --- Compact columns: likewise ---
+  if (Compact) begin : gen_compact
+    logic compact_q;  // the bit, if its word is asked for
+
+    always_ff @(posedge clk_i) begin
+      if (put_q[WriteCompact]) begin
+        compact_o <= rst_q ? sp_spec_pkg::RegCompactReset[sp_spec_pkg::RegCompactOnLsb] :
+                     data_i[sp_spec_pkg::RegCompactOnLsb];
+      end
+      if (asked_q[1]) compact_q <= hit_q[sp_spec_pkg::RegCompact/4] && compact_o;
+    end
+    assign last_words = decode_or_region | 32'(compact_q) << sp_spec_pkg::RegCompactOnLsb;
+  end else begin : gen_no_compact
+    assign compact_o  = 1'b0;
+    assign last_words = decode_or_region;
   end
 
   // --- Decoder: a build without one has nothing to set ---
@@ -450,7 +476,8 @@ module sp_registers #(
       assert ($stable(trigger_last_pattern_o));
     end
     if (!($stable(columns_o) && $stable(rows_o) && $stable(mode_o) && $stable(threshold_o) &&
-          $stable(stream_o) && $stable(select_o) && $stable(region_o) && $stable(image_o) && $stable(decode_o) &&
+          $stable(stream_o) && $stable(select_o) && $stable(region_o) &&
+          $stable(compact_o) && $stable(image_o) && $stable(decode_o) &&
           $stable(median_o) && $stable(bits_o) && $stable(code_threshold_o)))
       assert (hold_o && f_hold_q == 2'b11);
     cover (answer_o && error_o && write_i && trigger_run_o &&

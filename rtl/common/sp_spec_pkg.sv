@@ -22,6 +22,7 @@ package sp_spec_pkg;
   localparam logic [7:0] KindMoments = 8'd1;
   localparam logic [7:0] KindCodes = 8'd2;
   localparam logic [7:0] KindImage = 8'd3;
+  localparam logic [7:0] KindCompact = 8'd4;
 
   localparam int BinaryWordBits = 32;
   localparam int BinaryM1Lsb = 0;
@@ -60,6 +61,13 @@ package sp_spec_pkg;
   localparam int CodeCodeBits = 12;
   localparam int CodeMeasurableLsb = 15;
   localparam int CodeMeasurableBits = 1;
+  localparam int CompactWordBits = 32;
+  localparam int CompactCentroidLsb = 0;
+  localparam int CompactCentroidBits = 20;
+  localparam int CompactNLsb = 20;
+  localparam int CompactNBits = 6;
+  localparam int CompactQualityLsb = 26;
+  localparam int CompactQualityBits = 6;
 
   localparam logic [31:0] Magic = 32'h50464C53;
   localparam int HeaderBytes = 64;
@@ -233,6 +241,8 @@ package sp_spec_pkg;
   localparam int RegStatusFrameOpenBits = 1;
   localparam int RegStatusPendingLsb = 1;
   localparam int RegStatusPendingBits = 1;
+  localparam int RegStatusCompactLsb = 31;
+  localparam int RegStatusCompactBits = 1;
   localparam logic [7:0] RegFrames = 8'h34;
   localparam int RegFramesCountLsb = 0;
   localparam int RegFramesCountBits = 32;
@@ -288,8 +298,12 @@ package sp_spec_pkg;
   localparam int RegRegionRowBits = 16;
   localparam int RegRegionColumnLsb = 16;
   localparam int RegRegionColumnBits = 16;
+  localparam logic [7:0] RegCompact = 8'h6C;
+  localparam logic [31:0] RegCompactReset = 32'h00000000;
+  localparam int RegCompactOnLsb = 0;
+  localparam int RegCompactOnBits = 1;
   // Words of the register file's address space in which there is a register
-  localparam logic [31:0] RegisterWords = 32'h07FFFFFF;
+  localparam logic [31:0] RegisterWords = 32'h0FFFFFFF;
 
   // Registers of the link, for boards on the network
   localparam logic [31:0] LinkId = 32'h00000100;

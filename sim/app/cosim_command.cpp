@@ -111,6 +111,9 @@ void add_measuring_options(CLI::App& command, OptionFamilies& families, CosimOpt
       ->type_name("MODE")
       ->default_str("the rig's");
   cli::add_select_options(command, options.select, cli::kRigsSelect);
+  command.add_flag("--compact", options.compact,
+                   "Packets of kind compact: the board divides the columns (modes grey and grey-over; else as the rig "
+                   "says).");
   CLI::Option* trace =
       command.add_option("--trace", options.trace, "File for the waveforms of the board (engine rtl).")
           ->type_name("FILE.fst");

@@ -80,6 +80,7 @@ class BoardDevice {
     beats_.clear();
     packet_.clear();
     region_ = 0;
+    compact_ = false;
     model_->rst_i = 1;
     model_->bus_rst_i = 1;
     model_->s_axil_awvalid = 0;
@@ -213,6 +214,10 @@ class BoardDevice {
     if (region != region_) {  // 0 after reset, and always in a build without it
       write(spec::kRegRegion, region);
       region_ = region;
+    }
+    if (settings.compact != compact_) {  // false after reset, and always in a build without it
+      write(spec::kRegCompact, (settings.compact ? 1U : 0U) << spec::kRegCompactOnLsb);
+      compact_ = settings.compact;
     }
     write(spec::kRegTimeout, static_cast<std::uint32_t>(settings.timeout));
     if (!decodes_) {
@@ -418,6 +423,7 @@ class BoardDevice {
   BeatHook beat_hook_;
 
   std::uint32_t region_ = 0;     // in the register, after reset and in a build without it
+  bool compact_ = false;         // likewise
   std::optional<bool> decodes_;  // whether the build has the decoder; empty until asked
   model::RegisterAnswer answer_;
   bool access_done_ = true;

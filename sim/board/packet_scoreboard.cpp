@@ -58,7 +58,7 @@ bool PacketScoreboard::compare(std::span<const std::uint8_t> bytes) {
   stream.known.last_status = got.status;
   ++by_status_[got.status];
   matched_bytes_ += bytes.size();
-  if (got.header.kind == spec::kKindMoments && !got.payload.empty()) {
+  if (model::has_columns(got.header.kind) && !got.payload.empty()) {
     matched_columns_ += got.header.columns;
   }
   if (got.header.kind == spec::kKindCodes) {

@@ -66,7 +66,10 @@ class PacketScoreboard {
     [[nodiscard]] std::uint32_t lost_in_all() const { return lost_before + static_cast<std::uint32_t>(known.lost); }
   };
 
-  static std::size_t index(std::uint8_t kind) { return static_cast<std::size_t>(kind - spec::kKindMoments); }
+  // Exact and compact columns are one kind here: the board counts their losses together.
+  static std::size_t index(std::uint8_t kind) {
+    return static_cast<std::size_t>((model::has_columns(kind) ? spec::kKindMoments : kind) - spec::kKindMoments);
+  }
   bool fail(const std::string& what);
 
   std::array<Stream, 3> streams_;  // one for each kind

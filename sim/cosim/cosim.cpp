@@ -191,7 +191,7 @@ class Run {
     model::PacketView packet;
     while (device_.next(packet, std::chrono::nanoseconds(0)) == driver::Next::packet) {
       const std::span<const std::uint8_t> bytes = packet.bytes();
-      if (scoreboard_.compare(bytes) && packet.header.kind == spec::kKindMoments) {
+      if (scoreboard_.compare(bytes) && model::has_columns(packet.header.kind)) {
         ++result_.frames;
       }
       if (stream_ != nullptr) {

@@ -72,6 +72,17 @@ rig::Rig rig_of(const CosimOptions& options) {
   if (measure.select == model::Select::strongest && !options.trace.empty()) {
     throw UserError("--select strongest", "the board with waveforms has no runs; leave out --trace");
   }
+  if (options.compact) {
+    rig.measure.compact = true;
+  }
+  if (rig.measure.sends_compact()) {
+    if (rig.measure.mode == model::Mode::binary) {
+      throw UserError("--compact", "goes with modes grey and grey-over; words of mode binary have 32 bits already");
+    }
+    if (options.engine == "hls" || !options.trace.empty()) {
+      throw UserError("--compact", "goes with --engine rtl and model, and without --trace");
+    }
+  }
   rig.imaging.seed = options.seed.value_or(rig.imaging.seed);
   return rig;
 }
@@ -243,7 +254,8 @@ class LightSectionCosim final : public CosimMeasurement {
                          .gap = measure_.gap,
                          .window = measure_.window,
                          .region_row = rig.camera.region_row(),
-                         .region_column = rig.camera.region_column()};
+                         .region_column = rig.camera.region_column(),
+                         .compact = rig.measure.sends_compact()};
     platform.frame_rate_hz = sent.frame_rate_hz;
     platform.pixel_clock_hz = rig.pixel_clock_hz();
     if (rig.conveyor.encoder_mm_per_count > 0 && setup_.profiler != nullptr) {
@@ -286,12 +298,12 @@ class LightSectionCosim final : public CosimMeasurement {
   }
 
   void packet(const model::PacketView& packet, files::OutputFolder* folder) override {
-    if (folder == nullptr || packet.header.kind != spec::kKindMoments || packet.payload.empty() ||
+    if (folder == nullptr || !model::has_columns(packet.header.kind) || packet.payload.empty() ||
         packet.header.columns != columns_) {
       return;
     }
     const std::size_t frame = packet.header.sequence + 1;
-    model::unpack_columns(measure_.select, measure_.mode, columns_, packet.payload.data(), runs_.view());
+    model::unpack_columns(packet.header, packet.payload.data(), runs_.view());
     if (const auto picture = camera_.find(frame); picture != camera_.end()) {
       picture->second = line_images_.picture(frame, std::move(picture->second.image), runs_);
     }

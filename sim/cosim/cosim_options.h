@@ -39,6 +39,7 @@ struct CosimOptions {
   bool residual = false;           // measure the reference's own residual and remove it
   std::string mode = {};           // empty: the rig's
   cli::SelectOptions select = {};  // nothing: the rig's
+  bool compact = false;            // compact packets, also where the rig does not say so
   std::string trace = {};          // FST file of waveforms; empty: none
   std::size_t trace_from = 1;
 

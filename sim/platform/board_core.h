@@ -35,7 +35,8 @@ struct BoardCoreOptions {
   std::uint64_t seed = 1;  // seed of the stalls
   int patterns = 1;        // the sequencer counts frames modulo this
   bool codes = false;      // build with the Gray-code decoder, for images up to 512 x 512; binary moments only
-  bool runs = false;       // build with the strongest runs; not with codes, a trace file or SystemC shells
+  bool runs =
+      false;  // build with the strongest runs and compact columns; not with codes, a trace file or SystemC shells
   std::string trace_file;  // FST file; empty: none; engine rtl only
   std::uint64_t trace_from_clock = 0;
 };

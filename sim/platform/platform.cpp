@@ -82,9 +82,10 @@ void check(const PlatformOptions& options) {
   if (options.settings.codes && !options.trace_file.empty()) {
     throw std::invalid_argument("there is no build with both codes and waveforms");
   }
-  if (options.settings.select == model::Select::strongest &&
+  if ((options.settings.select == model::Select::strongest || options.settings.compact) &&
       (options.settings.codes || !options.trace_file.empty() || options.engine == PlatformEngine::hls)) {
-    throw std::invalid_argument("there is no build with the strongest runs and codes, waveforms or SystemC shells");
+    throw std::invalid_argument(
+        "there is no build with the strongest runs or compact columns and codes, waveforms or SystemC shells");
   }
   if (options.quantum_lines == 0 || options.trace_from == 0) {
     throw std::invalid_argument("the quantum and the first frame of a trace are at least 1");
@@ -101,7 +102,7 @@ std::unique_ptr<BoardCore> make_core(const PlatformOptions& options, const Camer
       .seed = options.seed,
       .patterns = options.patterns,
       .codes = options.settings.codes,
-      .runs = options.settings.select == model::Select::strongest,
+      .runs = options.settings.select == model::Select::strongest || options.settings.compact,
       .trace_file = options.trace_file,
       .trace_from_clock = Platform::kFirstClock + (options.trace_from - 1) * timing.frame_clocks};
   if (options.engine == PlatformEngine::model) {

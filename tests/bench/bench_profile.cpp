@@ -46,20 +46,20 @@ constexpr int kInMemory = 40000;  // 88 MB in mode binary
 // second run, of less than half the strongest.
 struct Packets {
   Packets(const rig::Rig& packet_rig, model::Mode packet_mode, int packet_count,
-          model::Select packet_select = model::Select::all)
-      : select(packet_select), mode(packet_mode), count(packet_count) {
+          model::Select packet_select = model::Select::all, bool packet_compact = false)
+      : select(packet_select), mode(packet_mode), count(packet_count), compact(packet_compact) {
     std::mt19937 engine(1);
     const auto random = [&] { return static_cast<std::uint32_t>(engine()); };
     model::Runs runs;
     runs.resize(select, kColumns);
     model::Moments& moments = runs.moments;
-    std::vector<std::uint8_t> payload(model::moments_payload_bytes(mode, kColumns));
     model::PacketHeader header;
-    header.kind = spec::kKindMoments;
+    header.kind = compact ? spec::kKindCompact : spec::kKindMoments;
     header.columns = kColumns;
     header.rows = static_cast<std::uint16_t>(packet_rig.camera.rows);
     header.mode = static_cast<std::uint8_t>(mode);
     header.select = static_cast<std::uint8_t>(select);
+    std::vector<std::uint8_t> payload(model::columns_payload_bytes(header));
     for (int i = 0; i < kInCache; ++i) {
       for (std::size_t k = 0; k < kColumns; ++k) {
         moments.n[k] = 3 + random() % 7;
@@ -70,7 +70,7 @@ struct Packets {
           runs.second[k] = static_cast<std::uint8_t>(runs.runs[k] > 1 ? random() % 8 : 0);
         }
       }
-      model::pack_columns(select, mode, kColumns, runs.view(), payload.data());
+      model::pack_columns(header, runs.view(), payload.data());
       ++header.sequence;
       model::append_packet(header, payload, 0, bytes);
     }
@@ -89,6 +89,7 @@ struct Packets {
   model::Select select;
   model::Mode mode;
   int count;
+  bool compact;
   std::size_t size;
   std::vector<std::uint8_t> bytes;
 };
@@ -125,8 +126,10 @@ bool profiles_are_right(const rig::Rig& rig, const light_section::ReferenceProfi
     if (model::parse_packet(packets.packet(i), view) != model::PacketError::none) {
       return false;
     }
-    profiler.profile(packets.select, packets.mode, view.payload.data(), profile.view());
-    model::unpack_columns(packets.select, packets.mode, kColumns, view.payload.data(), runs.view());
+    if (!profiler.profile(view, profile.view())) {
+      return false;
+    }
+    model::unpack_columns(view.header, view.payload.data(), runs.view());
     for (std::size_t k = 0; k < kColumns; ++k) {
       const double z = depth_of(rig, reference, k, static_cast<double>(moments.m1[k]) / moments.m0[k]);
       if (profile.validity[k] != 0 || !(std::abs(static_cast<double>(profile.z[k]) - z) < 1e-3) ||
@@ -155,7 +158,7 @@ void work(benchmark::State& state, const light_section::DifferentialProfiler& pr
       }
       benchmark::DoNotOptimize(view);
       if (what != Work::parse) {
-        profiler.profile(packets.select, packets.mode, view.payload.data(), out);
+        profiler.profile({packets.select, packets.mode, packets.compact}, view.payload.data(), out);
       }
       benchmark::ClobberMemory();
     }
@@ -228,6 +231,12 @@ int run() {
        Packets(pinholes.rig, model::Mode::grey_over, kInCache, model::Select::strongest)},
       {"strongest_grey_over/memory", &pinholes,
        Packets(pinholes.rig, model::Mode::grey_over, kInMemory, model::Select::strongest)},
+      {"compact/cache", &pinholes, Packets(pinholes.rig, model::Mode::grey_over, kInCache, model::Select::all, true)},
+      {"compact/memory", &pinholes, Packets(pinholes.rig, model::Mode::grey_over, kInMemory, model::Select::all, true)},
+      {"lenses_compact/cache", &lenses,
+       Packets(lenses.rig, model::Mode::grey_over, kInCache, model::Select::all, true)},
+      {"lenses_compact/memory", &lenses,
+       Packets(lenses.rig, model::Mode::grey_over, kInMemory, model::Select::all, true)},
       {"lenses_binary/cache", &lenses, Packets(lenses.rig, model::Mode::binary, kInCache)},
       {"lenses_binary/memory", &lenses, Packets(lenses.rig, model::Mode::binary, kInMemory)},
       {"lenses_grey_over/cache", &lenses, Packets(lenses.rig, model::Mode::grey_over, kInCache)},

@@ -96,15 +96,18 @@ void append_good_packet(std::uint8_t shape, std::uint8_t lost, std::uint64_t seq
   model::PacketHeader header;
   header.kind = static_cast<std::uint8_t>(spec::kKindMoments + shape % 3);
   header.mode = static_cast<std::uint8_t>(shape / 3 % 3);
+  const bool moments = header.kind == spec::kKindMoments;
+  if (moments) {
+    header.kind = model::kind_of_columns(shape % 2 == 1, static_cast<model::Mode>(header.mode));
+  }
   header.columns = static_cast<std::uint16_t>(spec::kPixelsPerBeat * (1 + shape / 9));
   header.rows = 8;
   header.sequence = sequence / 2;
   header.time_stamp = 100 * (sequence / 2);
   header.lost = lost;
-  header.first_line = static_cast<std::uint16_t>(header.kind == spec::kKindMoments ? 0 : 1 + shape % 8);
-  header.lines = header.kind == spec::kKindMoments ? 0 : 1;
-  const std::size_t size = header.kind == spec::kKindMoments
-                               ? model::moments_payload_bytes(static_cast<model::Mode>(header.mode), header.columns)
+  header.first_line = static_cast<std::uint16_t>(moments ? 0 : 1 + shape % 8);
+  header.lines = moments ? 0 : 1;
+  const std::size_t size = moments                           ? model::columns_payload_bytes(header)
                            : header.kind == spec::kKindImage ? model::image_line_payload_bytes(header.columns)
                                                              : model::codes_line_payload_bytes(header.columns);
   const bool empty = shape % 16 == 15;  // a frame that broke

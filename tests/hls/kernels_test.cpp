@@ -7,6 +7,8 @@
 #include <memory>
 #include <vector>
 
+#include "hls/compact_columns.h"
+#include "selfproj/model/packet_payload.h"
 #include "tests/hls/gray_kernel_bench.h"
 #include "tests/hls/moments_bench.h"
 
@@ -128,6 +130,52 @@ void beat_every_step(MomentsBench::Step (*kernel)(), bool runs) {
 }
 TEST(HlsColumnMoments, TakesABeatEveryStep) { beat_every_step(kMomentsKernel, false); }
 TEST(HlsColumnRuns, TakesABeatEveryStep) { beat_every_step(kRunsKernel, true); }
+
+// Compact payload of random frames, of all lit pixels and of the strongest runs, with gaps and frames that break.
+TEST(HlsCompactColumns, RandomFrames) {
+  std::uint64_t beats = 0;
+  hls::CompactColumnsKernel kernel;
+  for_cases(200, [&](Random& random) {
+    const model::Mode mode = random.chance(50) ? model::Mode::grey : model::Mode::grey_over;
+    const int columns = 4 * random.between(1, 40);
+    const MomentsFrame frame = random_moments_frame(random, columns, random.between(1, 200), mode, random.chance(50));
+    model::Runs runs;
+    runs.resize(frame.select, columns);
+    model::measure_columns(
+        {frame.pixels.data(), frame.rows, columns, columns},
+        {.mode = mode, .threshold = frame.threshold, .select = frame.select, .gap = frame.gap, .window = frame.window},
+        runs.view());
+    const std::vector<std::uint8_t> exact = payload_of_moments(frame);
+    std::vector<std::uint8_t> compact(model::compact_payload_bytes(columns));
+    model::pack_compact(frame.select, columns, runs.view(), compact.data());
+    const bool top = random.chance(50);
+    const bool broken = random.chance(20);
+    const bool strongest = frame.select == model::Select::strongest;
+    hls::Stream<hls::AxisBeat<128>> in;
+    hls::Stream<hls::AxisBeat<128>> out;
+    std::vector<std::uint8_t> found;
+    for (std::size_t at = 0; at < exact.size(); at += 16) {
+      hls::AxisData<128> data = model::load_little_endian<std::uint64_t>(exact.data() + at + 8);
+      data = data << 64;
+      data = data | hls::AxisData<128>(model::load_little_endian<std::uint64_t>(exact.data() + at));
+      in.write(hls::axis_beat<128>(data, at == 0, at + 16 == exact.size() && !broken));
+      for (int steps = random.between(1, 3); steps > 0; --steps) {
+        top ? compact_columns_top(in, strongest ? 1 : 0, out) : kernel.step(in, strongest, out);
+      }
+      hls::AxisBeat<128> beat;
+      while (out.read_nb(beat)) {
+        EXPECT_EQ(beat.user != 0, found.empty());
+        sim::append_beat(beat, found);
+        EXPECT_EQ(beat.last != 0, found.size() == compact.size() && !broken);
+        ++beats;
+      }
+    }
+    ASSERT_EQ(found, compact);
+  });
+  if (runs_all_cases()) {
+    EXPECT_GT(beats, 2'000U) << "too little was compared";
+  }
+}
 
 TEST(HlsGrayDecoder, RandomSequences) {
   std::uint64_t pixels = 0;

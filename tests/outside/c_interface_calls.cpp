@@ -209,6 +209,9 @@ class Calls {
                                   or_null(m0.data()), m1.data(), n.data(), or_null(runs.data()), second.data()),
           "unpack_moments");
     std::vector<std::uint16_t> codes(count + 1);
+    check(selfproj_unpack_compact(value(0, 1), columns, or_null(payload.data()), payload.size(), or_null(m0.data()),
+                                  or_null(m1.data()), or_null(n.data()), or_null(runs.data()), or_null(second.data())),
+          "unpack_compact");
     check(selfproj_unpack_codes(columns, or_null(payload.data()), payload.size(), or_null(codes.data())),
           "unpack_codes");
   }

@@ -10,6 +10,7 @@ module integer_parameters_tb;
     .Grey       (1),
     .Runs       (1),
     .Image      (0),
+    .Compact    (1),
     .Codes      (1),
     .CodesMedian(1)
   ) u_integers ();
@@ -20,6 +21,7 @@ module integer_parameters_tb;
     .Grey       (1'b1),
     .Runs       (1'b1),
     .Image      (1'b0),
+    .Compact    (1'b1),
     .Codes      (1'b1),
     .CodesMedian(1'b1)
   ) u_bits ();
@@ -30,6 +32,7 @@ module integer_parameters_tb;
     .Grey       (0),
     .Runs       (0),
     .Image      (1),
+    .Compact    (0),
     .Codes      (1),
     .CodesMedian(0)
   ) u_others ();

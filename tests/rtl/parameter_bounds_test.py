@@ -33,6 +33,7 @@ BOUNDS = {
     ("sp_counter", "ResetValue"): (["ResetValue=32'hFFFFFFFE"], ["ResetValue=32'h000000FF"]),
     ("sp_board", "CodesLogDepth"): (["Codes=1'b1 CodesLogDepth=3", "Codes=1'b1 CodesLogDepth=15"],
                                     ["Codes=1'b1 CodesLogDepth=2", "Codes=1'b1 CodesLogDepth=16"]),
+    ("sp_moments_path", "Compact"): (["Compact=1'b1"], ["Compact=1'b1 Grey=1'b0"]),
     ("sp_frame_size", "ColumnBits"): (["GroupBits=9 ColumnBits=11"], ["GroupBits=9 ColumnBits=10"]),
     ("sp_header_field", "Known"): ([], []),
     ("sp_header_field", "Shown"): (["Known=3 Shown=4"], ["Known=3 Shown=3"]),

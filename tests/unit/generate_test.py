@@ -67,11 +67,20 @@ class GeneratorTest(unittest.TestCase):
         self.assertEqual(status, 1)
         self.assertNotIn("sp_spec_pkg.sv", messages)  # has the hash, but not the description
 
+    def test_what_came_later_does_not_change_the_hash(self):
+        spec = json.loads((SPEC_FOLDER / "selfproj.json").read_text(encoding="utf-8"))
+        sys.path.insert(0, str(SPEC_FOLDER))
+        import generate
+        self.assertEqual(generate.spec_hash(spec), 0x1A81A4C9)  # of version 2.0
+        named(spec["kinds"], "compact").pop("later")
+        self.assertNotEqual(generate.spec_hash(spec), 0x1A81A4C9)
+
     def test_formats_that_do_not_fit(self):
         for fmt, name, bits in (("binary", "m1", 18), ("binary", "m0", 9), ("grey", "m1", 26), ("grey", "m0", 17),
                                 ("grey", "n", 9), ("binary_run", "m1", 18), ("binary_run", "m0", 9),
                                 ("binary_run", "runs", 1),
-                                ("grey_run", "n", 9), ("grey_run", "second", 4), ("code", "code", 11)):
+                                ("grey_run", "n", 9), ("grey_run", "second", 4), ("code", "code", 11),
+                                ("compact", "centroid", 18), ("compact", "n", 5)):
             with self.subTest(format=fmt, field=name):
                 self.refused(lambda spec: self.field(spec, fmt, name).update(bits=bits), f"{fmt}.{name}: ")
 

@@ -92,6 +92,71 @@ TEST(PayloadWords, FieldsAtTheirBits) {
   EXPECT_EQ(word_of(model::Mode::grey, 0, 0, 0xFFFFFFFF), 0x007FE00000000000U);
 }
 
+// What an image can give, at its corners: the centroid is the nearest multiple of 1/512, halves up, and so within half
+// of one of M1 / M0; no field overflows.
+TEST(PayloadWords, CompactColumnsAreBounded) {
+  const auto check = [](std::uint32_t m0, std::uint32_t m1, std::uint32_t n) {
+    const std::uint32_t word = model::compact_word(model::Select::all, m0, m1, n, 0, 0);
+    const std::int64_t centroid = word & 0xFFFFFU;
+    const std::int64_t twice = 2 * (centroid * m0 - std::int64_t{512} * m1);  // of the error, times 512 M0
+    ASSERT_LE(twice, m0) << m0 << " " << m1;
+    ASSERT_GT(twice, -std::int64_t{m0}) << m0 << " " << m1;
+    ASSERT_GE(centroid, 512);
+    ASSERT_LE(centroid, 512 * spec::kMaxRows);
+    ASSERT_EQ(word >> 20U & 63U, std::min(n, 63U));
+    ASSERT_EQ(word >> 26U, m0 / (4 * n));
+    ASSERT_LT(m0 / (4 * n), 64U);
+  };
+  // All M0 of up to three lit pixels, at the first and the last row and between; and of all numbers of lit pixels the
+  // least and the greatest.
+  for (std::uint32_t n = 1; n <= spec::kMaxRows; ++n) {
+    for (std::uint32_t m0 = n; m0 <= 255 * n; m0 += n <= 3 ? 1 : 254 * n) {
+      for (const std::uint32_t row : {1U, 2U, 511U, 1022U, 1023U}) {
+        for (const std::uint32_t more : {0U, 1U, m0 / 2, m0 - 1}) {
+          const std::uint64_t m1 = std::uint64_t{row} * m0 + more;
+          if (m1 <= std::uint64_t{spec::kMaxRows} * m0) {
+            check(m0, static_cast<std::uint32_t>(m1), n);
+          }
+        }
+      }
+    }
+  }
+  EXPECT_EQ(model::compact_word(model::Select::all, 0, 0, 0, 0, 0), 0U);
+  // Halves are rounded up: 1/1024 rows over row 1.
+  EXPECT_EQ(model::compact_word(model::Select::all, 1024, 1025, 5, 0, 0) & 0xFFFFFU, 513U);
+  EXPECT_EQ(model::compact_word(model::Select::strongest, 10, 20, 2, 3, 16) >> 26U, 3U << 4U | 15U);
+  EXPECT_EQ(model::compact_word(model::Select::strongest, 10, 20, 2, 2, 14) >> 26U, 2U << 4U | 14U);
+}
+
+TEST(PayloadWords, CompactColumnsAndBack) {
+  constexpr int kColumns = 6;  // two beats
+  for (const model::Select select : {model::Select::all, model::Select::strongest}) {
+    model::Runs runs;
+    runs.resize(select, kColumns);
+    runs.moments.m0 = {0, 500, 255 * 70, 3, 1, 2};
+    runs.moments.m1 = {0, 5250, 255 * 70 * 1023U, 3, 1023, 5};
+    runs.moments.n = {0, 2, 70, 3, 1, 2};
+    if (select == model::Select::strongest) {
+      runs.runs = {0, 1, 2, 3, 1, 1};
+      runs.second = {0, 0, 16, 14, 0, 0};
+    }
+    Bytes payload(model::compact_payload_bytes(kColumns) + 1, 0xEE);
+    ASSERT_EQ(payload.size(), 33U);
+    model::pack_compact(select, kColumns, runs.view(), payload.data());
+    EXPECT_EQ(payload.back(), 0xEE);
+    model::Runs back;
+    back.resize(select, kColumns);
+    model::unpack_compact(select, kColumns, payload.data(), back.view());
+    EXPECT_EQ(back.moments.m0, (std::vector<std::uint32_t>{0, 512, 512, 512, 512, 512}));
+    EXPECT_EQ(back.moments.m1, (std::vector<std::uint32_t>{0, 5376, 523776, 512, 523776, 1280}));
+    EXPECT_EQ(back.moments.n, (std::vector<std::uint32_t>{0, 2, 63, 3, 1, 2}));
+    if (select == model::Select::strongest) {
+      EXPECT_EQ(back.runs, runs.runs);
+      EXPECT_EQ(back.second, (std::vector<std::uint8_t>{0, 0, 15, 14, 0, 0}));
+    }
+  }
+}
+
 TEST(PayloadWords, RunsAtTheirBitsAndBack) {
   const auto word_of = [](model::Mode mode, std::uint32_t m0, std::uint32_t m1, std::uint32_t n, int runs, int second) {
     model::Runs all{.moments = {.m0 = {m0}, .m1 = {m1}, .n = {n}},

@@ -44,7 +44,8 @@ inline model::PacketHeader header_of(std::uint8_t kind, model::Mode mode, int co
 inline std::size_t payload_bytes_of(const model::PacketHeader& header) {
   switch (header.kind) {
     case spec::kKindMoments:
-      return model::moments_payload_bytes(static_cast<model::Mode>(header.mode), header.columns);
+    case spec::kKindCompact:
+      return model::columns_payload_bytes(header);
     case spec::kKindCodes:
       return model::codes_line_payload_bytes(header.columns);
     default:
@@ -67,6 +68,7 @@ inline std::vector<Bytes> packets_of_all_kinds(int columns) {
   packets.push_back(packet_of(header_of(spec::kKindMoments, model::Mode::grey_over, columns)));
   packets.push_back(packet_of(header_of(spec::kKindCodes, model::Mode::binary, columns)));
   packets.push_back(packet_of(header_of(spec::kKindImage, model::Mode::binary, columns)));
+  packets.push_back(packet_of(header_of(spec::kKindCompact, model::Mode::grey, columns)));
   return packets;
 }
 

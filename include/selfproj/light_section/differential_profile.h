@@ -69,13 +69,21 @@ class DifferentialProfiler {
 
   // The same for a payload with the strongest run of each column. A column is ambiguous if its second run has at least
   // the share of the strongest one's M0 that the rig calls ambiguous. Unknown selects count as `all`.
-  void profile(model::Select select, model::Mode mode, const std::uint8_t* payload, const ProfileView& out) const;
+  void profile(model::Select select, model::Mode mode, const std::uint8_t* payload, const ProfileView& out) const {
+    profile(ColumnWords{.select = select, .mode = mode}, payload, out);
+  }
+
+  // The same for a payload of these words, perhaps compact ones.
+  void profile(const ColumnWords& words, const std::uint8_t* payload, const ProfileView& out) const {
+    profile(words, payload, 0, columns(), rules_, out);
+  }
 
   // Why a frame of this size and place is not one of the rig's camera; empty if it is: the whole sensor, or a region of
   // it. See place_of_frame.
   [[nodiscard]] std::string unlike_camera(const model::PacketHeader& header) const;
 
-  // The same from a packet. Returns false, and writes nothing, unless it has the moments of a good frame for which
+  // The same from a packet, of kind moments or compact. Returns false, and writes nothing, unless it has the columns of
+  // a good frame for which
   // unlike_camera and unlike_reference are empty. Columns outside its region become Validity::outside.
   [[nodiscard]] bool profile(const model::PacketView& packet, const ProfileView& out) const;
 
@@ -89,8 +97,8 @@ class DifferentialProfiler {
 
  private:
   [[nodiscard]] ProfileTables tables_from(int first, const LineRules& rules) const;
-  void profile(model::Select select, model::Mode mode, const std::uint8_t* payload, int begin, int end,
-               const LineRules& rules, const ProfileView& out) const;
+  void profile(const ColumnWords& words, const std::uint8_t* payload, int begin, int end, const LineRules& rules,
+               const ProfileView& out) const;
 
   int columns_ = 0;
   rig::RigCamera camera_;

@@ -10,6 +10,7 @@
 
 #include "selfproj/light_section/profile.h"
 #include "selfproj/model/column_runs.h"
+#include "selfproj/model/packet.h"
 #include "selfproj/model/packet_payload.h"
 #include "selfproj/rig/rig.h"
 
@@ -26,6 +27,20 @@ struct StripMoments {
   // M0 of the second run in sixteenths of the strongest one's, at most; 0 with Select::all
   alignas(64) std::array<std::int32_t, kStrip> second;
 };
+
+// What the words of a payload are.
+struct ColumnWords {
+  model::Select select = model::Select::all;
+  model::Mode mode = model::Mode::grey_over;
+  bool compact = false;
+};
+
+// Those of a packet for which has_columns holds.
+inline ColumnWords words_of(const model::PacketHeader& header) {
+  return {.select = static_cast<model::Select>(header.select),
+          .mode = static_cast<model::Mode>(header.mode),
+          .compact = header.kind == spec::kKindCompact};
+}
 
 // Which lines count.
 struct LineRules {
@@ -103,6 +118,24 @@ constexpr std::int32_t second_on_board(model::Mode mode, std::uint32_t runs, std
         moments.m1[at] = static_cast<std::int32_t>(m1);
         moments.n[at] = static_cast<std::int32_t>(n);
         moments.second[at] = second;
+      });
+}
+
+// Compact columns. `Select` is known to the compiler, so that the loop has no branch. What a word leaves open counts
+// against the column: 63 lit pixels may be as many as rows, and a second run of 15/16 as strong as the first.
+template <model::Select Select>
+[[gnu::always_inline]] inline void unpack_compact_columns(const std::uint8_t* payload, int first, int count,
+                                                          StripMoments& moments) {
+  constexpr std::uint32_t kMany = spec::kCompactNMax;
+  constexpr std::uint32_t kMostSecond = 15;
+  model::for_each_compact_word(
+      payload, first, count, [&](int i, std::uint32_t centroid, std::uint32_t n, std::uint32_t quality) {
+        const auto at = static_cast<std::size_t>(i);
+        const std::uint32_t second = Select == model::Select::strongest ? quality & kMostSecond : 0;
+        moments.m0[at] = static_cast<std::int32_t>(centroid != 0 ? model::kCompactM0 : 0);
+        moments.m1[at] = static_cast<std::int32_t>(centroid);
+        moments.n[at] = static_cast<std::int32_t>(n == kMany ? spec::kMaxRows : n);
+        moments.second[at] = static_cast<std::int32_t>(second == kMostSecond ? kMostSecond + 1 : second);
       });
 }
 

@@ -33,6 +33,7 @@ struct BoardSettings {
   int stream = 0;          // 0..255
   int region_row = 0;      // row of the sensor, from 1, at which frames begin; 0: not said; only reported
   int region_column = 0;   // the same for columns
+  bool compact = false;    // columns in grey modes come divided, in packets of kind compact
   bool codes = false;      // the board decodes Gray codes and sends them
   bool median = false;     // the codes pass through the 3 x 3 median
   int code_bits = 8;       // m, 1..12
@@ -145,7 +146,8 @@ class BoardModel {
 };
 
 // Appends the good packet of the moments of `image`, as the board sends it. Its columns are a multiple of 4. Of
-// `header` counts what describe_frame, kind and payload_size do not say.
+// `header` counts what describe_frame and payload_size do not say; of its kind, whether it is that of compact columns,
+// which mode binary has not.
 void append_moments_packet(const ImageView& image, const Measure& measure, PacketHeader header,
                            std::vector<std::uint8_t>& out);
 

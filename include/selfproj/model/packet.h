@@ -88,7 +88,7 @@ enum class PacketError : std::uint8_t {
   version,    // the version is not the one that belongs to the hash
   kind,       // unknown kind
   reserved,   // a byte of the header that is reserved in the packet's version is not 0
-  geometry,   // the values of mode, select, gap, columns, rows or lines are impossible
+  geometry,   // the values of mode, select, gap, columns, rows or lines are impossible, or not of this kind
   size,       // payload_size is neither 0 nor what kind, mode, columns and lines imply
   sequence,   // the sequence in the trailer is not that of the header
   check,      // the check word does not match
@@ -116,6 +116,21 @@ void describe_frame(PacketHeader& header, int rows, int columns, const Measure& 
 
 // How the header says that columns are measured. The header must be one that parse_packet finds right.
 Measure measure_of(const PacketHeader& header);
+
+// Whether packets of this kind tell of the columns of a frame: one for each frame, exact or compact.
+constexpr bool has_columns(std::uint8_t kind) { return kind == spec::kKindMoments || kind == spec::kKindCompact; }
+
+// The kind of the packets that tell of columns: exact words in mode binary, which have 32 bits already, else as asked.
+constexpr std::uint8_t kind_of_columns(bool compact, Mode mode) {
+  return compact && mode != Mode::binary ? spec::kKindCompact : spec::kKindMoments;
+}
+
+// The columns in a payload of a packet with this header, for which has_columns(header.kind) holds: pack_columns,
+// unpack_columns, or those of compact columns. The header must be one that parse_packet finds right, but for
+// payload_size.
+std::size_t columns_payload_bytes(const PacketHeader& header);
+void pack_columns(const PacketHeader& header, const RunsView& runs, std::uint8_t* payload);
+void unpack_columns(const PacketHeader& header, const std::uint8_t* payload, const RunsView& out);
 
 // Looks for a packet at the beginning of `bytes`, which may hold more. Never reads beyond them; allocates nothing and
 // throws nothing. Writes `out` only if it returns PacketError::none.

@@ -45,6 +45,31 @@ void unpack_runs(Mode mode, int columns, const std::uint8_t* payload, const Runs
 void pack_columns(Select select, Mode mode, int columns, const RunsView& runs, std::uint8_t* payload);
 void unpack_columns(Select select, Mode mode, int columns, const std::uint8_t* payload, const RunsView& out);
 
+// A column as the circuit divides it (kind compact), from its moments in a grey mode, as measure_columns gives them:
+//
+//     centroid = floor(512 M1 / M0 + 1/2)   n = min(N, 63)
+//     quality  = 16 runs + min(second, 15)  with Select::strongest
+//                floor(M0 / (4 N))          with Select::all: the mean weight of a lit pixel, in 1/64 of 256
+//
+// 0 where N is 0. With M1 <= 1023 M0 and M0 <= 255 N no field overflows. The centroid is within 1/1024 row of M1 / M0,
+// because it is the nearest multiple of 1/512; halves are rounded up.
+std::uint32_t compact_word(Select select, std::uint32_t m0, std::uint32_t m1, std::uint32_t n, std::uint8_t runs,
+                           std::uint8_t second);
+
+// What unpack_compact gives as M0 of a column with light.
+inline constexpr std::uint32_t kCompactM0 = 512;
+
+// Bytes of compact columns: 4 for each, filled up with zeros to a multiple of 16. Throws as moments_payload_bytes.
+std::size_t compact_payload_bytes(int columns);
+
+// Writes compact_word of each column, compact_payload_bytes(columns) bytes.
+void pack_compact(Select select, int columns, const RunsView& runs, std::uint8_t* payload);
+
+// Reads compact columns back: M0 is kCompactM0 or 0, M1 the centroid in 1/512 rows, so that M1 / M0 is the centroid;
+// n, runs and `second` are as the word has them, at most 63, 3 and 15. With Select::all it does not touch `runs` and
+// `second`.
+void unpack_compact(Select select, int columns, const std::uint8_t* payload, const RunsView& out);
+
 // Writes the first `columns` words of a line of a code image (include/selfproj/model/gray_decoder.h), two bytes each,
 // without the zeros that follow. Throws as above.
 void pack_codes(int columns, const std::uint16_t* codes, std::uint8_t* payload);
@@ -119,6 +144,20 @@ template <typename Take>
          static_cast<std::uint32_t>(field_of(word, spec::kGreyRunNLsb, spec::kGreyRunNBits)),
          static_cast<std::uint8_t>(field_of(word, spec::kGreyRunRunsLsb, spec::kGreyRunRunsBits)),
          static_cast<std::uint8_t>(field_of(word, spec::kGreyRunSecondLsb, spec::kGreyRunSecondBits)));
+  }
+}
+
+// Compact words: calls take(i, centroid, n, quality), unsigned 32-bit integers, of column first + i.
+template <typename Take>
+[[gnu::always_inline]] inline void for_each_compact_word(const std::uint8_t* payload, int first, int columns,
+                                                         const Take& take) {
+  constexpr std::ptrdiff_t kBytes = spec::kCompactWordBits / 8;
+  const std::uint8_t* words = payload + first * kBytes;
+  for (int i = 0; i < columns; ++i) {
+    const auto word = load_little_endian<std::uint32_t>(words + i * kBytes);
+    take(i, field_of(word, spec::kCompactCentroidLsb, spec::kCompactCentroidBits),
+         field_of(word, spec::kCompactNLsb, spec::kCompactNBits),
+         field_of(word, spec::kCompactQualityLsb, spec::kCompactQualityBits));
   }
 }
 

@@ -111,6 +111,9 @@ struct RigMeasure {
   double max_z_per_line_mm = 0;                 // a point is invalid if one projector line is worth more in z
   std::optional<RigRuns> runs = {};             // select the strongest run; nothing: all lit pixels
   std::optional<model::RowWindow> window = {};  // rows that count; nothing: all
+  std::optional<bool> compact = {};             // packets hold divided columns; nothing: no
+
+  [[nodiscard]] bool sends_compact() const { return compact.value_or(false); }
 
   // What the board measures, as its registers say.
   [[nodiscard]] model::Measure of_board() const {

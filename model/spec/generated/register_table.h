@@ -93,9 +93,10 @@ inline constexpr std::array<RegisterField, 1> kFieldsOfTriggerCamera{{
 inline constexpr std::array<RegisterField, 1> kFieldsOfTriggerWidth{{
     {"clocks", 0, 16, "pixel clocks that a pulse lasts; 0: no pulses; a pulse that lasts until the next one of its kind runs into it"},
 }};
-inline constexpr std::array<RegisterField, 2> kFieldsOfStatus{{
+inline constexpr std::array<RegisterField, 3> kFieldsOfStatus{{
     {"frame_open", 0, 1, "1: a frame is being taken"},
     {"pending", 1, 1, "1: settings were written that no frame start has taken over yet; also after reset, until the first take-over"},
+    {"compact", 31, 1, "1: the register compact is built in"},
 }};
 inline constexpr std::array<RegisterField, 1> kFieldsOfFrames{{
     {"count", 0, 32, "since reset; the low word of the next sequence number"},
@@ -144,9 +145,12 @@ inline constexpr std::array<RegisterField, 2> kFieldsOfRegion{{
     {"row", 0, 16, "row of the sensor, from 1; 0: it is not said"},
     {"column", 16, 16, "column of the sensor, from 1; 0: it is not said"},
 }};
+inline constexpr std::array<RegisterField, 1> kFieldsOfCompact{{
+    {"on", 0, 1, "1: frames of modes grey and grey_over give packets of kind compact in place of kind moments; mode binary has words of 32 bits already, and keeps them"},
+}};
 
 // In the order of their addresses.
-inline constexpr std::array<Register, 27> kRegisters{{
+inline constexpr std::array<Register, 28> kRegisters{{
     {"id", 0x00, false, false, 0x50464C53U, "marks a selfproj board", kFieldsOfId},
     {"version", 0x04, false, false, 0x00000200U, "version of the specification", kFieldsOfVersion},
     {"spec_hash", 0x08, false, false, 0x1A81A4C9U, "specification that the board was built from", kFieldsOfSpecHash},
@@ -174,6 +178,7 @@ inline constexpr std::array<Register, 27> kRegisters{{
     {"abandoned", 0x60, false, false, 0x00000000U, "good frames after which the decoder waits for plane 0, because its memory was late or the frame came too soon after the one before; not there in a build without the decoder", kFieldsOfAbandoned},
     {"window", 0x64, true, true, 0x00000000U, "rows that count for the moments; pixels of other rows are dark for them; codes and images do not change; where no row of the frame counts, all columns are dark; a row above the build's max_rows is refused", kFieldsOfWindow},
     {"region", 0x68, true, true, 0x00000000U, "where on the sensor the camera's frames begin: only reported, in the header of each packet; not there in a build without it", kFieldsOfRegion},
+    {"compact", 0x6C, true, true, 0x00000000U, "how a packet tells of its columns; not there in a build without compact columns", kFieldsOfCompact},
 }};
 
 // The registers of the link, for boards on the network.

@@ -21,7 +21,7 @@ namespace selfproj::test {
 namespace {
 
 TEST(Control, EveryRegisterAndFieldByName) {
-  model::RegisterFile board({.codes = true, .median = true, .region = true, .code_bits = 12});
+  model::RegisterFile board({.codes = true, .median = true, .region = true, .compact = true, .code_bits = 12});
   driver::Control control(port_of(board));
   for (const spec::Register& one : spec::kRegisters) {
     for (const spec::RegisterField& field : one.fields) {
@@ -111,6 +111,8 @@ TEST(Control, EarlierVersions) {
       EXPECT_EQ(board.settings().columns, 256);
       EXPECT_EQ(error_of([&] { control->set({.columns = 256, .rows = 20, .region_row = 39, .region_column = 1}); }),
                 "sim:: this board has no register for the region of the sensor");
+      EXPECT_EQ(error_of([&] { control->set({.mode = model::Mode::grey, .compact = true}); }),
+                "sim:: this board has no compact columns");
     }
   }
 }

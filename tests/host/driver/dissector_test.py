@@ -28,9 +28,11 @@ WORDS = {
     ("moments", "binary", "strongest"): ("binary_run", 32, [("m1", 19), ("second", 1), ("m0", 10), ("runs", 2)]),
     ("moments", "grey", "strongest"): ("grey_run", 64, [("m1", 27), ("m0", 18), ("n", 10), ("runs", 2),
                                                         ("second", 5)]),
+    ("compact", "grey", "all"): ("compact", 32, [("centroid", 20), ("n", 6), ("quality", 6)]),
+    ("compact", "grey", "strongest"): ("compact", 32, [("centroid", 20), ("n", 6), ("quality", 6)]),
     ("codes", "binary", "all"): ("code", 16, [("code", 12), (None, 3), ("measurable", 1)]),
 }
-KINDS = {"moments": 1, "codes": 2, "image": 3}
+KINDS = {"moments": 1, "codes": 2, "image": 3, "compact": 4}
 MODES = {"binary": 0, "grey": 1, "grey_over": 2}
 
 

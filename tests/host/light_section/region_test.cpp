@@ -44,13 +44,14 @@ std::vector<std::uint8_t> image_of_line(const rig::RigCamera& camera, double swi
 
 // The packet of a region of the image, as the board sends it.
 std::vector<std::uint8_t> packet_of(const rig::Rig& rig, const std::vector<std::uint8_t>& pixels,
-                                    const rig::RigRegion& region, bool placed = true) {
+                                    const rig::RigRegion& region, bool placed = true, bool compact = false) {
   const int columns = rig.camera.columns;
   const model::ImageView image{pixels.data() + region.row_offset * columns + region.column_offset, region.rows,
                                region.columns, columns};
   model::PacketHeader header;
   header.region_row = placed ? static_cast<std::uint16_t>(region.row_offset + 1) : std::uint16_t{0};
   header.region_column = placed ? static_cast<std::uint16_t>(region.column_offset + 1) : std::uint16_t{0};
+  header.kind = compact ? spec::kKindCompact : spec::kKindMoments;
   std::vector<std::uint8_t> packet;
   model::append_moments_packet(image, rig.measure.of_board(), header, packet);
   return packet;
@@ -109,6 +110,40 @@ TEST_P(Region, FewRowsMeasureWhatTheWholeSensorDoes) {
         }
       }
       EXPECT_GT(points, region.columns / 2);
+    }
+  }
+}
+
+// A compact column is 1/1024 row from the exact one at most, and is valid where that is.
+TEST_P(Region, CompactColumnsMeasureWhatExactOnesDo) {
+  const light_section::DifferentialProfiler profiler(rig_, light_section::reference_of_plane(rig_));
+  const int columns = rig_.camera.columns;
+  const rig::RigRegion region{
+      .row_offset = rig_.camera.rows / 2 - 10, .rows = 20, .column_offset = 40, .columns = columns - 100};
+  const std::vector<std::uint8_t> pixels = image_of_line(rig_.camera, 3);
+  for (const bool strongest : {false, true}) {
+    for (const model::Mode mode : {model::Mode::grey, model::Mode::grey_over}) {
+      rig_.measure.mode = mode;
+      rig_.measure.runs = strongest ? std::optional(rig::RigRuns{}) : std::nullopt;
+      const std::vector<std::uint8_t> exact_packet = packet_of(rig_, pixels, region);
+      const std::vector<std::uint8_t> compact_packet = packet_of(rig_, pixels, region, true, true);
+      EXPECT_EQ(exact_packet.size() - compact_packet.size(), 4U * static_cast<std::size_t>(region.columns));
+      const light_section::Profile exact = profile_of(profiler, exact_packet);
+      const light_section::Profile compact = profile_of(profiler, compact_packet);
+      int points = 0;
+      int off = 0;
+      for (std::size_t i = 0; i < exact.validity.size(); ++i) {
+        ASSERT_EQ(compact.validity[i], exact.validity[i]) << i;
+        if (exact.validity[i] == 0) {
+          ++points;
+          const auto difference = static_cast<double>(std::abs(compact.centroid[i] - exact.centroid[i]));
+          ASSERT_LE(difference, 1.0 / 1024 + 1e-5);
+          off += difference > 1.0 / 4096 ? 1 : 0;
+          ASSERT_NEAR(compact.dz[i], exact.dz[i], 0.01);
+        }
+      }
+      EXPECT_GT(points, region.columns / 2);
+      EXPECT_GT(off, points / 4);  // it is rounded
     }
   }
 }

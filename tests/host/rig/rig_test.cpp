@@ -220,6 +220,20 @@ TEST(Rig, SectionsWithinMeasureAreReadBack) {
   EXPECT_EQ(*read.measure.window, (model::RowWindow{3, 90}));
 }
 
+TEST(Rig, CompactWordsAreReadBackAndChecked) {
+  rig::Rig rig = rig::load_rig("light-section");
+  EXPECT_FALSE(rig.measure.sends_compact());
+  EXPECT_EQ(rig::to_yaml(rig).find("words:"), std::string::npos);
+  rig.measure.mode = model::Mode::grey_over;
+  rig.measure.compact = true;
+  const std::string text = rig::to_yaml(rig);
+  EXPECT_NE(text.find("words: compact"), std::string::npos);
+  EXPECT_TRUE(rig::parse_rig(text, "rig.yaml").measure.sends_compact());
+  rig.measure.mode = model::Mode::binary;
+  EXPECT_EQ(error_of(rig::to_yaml(rig)),
+            "rig.yaml: measure.words is compact, which goes with modes grey and grey_over: binary words have 32 bits");
+}
+
 TEST(Rig, ARegionIsReadBackAndChecked) {
   rig::Rig rig = rig::load_rig("light-section");
   rig.camera.region = rig::RigRegion{

@@ -21,7 +21,7 @@ constexpr int kTrackerDelay = 2;  // from a frame's first beat at the video inpu
 constexpr int kEncoderDelay = 7;  // from a change of the encoder's lines to encoder_i
 
 struct Settings {
-  int stream, mode, threshold, columns, rows, gap, strongest, first_row, last_row, region_row, region_column;
+  int stream, mode, threshold, columns, rows, gap, strongest, first_row, last_row, region_row, region_column, compact;
 };
 
 // A frame as frame_start_i announced it.
@@ -54,8 +54,13 @@ void expect_fields(const Wide& info, const Shown& shown) {
     std::uint64_t (*of)(const StartedFrame&);
     std::size_t early = 0;  // clocks before its beat
   };
-  static constexpr std::array<Field, 17> kFields = {
-      {{"stream", spec::kHeaderStream, 1,
+  static constexpr std::array<Field, 18> kFields = {
+      {{"kind", spec::kHeaderKind, 1,
+        [](const StartedFrame& f) {
+          const bool compact = f.settings.compact != 0 && f.settings.mode != spec::kModeBinary;
+          return std::uint64_t{compact ? spec::kKindCompact : spec::kKindMoments};
+        }},
+       {"stream", spec::kHeaderStream, 1,
         [](const StartedFrame& f) { return static_cast<std::uint64_t>(f.settings.stream); }},
        {"mode", spec::kHeaderMode, 1,
         [](const StartedFrame& f) { return static_cast<std::uint64_t>(f.settings.mode); }},
@@ -111,9 +116,10 @@ TEST(FrameInfo, EachFieldStandsFromItsClockToTheNextFrames) {
       const bool take = start && now - last_take >= kTakeDistance && (frames.empty() || random.chance(80));
       if (take) {
         last_take = now;
-        settings = {random.between(0, 255),  random.between(0, 2),     random.between(0, 255),  random.between(0, 4095),
-                    random.between(0, 1023), random.between(0, 3),     random.between(0, 1),    random.between(0, 1023),
-                    random.between(0, 1023), random.between(0, 65535), random.between(0, 65535)};
+        settings = {random.between(0, 255),   random.between(0, 2),     random.between(0, 255),
+                    random.between(0, 4095),  random.between(0, 1023),  random.between(0, 3),
+                    random.between(0, 1),     random.between(0, 1023),  random.between(0, 1023),
+                    random.between(0, 65535), random.between(0, 65535), random.between(0, 1)};
       }
       info->frame_start_i = start;
       info->take_i = take;
@@ -125,6 +131,7 @@ TEST(FrameInfo, EachFieldStandsFromItsClockToTheNextFrames) {
       info->rows_i = static_cast<SData>(settings.rows);
       info->select_i = static_cast<IData>(settings.gap | settings.strongest << 2 | settings.first_row << 3 |
                                           settings.last_row << 13);
+      info->compact_i = static_cast<CData>(settings.compact);
       info->region_i = static_cast<IData>(settings.region_row) | static_cast<IData>(settings.region_column) << 16;
       info->encoder_i = static_cast<std::uint32_t>(random.bits());
       info->pattern_i = static_cast<std::uint16_t>(random.bits());

@@ -28,6 +28,7 @@ struct Settings {
   int stream = 0;
   std::uint32_t select = 0;
   std::uint32_t region = 0;
+  bool compact = false;
 };
 
 // All outputs in one clock. Fields of a beat count only if beat is set, those of a break only if break_status is set.
@@ -166,7 +167,7 @@ class FrameTrackerBench {
                         beat);
     tracker_.valid_when({"break_in_last_row_o", "break_status_o"}, [this] { return tracker_->break_o != 0; });
     tracker_.valid_when({"image_o", "columns_o", "rows_o", "mode_o", "threshold_o", "stream_o", "select_o", "region_o",
-                         "one_group_o", "two_groups_o"},
+                         "compact_o", "one_group_o", "two_groups_o"},
                         [this] { return reference_.taken; });
     tracker_->s_axis_tvalid_i = 0;
     tracker_->run_i = 0;
@@ -245,6 +246,7 @@ class FrameTrackerBench {
     tracker_->stream_i = static_cast<CData>(settings.stream);
     tracker_->select_i = settings.select;
     tracker_->region_i = settings.region;
+    tracker_->compact_i = settings.compact;
     tracker_->timeout_i = static_cast<IData>(timeout);
   }
 
@@ -288,6 +290,7 @@ class FrameTrackerBench {
       ASSERT_EQ(tracker_->stream_o, reference_.in_force.stream);
       ASSERT_EQ(tracker_->select_o, reference_.in_force.select);
       ASSERT_EQ(tracker_->region_o, reference_.in_force.region);
+      ASSERT_EQ(tracker_->compact_o, reference_.in_force.compact);
       ASSERT_EQ(tracker_->one_group_o, reference_.in_force.columns == 4);
       ASSERT_EQ(tracker_->two_groups_o, reference_.in_force.columns == 8);
     }

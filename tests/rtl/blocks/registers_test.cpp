@@ -27,6 +27,7 @@ struct Build {
   int code_bits = 0;  // of the Gray-code decoder, which then has the median; 0: no decoder
   bool runs = false;
   bool region = false;
+  bool compact = false;
 };
 
 template <typename Dut>
@@ -41,7 +42,7 @@ struct BuildOf<Vsp_registers_small> {
 };
 template <>
 struct BuildOf<Vsp_registers_codes> {
-  static constexpr Build kBuild = {640, 480, false, true, 9, true, true};
+  static constexpr Build kBuild = {640, 480, false, true, 9, true, true, true};
 };
 
 // State inputs, all different and with upper bits set.
@@ -99,6 +100,9 @@ std::vector<Writable> writable_of(const Build& build) {
   }
   if (build.region) {
     all.push_back({spec::kRegRegion, spec::kRegRegionReset, 0xFFFF'FFFF});
+  }
+  if (build.compact) {
+    all.push_back({spec::kRegCompact, spec::kRegCompactReset, field(spec::kRegCompactOnLsb, 1)});
   }
   return all;
 }
@@ -190,7 +194,7 @@ class RegistersBench {
       }
       pending_ = pending_ || address == spec::kRegControl || address == spec::kRegSize ||
                  address == spec::kRegMeasure || address == spec::kRegDecode || address == spec::kRegWindow ||
-                 address == spec::kRegRegion;
+                 address == spec::kRegRegion || address == spec::kRegCompact;
     }
     begin_clock(false);
     EXPECT_EQ(registers_->answer_o, 0);
@@ -246,6 +250,8 @@ class RegistersBench {
         return true;
       case spec::kRegRegion:
         return kBuild.region;
+      case spec::kRegCompact:
+        return kBuild.compact;
       default:
         return false;
     }
@@ -253,7 +259,9 @@ class RegistersBench {
 
   static bool readable(std::uint32_t address) {
     const bool there = address <= (kBuild.code_bits != 0 ? spec::kRegAbandoned : spec::kRegEncoderErrors);
-    return (there || address == spec::kRegWindow || (kBuild.region && address == spec::kRegRegion)) && address % 4 == 0;
+    return (there || address == spec::kRegWindow || (kBuild.region && address == spec::kRegRegion) ||
+            (kBuild.compact && address == spec::kRegCompact)) &&
+           address % 4 == 0;
   }
 
   std::uint32_t expected_read(std::uint32_t address) const {
@@ -275,7 +283,8 @@ class RegistersBench {
                static_cast<std::uint32_t>(kBuild.code_bits) << spec::kRegCapabilityCodeBitsLsb;
       case spec::kRegStatus:
         return (state_.frame_open ? 1U << spec::kRegStatusFrameOpenLsb : 0) |
-               (pending_ ? 1U << spec::kRegStatusPendingLsb : 0);
+               (pending_ ? 1U << spec::kRegStatusPendingLsb : 0) |
+               (kBuild.compact ? 1U << spec::kRegStatusCompactLsb : 0);
       case spec::kRegFrames:
         return state_.frames;
       case spec::kRegBroken:
@@ -356,6 +365,7 @@ class RegistersBench {
                                         value(kRegWindow, kRegWindowFirstLsb, kRegWindowFirstBits) << 3 |
                                         value(kRegWindow, kRegWindowLastLsb, kRegWindowLastBits) << (3 + row_bits));
     EXPECT_EQ(registers_->region_o, kBuild.region ? value(kRegRegion, 0, 32) : 0);
+    EXPECT_EQ(registers_->compact_o, kBuild.compact ? value(kRegCompact, kRegCompactOnLsb, 1) : 0);
     EXPECT_EQ(registers_->timeout_o, value(kRegTimeout, kRegTimeoutClocksLsb, kRegTimeoutClocksBits));
     EXPECT_EQ(registers_->trigger_run_o, value(kRegTriggerControl, kRegTriggerControlRunLsb, 1));
     EXPECT_EQ(registers_->trigger_on_frame_o, value(kRegTriggerControl, kRegTriggerControlOnFrameLsb, 1));

@@ -20,6 +20,7 @@ struct RandomFrames {
   bool image = true;      // raw images
   bool runs = false;      // the strongest run of a column
   bool region = true;     // the register region
+  bool compact = false;   // compact columns
   int fault_percent = 0;  // share of frames with faults
   int changes = 100;      // number of changes of the settings, each followed by 1 to 12 frames
   // gets every image that is sent, without its faults
@@ -63,6 +64,7 @@ void play_random_frames(std::uint64_t seed, const RandomFrames& limits, FrameCou
         .stream = random.between(0, 255),
         .region_row = limits.region ? random.between(0, 65535) : 0,
         .region_column = limits.region ? random.between(0, 65535) : 0,
+        .compact = limits.compact && random.chance(60),
         .timeout = random.chance(50) ? 0 : random.between(1, 200)};
     board.write(settings);
     last_rows = rows;

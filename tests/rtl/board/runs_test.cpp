@@ -18,6 +18,12 @@ TEST(RunsBoard, RandomSmallFramesEqualTheModel) { play_all_random_frames<Vboard_
 TEST(RunsBoard, RandomFaultsEqualTheModel) {
   play_all_random_frames<Vboard_codes>(10, {.runs = true, .fault_percent = 40}, 3);
 }
+TEST(CompactBoard, RandomSmallFramesEqualTheModel) {
+  play_all_random_frames<Vboard_codes>(15, {.runs = true, .compact = true}, 4);
+}
+TEST(CompactBoard, RandomFaultsEqualTheModel) {
+  play_all_random_frames<Vboard_codes>(10, {.runs = true, .compact = true, .fault_percent = 40}, 4);
+}
 TEST(BinaryRunsBoard, RandomSmallFramesEqualTheModel) {
   play_all_random_frames<Vboard_codes_raw>(15, {.max_columns = 128, .grey = false, .image = false, .runs = true}, 3);
 }
@@ -69,10 +75,15 @@ TEST(RunsBoard, TallFramesOfTwoLongRuns) {
 
 // The packets lost of 20 frames of equal settings with so many clocks after the last beat of each.
 template <class Model>
-std::uint64_t lost_at(model::Mode mode, int columns, int rows, int gap) {
+std::uint64_t lost_at(model::Mode mode, int columns, int rows, int gap, bool compact = false) {
   Random random(1);
   Scoreboard<Model> board({.bus_period_ps = 4000});
-  board.write({.columns = columns, .rows = rows, .mode = mode, .select = model::Select::strongest, .gap = 1});
+  board.write({.columns = columns,
+               .rows = rows,
+               .mode = mode,
+               .select = model::Select::strongest,
+               .gap = 1,
+               .compact = compact});
   for (int i = 0; i < 20; ++i) {
     board.device().send(random_image(random, rows, columns).view());
     board.device().gap(static_cast<std::uint32_t>(gap));
@@ -89,6 +100,15 @@ TEST(RunsBoard, FramesAtTheSmallestDistanceAreDelivered) {
       EXPECT_EQ(lost_at<Vboard_codes>(mode, 4 * groups, 1, distance - groups), 0U) << groups << " groups";
       EXPECT_GT(lost_at<Vboard_codes>(mode, 4 * groups, 1, distance - groups - 1), 0U) << groups << " groups";
     }
+  }
+}
+// Compact columns wait RowBits + 12 clocks more; two beats of exact ones are one of theirs.
+TEST(CompactBoard, FramesAtTheSmallestDistanceAreDelivered) {
+  constexpr int kRowBits = 6;  // of up to 40 rows
+  for (const int groups : {1, 2, 3, 5, 16}) {
+    const int distance = 2 * groups + 22 + kRowBits + 12;
+    EXPECT_EQ(lost_at<Vboard_codes>(model::Mode::grey, 4 * groups, 1, distance - groups, true), 0U) << groups;
+    EXPECT_GT(lost_at<Vboard_codes>(model::Mode::grey, 4 * groups, 1, distance - groups - 1, true), 0U) << groups;
   }
 }
 TEST(BinaryRunsBoard, FramesAtTheSmallestDistanceAreDelivered) {

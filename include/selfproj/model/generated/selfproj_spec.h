@@ -46,6 +46,7 @@ constexpr std::uint8_t kSelectStrongest = 1;  // the moments of the strongest ru
 constexpr std::uint8_t kKindMoments = 1;  // column moments, one packet per frame
 constexpr std::uint8_t kKindCodes = 2;  // code image, one packet per line
 constexpr std::uint8_t kKindImage = 3;  // raw image, one packet per line
+constexpr std::uint8_t kKindCompact = 4;  // columns divided in the circuit, one packet per frame in place of kind moments
 
 // Payload words; the largest value that can occur fits its field
 constexpr int kBinaryWordBits = 32;
@@ -117,6 +118,19 @@ constexpr int kCodeMeasurableLsb = 15;
 constexpr int kCodeMeasurableBits = 1;
 constexpr std::uint64_t kCodeMeasurableMax = 1;  // 1
 static_assert(kCodeMeasurableMax >> kCodeMeasurableBits == 0, "code.measurable does not fit");
+constexpr int kCompactWordBits = 32;
+constexpr int kCompactCentroidLsb = 0;
+constexpr int kCompactCentroidBits = 20;
+constexpr std::uint64_t kCompactCentroidMax = 523776;  // 512*rows
+static_assert(kCompactCentroidMax >> kCompactCentroidBits == 0, "compact.centroid does not fit");
+constexpr int kCompactNLsb = 20;
+constexpr int kCompactNBits = 6;
+constexpr std::uint64_t kCompactNMax = 63;  // 63
+static_assert(kCompactNMax >> kCompactNBits == 0, "compact.n does not fit");
+constexpr int kCompactQualityLsb = 26;
+constexpr int kCompactQualityBits = 6;
+constexpr std::uint64_t kCompactQualityMax = 63;  // 63
+static_assert(kCompactQualityMax >> kCompactQualityBits == 0, "compact.quality does not fit");
 
 // Packet: byte offsets
 constexpr std::uint32_t kMagic = 0x50464C53U;  // "SLFP"
@@ -252,6 +266,8 @@ constexpr int kRegStatusFrameOpenLsb = 0;
 constexpr int kRegStatusFrameOpenBits = 1;
 constexpr int kRegStatusPendingLsb = 1;
 constexpr int kRegStatusPendingBits = 1;
+constexpr int kRegStatusCompactLsb = 31;
+constexpr int kRegStatusCompactBits = 1;
 constexpr std::uint32_t kRegFrames = 0x34;  // ro
 constexpr std::uint32_t kRegFramesReset = 0x00000000U;
 constexpr int kRegFramesCountLsb = 0;
@@ -318,6 +334,10 @@ constexpr int kRegRegionRowLsb = 0;
 constexpr int kRegRegionRowBits = 16;
 constexpr int kRegRegionColumnLsb = 16;
 constexpr int kRegRegionColumnBits = 16;
+constexpr std::uint32_t kRegCompact = 0x6C;  // rw
+constexpr std::uint32_t kRegCompactReset = 0x00000000U;
+constexpr int kRegCompactOnLsb = 0;
+constexpr int kRegCompactOnBits = 1;
 
 }  // namespace spec
 }  // namespace selfproj
