@@ -22,7 +22,7 @@ constexpr std::uint32_t kWeight = 1000;
 
 double median_of(std::vector<double> values) {
   if (values.empty()) {
-    return images::kNoValue;
+    return static_cast<double>(images::kNoValue);
   }
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
@@ -58,8 +58,8 @@ RowTable::RowTable(const rig::Rig& rig, const DifferentialProfiler& profiler, do
     std::fill(m1.begin(), m1.end(), static_cast<std::uint32_t>(step) * kWeight / kPerRow);
     profiler.profile(model::MomentsView{m0.data(), m1.data(), n.data()}, profile.view());
     for (std::size_t i = 0; i < count; ++i) {
-      columns[i].height_mm.push_back(
-          profile.validity[i] == static_cast<std::uint8_t>(Validity::valid) ? -profile.dz[i] : images::kNoValue);
+      const bool valid = profile.validity[i] == static_cast<std::uint8_t>(Validity::valid);
+      columns[i].height_mm.push_back(static_cast<double>(valid ? -profile.dz[i] : images::kNoValue));
     }
   }
   for (Column& column : columns) {

@@ -78,9 +78,9 @@ DefectLevels defect_levels(const images::FloatImage& difference, int side) {
   DefectLevels levels;
   // A place without a point is low for the opening and high for the closing, so that it makes no defect.
   cv::morphologyEx(filled(difference, -kFarAway), levels.high, cv::MORPH_OPEN, square, {-1, -1}, 1, cv::BORDER_CONSTANT,
-                   cv::Scalar(-kFarAway));
+                   cv::Scalar(static_cast<double>(-kFarAway)));
   cv::morphologyEx(filled(difference, kFarAway), levels.low, cv::MORPH_CLOSE, square, {-1, -1}, 1, cv::BORDER_CONSTANT,
-                   cv::Scalar(kFarAway));
+                   cv::Scalar(static_cast<double>(kFarAway)));
   return levels;
 }
 
@@ -183,7 +183,7 @@ void Classifier::find_defects(const PlacedMaps& maps, PartResult& result) const 
   const int side = defect_side(tolerance_.min_defect_mm2, grid_.pitch_mm);
   const DefectLevels levels = defect_levels(maps.difference, side);
   const cv::Mat1f map = filled(maps.difference, kFarAway);
-  const cv::Mat there = map < kFarAway;
+  const cv::Mat there = map < static_cast<double>(kFarAway);
   for (std::size_t i = 0; i < regions_.size(); ++i) {
     const ToleranceRegion& region = tolerance_.regions[i];
     const cv::Mat1b& cells = regions_[i];

@@ -166,7 +166,7 @@ void HeightGrid::add(double belt_mm, const light_section::ProfileView& profile) 
       continue;
     }
     const double row = grid().row_of(belt_mm - begin_ - (static_cast<double>(profile.x[i]) - light_x_));
-    const double column = grid().column_of(profile.y[i]);
+    const double column = grid().column_of(static_cast<double>(profile.y[i]));
     const auto height = static_cast<float>(plane_z_ - static_cast<double>(profile.z[i]));
     sums_.put(row, column, height);
     const double way = std::abs(row - static_cast<double>(last.row));

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "host/production/height_map.h"
 #include "host/rig/geometry.h"
 #include "selfproj/light_section/profile.h"
 #include "selfproj/model/column_moments.h"
@@ -75,7 +76,7 @@ SectionReference section_of(const rig::Rig& rig, const light_section::ReferenceP
   std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return profile.y[a] < profile.y[b]; });
   SectionReference section;
   for (const std::size_t i : order) {
-    section.across_mm.push_back(profile.y[i]);
+    section.across_mm.push_back(static_cast<double>(profile.y[i]));
     section.height_mm.push_back(rig.plane_z_mm - static_cast<double>(profile.z[i]));
   }
   return section;

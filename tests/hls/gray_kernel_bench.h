@@ -159,22 +159,52 @@ class GrayKernelBench {
   std::uint64_t steps_ = 0;
 };
 
+inline model::GraySettings random_gray_settings(Random& random) {
+  const int rows = random.between(1, random.chance(50) ? 2 : 16);
+  const int columns = 4 * random.between(1, random.chance(50) ? 3 : 16);
+  const int bits = random.between(1, model::GrayDecoder::kMaxBits);
+  return {.rows = rows,
+          .columns = columns,
+          .bits = bits,
+          .threshold = random.chance(20) ? random.between(0, 255) : random.between(0, 12)};
+}
+
+// Another value for one of them
+inline void change_one(model::GraySettings& settings, Random& random) {
+  const model::GraySettings other = random_gray_settings(random);
+  switch (random.between(0, 3)) {
+    case 0:
+      settings.rows = other.rows;
+      break;
+    case 1:
+      settings.columns = other.columns;
+      break;
+    case 2:
+      settings.bits = other.bits;
+      break;
+    default:
+      settings.threshold = other.threshold;
+      break;
+  }
+}
+
 // Plays several sequences with settings of their own: all m, differences around the threshold, frames that are missing,
-// come twice, have wrong indices or break, and gaps.
+// come twice, have wrong indices or break, gaps, and one setting that changes while the patterns go on.
 inline void play_gray_sequences(GrayKernelBench& bench, int sequences, int frames, Random& random) {
   int columns = 4;
   for (int i = 0; i < sequences && !::testing::Test::HasFatalFailure(); ++i) {
-    columns = 4 * random.between(1, random.chance(50) ? 3 : 16);
-    const model::GraySettings settings{.rows = random.between(1, random.chance(50) ? 2 : 16),
-                                       .columns = columns,
-                                       .bits = random.between(1, model::GrayDecoder::kMaxBits),
-                                       .threshold = random.chance(20) ? random.between(0, 255) : random.between(0, 12)};
+    model::GraySettings settings = random_gray_settings(random);
     GraySequence sequence(settings, random);
     const bool median = random.chance(60);
     const int gaps = random.chance(60) ? 0 : random.between(1, 60);
     for (int frame = 0; frame < frames && !::testing::Test::HasFatalFailure(); ++frame) {
+      if (random.chance(2)) {
+        change_one(settings, random);
+        sequence.configure(settings);
+      }
       bench.play(settings, median, sequence.next(), gaps, random);
     }
+    columns = settings.columns;
     if (random.chance(50)) {
       bench.idle(random.between(1, 60));
     }

@@ -112,9 +112,13 @@ class GraySequence {
     trouble_ = random.between(0, 2) * 100 / (40 * settings.bits);
   }
 
+  // Settings of the frames from here on. The sequence goes on with its next pattern.
+  void configure(const model::GraySettings& settings) { settings_ = settings; }
+
   GrayFrame next() {
     const int patterns = 2 * settings_.bits;
     GrayFrame frame;
+    pattern_ %= patterns;
     if (random_.chance(trouble_)) {
       pattern_ = (pattern_ + random_.between(0, patterns - 1)) % patterns;  // frames are missing, or come again
     }

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <tuple>
 
 #include "host/driver/boards.h"
 #include "host/driver/register_port.h"
@@ -75,6 +76,42 @@ TEST(Control, SettingsChangeTogether) {
   EXPECT_THROW(control.write_together({{driver::register_part("size.columns"), 6}}), UserError);
   EXPECT_FALSE(board.settings().hold);
   EXPECT_EQ(board.settings().columns, 128);
+}
+
+// All that a board's settings are
+auto all_of(const model::BoardSettings& settings) {
+  const auto& [run, hold, image, columns, rows, mode, threshold, select, gap, window, stream, region_row, region_column,
+               codes, median, code_bits, code_threshold, timeout] = settings;
+  return std::tuple(run, hold, image, columns, rows, mode, threshold, select, gap, window.first, window.last, stream,
+                    region_row, region_column, codes, median, code_bits, code_threshold, timeout);
+}
+
+TEST(Control, EverySettingReachesTheBoard) {
+  model::RegisterFile board({.codes = true, .median = true, .runs = true, .region = true, .code_bits = 12});
+  driver::Control control(port_of(board));
+  const model::BoardSettings reset = board.settings();
+  const model::BoardSettings settings{.run = false,
+                                      .hold = true,
+                                      .image = true,
+                                      .columns = 64,
+                                      .rows = 50,
+                                      .mode = model::Mode::grey_over,
+                                      .threshold = 77,
+                                      .select = model::Select::strongest,
+                                      .gap = 3,
+                                      .window = {.first = 5, .last = 40},
+                                      .stream = 9,
+                                      .region_row = 11,
+                                      .region_column = 21,
+                                      .codes = true,
+                                      .median = true,
+                                      .code_bits = 7,
+                                      .code_threshold = 13,
+                                      .timeout = 5000};
+  control.set(settings);
+  EXPECT_EQ(all_of(board.settings()), all_of(settings));
+  control.set(reset);
+  EXPECT_EQ(all_of(board.settings()), all_of(reset));
 }
 
 TEST(Control, OtherBoards) {

@@ -255,6 +255,22 @@ TEST(Datagrams, ARestartInTheSameSession) {
   EXPECT_LE(counters.lost_network, 64U);
 }
 
+// A sender draws its sessions: each can be above or below those before it.
+TEST(Datagrams, RestartsInSessionsOfAnyNumber) {
+  std::vector<Bytes> all;
+  std::uint64_t packets = 0;
+  for (const int session : {500, 20, 300, 4, 0xFFFF, 301}) {
+    model::DatagramCutter cutter(static_cast<std::uint16_t>(session));
+    const std::vector<Bytes> more = cut_up(cutter, packets, 10);
+    all.insert(all.end(), more.begin(), more.end());
+    packets += 10;
+  }
+  driver::Counters counters;
+  driver::DatagramAssembler assembler(counters);
+  EXPECT_EQ(assemble(assembler, all).size(), packets);
+  EXPECT_EQ(counters, (driver::Counters{.reattached = 5}));
+}
+
 // A frame of Ethernet can be too short for the header alone.
 TEST(Datagrams, WithoutAPieceTheyMayBeFilledUp) {
   Bytes idle;
