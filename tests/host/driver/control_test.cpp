@@ -81,13 +81,14 @@ TEST(Control, SettingsChangeTogether) {
 // All that a board's settings are
 auto all_of(const model::BoardSettings& settings) {
   const auto& [run, hold, image, columns, rows, mode, threshold, select, gap, window, stream, region_row, region_column,
-               codes, median, code_bits, code_threshold, timeout] = settings;
+               compact, codes, median, code_bits, code_threshold, timeout] = settings;
   return std::tuple(run, hold, image, columns, rows, mode, threshold, select, gap, window.first, window.last, stream,
-                    region_row, region_column, codes, median, code_bits, code_threshold, timeout);
+                    region_row, region_column, compact, codes, median, code_bits, code_threshold, timeout);
 }
 
 TEST(Control, EverySettingReachesTheBoard) {
-  model::RegisterFile board({.codes = true, .median = true, .runs = true, .region = true, .code_bits = 12});
+  model::RegisterFile board(
+      {.codes = true, .median = true, .runs = true, .region = true, .compact = true, .code_bits = 12});
   driver::Control control(port_of(board));
   const model::BoardSettings reset = board.settings();
   const model::BoardSettings settings{.run = false,
@@ -103,6 +104,7 @@ TEST(Control, EverySettingReachesTheBoard) {
                                       .stream = 9,
                                       .region_row = 11,
                                       .region_column = 21,
+                                      .compact = true,
                                       .codes = true,
                                       .median = true,
                                       .code_bits = 7,
