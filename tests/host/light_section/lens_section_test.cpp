@@ -303,7 +303,7 @@ TEST(LensSection, RowsEndWhereCurvesCannotBeFitted) {
   ASSERT_NE(profiler.curves(), nullptr);
   EXPECT_LE(profiler.curves()->fit_error_mm(), light_section::ColumnCurves::kMaxError);
   for (std::size_t c = 0; c < 16; ++c) {
-    const double rows = profiler.curves()->last[c] - profiler.curves()->first[c];
+    const double rows = static_cast<double>(profiler.curves()->last[c] - profiler.curves()->first[c]);
     EXPECT_GT(rows, 100) << c;
     EXPECT_LT(rows, ideal.camera.rows - 100) << c;
   }
