@@ -84,7 +84,7 @@ DefectMap::DefectMap(const DefectPixels& defects, std::size_t pixels, std::uint6
   for (std::size_t i = 0; i < pixels; ++i) {
     const double drawn = random.next();
     if (drawn < defects.hot) {
-      const double level = defects.min_hot_grey + (double{kWhite} - defects.min_hot_grey) * random.next();
+      const double level = defects.min_hot_grey + (static_cast<double>(kWhite) - defects.min_hot_grey) * random.next();
       hot_.push_back({i, static_cast<float>(level)});
     } else if (drawn < defects.hot + defects.dead) {
       dead_.push_back(i);

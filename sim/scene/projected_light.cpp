@@ -1,5 +1,7 @@
 #include "sim/scene/projected_light.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -12,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "selfproj/files/user_error.h"
 #include "selfproj/images/float_image.h"
 #include "sim/scene/optics.h"
 
@@ -97,8 +100,7 @@ ProjectedLight::ProjectedLight(const images::FloatImage& pattern, double blur,
       light_(blurred(pattern, margin_, blur)),
       ranges_(light_),
       centres_(centres_of(pattern)),
-      focus_(focus),
-      blur_(blur) {
+      focus_(focus) {
   if (!focus) {
     return;
   }
@@ -233,10 +235,10 @@ ProjectedLight throw_light(const rig::Rig& rig, const images::FloatImage& patter
     const rig::RigProjector& size = rig.projector;
     const Pinhole projector = Pinhole::of_projector(size);
     const double sharp = projector.depth({0, 0, rig.plane_z_mm - defocus.focus_above_plane_mm});
-    constexpr double kReach = 150;  // mm above the plane: as high as parts are
+    constexpr double kHighest = 150;  // mm above the plane: as high as parts are
     const double pitch = std::sqrt(std::abs(size.line_pitch_mm * size.column_pitch_mm));
     focus.emplace(ProjectorFocus{
-        {size.focal_length_mm, defocus.f_number, pitch, sharp}, projector, rig.plane_z_mm - kReach, rig.plane_z_mm});
+        {size.focal_length_mm, defocus.f_number, pitch, sharp}, projector, rig.plane_z_mm - kHighest, rig.plane_z_mm});
   }
   const double blur = options.projector_blur ? rig.imaging.projector_blur_px : 0;
   return options.world.gamma ? ProjectedLight(light_through(*options.world.gamma, pattern), blur, focus)

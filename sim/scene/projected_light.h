@@ -157,7 +157,6 @@ class ProjectedLight {
 
   [[nodiscard]] double focused_at(PixelPoint p, double z) const;
   std::optional<ProjectorFocus> focus_;
-  double blur_ = 0;
   double variance_step_ = 0;           // from one of the wider ones to the next
   std::vector<ProjectedLight> wider_;  // with more and more blur
 };

@@ -11,6 +11,8 @@
 #include <string>
 #include <vector>
 
+#include "model/datagram.h"
+#include "model/replay.h"
 #include "tests/support/random_cases.h"
 #include "tests/unit/packets.h"
 
@@ -321,6 +323,39 @@ TEST(Packet, RefusesHalfBeats) {
   Bytes out = {1, 2, 3};
   EXPECT_THROW(model::append_packet({}, Bytes(8), 0, out), std::invalid_argument);
   EXPECT_EQ(out, (Bytes{1, 2, 3}));
+}
+
+// Boards, recordings and hosts of one version have one hash, and refuse another. A specification with another hash is
+// another version; as long as this one is not released, it is another number here.
+TEST(Specification, TheHashBelongsToTheVersion) {
+  EXPECT_EQ(spec::kVersion, 0x0200);
+  EXPECT_EQ(spec::kHash, 0x1A81A4C9U);
+}
+
+// The headers of datagrams, written out: the hash of the specification does not cover them, and nothing but these bytes
+// tells whether the boards and hosts that there are still understand one another.
+TEST(DatagramHeaders, EveryByteIsAsBoardsAndHostsHaveIt) {
+  const Bytes of_packet = {'S',  'L',  0x02, 0x01, 0x06, 0x05, 0x04, 0x03,
+                           0x0A, 0x09, 0x08, 0x07, 0x10, 0x0B, 0x20, 0x00};
+  const model::DatagramHeader header{
+      .session = 0x0102, .sequence = 0x03040506, .packet = 0x0708090A, .offset = 0x0B10, .length = 0x0020};
+  Bytes written(of_packet.size());
+  model::write_datagram_header(header, written.data());
+  EXPECT_EQ(written, of_packet);
+  written.resize(of_packet.size() + header.length);
+  EXPECT_EQ(model::read_datagram_header(written), header);
+
+  const Bytes of_replay = {'S',  'R',  0x02, 0x01, 0x06, 0x05, 0x04, 0x03, 0x0A, 0x09,
+                           0x08, 0x07, 0x0C, 0x0B, 0x0E, 0x0D, 0x10, 0x0F, 0x00, 0x00};
+  written.assign(of_replay.size(), 0xFF);
+  model::write_replay_header({.session = 0x0102,
+                              .frame = 0x03040506,
+                              .offset = 0x0708090A,
+                              .length = 0x0B0C,
+                              .columns = 0x0D0E,
+                              .rows = 0x0F10},
+                             written.data());
+  EXPECT_EQ(written, of_replay);
 }
 
 TEST(PacketErrorNames, AreDistinct) {

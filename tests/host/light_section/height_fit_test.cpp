@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <opencv2/core.hpp>
@@ -13,6 +14,7 @@
 #include <vector>
 
 #include "selfproj/files/user_error.h"
+#include "selfproj/rig/height_correction.h"
 #include "selfproj/rig/optics.h"
 #include "selfproj/rig/rig.h"
 #include "tests/host/light_section/lens_world.h"
@@ -176,6 +178,49 @@ TEST(HeightFit, RemovesWhatTheGeometryLeavesOfAHiddenRig) {
     wrong.projector.tilt_rad += 0.02 * 3.14159 / 180;
     EXPECT_GT(std::abs(light_section::check_heights(wrong, between, {}).front().mean_mm), 0.2);
   }
+}
+
+// What the tolerance of the levels leaves open: each level is off by it, and what that moves a height by adds up
+// whatever its sign. Here each level is moved a little and the fit is done again, with as many terms.
+TEST(HeightFit, ToldErrorCoversLevelsThatAreOffInAnyDirection) {
+  const light_section::HeightSettings settings;
+  constexpr int kSteps = 8;
+  constexpr double kLittle = 1e-4;  // mm; for all of the tolerance it could choose other terms
+  const HiddenRig hidden(kCase[0]);
+  std::vector<light_section::HeightPosition> positions;
+  for (const double height : {0.0, 10.0, 20.0, 30.0}) {
+    positions.push_back(hidden.position(height));
+  }
+  const light_section::HeightFit fit = light_section::fit_heights(hidden.believed, positions, settings);
+  const rig::RigHeights& range = fit.rig.heights.value();
+  std::vector<rig::Rig> moved;
+  for (light_section::HeightPosition& position : positions) {
+    position.height_mm += kLittle;
+    moved.push_back(light_section::fit_heights(hidden.believed, positions, settings).rig);
+    position.height_mm -= kLittle;
+    ASSERT_EQ(moved.back().heights.value().corrections_mm.size(), range.corrections_mm.size());
+  }
+  const auto height_of = [](const rig::Rig& rig, double row, double column, double z) {
+    const double height = rig.plane_z_mm - z;
+    return height + rig::HeightCorrection(rig.camera, rig.heights.value()).at(row, column, height);
+  };
+  double greatest = 0;
+  for (int r = 0; r <= kSteps; ++r) {
+    for (int c = 0; c <= kSteps; ++c) {
+      for (int h = 0; h <= kSteps; ++h) {
+        const double row = r * (fit.rig.camera.rows - 1.0) / kSteps;
+        const double column = c * (fit.rig.camera.columns - 1.0) / kSteps;
+        const double z = fit.rig.plane_z_mm - (range.min_mm + h * (range.max_mm - range.min_mm) / kSteps);
+        double sum = 0;
+        for (const rig::Rig& other : moved) {
+          sum += std::abs(height_of(other, row, column, z) - height_of(fit.rig, row, column, z));
+        }
+        greatest = std::max(greatest, settings.tolerance_mm / kLittle * sum);
+      }
+    }
+  }
+  EXPECT_GT(greatest, 1.2 * settings.tolerance_mm) << "the levels pull in one direction only: the signs are not tried";
+  EXPECT_NEAR(fit.open_by_tolerance_mm, greatest, 0.02 * greatest);
 }
 
 // With the lenses known, the belt's normal is found, too.

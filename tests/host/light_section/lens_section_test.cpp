@@ -88,10 +88,12 @@ TEST(LensSection, ProfilesOfAPlaneAreTrueThroughBothLenses) {
     ASSERT_NE(profiler.curves(), nullptr);
     EXPECT_LE(profiler.curves()->fit_error_mm(), 0.001);
     int points = 0;
+    std::vector<cv::Vec3d> of_reference;
     for (const double height : {0.0, 12.0, -8.0}) {
       const double z = rig.plane_z_mm - height;
       const Seen seen = measure(
           rig, reference, world, [&](double, double) { return z; }, line);
+      of_reference = height == 0 ? seen.points : of_reference;
       for (std::size_t i = 0; i < seen.points.size(); i += kEvery) {
         if (std::isnan(seen.points[i][0]) || reference.valid[i] == 0) {  // beside the pattern
           continue;
@@ -102,6 +104,10 @@ TEST(LensSection, ProfilesOfAPlaneAreTrueThroughBothLenses) {
         ASSERT_NEAR(seen.profile.x[i], seen.points[i][0], 0.002) << i;
         ASSERT_NEAR(seen.profile.y[i], seen.points[i][1], 0.002) << i;
         ASSERT_NEAR(seen.profile.dz[i], -height, 0.002) << i;
+        if (!std::isnan(of_reference[i][0])) {
+          ASSERT_NEAR(seen.profile.dx[i], seen.points[i][0] - of_reference[i][0], 0.002) << i;
+          ASSERT_NEAR(seen.profile.dy[i], seen.points[i][1] - of_reference[i][1], 0.002) << i;
+        }
       }
       if (height == 0) {  // self-projection: the line is on the middle row
         for (std::size_t i = 0; i < seen.points.size(); i += kEvery) {
@@ -128,6 +134,8 @@ TEST(LensSection, SlantedPartsAreTrue) {
   const auto line = between(light_section::pattern_of_curve(rig, curve));
   const auto part = [&](double y, double /*x*/) { return rig.plane_z_mm - height(y) - 1.5; };
   const Seen seen = measure(rig, reference, world, part, line);
+  const Seen without = measure(
+      rig, reference, world, [&](double y, double /*x*/) { return rig.plane_z_mm - height(y); }, line);
   for (std::size_t i = 0; i < seen.points.size(); i += kEvery) {
     if (reference.valid[i] == 0) {
       continue;
@@ -135,6 +143,10 @@ TEST(LensSection, SlantedPartsAreTrue) {
     ASSERT_EQ(seen.profile.validity[i], 0) << i;
     ASSERT_NEAR(seen.profile.z[i], seen.points[i][2], 0.002) << i;
     ASSERT_NEAR(seen.profile.y[i], seen.points[i][1], 0.002) << i;
+    const cv::Vec3d difference = seen.points[i] - without.points[i];
+    ASSERT_NEAR(seen.profile.dx[i], difference[0], 0.002) << i;
+    ASSERT_NEAR(seen.profile.dy[i], difference[1], 0.002) << i;
+    ASSERT_NEAR(seen.profile.dz[i], difference[2], 0.002) << i;
   }
 }
 
@@ -152,6 +164,7 @@ TEST(LensSection, LasersPlaneOfAnyOrientationIsFollowed) {
   ASSERT_GT(reference.valid_columns(), rig.camera.columns * 9 / 10);
   const light_section::DifferentialProfiler profiler(rig, reference);
   int points = 0;
+  std::vector<cv::Vec3d> of_reference(static_cast<std::size_t>(rig.camera.columns));
   for (const double height : {0.0, 4.0}) {
     for (int c = 0; c < rig.camera.columns; c += kEvery) {
       // The point of the light plane at this height that the column sees.
@@ -171,12 +184,15 @@ TEST(LensSection, LasersPlaneOfAnyOrientationIsFollowed) {
       profile.resize(rig.camera.columns);
       profiler.profile(moments.view(), profile.view());
       const auto i = static_cast<std::size_t>(c);
+      of_reference[i] = height == 0 ? at(x) : of_reference[i];
       if (centroids[i] > 4 && centroids[i] < rig.camera.rows - 3 && reference.valid[i] != 0) {
         ASSERT_EQ(profile.validity[i], 0) << c;
         ASSERT_NEAR(profile.z[i], z, 0.002) << c;
         ASSERT_NEAR(profile.dz[i], -height, 0.002) << c;
         ASSERT_NEAR(profile.x[i], at(x)[1], 0.002) << c;
         ASSERT_NEAR(profile.y[i], at(x)[0], 0.002) << c;
+        ASSERT_NEAR(profile.dx[i], at(x)[1] - of_reference[i][1], 0.002) << c;
+        ASSERT_NEAR(profile.dy[i], at(x)[0] - of_reference[i][0], 0.002) << c;
         ++points;
       }
     }
@@ -287,7 +303,7 @@ TEST(LensSection, RowsEndWhereCurvesCannotBeFitted) {
   ASSERT_NE(profiler.curves(), nullptr);
   EXPECT_LE(profiler.curves()->fit_error_mm(), light_section::ColumnCurves::kMaxError);
   for (std::size_t c = 0; c < 16; ++c) {
-    const double rows = profiler.curves()->last[c] - profiler.curves()->first[c];
+    const double rows = static_cast<double>(profiler.curves()->last[c] - profiler.curves()->first[c]);
     EXPECT_GT(rows, 100) << c;
     EXPECT_LT(rows, ideal.camera.rows - 100) << c;
   }

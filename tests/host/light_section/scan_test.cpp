@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "host/light_section/line_finder.h"
 #include "host/rig/geometry.h"
 #include "selfproj/light_section/reference.h"
 #include "selfproj/rig/rig.h"
@@ -75,6 +76,39 @@ TEST(LineScan, FindsTheLightPlaneOfEachColumn) {
     }
     expect_found(rig, z, scan.reference());
   }
+}
+
+TEST(LineSightings, AreRowsFromZeroOfTheColumnsThatSeeTheLine) {
+  const rig::Rig rig = rig::load_rig("light-section");
+  const std::vector<double> z = surface(rig);
+  constexpr int kLine = 250;
+  constexpr int kDark = 200;  // column
+  images::Image image = view_of(rig, z, kLine);
+  for (int r = 0; r < image.rows; ++r) {
+    image.pixels[static_cast<std::size_t>(r * image.columns + kDark)] = 5;
+  }
+  light_section::LineFinder finder(rig);
+  std::vector<light_section::LineSighting> seen;
+  light_section::add_sightings(finder, kLine, image.view(), seen);
+  const double theta = rig::tan_theta(rig.projector, kLine);
+  auto next = seen.begin();
+  for (int i = 0; i < rig.camera.columns; ++i) {
+    const double depth = z[static_cast<std::size_t>(i)];
+    const double x = rig.projector.x_mm - (depth - rig.projector.z_mm) * theta;
+    const double row = camera_sees(rig.camera, {x, 0, depth}).row;
+    constexpr double kBorder = 9;  // rows: farther from the image's border the whole line is in it
+    const bool whole = i != kDark && row >= kBorder && row <= rig.camera.rows - 1 - kBorder;
+    const bool found = next != seen.end() && next->column == i;
+    EXPECT_TRUE(found || !whole) << i;
+    if (whole && found) {
+      EXPECT_EQ(next->line, kLine);
+      EXPECT_NEAR(next->row, row, 0.03) << i;
+    }
+    EXPECT_FALSE(found && i == kDark);
+    next += found ? 1 : 0;
+  }
+  EXPECT_EQ(next, seen.end());
+  EXPECT_GT(seen.size(), 50U);
 }
 
 TEST(LineScan, TheBrighterOfTwoCrossingsCounts) {

@@ -311,6 +311,27 @@ TEST(Inspection, BeltByTimeWhereTheEncoderStands) {
   EXPECT_NEAR(inspection.column_spacing_mm(), 0.2334, 1e-9);
 }
 
+// The belt may run backwards, and the encoder's count may go through 0 and wrap.
+TEST(Inspection, BeltByTheEncoderInBothDirections) {
+  constexpr std::array<int, 5> kCounts{0, 15, -5, -20, -8};
+  for (const std::uint32_t start : {1000U, 3U, 0x7FFFFFFEU, 0xFFFFFFFEU}) {
+    SCOPED_TRACE(start);
+    light_section::Inspection inspection(rig::load_rig("light-section"), kColumns);
+    for (std::size_t i = 0; i < kCounts.size(); ++i) {
+      Sample s = sample(static_cast<int>(i));
+      s.header.encoder = start + static_cast<std::uint32_t>(kCounts[i]);
+      inspection.add(s.header, s.moments.view(), s.profile.view());
+    }
+    const double mm_per_count = inspection.rig().conveyor.encoder_mm_per_count;
+    const std::vector<double> belt = inspection.belt_mm();
+    ASSERT_EQ(belt.size(), kCounts.size());
+    for (std::size_t i = 0; i < kCounts.size(); ++i) {
+      EXPECT_NEAR(belt[i], kCounts[i] * mm_per_count, 1e-9) << i;
+    }
+    EXPECT_NEAR(inspection.frame_spacing_mm(), 2 * mm_per_count, 1e-9);
+  }
+}
+
 TEST(Inspection, BeltMovesOnWhereTheBoardWasRestarted) {
   light_section::Inspection inspection(rig::load_rig("light-section"), kColumns);
   for (const int i : {0, 1, 2, 0, 1}) {
