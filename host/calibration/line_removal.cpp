@@ -145,6 +145,10 @@ images::Image thin_light(const images::Image& image, int most_px) {
   const cv::Mat grey = mat_of(image);
   cv::Mat wide;
   cv::morphologyEx(grey, wide, cv::MORPH_OPEN, cv::getStructuringElement(cv::MORPH_ELLIPSE, {most_px, most_px}));
+  // White paper is not light, and neither are the corners of its squares.
+  constexpr double kWhite = 0.98;
+  std::vector<std::uint8_t> values(wide.begin<std::uint8_t>(), wide.end<std::uint8_t>());
+  cv::max(wide, static_cast<double>(at_share(values, kWhite)), wide);
   images::Image light{image.rows, image.columns, std::vector<std::uint8_t>(image.pixels.size())};
   cv::subtract(grey, wide, mat_of(light));
   return light;

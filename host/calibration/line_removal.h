@@ -21,8 +21,8 @@ struct LightBand {
   }
 };
 
-// What is brighter than its surroundings and thin, in an image of one channel: the line of a laser, but also other fine
-// bright structures. `most_px`: what is wider does not count.
+// What is thin, and brighter than its surroundings and than white paper, in an image of one channel: the line of a
+// laser. `most_px`: what is wider does not count.
 images::Image thin_light(const images::Image& image, int most_px);
 
 // The straight line in an image of light alone, such as a difference of channels or thin_light(). Nothing if no line

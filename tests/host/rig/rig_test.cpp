@@ -119,8 +119,12 @@ TEST(Rig, EveryNumberAtItsLimits) {
           std::string other = yaml;
           other.replace(colon + 2, end - colon - 2, value);
           if (const std::string error = error_of(other); error != "none") {
-            const std::size_t key = yaml.find_first_not_of(' ', begin);
-            EXPECT_NE(error.find(yaml.substr(key, colon - key)), std::string::npos) << error;
+            const std::size_t first = yaml.find_first_not_of(' ', begin);
+            std::string key = yaml.substr(first, colon - first);
+            if (key.starts_with("normal_") || key.starts_with("direction_")) {
+              key.erase(key.find('_'));  // a vector's length is that of all three
+            }
+            EXPECT_NE(error.find(key), std::string::npos) << error;
             continue;
           }
           const std::string again = rig::to_yaml(rig::parse_rig(other, "rig.yaml"));
