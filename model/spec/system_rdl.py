@@ -5,7 +5,7 @@ selfproj_network is what the network sees: both.
 """
 
 # Words that are no names in SystemRDL, among those that a register or a field might be called
-RESERVED = {"abstract", "all", "alias", "bit", "default", "encode", "enum", "external", "field", "internal", "level",
+RESERVED = {"abstract", "all", "alias", "bit", "compact", "default", "encode", "enum", "external", "field", "internal", "level",
             "longint", "mem", "number", "property", "r", "ref", "reg", "regfile", "rw", "signal", "string", "struct",
             "this", "type", "unsigned", "w"}
 
