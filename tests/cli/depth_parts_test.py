@@ -187,7 +187,7 @@ class DepthParts(unittest.TestCase):
         written = self.parts("seen")
         for row in shown:
             part = written[int(row[0]) - 1]
-            self.assertEqual([row[1], row[5]], [part["verdict"], str(len(part["defects"]))])
+            self.assertEqual([row[1], row[2]], [part["verdict"], str(len(part["defects"]))])
         counted = [sum(part["verdict"] == verdict for part in written) for verdict in ("good", "bad", "inconclusive")]
         self.assertEqual([registers[i] * 65536 + registers[i + 1] for i in (5, 7, 9)], counted)
         self.assertEqual(registers[3] * 65536 + registers[4], len(written))
