@@ -46,6 +46,7 @@ Column random_column(Random& random, int max_rows, bool strongest) {
 template <class Dut>
 void play(Random& random, int max_rows) {
   Clocked<Dut> words;
+  words.valid_when({"data_o"}, [&words] { return words->valid_o != 0; });
   words->words_valid_i = 0;
   words->words_break_i = 0;
   words->compact_i = 0;
