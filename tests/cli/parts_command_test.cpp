@@ -64,11 +64,9 @@ class PartsCommand : public ::testing::Test {
     return host(more);
   }
 
-  static ScratchFolder* folder_;
-  static Outcome* learned_;
+  inline static ScratchFolder* folder_ = nullptr;
+  inline static Outcome* learned_ = nullptr;
 };
-ScratchFolder* PartsCommand::folder_ = nullptr;
-Outcome* PartsCommand::learned_ = nullptr;
 
 TEST_F(PartsCommand, LearnsAndJudges) {
   ASSERT_EQ(learned_->status, 0) << learned_->err;

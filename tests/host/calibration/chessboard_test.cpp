@@ -39,14 +39,14 @@ struct Size {
 
 Drawing draw(Random& random, int columns, int rows, double turn, int around, double margin = 0.6,
              const Size& size = {}) {
-  const int kColumns = size.columns;
-  const int kRows = size.rows;
-  const int kFine = size.fine;
+  const int width = size.columns;
+  const int height = size.rows;
+  const int fine = size.fine;
   const double square = between(random, size.least_square, size.most_square);
   const double lean = between(random, -0.25, 0.25);
   const cv::Matx33d seen =
-      cv::Matx33d(1, 0, kColumns / 2.0, 0, 1, kRows / 2.0, 0, 0, 1) *
-      cv::Matx33d(1, 0, 0, 0, 1, 0, lean / kColumns, -lean / kRows, 1) *
+      cv::Matx33d(1, 0, width / 2.0, 0, 1, height / 2.0, 0, 0, 1) *
+      cv::Matx33d(1, 0, 0, 0, 1, 0, lean / width, -lean / height, 1) *
       cv::Matx33d(std::cos(turn), -std::sin(turn), 0, std::sin(turn), std::cos(turn), 0, 0, 0, 1) *
       cv::Matx33d(square, 0, -square * (columns - 1) / 2.0, 0, square, -square * (rows - 1) / 2.0, 0, 0, 1);
   const cv::Matx33d back = seen.inv();
@@ -61,22 +61,25 @@ Drawing draw(Random& random, int columns, int rows, double turn, int around, dou
     const bool square_is = at.x >= -1 && at.x < columns && at.y >= -1 && at.y < rows;
     return square_is && static_cast<int>(std::floor(at.x) + std::floor(at.y)) % 2 == 0 ? 30 : 220;
   };
-  Drawing drawing{{kRows, kColumns, {}}, {}};
-  for (int row = 0; row < kRows; ++row) {
-    for (int column = 0; column < kColumns; ++column) {
+  Drawing drawing{{height, width, {}}, {}};
+  for (int row = 0; row < height; ++row) {
+    for (int column = 0; column < width; ++column) {
       int sum = 0;
-      for (int i = 0; i < kFine * kFine; ++i) {
-        const double x = column + (i % kFine + 0.5) / kFine - 0.5;
-        const double y = row + (i / kFine + 0.5) / kFine - 0.5;
+      for (int i = 0; i < fine * fine; ++i) {
+        const double x = column + (i % fine + 0.5) / fine - 0.5;
+        const int down = i / fine;
+        const double y = row + (down + 0.5) / fine - 0.5;
         sum += grey_at(through(back, x, y));
       }
-      drawing.image.pixels.push_back(static_cast<std::uint8_t>(sum / (kFine * kFine)));
+      drawing.image.pixels.push_back(static_cast<std::uint8_t>(sum / (fine * fine)));
     }
   }
-  cv::Mat pixels(kRows, kColumns, CV_8UC1, drawing.image.pixels.data());
+  cv::Mat pixels(height, width, CV_8UC1, drawing.image.pixels.data());
   cv::GaussianBlur(pixels, pixels, {}, 0.6);
-  for (int i = 0; i < columns * rows; ++i) {
-    drawing.corners.push_back(through(seen, i % columns, i / columns));
+  for (int row = 0; row < rows; ++row) {
+    for (int column = 0; column < columns; ++column) {
+      drawing.corners.push_back(through(seen, column, row));
+    }
   }
   return drawing;
 }
