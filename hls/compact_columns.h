@@ -137,8 +137,7 @@ class CompactColumnsKernel {
 // NOLINTEND(performance-unnecessary-value-param)
 
 // The kernel as a function for the tool.
-void compact_columns_top(selfproj::hls::Stream<selfproj::hls::AxisBeat<128>>& payload,
-                         selfproj::hls::Uint<1> strongest,
+void compact_columns_top(selfproj::hls::Stream<selfproj::hls::AxisBeat<128>>& payload, selfproj::hls::Uint<1> strongest,
                          selfproj::hls::Stream<selfproj::hls::AxisBeat<128>>& compact);
 
 #endif  // SELFPROJ_HLS_COMPACT_COLUMNS_H
