@@ -47,8 +47,9 @@ module sp_compact_column #(
   localparam int QualityBits = sp_spec_pkg::CompactQualityBits;
   localparam int Tail = 8 - QualityBits;  // bits of the mean weight that the quality has not
 
-  // --- The centroid. rest[k], of M0Bits, and bits[k] are of stage k + 1: in bits the quotient grows
-  // from below while M1 leaves above. Before the first step the rest is M1 / 2^RowBits, below M0. ---
+  // --- The centroid. rest[k], of M0Bits, and bits[k] are of stage k + 1: in bits the quotient
+  // grows from below while M1 leaves above. Before the first step the rest is M1 / 2^RowBits, below
+  // M0. ---
   logic [M0Bits*(Bits+2)-1:0] m0_q;
   logic [M0Bits*(Bits+1)-1:0] rest_q;
   logic [Bits*(Bits+2)-1:0]   bits_q;
@@ -148,8 +149,8 @@ module sp_compact_column #(
     f_came_q      <= {f_came_q[FLatency-1:1], f_comes};
     f_strongest_q <= strongest_i;
   end
-  // An image gives them: every lit pixel weighs 1 or more, and its row is 1..MaxRows. It weighs no more
-  // than 7 here, because products of wide numbers take a proof too long.
+  // An image gives them: every lit pixel weighs 1 or more, and its row is 1..MaxRows. It weighs no
+  // more than 7 here, because products of wide numbers take a proof too long.
   always_comb begin
     if (f_comes) assume ({m0_i, m1_i, n_i, runs_i, second_i} == {f_m0, f_m1, f_n, f_runs, f_second});
     if (f_came_q != '0) assume (strongest_i == f_strongest_q);

@@ -4,8 +4,8 @@
 // column is divided (sp_compact_column), and a beat leaves with its last two columns. Else beats
 // pass as they are. compact_i and strongest_i change only while nothing is on its way.
 //
-// Guarantees: beats leave in order. break_o comes after the last beat, or with it. Latency: none for
-// a beat that passes; RowBits + 12 clocks from the last two columns of a compact beat and from
+// Guarantees: beats leave in order. break_o comes after the last beat, or with it. Latency: none
+// for a beat that passes; RowBits + 12 clocks from the last two columns of a compact beat and from
 // words_break_i. Nothing overflows.
 //
 //   clock            0   1   2 ... RowBits + 13
