@@ -208,6 +208,8 @@ double pinhole_error(const Rig& rig, double z_mm) {
   return greatest;
 }
 
+double coded_height(int lines, int bits) { return std::max<double>(lines, std::ldexp(1.0, bits)); }
+
 DepthMatrices depth_matrices(const Rig& rig, int bits, int coded_lines) {
   const RigCamera& camera = rig.camera;
   const RigProjector& projector = rig.projector;
@@ -221,10 +223,9 @@ DepthMatrices depth_matrices(const Rig& rig, int bits, int coded_lines) {
   const double cosine = std::cos(projector.tilt_rad);
   const cv::Vec4d depth(-sine, 0, cosine, sine * projector.x_mm - cosine * projector.z_mm);
   const cv::Vec4d side(-cosine, 0, -sine, cosine * projector.x_mm + sine * projector.z_mm);
-  // C = (line + 1/2) 2^m / H with line = (H - 1)/2 + (Xp - center)/pitch, counted from the first of the H lines. Codes
-  // that are more than the lines are those of lines: line v has code v.
+  // C = (line + 1/2) 2^m / H with line = (lines - 1)/2 + (Xp - center)/pitch, counted from the first of these lines.
   const int lines = coded_lines > 0 ? coded_lines : projector.lines;
-  const double codes_per_line = std::min(1.0, std::ldexp(1.0, bits) / lines);
+  const double codes_per_line = std::ldexp(1.0, bits) / coded_height(lines, bits);
   const cv::Vec4d code = codes_per_line * ((0.5 * lines - projector.center_xp_mm / projector.line_pitch_mm) * depth +
                                            (projector.focal_length_mm / projector.line_pitch_mm) * side);
   return {camera_matrix, {code[0], code[1], code[2], code[3], depth[0], depth[1], depth[2], depth[3]}};

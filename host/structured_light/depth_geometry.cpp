@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <stdexcept>
@@ -112,7 +111,7 @@ std::unique_ptr<Triangulation> triangulation_of_rig(const rig::Rig& rig, int bit
   }
   LensSettings settings = settings_of(rig, limits);
   settings.bits = bits;
-  settings.lines = std::max<double>(rig.projector.lines, std::ldexp(1.0, bits));
+  settings.lines = rig::coded_height(rig.projector.lines, bits);
   return std::make_unique<LensTriangulation>(rig::calibration_of(rig), settings);
 }
 

@@ -29,6 +29,7 @@
 #include "host/structured_light/check.h"
 #include "selfproj/files/user_error.h"
 #include "selfproj/images/float_image.h"
+#include "selfproj/rig/calibration.h"
 #include "selfproj/rig/optics.h"
 #include "selfproj/rig/rig.h"
 
@@ -361,7 +362,7 @@ images::FloatImage gray_pattern(const rig::Rig& rig, int bits, int lines, int in
   check(index >= 0 && index < 2 * bits, "gray pattern: index out of range");
   images::FloatImage pattern(rig.projector.lines, rig.projector.columns);
   const double first = 0.5 * (rig.projector.lines - lines);
-  const double height = std::max<double>(lines, std::ldexp(1.0, bits));  // H of (4.1); a line has one code at most
+  const double height = rig::coded_height(lines, bits);
   for (int l = 0; l < pattern.rows; ++l) {
     const double y = l - first + 0.5;  // middle of the line, in lines from the first coded one
     if (y < 0 || y > lines) {

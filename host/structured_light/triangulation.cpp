@@ -151,7 +151,7 @@ PlaneTriangulation::PlaneTriangulation(const rig::Rig& rig, int bits, DepthLimit
             limits.max_z_per_line_mm = rig.measure.max_z_per_line_mm;
             return limits;
           }(),
-          std::min(1.0, std::ldexp(1.0, bits) / (coded_lines > 0 ? coded_lines : rig.projector.lines))) {}
+          std::ldexp(1.0, bits) / rig::coded_height(coded_lines > 0 ? coded_lines : rig.projector.lines, bits)) {}
 
 // H_P = (e1 n0 - n1 e0) / (n0 - C n1). In front of the projector both have one sign, which `sign_` makes positive.
 PlaneTriangulation::Terms PlaneTriangulation::terms(const cv::Vec3d& ray) const {

@@ -92,9 +92,9 @@ module sp_verdict_columns #(
   // --- Stage 0: where a beat stands, and which words of the table are its ---
   logic                        half_q;     // the second two columns of a group
   logic [GroupBits-1:0]        group_q;
-  logic                        last_group_q;
+  logic                        last_group;
   logic [ColumnBits-3:0]       left_q;     // groups to come behind this one
-  logic signed [PlaceBits-1:0] place_q, before_q;  // group_q less s / 4, and the place before it
+  logic signed [PlaceBits-1:0] place_q, place_before;  // group_q less s / 4; one before
   logic                        grey, group_end, break_q;
   logic [1:0]                  turn;       // s modulo 4: table lane k has the column of lane k + turn
 
@@ -117,8 +117,8 @@ module sp_verdict_columns #(
       end
     end
   end
-  assign before_q     = place_q - PlaceBits'(1);
-  assign last_group_q = left_q == '0;
+  assign place_before = place_q - PlaceBits'(1);
+  assign last_group   = left_q == '0;
 
   // --- Stage 1: the beat in the order of the table's lanes, while the table is read ---
   logic [3:0]           s1_here;        // a lane of the beat has a column
@@ -158,7 +158,7 @@ module sp_verdict_columns #(
     logic signed [PlaceBits-1:0] place;
     logic                        unused_sign;
     assign wraps  = {1'b0, turn} + 3'(k) > 3'd3;
-    assign place  = wraps ? before_q : place_q;
+    assign place  = wraps ? place_before : place_q;
     assign unused_sign = ^place[PlaceBits-1:GroupBits];
 
     always_ff @(posedge clk_i) begin
@@ -232,7 +232,7 @@ module sp_verdict_columns #(
       s1_done_q  <= 1'b0;
       if (start_i) begin
         open_q <= 1'b1;
-      end else if (beat_valid_i && group_end && last_group_q || open_q && break_q) begin
+      end else if (beat_valid_i && group_end && last_group || open_q && break_q) begin
         open_q    <= 1'b0;
         s1_done_q <= 1'b1;
       end

@@ -82,6 +82,10 @@ struct DepthMatrices {
   cv::Matx<double, 2, 4> projector;  // T_P
 };
 
+// H of (4.1) for 2^bits codes over `lines` lines of a projector: no code is narrower than a line, so that each line has
+// a code of its own where the codes are more.
+double coded_height(int lines, int bits);
+
 // The matrices of the pinholes of a rig whose projector shows `bits` pairs, 1..12, coded along its lines. Its central H
 // lines, or all of them if H is 0, are divided into 2^bits codes: code centre Xp = pitch ((c + 1/2) H/2^bits - 1/2 - (H
 // - 1)/2) + center_xp_mm. Where 2^bits is more than H, each line has a code of its own, the first of them 0.
