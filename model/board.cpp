@@ -59,18 +59,26 @@ void BoardModel::beat(const BoardInputs& inputs, const VideoBeat& beat) {
 }
 
 void BoardModel::idle(std::uint64_t clock) {
+  if (broken_passes_ && clock >= inputs_.clock + kSeenDistance) {
+    pass_broken();
+  }
   if (open_ && timeout_ != 0 && clock > last_beat_ + static_cast<std::uint64_t>(timeout_)) {
     end_frame(spec::kStatusIncomplete);
   }
 }
 
 void BoardModel::start_frame(const BoardInputs& inputs) {
+  if (broken_passes_ && inputs.clock >= inputs_.clock + kSeenDistance) {
+    pass_broken();
+  }
+  broken_passes_ = false;
   if (!written_.hold && (!taken_ || inputs.clock >= last_take_ + kTakeDistance)) {
     settings_ = written_;
     last_take_ = inputs.clock;
     taken_ = true;
   }
   open_ = true;
+  at_start_ = written_;
   inputs_ = inputs;
   stray_before_ = std::exchange(stray_seen_, false);
   row_ = 0;
@@ -196,8 +204,14 @@ void BoardModel::end_frame(std::uint32_t status) {
   }
   decoder_.end(status == 0);
   due_ = false;
+  const int packets = settings_.verdict ? settings_.verdict_packets : 0;
   BoardPacket packet{
-      .header = header(kind_of_columns(settings_.compact, settings_.mode)), .payload = {}, .status = status};
+      .header = header(packets == 2 ? spec::kKindVerdict : kind_of_columns(settings_.compact, settings_.mode)),
+      .payload = {},
+      .status = status};
+  if (packets == 1) {
+    packet.header.flags |= spec::kFlagVerdict;
+  }
   const bool in_last_row = row_ == settings_.rows || (row_ == settings_.rows - 1 && column_ != 0);
   if (in_last_row) {
     const int complete = row_ == settings_.rows ? settings_.columns : column_;
@@ -207,11 +221,44 @@ void BoardModel::end_frame(std::uint32_t status) {
     const ImageView image{
         .pixels = pixels_.data(), .rows = settings_.rows, .columns = complete, .stride = settings_.columns};
     measure_columns(image, settings_.measure(), view);  // the other columns are 0
-    packet.payload.resize(columns_payload_bytes(packet.header));
-    pack_columns(packet.header, view, packet.payload.data());
+    packet.payload.resize(frame_payload_bytes(packet.header));
+    if (has_columns(packet.header.kind)) {
+      pack_columns(packet.header, view, packet.payload.data());
+    }
+    judge(view, complete, packet);
+  } else {
+    broken_passes_ = true;
+    if (!settings_.verdict) {
+      pass_broken();
+    }
   }
   packet.header.payload_size = static_cast<std::uint32_t>(packet.payload.size());
   sink_(std::move(packet));
+}
+
+// Tells the verdict of a frame that broke before its last row.
+void BoardModel::pass_broken() {
+  broken_passes_ = false;
+  BoardPacket none;
+  judge({}, 0, none);
+}
+
+// Judges the frame by its first `complete` columns. Only a good frame's packet has the verdict.
+void BoardModel::judge(const RunsView& columns, int complete, BoardPacket& packet) {
+  if (verdict_ == nullptr) {
+    return;
+  }
+  if (!settings_.verdict) {
+    verdict_->stop();
+    return;
+  }
+  const auto count = static_cast<std::size_t>(complete);
+  const FrameVerdict found =
+      verdict_->frame(at_start_.verdict_settings, at_start_.verdict_hold, at_start_.part_rule, inputs_.encoder,
+                      {columns.moments.m0, count}, {columns.moments.m1, count}, complete == settings_.columns);
+  if (packet.status == 0 && has_verdict(packet.header)) {
+    pack_verdict(found, packet.payload.data() + packet.payload.size() - spec::kVerdictWordBits / 8);
+  }
 }
 
 void append_moments_packet(const ImageView& image, const Measure& measure, PacketHeader header,

@@ -170,7 +170,8 @@ std::size_t implied_payload_bytes(const PacketHeader& header) {
   switch (header.kind) {
     case spec::kKindMoments:
     case spec::kKindCompact:
-      return columns_payload_bytes(header);
+    case spec::kKindVerdict:
+      return frame_payload_bytes(header);
     case spec::kKindCodes:
       return header.lines * codes_line_payload_bytes(header.columns);
     default:
@@ -212,7 +213,8 @@ PacketError judge_header(const std::uint8_t* bytes, const PacketHeader& header) 
   if (const PacketError error = judge_version(bytes); error != PacketError::none) {
     return error;
   }
-  if (!has_columns(header.kind) && header.kind != spec::kKindCodes && header.kind != spec::kKindImage) {
+  if (!has_columns(header.kind) && header.kind != spec::kKindCodes && header.kind != spec::kKindImage &&
+      header.kind != spec::kKindVerdict) {
     return PacketError::kind;
   }
   if (std::ranges::any_of(reserved_bytes(bytes), [](std::uint8_t b) { return b != 0; })) {
@@ -308,6 +310,11 @@ Measure measure_of(const PacketHeader& header) {
 std::size_t columns_payload_bytes(const PacketHeader& header) {
   return header.kind == spec::kKindCompact ? compact_payload_bytes(header.columns)
                                            : moments_payload_bytes(static_cast<Mode>(header.mode), header.columns);
+}
+
+std::size_t frame_payload_bytes(const PacketHeader& header) {
+  return (has_columns(header.kind) ? columns_payload_bytes(header) : 0) +
+         (has_verdict(header) ? static_cast<std::size_t>(spec::kVerdictWordBits / 8) : 0);
 }
 
 void pack_columns(const PacketHeader& header, const RunsView& runs, std::uint8_t* payload) {

@@ -1,6 +1,7 @@
 #include "model/register_file.h"
 
 #include <algorithm>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 
@@ -24,8 +25,19 @@ const spec::Register* register_at(std::uint32_t address) {
 bool has_register(const BoardBuild& build, std::uint32_t address) {
   const bool decoder = address == spec::kRegDecode || address == spec::kRegLostCodes || address == spec::kRegAbandoned;
   return register_at(address) != nullptr && (build.codes || !decoder) &&
-         (build.region || address != spec::kRegRegion) && (build.compact || address != spec::kRegCompact);
+         (build.region || address != spec::kRegRegion) && (build.compact || address != spec::kRegCompact) &&
+         (build.verdict_log_sections >= 0 || address < spec::kRegVerdictControl);
 }
+
+namespace {
+
+// The registers that have to be written before a verdict is switched on.
+constexpr std::uint64_t words_between(std::uint32_t first, std::uint32_t last) {
+  return (std::uint64_t{1} << (last / 4 + 1)) - (std::uint64_t{1} << first / 4);
+}
+constexpr std::uint64_t kNeeded = words_between(spec::kRegVerdictDefect, spec::kRegEjectorLength);
+
+}  // namespace
 
 RegisterFile::RegisterFile(const BoardBuild& build) : build_(build) {
   for (const spec::Register& one : spec::kRegisters) {
@@ -74,6 +86,8 @@ RegisterAnswer RegisterFile::read(std::uint32_t address, const BoardState& state
       return answer(capability());
     case spec::kRegStatus:
       return answer(static_cast<std::uint32_t>(build_.compact ? 1U : 0U) << spec::kRegStatusCompactLsb |
+                    static_cast<std::uint32_t>(build_.verdict_log_sections >= 0 ? 1U : 0U)
+                        << spec::kRegStatusVerdictLsb |
                     static_cast<std::uint32_t>(state.frame_open ? 1U : 0U) << spec::kRegStatusFrameOpenLsb |
                     static_cast<std::uint32_t>(pending_ ? 1U : 0U) << spec::kRegStatusPendingLsb);
     case spec::kRegFrames:
@@ -99,13 +113,92 @@ RegisterAnswer RegisterFile::read(std::uint32_t address, const BoardState& state
       return answer(state.encoder);
     case spec::kRegEncoderErrors:
       return answer(state.encoder_errors);
+    case spec::kRegVerdictState:
+      return answer(verdict_state(state));
+    case spec::kRegVerdictParts:
+      return answer(verdict_ == nullptr ? 0
+                                        : (verdict_->parts() & 0xFFFF) << spec::kRegVerdictPartsBegunLsb |
+                                              (verdict_->bad_parts() & 0xFFFF) << spec::kRegVerdictPartsBadLsb);
     default:
       return answer(values_[address / 4]);
   }
 }
 
+std::uint32_t RegisterFile::verdict_state(const BoardState& state) const {
+  std::uint32_t word = static_cast<std::uint32_t>(build_.verdict_log_sections) << spec::kRegVerdictStateLogSectionsLsb |
+                       std::uint32_t{state.verdict_missed} << spec::kRegVerdictStateMissedLsb |
+                       std::uint32_t{state.ejector_lost} << spec::kRegVerdictStateEjectorLostLsb;
+  if (verdict_ != nullptr) {
+    word |= static_cast<std::uint32_t>(verdict_->in_part() ? 1U : 0U) << spec::kRegVerdictStateInPartLsb |
+            static_cast<std::uint32_t>(verdict_->bank()) << spec::kRegVerdictStateBankLsb |
+            static_cast<std::uint32_t>(verdict_->section()) << spec::kRegVerdictStateSectionLsb;
+  }
+  return word;
+}
+
+// Whether the bank that verdict_table names neither judges nor may judge next.
+bool RegisterFile::bank_is_free() const {
+  const std::uint32_t bank = field(spec::kRegVerdictTable, spec::kRegVerdictTableBankLsb, 1);
+  const bool named = bank == field(spec::kRegVerdictDefect, spec::kRegVerdictDefectBankLsb, 1);
+  const bool judges =
+      verdict_ != nullptr && verdict_->in_part() && bank == static_cast<std::uint32_t>(verdict_->bank());
+  return field(spec::kRegVerdictControl, spec::kRegVerdictControlOnLsb, 1) == 0 || (!named && !judges);
+}
+
+bool RegisterFile::good_verdict(std::uint32_t address, std::uint32_t data) const {
+  const auto limit_fits = [&](int lsb, int bits) {
+    return bits_of(data, lsb, bits) >> (std::bit_width(static_cast<unsigned>(build_.max_rows)) + 5) == 0;
+  };
+  switch (address) {
+    case spec::kRegVerdictControl:
+      return bits_of(data, spec::kRegVerdictControlPacketsLsb, spec::kRegVerdictControlPacketsBits) != 3 &&
+             (bits_of(data, spec::kRegVerdictControlOnLsb, 1) == 0 || (written_ & kNeeded) == kNeeded);
+    case spec::kRegVerdictDefect:
+      return bits_of(data, spec::kRegVerdictDefectWidthLsb, spec::kRegVerdictDefectWidthBits) != 0 &&
+             bits_of(data, spec::kRegVerdictDefectHitsLsb, spec::kRegVerdictDefectHitsBits) != 0;
+    case spec::kRegVerdictLight:
+      return bits_of(data, spec::kRegVerdictLightLitLsb, spec::kRegVerdictLightLitBits) != 0 &&
+             bits_of(data, spec::kRegVerdictLightDarkFramesLsb, spec::kRegVerdictLightDarkFramesBits) != 0;
+    case spec::kRegVerdictLength:
+    case spec::kRegVerdictPitch:
+      return bits_of(data, 0, spec::kRegVerdictLengthCountsBits) != 0;
+    case spec::kRegVerdictTable:
+      return bits_of(data, spec::kRegVerdictTableColumnLsb, spec::kRegVerdictTableColumnBits) <
+                 static_cast<std::uint32_t>(build_.max_columns) &&
+             bits_of(data, spec::kRegVerdictTableSectionLsb, spec::kRegVerdictTableSectionBits) >>
+                     build_.verdict_log_sections ==
+                 0;
+    case spec::kRegVerdictLimits:
+      return bank_is_free() && limit_fits(spec::kRegVerdictLimitsLowLsb, spec::kRegVerdictLimitsLowBits) &&
+             limit_fits(spec::kRegVerdictLimitsHighLsb, spec::kRegVerdictLimitsHighBits);
+    case spec::kRegVerdictBegin:
+      return bank_is_free();
+    default:
+      return true;
+  }
+}
+
+void RegisterFile::write_limits(std::uint32_t address, std::uint32_t data) {
+  const auto bank = static_cast<int>(field(spec::kRegVerdictTable, spec::kRegVerdictTableBankLsb, 1));
+  const auto section = static_cast<int>(
+      field(spec::kRegVerdictTable, spec::kRegVerdictTableSectionLsb, spec::kRegVerdictTableSectionBits));
+  if (address == spec::kRegVerdictLimits) {
+    const auto column = static_cast<int>(
+        field(spec::kRegVerdictTable, spec::kRegVerdictTableColumnLsb, spec::kRegVerdictTableColumnBits));
+    verdict_->write(bank, section, column,
+                    {.low = bits_of(data, spec::kRegVerdictLimitsLowLsb, spec::kRegVerdictLimitsLowBits),
+                     .high = bits_of(data, spec::kRegVerdictLimitsHighLsb, spec::kRegVerdictLimitsHighBits),
+                     .judged = bits_of(data, spec::kRegVerdictLimitsJudgedLsb, 1) != 0});
+  } else if (section > 0) {
+    verdict_->begin_section(bank, section, bits_of(data, 0, spec::kRegVerdictBeginCountsBits));
+  }
+}
+
 // Whether this build, in this state, can do the value.
 bool RegisterFile::good(std::uint32_t address, std::uint32_t data) const {
+  if (address >= spec::kRegVerdictControl) {
+    return good_verdict(address, data);
+  }
   const bool runs = field(spec::kRegTriggerControl, spec::kRegTriggerControlRunLsb, 1) != 0;
   const bool on_frame = field(spec::kRegTriggerControl, spec::kRegTriggerControlOnFrameLsb, 1) != 0;
   switch (address) {
@@ -155,7 +248,12 @@ RegisterAnswer RegisterFile::write(std::uint32_t address, std::uint32_t data) {
   if (!has_register(build_, address) || !one->writable || !good(address, data)) {
     return {.error = true, .data = 0};
   }
-  values_[address / 4] = data & one->mask();
+  const bool of_verdict = address >= spec::kRegVerdictControl;
+  values_[address / 4] = of_verdict ? data : data & one->mask();
+  written_ |= std::uint64_t{1} << address / 4;
+  if (verdict_ != nullptr && (address == spec::kRegVerdictLimits || address == spec::kRegVerdictBegin)) {
+    write_limits(address, data);
+  }
   pending_ = pending_ || one->setting || address == spec::kRegControl;
   return {};
 }
@@ -172,6 +270,7 @@ BoardSettings RegisterFile::settings() const {
   const auto number = [this](std::uint32_t address, int lsb, int bits) {
     return static_cast<int>(field(address, lsb, bits));
   };
+  const bool verdict = field(spec::kRegVerdictControl, spec::kRegVerdictControlOnLsb, 1) != 0;
   return {
       .run = field(spec::kRegControl, spec::kRegControlRunLsb, 1) != 0,
       .hold = field(spec::kRegControl, spec::kRegControlHoldLsb, 1) != 0,
@@ -188,6 +287,25 @@ BoardSettings RegisterFile::settings() const {
       .region_row = number(spec::kRegRegion, spec::kRegRegionRowLsb, spec::kRegRegionRowBits),
       .region_column = number(spec::kRegRegion, spec::kRegRegionColumnLsb, spec::kRegRegionColumnBits),
       .compact = field(spec::kRegCompact, spec::kRegCompactOnLsb, 1) != 0,
+      .verdict = verdict,
+      .verdict_packets =
+          number(spec::kRegVerdictControl, spec::kRegVerdictControlPacketsLsb, spec::kRegVerdictControlPacketsBits),
+      .verdict_hold = field(spec::kRegVerdictControl, spec::kRegVerdictControlHoldLsb, 1) != 0,
+      .verdict_settings = verdict ? settings_of_words({.defect = value(spec::kRegVerdictDefect),
+                                                       .shift = value(spec::kRegVerdictShift),
+                                                       .light = value(spec::kRegVerdictLight)})
+                                  : VerdictSettings{},
+      .part_rule =
+          !verdict
+              ? PartRule{}
+              : PartRule{.by_encoder = field(spec::kRegVerdictControl, spec::kRegVerdictControlByEncoderLsb, 1) != 0,
+                         .lit = number(spec::kRegVerdictLight, spec::kRegVerdictLightLitLsb,
+                                       spec::kRegVerdictLightLitBits),
+                         .dark_frames = number(spec::kRegVerdictLight, spec::kRegVerdictLightDarkFramesLsb,
+                                               spec::kRegVerdictLightDarkFramesBits),
+                         .start = field(spec::kRegVerdictStart, 0, spec::kRegVerdictStartCountBits),
+                         .length = field(spec::kRegVerdictLength, 0, spec::kRegVerdictLengthCountsBits),
+                         .pitch = field(spec::kRegVerdictPitch, 0, spec::kRegVerdictPitchCountsBits)},
       .codes = field(spec::kRegDecode, spec::kRegDecodeCodesLsb, 1) != 0,
       .median = field(spec::kRegDecode, spec::kRegDecodeMedianLsb, 1) != 0,
       .code_bits = number(spec::kRegDecode, spec::kRegDecodeBitsLsb, spec::kRegDecodeBitsBits),

@@ -18,10 +18,11 @@ struct BoardBuild {
   bool image = true;
   bool codes = false;  // the Gray-code decoder
   bool median = false;
-  bool runs = false;     // the strongest run of a column
-  bool region = false;   // the register region
-  bool compact = false;  // compact columns, and their register
-  int code_bits = 0;     // largest number of code bits; 0 without the decoder
+  bool runs = false;              // the strongest run of a column
+  bool region = false;            // the register region
+  bool compact = false;           // compact columns, and their register
+  int verdict_log_sections = -1;  // log2 of the sections of a verdict's bank; -1 without verdicts
+  int code_bits = 0;              // largest number of code bits; 0 without the decoder
 };
 
 // What the board is doing: the registers that only the board changes.
@@ -37,6 +38,8 @@ struct BoardState {
   std::uint64_t time = 0;  // pixel clocks
   std::uint32_t encoder = 0;
   std::uint16_t encoder_errors = 0;
+  std::uint8_t verdict_missed = 0;
+  std::uint8_t ejector_lost = 0;
 };
 
 // The answer of a register access.
@@ -47,16 +50,20 @@ struct RegisterAnswer {
   bool operator==(const RegisterAnswer&) const = default;
 };
 
-// The model of rtl/board/sp_registers, without its clocks.
+// The model of rtl/board/sp_registers and rtl/verdict/sp_verdict_registers, without their clocks.
 class RegisterFile {
  public:
   // After reset.
   explicit RegisterFile(const BoardBuild& build = {});
 
+  // Limits that are written go to `verdict`, which is the build's size and must live longer, and its parts can be read.
+  void judge_with(Verdict& verdict) { verdict_ = &verdict; }
+
   // Reading time_low holds time_high.
   RegisterAnswer read(std::uint32_t address, const BoardState& state);
 
-  // Takes a write of all four bytes, or refuses it as a whole. Bits outside all fields are ignored, except in `size`.
+  // Takes a write of all four bytes, or refuses it as a whole. Bits outside all fields are ignored, except in `size`
+  // and in the registers of the verdict, which keep them.
   RegisterAnswer write(std::uint32_t address, std::uint32_t data);
 
   // A frame start has taken the settings over: status.pending becomes 0.
@@ -69,20 +76,26 @@ class RegisterFile {
   [[nodiscard]] std::uint32_t value(std::uint32_t address) const;
 
  private:
-  static constexpr std::uint32_t kWords = 32;
+  static constexpr std::uint32_t kWords = 64;
 
   [[nodiscard]] bool good(std::uint32_t address, std::uint32_t data) const;
   [[nodiscard]] std::uint32_t field(std::uint32_t address, int lsb, int bits) const;
+  [[nodiscard]] bool good_verdict(std::uint32_t address, std::uint32_t data) const;
+  [[nodiscard]] bool bank_is_free() const;
   [[nodiscard]] std::uint32_t capability() const;
+  [[nodiscard]] std::uint32_t verdict_state(const BoardState& state) const;
+  void write_limits(std::uint32_t address, std::uint32_t data);
 
   BoardBuild build_;
+  Verdict* verdict_ = nullptr;
+  std::uint64_t written_ = 0;  // words of the verdict, since reset
   std::array<std::uint32_t, kWords> values_{};
   bool pending_ = true;
   std::uint32_t time_high_ = 0;
 };
 
 // Whether a build has the register. Some exist only with the Gray-code decoder, one only with the region, one
-// with compact columns.
+// with compact columns, those from verdict_control on with verdicts.
 bool has_register(const BoardBuild& build, std::uint32_t address);
 
 }  // namespace selfproj::model

@@ -1,8 +1,13 @@
 #include "selfproj/model/verdict.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <stdexcept>
+#include <utility>
+
+#include "selfproj/model/generated/selfproj_spec.h"
+#include "selfproj/model/little_endian.h"
 
 namespace selfproj::model {
 namespace {
@@ -22,14 +27,56 @@ void check(bool good, const char* what) {
 void check_settings(const VerdictSettings& s) {
   check(s.width >= 1 && s.width <= 255, "verdict: width is not in 1 to 255");
   check(s.history >= 1 && s.history <= kMaxHistory, "verdict: history is not in 1 to 8");
-  check(s.hits >= 1 && s.hits <= s.history, "verdict: hits is not in 1 to history");
+  check(s.hits >= 1 && s.hits <= 15, "verdict: hits is not in 1 to 15");
   check(s.most_unlit >= 0 && s.most_unlit <= 4095, "verdict: most_unlit is not in 0 to 4095");
   check(std::abs(s.shift_columns) <= kMaxShiftColumns, "verdict: shift_columns is not in -127 to 127");
-  check(std::abs(s.shift_rows) <= kMaxShiftRows, "verdict: shift_rows is not in -8191 to 8191");
+  check(std::abs(s.shift_rows) <= kMaxShiftRows, "verdict: shift_rows is not in -2047 to 2047");
   check(s.bank == 0 || s.bank == 1, "verdict: bank is not 0 or 1");
 }
 
 }  // namespace
+
+VerdictWords verdict_words(const VerdictSettings& settings, const PartRule& rule) {
+  const auto field = [](int value, int lsb, int bits) {
+    return (static_cast<std::uint32_t>(value) & ((1U << bits) - 1)) << lsb;
+  };
+  return {
+      .defect = field(settings.width, spec::kRegVerdictDefectWidthLsb, spec::kRegVerdictDefectWidthBits) |
+                field(settings.history - 1, spec::kRegVerdictDefectHistoryLsb, spec::kRegVerdictDefectHistoryBits) |
+                field(settings.hits, spec::kRegVerdictDefectHitsLsb, spec::kRegVerdictDefectHitsBits) |
+                field(settings.above ? 1 : 0, spec::kRegVerdictDefectAboveLsb, 1) |
+                field(settings.below ? 1 : 0, spec::kRegVerdictDefectBelowLsb, 1) |
+                field(settings.bank, spec::kRegVerdictDefectBankLsb, 1) |
+                field(settings.most_unlit, spec::kRegVerdictDefectMostUnlitLsb, spec::kRegVerdictDefectMostUnlitBits),
+      .shift = field(settings.shift_columns, spec::kRegVerdictShiftColumnsLsb, spec::kRegVerdictShiftColumnsBits) |
+               field(-settings.shift_rows, spec::kRegVerdictShiftRowsLsb, spec::kRegVerdictShiftRowsBits),
+      .light = field(rule.lit, spec::kRegVerdictLightLitLsb, spec::kRegVerdictLightLitBits) |
+               field(rule.dark_frames, spec::kRegVerdictLightDarkFramesLsb, spec::kRegVerdictLightDarkFramesBits),
+  };
+}
+
+VerdictSettings settings_of_words(const VerdictWords& words) {
+  const auto field = [](std::uint32_t word, int lsb, int bits) {
+    return static_cast<int>((word >> lsb) & ((1U << bits) - 1));
+  };
+  const auto two_s_complement = [&](std::uint32_t word, int lsb, int bits) {
+    const int value = field(word, lsb, bits);
+    return value < 1 << (bits - 1) ? value : value - (1 << bits);
+  };
+  const auto of = [&](int lsb, int bits) { return field(words.defect, lsb, bits); };
+  return {
+      .width = of(spec::kRegVerdictDefectWidthLsb, spec::kRegVerdictDefectWidthBits),
+      .history = of(spec::kRegVerdictDefectHistoryLsb, spec::kRegVerdictDefectHistoryBits) + 1,
+      .hits = of(spec::kRegVerdictDefectHitsLsb, spec::kRegVerdictDefectHitsBits),
+      .above = of(spec::kRegVerdictDefectAboveLsb, 1) != 0,
+      .below = of(spec::kRegVerdictDefectBelowLsb, 1) != 0,
+      .most_unlit = of(spec::kRegVerdictDefectMostUnlitLsb, spec::kRegVerdictDefectMostUnlitBits),
+      .shift_columns =
+          two_s_complement(words.shift, spec::kRegVerdictShiftColumnsLsb, spec::kRegVerdictShiftColumnsBits),
+      .shift_rows = -two_s_complement(words.shift, spec::kRegVerdictShiftRowsLsb, spec::kRegVerdictShiftRowsBits),
+      .bank = of(spec::kRegVerdictDefectBankLsb, 1),
+  };
+}
 
 ColumnState column_state(const ColumnLimits& limits, int shift, std::uint32_t m0, std::uint32_t m1) {
   if (m0 == 0) {
@@ -65,33 +112,45 @@ void Verdict::begin_section(int bank, int section, std::uint32_t count) {
   begins_[static_cast<std::size_t>(bank * sections_ + section)] = count;
 }
 
-void Verdict::begin(const VerdictSettings& settings, std::uint32_t count) {
-  check_settings(settings);
-  settings_ = settings;
+void Verdict::begin(const VerdictSettings& settings, bool hold, std::uint32_t count) {
+  if (!hold) {
+    check_settings(settings);
+    settings_ = settings;
+    taken_ = true;
+  }
   in_part_ = true;
   fresh_ = true;
+  bad_ = false;
   section_ = 0;
   dark_ = 0;
   began_ = count;
   ++parts_;
 }
 
-void Verdict::find_part(const VerdictSettings& settings, const PartRule& rule, std::uint32_t encoder) {
+void Verdict::find_part(const VerdictSettings& settings, bool hold, const PartRule& rule, std::uint32_t encoder) {
   bool begins = false;
+  bool begins_by_light = false;
+  if (rule.by_encoder != by_encoder_) {
+    in_part_ = false;
+    waits_ = true;
+    began_ = rule.by_encoder ? rule.start : began_;
+  } else if (!rule.by_encoder) {
+    begins_by_light = look_for_light(rule);
+  }
   if (rule.by_encoder) {
+    // The next part begins one pitch behind the one before.
     in_part_ = in_part_ && way(encoder, began_) < rule.length;
-    next_ = by_encoder_ ? next_ : rule.start;
-    if (!in_part_ && reached(encoder, next_)) {
-      begin(settings, next_);
-      next_ += rule.pitch;
-      begins = true;
+    const std::uint32_t next = began_ + (waits_ ? 0 : rule.pitch);
+    begins = !in_part_ && reached(encoder, next) && (taken_ || !hold);
+    if (begins) {
+      begin(settings, hold, next);
+      waits_ = false;
     }
-  } else if (begins_next_) {
-    begin(settings, encoder);
+  } else if (begins_by_light && (taken_ || !hold)) {
+    begin(settings, hold, encoder);
     begins = true;
   }
   by_encoder_ = rule.by_encoder;
-  begins_next_ = false;
   if (in_part_ && !begins && section_ + 1 < sections_ &&
       way(encoder, began_) >= begins_[static_cast<std::size_t>(settings_.bank * sections_ + section_) + 1]) {
     ++section_;
@@ -127,33 +186,83 @@ void Verdict::judge(std::span<const std::uint32_t> m0, std::span<const std::uint
   found.lacks_light = found.unlit > settings_.most_unlit;
 }
 
-void Verdict::look_for_light(const PartRule& rule, std::span<const std::uint32_t> m0) {
-  const auto lit = m0.size() - static_cast<std::size_t>(std::count(m0.begin(), m0.end(), 0U));
-  const bool dark = lit < static_cast<std::size_t>(rule.lit);
-  if (!in_part_) {
-    begins_next_ = !dark;
-    return;
+// Looks at the light of the frame before. Returns whether a part begins.
+bool Verdict::look_for_light(const PartRule& rule) {
+  if (lit_ < 0) {
+    return false;
   }
-  dark_ = dark ? dark_ + 1 : 0;
-  in_part_ = dark_ < rule.dark_frames;
+  const bool dark = lit_ < rule.lit;
+  if (!in_part_) {
+    return !dark;
+  }
+  dark_ = dark ? (dark_ + 1) % 256 : 0;
+  in_part_ = !(dark && dark_ >= rule.dark_frames);
+  return false;
 }
 
-FrameVerdict Verdict::frame(const VerdictSettings& settings, const PartRule& rule, std::uint32_t encoder,
+void pack_verdict(const FrameVerdict& verdict, std::uint8_t* bytes) {
+  std::array<std::uint32_t, 4> words{};
+  const auto put = [&](std::uint32_t value, int lsb, int bits) {
+    words[static_cast<std::size_t>(lsb / 32)] |= (value & ((1U << bits) - 1)) << lsb % 32;
+  };
+  put(static_cast<std::uint32_t>(verdict.first_column), spec::kVerdictFirstColumnLsb, spec::kVerdictFirstColumnBits);
+  put(static_cast<std::uint32_t>(verdict.columns), spec::kVerdictColumnsLsb, spec::kVerdictColumnsBits);
+  put(static_cast<std::uint32_t>(verdict.unlit), spec::kVerdictUnlitLsb, spec::kVerdictUnlitBits);
+  put(1, spec::kVerdictJudgedLsb, 1);
+  put(verdict.in_part ? 1 : 0, spec::kVerdictInPartLsb, 1);
+  put(verdict.defect ? 1 : 0, spec::kVerdictDefectLsb, 1);
+  put(verdict.lacks_light ? 1 : 0, spec::kVerdictLacksLightLsb, 1);
+  put(static_cast<std::uint32_t>(verdict.bank), spec::kVerdictBankLsb, 1);
+  put(static_cast<std::uint32_t>(verdict.section), spec::kVerdictSectionLsb, spec::kVerdictSectionBits);
+  put(verdict.part, spec::kVerdictPartLsb, spec::kVerdictPartBits);
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    store_little_endian(bytes + 4 * i, words[i]);
+  }
+}
+
+std::optional<FrameVerdict> unpack_verdict(const std::uint8_t* bytes) {
+  const auto get = [&](int lsb, int bits) {
+    return load_little_endian<std::uint32_t>(bytes + 4 * (lsb / 32)) >> lsb % 32 & ((1U << bits) - 1);
+  };
+  const auto number = [&](int lsb, int bits) { return static_cast<int>(get(lsb, bits)); };
+  if (get(spec::kVerdictJudgedLsb, 1) == 0) {
+    return std::nullopt;
+  }
+  return FrameVerdict{.in_part = get(spec::kVerdictInPartLsb, 1) != 0,
+                      .defect = get(spec::kVerdictDefectLsb, 1) != 0,
+                      .lacks_light = get(spec::kVerdictLacksLightLsb, 1) != 0,
+                      .section = number(spec::kVerdictSectionLsb, spec::kVerdictSectionBits),
+                      .bank = number(spec::kVerdictBankLsb, 1),
+                      .part = get(spec::kVerdictPartLsb, spec::kVerdictPartBits),
+                      .first_column = number(spec::kVerdictFirstColumnLsb, spec::kVerdictFirstColumnBits),
+                      .columns = number(spec::kVerdictColumnsLsb, spec::kVerdictColumnsBits),
+                      .unlit = number(spec::kVerdictUnlitLsb, spec::kVerdictUnlitBits)};
+}
+
+FrameVerdict Verdict::frame(const VerdictSettings& settings, bool hold, const PartRule& rule, std::uint32_t encoder,
                             std::span<const std::uint32_t> m0, std::span<const std::uint32_t> m1, bool whole) {
   check(m0.size() == m1.size() && m0.size() <= static_cast<std::size_t>(columns_), "verdict: moments do not fit");
-  find_part(settings, rule, encoder);
+  find_part(settings, hold, rule, encoder);
   FrameVerdict found;
+  found.section = section_;
+  found.bank = settings_.bank;
+  found.part = parts_ & 0xFFFF;
   if (in_part_) {
     found.in_part = true;
-    found.section = section_;
-    found.part = (parts_ - 1) & 0xFFFF;
     judge(m0, m1, found);
+    found.first_bad =
+        (found.defect || found.lacks_light) && !std::exchange(bad_, bad_ || found.defect || found.lacks_light);
+    bad_parts_ += found.first_bad ? 1U : 0U;
     fresh_ = fresh_ && !whole;
   }
-  if (whole && !rule.by_encoder) {
-    look_for_light(rule, m0);
-  }
+  lit_ = whole ? static_cast<int>(m0.size()) - static_cast<int>(std::count(m0.begin(), m0.end(), 0U)) : -1;
   return found;
+}
+
+void Verdict::stop() {
+  in_part_ = false;
+  by_encoder_ = false;
+  lit_ = -1;
 }
 
 }  // namespace selfproj::model

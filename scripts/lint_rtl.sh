@@ -25,7 +25,7 @@ if grep -nE "(^|[^A-Za-z0-9_) '\`]|[=(,?:] )[~!-][A-Za-z_][A-Za-z0-9_:]*'\(" "${
 fi
 
 # Parameters of sp_board to lint besides the default: the original's, with grey, with raw images, tiny, with runs,
-# with compact columns, with the decoder.
+# with compact columns, with verdicts, with the decoder.
 board_configurations=(
   "MaxColumns=512 MaxRows=127 Grey=1'b0 Image=1'b0"
   "MaxColumns=512 MaxRows=127 Grey=1'b1 Image=1'b0"
@@ -34,6 +34,8 @@ board_configurations=(
   "MaxColumns=512 MaxRows=127 Grey=1'b0 Runs=1'b1 Image=1'b0"
   "MaxColumns=16 MaxRows=7 Grey=1'b1 Runs=1'b1 Image=1'b1"
   "MaxColumns=512 MaxRows=127 Runs=1'b1 Region=1'b1 Compact=1'b1 Image=1'b0"
+  "MaxColumns=512 MaxRows=127 Grey=1'b0 Image=1'b0 Verdict=1'b1 VerdictLogSections=0"
+  "MaxColumns=64 MaxRows=40 Runs=1'b1 Compact=1'b1 Verdict=1'b1 VerdictLogSections=4"
   "MaxColumns=64 MaxRows=40 Codes=1'b1"
   "MaxColumns=64 MaxRows=40 Grey=1'b0 Image=1'b0 Codes=1'b1 CodesMedian=1'b0 CodeBits=8"
 )

@@ -88,6 +88,7 @@ module acorn_system #(
   logic         packet_valid, packet_ready, packet_last, unused_ready;
   logic [127:0] packet_data;
 
+  logic unused_ejector;
   sp_board #(
     .MaxColumns(MaxColumns),
     .MaxRows   (MaxRows),
@@ -108,6 +109,7 @@ module acorn_system #(
     .encoder_b_i        (encoder_b_i),
     .projector_trigger_o(projector_trigger_o),
     .camera_trigger_o   (camera_trigger_o),
+    .ejector_o          (unused_ejector),
     .bus_clk_i          (bus_clk_i),
     .bus_rst_i          (bus_rst_i),
     .m_axis_tvalid      (packet_valid),

@@ -83,6 +83,7 @@ module sp_board_pins #(
   assign video_o = video_out_q[VideoOut-1];
   assign bus_o   = bus_out_q[BusOut-1];
 
+  logic unused_ejector;
   sp_board #(
     .MaxColumns (MaxColumns),
     .MaxRows    (MaxRows),
@@ -104,6 +105,7 @@ module sp_board_pins #(
     .encoder_b_i        (video_in[37]),
     .projector_trigger_o(video_out[1]),
     .camera_trigger_o   (video_out[2]),
+    .ejector_o          (unused_ejector),
     .bus_clk_i          (bus_clk_i),
     .bus_rst_i          (bus_in[0]),
     .m_axis_tvalid      (bus_out[0]),

@@ -206,6 +206,7 @@ module ecpix5_system #(
   logic [3:0]   wstrb;
   logic [1:0]   bresp, rresp;
 
+  logic unused_ejector;
   sp_board #(
     .MaxColumns(MaxColumns),
     .MaxRows   (MaxRows),
@@ -225,6 +226,7 @@ module ecpix5_system #(
     .encoder_b_i        (encoder_b_i),
     .projector_trigger_o(projector_trigger_o),
     .camera_trigger_o   (camera_trigger_o),
+    .ejector_o          (unused_ejector),
     .bus_clk_i          (bus_clk_i),
     .bus_rst_i          (bus_rst_i),
     .m_axis_tvalid      (packet_valid),

@@ -49,6 +49,8 @@ void print_info(driver::Control& control) {
              spec::kVersion & 0xFFU, spec::kHash);
   fmt::print("largest image    {} x {} pixels\n", build.max_columns, build.max_rows);
   fmt::print("grey moments     {}\nraw images       {}\n", yes(build.grey), yes(build.image));
+  fmt::print("verdicts         {}\n",
+             build.verdict_log_sections < 0 ? "no" : fmt::format("{} sections", 1 << build.verdict_log_sections));
   fmt::print("Gray decoder     {}\n",
              build.codes ? fmt::format("{} bits{}", build.code_bits, build.median ? ", median" : "") : "no");
 }

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <memory>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -89,12 +90,17 @@ Control::Control(std::unique_ptr<RegisterPort> port) : port_(std::move(port)) {
       .compact = flag(words[4], spec::kRegStatusCompactLsb),
       .code_bits = static_cast<int>(field_of(can, spec::kRegCapabilityCodeBitsLsb, spec::kRegCapabilityCodeBitsBits)),
   };
+  if (flag(words[4], spec::kRegStatusVerdictLsb)) {
+    build_.verdict_log_sections =
+        static_cast<int>(field_of(port_->word(spec::kRegVerdictState), spec::kRegVerdictStateLogSectionsLsb,
+                                  spec::kRegVerdictStateLogSectionsBits));
+  }
 }
 
 void Control::need(const spec::Register& one) const {
   if (!model::has_register(build_, one.address)) {
     throw UserError(uri(), "this board has no register " + std::string(one.name) +
-                               (one.address == spec::kRegRegion || one.address == spec::kRegCompact
+                               (one.address == spec::kRegRegion || one.address >= spec::kRegCompact
                                     ? ": it was built without it"
                                     : ": it has no Gray-code decoder"));
   }
@@ -218,7 +224,58 @@ void Control::set(const model::BoardSettings& settings) {
                                          bit(settings.codes, spec::kRegDecodeCodesLsb) |
                                          bit(settings.median, spec::kRegDecodeMedianLsb));
   }
+  if (build_.verdict_log_sections >= 0) {
+    write_verdict(settings);
+  } else if (settings.verdict) {
+    throw UserError(uri(), "this board gives no verdicts");
+  }
   write_word(at(spec::kRegControl), control | bit(settings.hold, spec::kRegControlHoldLsb));
+}
+
+void Control::write_verdict(const model::BoardSettings& settings) {
+  const auto bit = [](bool set, int lsb) { return static_cast<std::uint32_t>(set ? 1U : 0U) << lsb; };
+  const spec::Register& control = at(spec::kRegVerdictControl);
+  const std::uint32_t asked = bit(settings.verdict, spec::kRegVerdictControlOnLsb) |
+                              bit(settings.part_rule.by_encoder, spec::kRegVerdictControlByEncoderLsb) |
+                              static_cast<std::uint32_t>(settings.verdict_packets)
+                                  << spec::kRegVerdictControlPacketsLsb;
+  if (settings.verdict) {
+    // What changes together is held together.
+    write_word(control, port_->word(control.address) | 1U << spec::kRegVerdictControlHoldLsb);
+    const model::VerdictWords words = model::verdict_words(settings.verdict_settings, settings.part_rule);
+    write_word(at(spec::kRegVerdictDefect), words.defect);
+    write_word(at(spec::kRegVerdictShift), words.shift);
+    write_word(at(spec::kRegVerdictLight), words.light);
+    write_word(at(spec::kRegVerdictStart), settings.part_rule.start & model::kCountMask);
+    write_word(at(spec::kRegVerdictLength), settings.part_rule.length);
+    write_word(at(spec::kRegVerdictPitch), settings.part_rule.pitch);
+  }
+  write_word(control, asked | bit(settings.verdict_hold, spec::kRegVerdictControlHoldLsb));
+}
+
+void Control::set_limits(int bank, int section, std::span<const model::ColumnLimits> limits, std::uint32_t begin) {
+  const auto number = [](int value, int lsb) { return static_cast<std::uint32_t>(value) << lsb; };
+  const auto aim = [&](int column) {
+    write_word(at(spec::kRegVerdictTable), number(column, spec::kRegVerdictTableColumnLsb) |
+                                               number(section, spec::kRegVerdictTableSectionLsb) |
+                                               number(bank, spec::kRegVerdictTableBankLsb));
+  };
+  for (int column = 0; column < static_cast<int>(limits.size()); ++column) {
+    const model::ColumnLimits& one = limits[static_cast<std::size_t>(column)];
+    aim(column);
+    write_word(at(spec::kRegVerdictLimits), one.low << spec::kRegVerdictLimitsLowLsb |
+                                                one.high << spec::kRegVerdictLimitsHighLsb |
+                                                number(one.judged ? 1 : 0, spec::kRegVerdictLimitsJudgedLsb));
+  }
+  if (section > 0) {
+    aim(0);
+    write_word(at(spec::kRegVerdictBegin), begin & model::kCountMask);
+  }
+}
+
+void Control::set_ejector(std::uint32_t delay, std::uint32_t length) {
+  write_word(at(spec::kRegEjectorDelay), delay);
+  write_word(at(spec::kRegEjectorLength), length);
 }
 
 void Control::count_patterns_on_frames(int patterns) {
@@ -231,6 +288,7 @@ model::BoardState Control::state() {
   // The low word first: reading it holds the high one.
   const std::array<std::uint32_t, 2> clock{spec::kRegTimeLow, spec::kRegTimeHigh};
   const std::vector<std::uint32_t> time = port_->read(clock);
+  const std::uint32_t verdict = build_.verdict_log_sections >= 0 ? port_->word(spec::kRegVerdictState) : 0;
   return {
       .frame_open = flag(port_->word(spec::kRegStatus), spec::kRegStatusFrameOpenLsb),
       .frames = port_->word(spec::kRegFrames),
@@ -243,6 +301,10 @@ model::BoardState Control::state() {
       .time = time[0] | std::uint64_t{time[1]} << 32U,
       .encoder = port_->word(spec::kRegEncoder),
       .encoder_errors = static_cast<std::uint16_t>(port_->word(spec::kRegEncoderErrors)),
+      .verdict_missed = static_cast<std::uint8_t>(
+          field_of(verdict, spec::kRegVerdictStateMissedLsb, spec::kRegVerdictStateMissedBits)),
+      .ejector_lost = static_cast<std::uint8_t>(
+          field_of(verdict, spec::kRegVerdictStateEjectorLostLsb, spec::kRegVerdictStateEjectorLostBits)),
   };
 }
 

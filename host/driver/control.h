@@ -8,6 +8,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -17,6 +18,7 @@
 #include "model/register_file.h"
 #include "model/spec/generated/register_table.h"
 #include "selfproj/model/board.h"
+#include "selfproj/model/verdict.h"
 
 namespace selfproj::driver {
 
@@ -53,8 +55,18 @@ class Control {
   // one, the earlier ones stay written, and the error names the refused one.
   void write_together(std::vector<std::pair<RegisterPart, std::uint32_t>> values);
 
-  // Writes all settings. They count from the next frame start on.
+  // Writes all settings. They count from the next frame start on, those of the verdict from the next part on. Verdicts
+  // need their limits (set_limits) before, and set_ejector.
   void set(const model::BoardSettings& settings);
+
+  // Writes limits of the columns from 0 on, and from which count behind a part's beginning on they are in force, which
+  // counts for sections from 1 on. While verdicts are on, the board refuses this for a bank that judges or is named by
+  // the settings. Every write is confirmed by the board.
+  void set_limits(int bank, int section, std::span<const model::ColumnLimits> limits, std::uint32_t begin = 0);
+
+  // The pulse for the ejector, in counts of the encoder: how far behind the first bad frame of a part it begins, and
+  // how long it is.
+  void set_ejector(std::uint32_t delay, std::uint32_t length);
 
   // Frames count patterns: frame k from now on has the pattern index k mod patterns, 1..256.
   void count_patterns_on_frames(int patterns);
@@ -64,6 +76,7 @@ class Control {
 
  private:
   void write_word(const spec::Register& one, std::uint32_t value);
+  void write_verdict(const model::BoardSettings& settings);
   void need(const spec::Register& one) const;
   void check_fits(const RegisterPart& part, std::uint32_t value) const;
 

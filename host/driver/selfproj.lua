@@ -65,11 +65,12 @@ local format = {
     {"status", 8, 32, "0: the frame is good; else the status bits below"},
     {"check", 12, 32, "check word over the header, the payload and the first 12 bytes of the trailer"},
   },
-  kinds = {[1] = "moments", [2] = "codes", [3] = "image", [4] = "compact"},
+  kinds = {[1] = "moments", [2] = "codes", [3] = "image", [4] = "compact", [5] = "verdict"},
   modes = {[0] = "binary", [1] = "grey", [2] = "grey_over"},
   selects = {[0] = "all", [1] = "strongest"},
   flags = {
     {"stray_before", 0, "beats that belonged to no frame were discarded before this frame"},
+    {"verdict", 1, "the payload ends with 16 bytes more, the verdict of the frame"},
   },
   status = {
     {"short_line", 0, "a line ended before its last column"},
@@ -115,6 +116,20 @@ local format = {
       {"quality", 26, 6,
         "select strongest: runs in 5..4, second in 3..0, 15 there for 15 or 16; select all: floor(M0 / (4 N)), " ..
         "the mean weight of a lit pixel in 1/64 of 256"},
+    }},
+    verdict = {bits = 128, fields = {
+      {"first_column", 0, 12, "first column of the leftmost defect, from 1; 0 without one"},
+      {"columns", 16, 12, "columns of that defect"},
+      {"unlit", 32, 12, "judged columns without light"},
+      {"judged", 72, 1, "1: this is a verdict"},
+      {"in_part", 73, 1,
+        "1: the frame lies in a part; else section, part and bank are those of the part before, 0 before the " ..
+        "first"},
+      {"defect", 74, 1, "1: it has a defect"},
+      {"lacks_light", 75, 1, "1: too many judged columns are unlit"},
+      {"bank", 76, 1, "bank of limits in force"},
+      {"section", 80, 6, "section of the part, from 0"},
+      {"part", 96, 16, "number of the part, from 1: parts that have begun since reset; wraps"},
     }},
   },
 }

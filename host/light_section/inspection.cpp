@@ -97,7 +97,7 @@ void Inspection::add(const model::PacketHeader& header, const model::RunsView& r
 
 void Inspection::add(const model::PacketHeader& header, std::span<const std::uint8_t> payload,
                      const ProfileView& profile) {
-  if (payload.size() != model::columns_payload_bytes(header)) {
+  if (payload.size() != model::frame_payload_bytes(header)) {
     throw std::invalid_argument("a payload of another width");
   }
   if (!begin_frame(header)) {

@@ -50,7 +50,8 @@ FRAME_FIELDS = [("stream", "HeaderStreamBits"), ("pattern", "HeaderPatternBits")
                 ("region_row", "region_bits"), ("region_column", "region_bits")]
 PROSE = ("description", "effect", "after_reset")  # keys that are for readers only and do not concern programs
 LINK_BASE = 0x100  # first address of the registers of the link
-REGISTER_WORDS = 32  # addresses of the register file, four bytes each
+REGISTER_WORDS = 64  # addresses of the registers, four bytes each
+MAIN_WORDS = 32  # of these, those of the register file; behind them are those of the verdict
 
 
 class SpecError(Exception):
@@ -408,10 +409,11 @@ def sv_package(spec):
         for field in reg["fields"]:
             emit(f"  localparam int Reg{camel(reg['name'])}{camel(field['name'])}Lsb = {field['lsb']};")
             emit(f"  localparam int Reg{camel(reg['name'])}{camel(field['name'])}Bits = {field['bits']};")
-    emit("  // Words of the register file's address space in which there is a register")
+    emit("  // Words of the address space of the register file, and of the verdict's registers behind it, in which there")
+    emit("  // is a register")
     words = sum(1 << reg["offset"] // 4 for reg in spec.raw["registers"])
-    bits = f"{REGISTER_WORDS}'h{words:0{REGISTER_WORDS // 4}X}"
-    emit(f"  localparam logic [{REGISTER_WORDS - 1}:0] RegisterWords = {bits};")
+    for name, part in (("Register", words % (1 << MAIN_WORDS)), ("Verdict", words >> MAIN_WORDS)):
+        emit(f"  localparam logic [{MAIN_WORDS - 1}:0] {name}Words = {MAIN_WORDS}'h{part:0{MAIN_WORDS // 4}X};")
     emit("")
     out += sv_link(spec)
     emit("")

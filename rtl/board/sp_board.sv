@@ -3,6 +3,7 @@
 //   video ─▶ sp_frame_tracker ─┬▶ sp_moments_path ─┐
 //                              ├▶ sp_codes_path ───┼▶ sp_packet_merge ─▶ packets
 //   encoder ─▶ sp_frame_info ──┴▶ sp_image_path ───┘
+//   sp_moments_path ─ sums ─▶ sp_verdict_unit ─ verdict ─▶ sp_moments_path, ejector
 //   AXI4-Lite ─▶ sp_axil_bridge ─▶ sp_registers ─▶ settings
 //
 // Guarantees: every accepted frame start gives a moments packet or is counted as lost. Packets are
@@ -18,6 +19,8 @@ module sp_board #(
   parameter bit Image = 1'b1,  // raw-image packets
   parameter bit Region = 1'b0,  // the register region: where on the sensor frames begin
   parameter bit Compact = 1'b0,  // columns divided in the circuit; only with Grey
+  parameter bit Verdict = 1'b0,  // verdicts: registers, packets, the pin for an ejector
+  parameter int VerdictLogSections = 1,  // log2 of the sections of a part: 0..6
   parameter bit Codes = 1'b0,  // Gray-code decoder, with on-chip memory for its state
   parameter bit CodesMedian = 1'b1,  // 3 x 3 median behind the decoder
   parameter int CodeBits = sp_spec_pkg::CodeCodeBits,  // largest number of code bits: 1..12
@@ -39,6 +42,7 @@ module sp_board #(
   input  wire logic         encoder_b_i,          // A leads B: the count rises
   output logic              projector_trigger_o,  // pulse of the trigger sequencer
   output logic              camera_trigger_o,     // pulse of the trigger sequencer
+  output logic              ejector_o,            // pulse behind a bad part; 0 without Verdict
 
   // Packets and registers, in the bus clock
   input  wire logic         bus_clk_i,            // bus clock
@@ -84,6 +88,9 @@ module sp_board #(
   logic [2*RowBits+2:0]  set_select, select;
   logic [31:0]           set_region, region;
   logic                  set_compact, compact;
+  logic [2:0]            set_verdict, verdict;  // {on, packets}
+  logic                  register_error, verdict_error;
+  logic [31:0]           register_data, verdict_data;
   logic [23:0]           set_timeout, trigger_period, trigger_camera;
   logic                  trigger_run, trigger_on_frame, frame_open, taking;
   logic [7:0]            trigger_last_pattern;
@@ -131,6 +138,7 @@ module sp_board #(
     .Image     (Image),
     .Region    (Region),
     .Compact   (Compact),
+    .Verdict   (Verdict),
     .Codes     (Codes),
     .Median    (CodesMedian),
     .MaxBits   (CodeBits)
@@ -142,8 +150,8 @@ module sp_board #(
     .address_i             (request_address),
     .data_i                (request_data),
     .answer_o              (answer),
-    .error_o               (answer_error),
-    .data_o                (answer_data),
+    .error_o               (register_error),
+    .data_o                (register_data),
     .run_o                 (set_run),
     .hold_o                (set_hold),
     .image_o               (set_image),
@@ -180,6 +188,10 @@ module sp_board #(
     .encoder_errors_i      (encoder_errors)
   );
 
+  // Registers that are not in sp_registers are an error there, and read as 0.
+  assign answer_error = register_error && verdict_error;
+  assign answer_data  = register_data | verdict_data;
+
   // --- Frames ---
   logic                  take, captured, image, one_group, two_groups;
   logic [ColumnBits-1:0] columns;
@@ -197,7 +209,8 @@ module sp_board #(
     .MaxColumns(MaxColumns),
     .MaxRows   (MaxRows),
     .Region    (Region),
-    .Compact   (Compact)
+    .Compact   (Compact),
+    .Verdict   (Verdict)
   ) u_tracker (
     .clk_i              (clk_i),
     .rst_i              (rst_i),
@@ -217,6 +230,7 @@ module sp_board #(
     .select_i           (set_select),
     .region_i           (set_region),
     .compact_i          (set_compact),
+    .verdict_i          (set_verdict),
     .timeout_i          (set_timeout),
     .taking_o           (taking),
     .take_o             (take),
@@ -229,6 +243,7 @@ module sp_board #(
     .select_o           (select),
     .region_o           (region),
     .compact_o          (compact),
+    .verdict_o          (verdict),
     .one_group_o        (one_group),
     .two_groups_o       (two_groups),
     .beat_valid_o       (beat_valid),
@@ -283,7 +298,8 @@ module sp_board #(
     .ColumnBits(ColumnBits),
     .RowBits   (RowBits),
     .Region    (Region),
-    .Compact   (Compact)
+    .Compact   (Compact),
+    .Verdict   (Verdict)
   ) u_info (
     .clk_i         (clk_i),
     .rst_i         (rst_i),
@@ -298,6 +314,7 @@ module sp_board #(
     .select_i      (select),
     .region_i      (region),
     .compact_i     (compact),
+    .verdict_i     (verdict),
     .encoder_i     (encoder_count),
     .pattern_i     (pattern_now),
     .time_o        (time_now),
@@ -310,6 +327,8 @@ module sp_board #(
   // --- Moments ---
   logic         moments_out_valid, moments_out_ready, moments_out_last;
   logic [127:0] moments_out_data;
+  logic         decision, spoiled, judge_ready, judge, words_valid, words_break, verdict_valid;
+  logic [127:0] words, verdict_word;
 
   sp_moments_path #(
     .MaxColumns(MaxColumns),
@@ -318,6 +337,7 @@ module sp_board #(
     .Runs      (Runs),
     .Region    (Region),
     .Compact   (Compact),
+    .Verdict   (Verdict),
     .LogDepth  (MomentsLogDepth)
   ) u_moments_path (
     .clk_i              (clk_i),
@@ -327,6 +347,7 @@ module sp_board #(
     .threshold_i        (threshold),
     .select_i           (select),
     .compact_i          (compact),
+    .verdict_i          (verdict),
     .one_group_i        (one_group),
     .two_groups_i       (two_groups),
     .beat_valid_i       (beat_valid),
@@ -342,6 +363,15 @@ module sp_board #(
     .break_status_i     (break_status),
     .info_i             (info),
     .lost_o             (lost_moments),
+    .decision_o         (decision),
+    .spoiled_o          (spoiled),
+    .judge_ready_i      (judge_ready),
+    .judge_i            (judge),
+    .words_valid_o      (words_valid),
+    .words_data_o       (words),
+    .words_break_o      (words_break),
+    .verdict_valid_i    (verdict_valid),
+    .verdict_data_i     (verdict_word),
     .bus_clk_i          (bus_clk_i),
     .bus_rst_i          (bus_rst_i),
     .m_valid_o          (moments_out_valid),
@@ -349,6 +379,47 @@ module sp_board #(
     .m_last_o           (moments_out_last),
     .m_data_o           (moments_out_data)
   );
+
+  // --- Verdict ---
+  if (Verdict) begin : gen_verdict
+    sp_verdict_unit #(
+      .MaxColumns (MaxColumns),
+      .MaxRows    (MaxRows),
+      .Grey       (Grey),
+      .LogSections(VerdictLogSections)
+    ) u_verdict (
+      .clk_i          (clk_i),
+      .rst_i          (rst_i),
+      .request_i      (request),
+      .write_i        (request_write),
+      .address_i      (request_address),
+      .data_i         (request_data),
+      .error_o        (verdict_error),
+      .data_o         (verdict_data),
+      .set_o          (set_verdict),
+      .frame_start_i  (frame_start),
+      .on_i           (verdict[2]),
+      .groups_i       (columns[ColumnBits-1:2]),
+      .mode_i         (mode),
+      .frame_encoder_i(info[sp_spec_pkg::HeaderEncoderLsb+:24]),
+      .encoder_i      (encoder_count[23:0]),
+      .decision_i     (decision),
+      .spoiled_i      (spoiled),
+      .ready_o        (judge_ready),
+      .judge_o        (judge),
+      .words_valid_i  (words_valid),
+      .words_data_i   (words),
+      .words_break_i  (words_break),
+      .valid_o        (verdict_valid),
+      .data_word_o    (verdict_word),
+      .ejector_o      (ejector_o)
+    );
+  end else begin : gen_no_verdict
+    logic unused_verdict;
+    assign unused_verdict = VerdictLogSections < 0 ^ ^{decision, spoiled, words_valid, words_break, words, verdict[2]};
+    assign {verdict_data, set_verdict, judge_ready, judge, verdict_valid, verdict_word, ejector_o} = '0;
+    assign verdict_error = 1'b1;
+  end
 
   // --- Raw image ---
   logic         image_out_valid, image_out_ready, image_out_last;

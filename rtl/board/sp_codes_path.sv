@@ -231,6 +231,8 @@ module sp_codes_path #(
     .payload_valid_i(words_valid),
     .payload_data_i (words_data),
     .payload_break_i(words_break),
+    .tail_valid_i   (1'b0),
+    .tail_i         (128'd0),
     .info_i         (held_q),
     .lost_o         (lost_o),
     .bus_clk_i      (bus_clk_i),

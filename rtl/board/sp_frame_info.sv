@@ -33,7 +33,8 @@ module sp_frame_info #(
   parameter int ColumnBits = 12,  // 1..16
   parameter int RowBits = 10,  // 1..16
   parameter bit Region = 1'b1,  // region_i counts; else its fields are 0
-  parameter bit Compact = 1'b0  // compact_i counts; else the kind is 0
+  parameter bit Compact = 1'b0,  // compact_i counts
+  parameter bit Verdict = 1'b0  // verdict_i counts; without both the kind is 0
 ) (
   input  wire logic                  clk_i,
   input  wire logic                  rst_i,
@@ -50,6 +51,7 @@ module sp_frame_info #(
   input  wire logic [2*RowBits+2:0]  select_i,  // {last row that counts, first, strongest, gap}
   input  wire logic [31:0]           region_i,  // {column, row}
   input  wire logic                  compact_i,
+  input  wire logic [2:0]            verdict_i,  // {on, packets} of the register verdict_control
 
   input  wire logic [31:0]           encoder_i,
   input  wire logic [15:0]           pattern_i,
@@ -242,20 +244,38 @@ module sp_frame_info #(
     assign unused        = ^region_i;
   end
 
-  // The kind of packet that tells of the columns, only where there are two
+  // The kind of the frame's packet, only where there are several, and the flag of a verdict
   logic [7:0] kind;
+  logic       compact, alone, verdict;  // columns divided; a verdict alone; one behind the columns
   if (Compact) begin : gen_compact
     logic compact_q;
     always_ff @(posedge clk_i) begin
       if (taken_q[3+KindBeat]) compact_q <= compact_i && mode_i != sp_spec_pkg::ModeBinary;
     end
-    assign kind = compact_q ? sp_spec_pkg::KindCompact : sp_spec_pkg::KindMoments;
+    assign compact = compact_q;
   end else begin : gen_no_compact
     logic unused;
 
-    assign kind   = 8'd0;
-    assign unused = compact_i;
+    assign compact = 1'b0;
+    assign unused  = compact_i;
   end
+  if (Verdict) begin : gen_verdict
+    logic alone_q, verdict_q;
+    always_ff @(posedge clk_i) begin
+      if (taken_q[3+KindBeat]) alone_q <= verdict_i[1];
+      if (taken_q[3+FlagsBeat]) verdict_q <= verdict_i[0];
+    end
+    assign {alone, verdict} = {alone_q, verdict_q};
+    logic unused;
+    assign unused = verdict_i[2];
+  end else begin : gen_no_verdict
+    logic unused;
+
+    assign {alone, verdict} = 2'b00;
+    assign unused           = ^verdict_i;
+  end
+  assign kind = !Compact && !Verdict ? 8'd0 : alone ? sp_spec_pkg::KindVerdict :
+                compact ? sp_spec_pkg::KindCompact : sp_spec_pkg::KindMoments;
 
   always_comb begin
     info_o = '0;
@@ -277,6 +297,7 @@ module sp_frame_info #(
     info_o[sp_spec_pkg::HeaderRegionRowLsb+:16]          = region_row;
     info_o[sp_spec_pkg::HeaderRegionColumnLsb+:16]       = region_column;
     info_o[sp_spec_pkg::HeaderFlagsLsb+sp_spec_pkg::FlagStrayBeforeBit] = stray_before_q;
+    info_o[sp_spec_pkg::HeaderFlagsLsb+sp_spec_pkg::FlagVerdictBit]     = verdict;
   end
 
 endmodule

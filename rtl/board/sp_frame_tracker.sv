@@ -34,6 +34,7 @@ module sp_frame_tracker #(
   parameter int MaxRows = sp_spec_pkg::MaxRows,  // 2..1023
   parameter bit Region = 1'b1,  // hand region_i on; else region_o is 0
   parameter bit Compact = 1'b0,  // hand compact_i on; else compact_o is 0
+  parameter bit Verdict = 1'b0,  // hand verdict_i on; else verdict_o is 0
   // derived, do not set
   parameter int GroupBits = $clog2(MaxColumns / 4),
   parameter int ColumnBits = $clog2(MaxColumns + 1),
@@ -62,6 +63,7 @@ module sp_frame_tracker #(
   input  wire logic [2*RowBits+2:0]  select_i,  // as in sp_registers
   input  wire logic [31:0]           region_i,  // as in sp_registers
   input  wire logic                  compact_i,
+  input  wire logic [2:0]            verdict_i,  // {on, packets} of the register verdict_control
   input  wire logic [23:0]           timeout_i,
 
   output logic                       taking_o,  // one clock before take_o: the settings are taken
@@ -76,6 +78,7 @@ module sp_frame_tracker #(
   output logic      [2*RowBits+2:0]  select_o,
   output logic      [31:0]           region_o,
   output logic                       compact_o,
+  output logic      [2:0]            verdict_o,
   output logic                       one_group_o,
   output logic                       two_groups_o,
 
@@ -190,6 +193,15 @@ module sp_frame_tracker #(
 
     assign compact_o = 1'b0;
     assign unused    = compact_i;
+  end
+
+  if (Verdict) begin : gen_verdict
+    always_ff @(posedge clk_i) if (s1_take_q) verdict_o <= verdict_i;
+  end else begin : gen_no_verdict
+    logic unused;
+
+    assign verdict_o = 3'd0;
+    assign unused    = ^verdict_i;
   end
 
   // --- Size: facts in force, and facts of a frame that starts with the beat in stage 1 (s1_) ---

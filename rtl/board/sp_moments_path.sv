@@ -4,6 +4,10 @@
 // Guarantees: every frame start gives a packet or is counted in lost_o; packets come out whole.
 // This module only connects sp_column_moments, or sp_column_runs, perhaps sp_compact_words, and
 // sp_packet_output, which have the latency, the formats and the overflow rule.
+//
+// With Verdict the sums of a frame that is to be judged come out of words_valid_o whether its packet
+// finds room or not, if judge_ready_i is high at decision_o; else they do not come, and the packet
+// is lost. judge_i says from the next clock on how that was decided.
 `default_nettype none
 
 module sp_moments_path #(
@@ -13,6 +17,7 @@ module sp_moments_path #(
   parameter bit Runs = 1'b0,    // the strongest run of a column
   parameter bit Region = 1'b1,  // headers say where on the sensor frames begin
   parameter bit Compact = 1'b0,  // packets of kind compact; only with Grey
+  parameter bit Verdict = 1'b0,  // sums for sp_verdict, packets with its verdict
   parameter int LogDepth = 11,  // log2 of the depth of the packet FIFO, in beats of 16 bytes: 3..15
   // derived, do not set
   parameter int GroupBits = $clog2(MaxColumns / 4),
@@ -29,6 +34,7 @@ module sp_moments_path #(
   input  wire logic [7:0]            threshold_i,
   input  wire logic [2*RowBits+2:0]  select_i,  // {last row that counts, first, strongest, gap}
   input  wire logic                  compact_i,
+  input  wire logic [2:0]            verdict_i,  // {on, packets} of the register verdict_control
   input  wire logic                  one_group_i,
   input  wire logic                  two_groups_i,
   input  wire logic                  beat_valid_i,
@@ -47,6 +53,17 @@ module sp_moments_path #(
 
   output logic      [31:0]           lost_o,
 
+  // Sums for sp_verdict, as they come, and its verdict
+  output logic                       decision_o,
+  output logic                       spoiled_o,  // with decision_o: the sums are void
+  input  wire logic                  judge_ready_i,
+  input  wire logic                  judge_i,
+  output logic                       words_valid_o,
+  output logic      [127:0]          words_data_o,
+  output logic                       words_break_o,
+  input  wire logic                  verdict_valid_i,
+  input  wire logic [127:0]          verdict_data_i,
+
   // Bus clock domain: packets
   input  wire logic                  bus_clk_i,
   input  wire logic                  bus_rst_i,
@@ -61,18 +78,23 @@ module sp_moments_path #(
   end
 
   localparam int StatusBits = sp_spec_pkg::StatusBits;
-  localparam int PayloadBits = $clog2(MaxColumns * (Grey ? 8 : 4) / 16 + 1);
+  localparam int PayloadBits = $clog2(MaxColumns * (Grey ? 8 : 4) / 16 + 32'(Verdict) + 1);
 
-  logic                   accept, words_valid, words_break, spoiled;
+  logic                   accept;  // the packet
+  logic                   wanted;  // the sums
+  logic                   words_valid, words_break, spoiled;
   logic [127:0]           words_data;
   logic [PayloadBits-1:0] payload_beats, payload_beats_q;
   logic                   last_row_start_q;
 
   // Four columns per beat in mode binary and in compact packets, else two
   logic pairs, compact;
+  logic [PayloadBits-1:0] column_beats;
   assign pairs         = Grey && mode_i != sp_spec_pkg::ModeBinary;
   assign compact       = Compact && pairs && compact_i;
-  assign payload_beats = pairs && !compact ? PayloadBits'({groups_i, 1'b0}) : PayloadBits'(groups_i);
+  assign column_beats  = pairs && !compact ? PayloadBits'({groups_i, 1'b0}) : PayloadBits'(groups_i);
+  assign payload_beats = !Verdict ? column_beats : verdict_i[1] ? PayloadBits'(1) :
+                                    column_beats + PayloadBits'(verdict_i[0]);
 
   // The start of a last row is passed on one clock late. The header is then read only when the
   // header of a frame that breaks there is out.
@@ -109,7 +131,7 @@ module sp_moments_path #(
       .mode_i          (mode_i),
       .threshold_i     (threshold),
       .break_i         (break_i && break_in_last_row_i),
-      .accept_i        (accept),
+      .accept_i        (wanted),
       .moments_valid_o (words_valid),
       .moments_data_o  (words_data),
       .moments_break_o (words_break),
@@ -137,7 +159,7 @@ module sp_moments_path #(
       .mode_i          (mode_i),
       .threshold_i     (threshold),
       .break_i         (break_i && break_in_last_row_i),
-      .accept_i        (accept),
+      .accept_i        (wanted),
       .moments_valid_o (words_valid),
       .moments_data_o  (words_data),
       .moments_break_o (words_break),
@@ -145,6 +167,58 @@ module sp_moments_path #(
     );
     logic unused;
     assign unused = ^select_i[2:0];
+  end
+
+  // --- The verdict: it needs the sums of frames whose packets find no room, too ---
+  localparam int TailDelay = RowBits - 1;
+  logic       tail_valid, columns_leave;
+  assign words_valid_o = words_valid;
+  assign words_data_o  = words_data;
+  assign words_break_o = words_break;
+  assign spoiled_o     = spoiled;
+  logic       active;         // at the decision: the frame is to be judged
+  if (Verdict) begin : gen_verdict
+    logic [2:1]      decided_q;  // last_row_start_q, one and two clocks ago
+    logic [8:0]      asked_q;    // verdict_i; the oldest, of the frame whose packet is decided on
+    logic            active_q;   // of the frame decided on last
+    logic [1:0]      packets_q;  // of the one that was wanted last
+    always_ff @(posedge clk_i) begin
+      if (rst_i) decided_q <= '0;
+      else decided_q <= {decided_q[1], last_row_start_q};
+    end
+    always_ff @(posedge clk_i) begin
+      asked_q <= {asked_q[5:0], verdict_i};
+      if (rst_i) begin
+        active_q  <= 1'b0;
+        packets_q <= 2'b00;
+      end else if (decided_q[2]) begin
+        active_q <= active;
+        if (!active || judge_ready_i) packets_q <= asked_q[7:6];
+      end
+    end
+    assign active        = asked_q[8];
+    assign decision_o    = decided_q[2] && active;
+    assign wanted        = active_q ? judge_i : accept;
+    assign columns_leave = !packets_q[1];
+    if (Compact) begin : gen_later
+      // Divided columns leave later than whole ones, and the verdict behind them.
+      logic [TailDelay:1] valid_q;
+      always_ff @(posedge clk_i) begin
+        if (rst_i) valid_q <= '0;
+        else valid_q <= {valid_q[TailDelay-1:1], verdict_valid_i};
+      end
+      assign tail_valid = valid_q[TailDelay] && packets_q != 2'b00;
+    end else begin : gen_at_once
+      assign tail_valid = verdict_valid_i && packets_q != 2'b00;
+    end
+  end else begin : gen_no_verdict
+    logic unused_verdict;
+    assign unused_verdict = ^{verdict_i, judge_ready_i, judge_i, verdict_valid_i};
+    assign active         = 1'b0;
+    assign decision_o     = 1'b0;
+    assign wanted         = accept;
+    assign tail_valid     = 1'b0;
+    assign columns_leave  = 1'b1;
   end
 
   // --- Divided columns ---
@@ -190,10 +264,11 @@ module sp_moments_path #(
 
   sp_packet_output #(
     .Kind       (sp_spec_pkg::KindMoments),
-    .KindOfFrame(Compact),
+    .KindOfFrame(Compact || Verdict),
     .ColumnBits (ColumnBits),
     .RowBits    (RowBits),
     .Region     (Region),
+    .Tail       (Verdict),
     .PayloadBits(PayloadBits),
     .LogDepth   (LogDepth)
   ) u_packets (
@@ -202,15 +277,17 @@ module sp_moments_path #(
     .start_i        (last_row_start_q),
     .payload_beats_i(payload_beats_q),
     .line_i         (RowBits'(1)),
-    .spoiled_i      (spoiled),
+    .spoiled_i      (spoiled || active && !judge_ready_i),
     .break_i        (break_i),
     .break_later_i  (break_in_last_row_i),
     .start_status_i ({StatusBits{1'b0}}),
     .break_status_i (break_status_i),
     .accept_o       (accept),
-    .payload_valid_i(payload_valid),
+    .payload_valid_i(payload_valid && columns_leave),
     .payload_data_i (payload_data),
     .payload_break_i(payload_break),
+    .tail_valid_i   (tail_valid),
+    .tail_i         (verdict_data_i),
     .info_i         (info_i),
     .lost_o         (lost_o),
     .bus_clk_i      (bus_clk_i),

@@ -10,6 +10,7 @@ module sp_packet_output #(
   parameter int         ColumnBits = 12,  // 1..16
   parameter int         RowBits = 10,  // 1..16
   parameter bit         Region = 1'b1,  // headers say where on the sensor frames begin
+  parameter bit         Tail = 1'b0,  // there is tail_i
   parameter int         PayloadBits = 11,  // of the number of payload beats: 1..28
   parameter int         LogDepth = 11  // log2 of the depth of the FIFO, in beats of 16 bytes: 3..15
 ) (
@@ -30,6 +31,8 @@ module sp_packet_output #(
   input  wire logic                   payload_valid_i,
   input  wire logic [127:0]           payload_data_i,
   input  wire logic                   payload_break_i,
+  input  wire logic                   tail_valid_i,
+  input  wire logic [127:0]           tail_i,
 
   input  wire logic [sp_spec_pkg::HeaderBits-1:0] info_i,
 
@@ -58,6 +61,7 @@ module sp_packet_output #(
     .ColumnBits (ColumnBits),
     .RowBits    (RowBits),
     .Region     (Region),
+    .Tail       (Tail),
     .PayloadBits(PayloadBits),
     .LogDepth   (LogDepth)
   ) u_packetizer (
@@ -75,6 +79,8 @@ module sp_packet_output #(
     .payload_valid_i(payload_valid_i),
     .payload_data_i (payload_data_i),
     .payload_break_i(payload_break_i),
+    .tail_valid_i   (tail_valid_i),
+    .tail_i         (tail_i),
     .info_i         (info_i),
     .fifo_free_i    (free),
     .fifo_valid_o   (put),

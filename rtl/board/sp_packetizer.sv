@@ -7,7 +7,8 @@
 // cannot take the whole packet, or the packet before is not finished, the packet is dropped and
 // counted; all later headers carry the count, which wraps. So each request is delivered or counted.
 // A packet that has begun is always completed: zeros fill a payload that ends early
-// (payload_break_i). The trailer has the status given with the request, or with a break and
+// (payload_break_i). With Tail a payload may end with a beat of its own, tail_i, which comes behind
+// the others. The trailer has the status given with the request, or with a break and
 // break_later_i while the packet is under way.
 //
 // Latency: the decision follows two clocks after the request, the beats of the header four to seven
@@ -40,6 +41,7 @@ module sp_packetizer #(
   parameter int         ColumnBits = 12,  // 1..16
   parameter int         RowBits = 10,  // 1..16
   parameter bit         Region = 1'b1,  // headers say where on the sensor frames begin
+  parameter bit         Tail = 1'b0,  // there is tail_i, and the flag for it in info_i
   parameter int         PayloadBits = 11,  // of the number of payload beats: 1..28
   parameter int         LogDepth = 11      // log2 of the depth of the FIFO: 3 or more
 ) (
@@ -62,6 +64,8 @@ module sp_packetizer #(
   input  wire logic [127:0]           payload_data_i,
   // after payload_valid_i of this clock, no more comes
   input  wire logic                   payload_break_i,
+  input  wire logic                   tail_valid_i,    // never with payload_valid_i
+  input  wire logic [127:0]           tail_i,
 
   // The frame's fields of the header; sp_frame_info says when each beat of them is read
   input  wire logic [sp_spec_pkg::HeaderBits-1:0] info_i,
@@ -114,6 +118,7 @@ module sp_packetizer #(
   localparam logic [HeaderBits-1:0] FrameBits =
     HeaderBits'(KindBits) << sp_spec_pkg::HeaderKindLsb |
     sp_spec_pkg::frame_mask(ColumnBits, RowBits, Region ? 16 : 0) &
+    ~(HeaderBits'(!Tail) << (sp_spec_pkg::HeaderFlagsLsb + sp_spec_pkg::FlagVerdictBit)) &
     ~(~({HeaderBits{1'b1}} << 64) << sp_spec_pkg::HeaderSequenceLsb) &
     ~(~({HeaderBits{1'b1}} << (PerLine ? 16 : 0)) << sp_spec_pkg::HeaderLinesLsb);
   // What all packets have in common
@@ -217,11 +222,15 @@ module sp_packetizer #(
   logic                   fold_q;          // the beat at the FIFO goes into the check word
   logic                   take, take_empty;  // a packet with, without payload begins
   logic                   put_payload;       // the beat being made is payload
+  logic                   tail;              // and the last of it
   logic                   all_put;           // and the last of it
 
+  logic unused_tail;
+  assign unused_tail = !Tail && (tail_valid_i ^ ^tail_i);
   assign take        = q.asked[Start2] && room2_q && !spoiled_i && !q.busy;
   assign take_empty  = q.asked[BreakFirst2] && room2_q && !q.busy;
-  assign put_payload = q.state[Payload] && payload_valid_i || q.state[Fill];
+  assign tail        = Tail && tail_valid_i;
+  assign put_payload = q.state[Payload] && (payload_valid_i || tail) || q.state[Fill];
   assign all_put     = put_payload && one_left_q;
 
   always_ff @(posedge clk_i) begin
@@ -349,7 +358,8 @@ module sp_packetizer #(
         beat_if(q.state[Header+3],
                 header_beat(3, info_i[384+:128], FrameBits[384+:128], Common[384+:128])) |
         beat_if(q.numbered, sequence_word) |
-        beat_if(q.state[Payload], payload_data_i) |
+        beat_if(q.state[Payload] && !tail, payload_data_i) |
+        beat_if(q.state[Payload] && tail, tail_i) |
         beat_if(q.state[Trailer+:3] != '0, 128'(status_q) << sp_spec_pkg::TrailerStatusLsb) |
         beat_if(q.state[Trailer+2], 128'(check_q) << sp_spec_pkg::TrailerCheckLsb);
     end

@@ -28,6 +28,7 @@ module sp_registers #(
   parameter bit Image = 1'b1,
   parameter bit Region = 1'b0,  // the register region
   parameter bit Compact = 1'b0,  // the register compact
+  parameter bit Verdict = 1'b0,  // only reported: sp_verdict_registers has its registers
   parameter bit Codes = 1'b0,  // Gray-code decoder
   parameter bit Median = 1'b0,
   parameter int MaxBits = sp_spec_pkg::CodeCodeBits,  // 1..12
@@ -299,6 +300,7 @@ module sp_registers #(
   assign width_word   = 32'(trigger_width_o) << sp_spec_pkg::RegTriggerWidthClocksLsb;
   assign errors_word  = 32'(encoder_errors_i) << sp_spec_pkg::RegEncoderErrorsCountLsb;
   assign status_word  = 32'(Compact) << sp_spec_pkg::RegStatusCompactLsb |
+                        32'(Verdict) << sp_spec_pkg::RegStatusVerdictLsb |
                         32'(frame_open_i) << sp_spec_pkg::RegStatusFrameOpenLsb |
                         32'(pending_q) << sp_spec_pkg::RegStatusPendingLsb;
   assign decode_word  = 32'(code_threshold_o) << sp_spec_pkg::RegDecodeThresholdLsb |

@@ -1,23 +1,26 @@
 // A verdict from the moments of frames: which frames of a part have a defect.
 //
-//   frame ───▶ sp_verdict_parts ─ settings in force ─┐
+//   words ──▶ sp_verdict_parts ─ settings in force ──┐
 //   moments ─▶ sp_verdict_columns ─ out, unlit ─▶ sp_verdict_defects ─▶ verdict of a frame
 //
 // include/selfproj/model/verdict.h has the definition, which this circuit equals to the last bit.
 //
-// Input: frame_i, with the encoder's count, begins a frame: seven clocks or more before its first
-// payload beat and, so that no frame is left out, after the verdict of the frame before. Beats are
-// those of sp_column_moments or sp_column_runs; mode and size stand still from frame_i to the
-// verdict. A frame without beats has no verdict, and is told by a frame_i alone.
+// Input: frame_i, with the encoder's count, begins a frame, after the verdict of the frame before.
+// start_o follows thirteen clocks later, one more for each word that is written meanwhile, and
+// three clocks or more behind it the first payload beat. Beats are those of sp_column_moments or
+// sp_column_runs; mode and size stand still from start_o to the verdict. A frame without beats has
+// no verdict, and is told by a frame_i alone. write_i fills the memory of the registers
+// (sp_verdict_parts), write_limits_i the table, in a bank that is not in force.
 //
-// Output: verdict_valid_o comes 17 clocks after the last beat of a frame, or 18 after its break, for
-// each frame whose beats came. What it says stays until the next frame_i; outside of a part only
-// in_part_o, defect_o and lacks_light_o, all 0, have a meaning. first_bad_o comes with the first
-// verdict of a part that has a defect or lacks light.
+// Output: verdict_valid_o comes 15 clocks after the last beat of a frame, or 16 after its break, for
+// each frame whose beats came. What it says stays until the next start_o. Outside of a part there
+// is no defect and no unlit column; section, part and bank are those of the part before. first_bad_o
+// comes with the first verdict of a part that has a defect or lacks light.
 //
-//   frame_i         _/1\______________________________
-//   beat_valid_i    ____________/1\_ … _/1\___________
-//   verdict_valid_o _______________________ … ___/1\__
+//   frame_i         _/1\______________________________________
+//   start_o         _______ … /1\_____________________________
+//   beat_valid_i    ____________________/1\_ … _/1\___________
+//   verdict_valid_o _______________________________ … ___/1\__
 `default_nettype none
 
 module sp_verdict #(
@@ -28,46 +31,34 @@ module sp_verdict #(
   // derived, do not set
   parameter int GroupBits = $clog2(MaxColumns / 4),
   parameter int ColumnBits = $clog2(MaxColumns + 1),
-  parameter int LimitBits = $clog2(MaxRows + 1) + 7,
+  parameter int LimitBits = $clog2(MaxRows + 1) + 5,
   parameter int SectionBits = LogSections > 0 ? LogSections : 1,
-  parameter int TableBits = LogSections + 1 + GroupBits
+  parameter int LogWords = LogSections > 3 ? LogSections + 2 : 5
 ) (
   input  wire logic                   clk_i,
   input  wire logic                   rst_i,
 
-  // Limits, and where sections begin: to a bank that is not in force
+  // Words and switches of the registers
+  input  wire logic                   write_i,
+  input  wire logic [LogWords-1:0]    write_word_i,
+  input  wire logic [31:0]            write_data_i,
+  input  wire logic                   hold_i,
+  input  wire logic                   by_encoder_i,
+
+  // Limits, to a bank that is not in force
   input  wire logic                   write_limits_i,
-  input  wire logic [1:0]             write_lane_i,   // column modulo 4
-  input  wire logic [TableBits-1:0]   write_group_i,  // {bank, section, column / 4}
-  input  wire logic [2*LimitBits:0]   write_word_i,   // {judged, high, low}, in 1/128 rows
-  input  wire logic                   write_begin_i,
-  input  wire logic [LogSections:0]   write_section_i,  // {bank, section}
-  input  wire logic [23:0]            write_count_i,    // behind the beginning of a part
-
-  // Settings, taken over where a part begins
-  input  wire logic [7:0]             width_i,       // w, 1..255 columns
-  input  wire logic [2:0]             history_i,     // h - 1
-  input  wire logic [3:0]             hits_i,        // m, 1..h
-  input  wire logic                   above_i,       // defects above are asked for
-  input  wire logic                   below_i,
-  input  wire logic [11:0]            most_unlit_i,  // u; 4095: light is not judged
-  input  wire logic [7:0]             shift_columns_i,  // s, in two's complement
-  input  wire logic [13:0]            shift_rows_i,     // d, in two's complement, 1/128 rows
-  input  wire logic                   bank_i,
-
-  // The rule for parts, in force at once
-  input  wire logic                   rule_by_encoder_i,
-  input  wire logic [ColumnBits-1:0]  rule_lit_i,    // t, 1 or more
-  input  wire logic [7:0]             rule_dark_i,   // e, 1..255
-  input  wire logic [23:0]            rule_start_i,
-  input  wire logic [23:0]            rule_length_i,
-  input  wire logic [23:0]            rule_pitch_i,
+  input  wire logic                   write_bank_i,
+  input  wire logic [SectionBits-1:0] write_section_i,
+  input  wire logic [GroupBits+1:0]   write_column_i,  // from 0
+  input  wire logic [2*LimitBits:0]   write_limits_word_i,  // {judged, high, low}, in 1/32 rows
 
   // A frame
   input  wire logic                   frame_i,
+  input  wire logic                   restart_i,     // with frame_i: no part passes before it
   input  wire logic [23:0]            encoder_i,     // count, modulo 2^24
   input  wire logic [ColumnBits-3:0]  groups_i,      // of a line: columns / 4
   input  wire logic                   grey_i,        // two columns a beat
+  output logic                        start_o,
   input  wire logic                   beat_valid_i,
   input  wire logic [127:0]           beat_data_i,
   input  wire logic                   break_i,
@@ -82,62 +73,65 @@ module sp_verdict #(
   output logic      [ColumnBits-1:0]  unlit_o,
   output logic      [SectionBits-1:0] section_o,
   output logic      [15:0]            part_o,
+  output logic      [23:0]            count_o,         // of the encoder
   output logic                        bank_o,          // in force
-  output logic                        first_bad_o
+  output logic                        first_bad_o,
+  output logic                        passes_o,        // a part passes: the bank in force is needed
+  output logic      [31:0]            word_o           // between frames, the register ejector_delay
 );
 
-  localparam int SettingsBits = 8 + 3 + 4 + 2 + 12 + 8 + 14;
-
   // --- Parts, and the settings in force ---
-  logic [SettingsBits-1:0] settings;
-  logic                    start, in_part, first, fresh, above, below;
-  logic [7:0]              width, shift_columns;
-  logic [2:0]              history;
-  logic [3:0]              hits;
-  logic [11:0]             most_unlit;
-  logic [13:0]             shift_rows;
-  logic                    found, found_whole_q, found_defect;
-  logic [ColumnBits-1:0]   lit;
+  logic                  in_part, first, fresh;
+  logic [31:0]           settings, shift;
+  logic                  found, found_whole_q, found_defect;
+  logic [ColumnBits-1:0] lit;
+  logic [7:0]            width;
+  logic [2:0]            history;
+  logic [3:0]            hits;
+  logic [11:0]           most_unlit;
+  logic                  above, below;
 
-  assign {width, history, hits, above, below, most_unlit, shift_columns, shift_rows} = settings;
+  assign width      = settings[sp_spec_pkg::RegVerdictDefectWidthLsb+:8];
+  assign history    = settings[sp_spec_pkg::RegVerdictDefectHistoryLsb+:3];
+  assign hits       = settings[sp_spec_pkg::RegVerdictDefectHitsLsb+:4];
+  assign most_unlit = settings[sp_spec_pkg::RegVerdictDefectMostUnlitLsb+:12];
+  assign above      = settings[sp_spec_pkg::RegVerdictDefectAboveLsb];
+  assign below      = settings[sp_spec_pkg::RegVerdictDefectBelowLsb];
+  assign bank_o     = settings[sp_spec_pkg::RegVerdictDefectBankLsb];
+  assign passes_o   = in_part;
+  logic unused;
+  assign unused = ^{settings, shift};
 
   sp_verdict_parts #(
-    .MaxColumns  (MaxColumns),
-    .LogSections (LogSections),
-    .SettingsBits(SettingsBits)
+    .LogSections(LogSections)
   ) u_parts (
-    .clk_i            (clk_i),
-    .rst_i            (rst_i),
-    .rule_by_encoder_i(rule_by_encoder_i),
-    .rule_lit_i       (rule_lit_i),
-    .rule_dark_i      (rule_dark_i),
-    .rule_start_i     (rule_start_i),
-    .rule_length_i    (rule_length_i),
-    .rule_pitch_i     (rule_pitch_i),
-    .write_i          (write_begin_i),
-    .write_section_i  (write_section_i),
-    .write_begin_i    (write_count_i),
-    .bank_i           (bank_i),
-    .settings_i       ({width_i, history_i, hits_i, above_i, below_i, most_unlit_i,
-                        shift_columns_i, shift_rows_i}),
-    .frame_i          (frame_i),
-    .encoder_i        (encoder_i),
-    .found_i          (found),
-    .found_whole_i    (found_whole_q),
-    .found_lit_i      (lit),
-    .start_o          (start),
-    .in_part_o        (in_part),
-    .first_o          (first),
-    .fresh_o          (fresh),
-    .part_o           (part_o),
-    .section_o        (section_o),
-    .bank_o           (bank_o),
-    .settings_o       (settings)
+    .clk_i        (clk_i),
+    .rst_i        (rst_i),
+    .write_i      (write_i),
+    .write_word_i (write_word_i),
+    .write_data_i (write_data_i),
+    .hold_i       (hold_i),
+    .by_encoder_i (by_encoder_i),
+    .frame_i      (frame_i),
+    .restart_i    (restart_i),
+    .encoder_i    (encoder_i),
+    .found_i      (found),
+    .found_whole_i(found_whole_q),
+    .found_lit_i  (12'(lit)),
+    .start_o      (start_o),
+    .in_part_o    (in_part),
+    .first_o      (first),
+    .fresh_o      (fresh),
+    .part_o       (part_o),
+    .section_o    (section_o),
+    .count_o      (count_o),
+    .defect_o     (settings),
+    .shift_o      (shift),
+    .word_o       (word_o)
   );
 
   // --- Columns and defects ---
   logic                 group_valid, done, whole;
-  logic [GroupBits-1:0] group;
   logic [3:0]           group_above, group_below, group_unlit, group_lit;
 
   sp_verdict_columns #(
@@ -149,21 +143,21 @@ module sp_verdict #(
     .clk_i          (clk_i),
     .rst_i          (rst_i),
     .write_i        (write_limits_i),
-    .write_lane_i   (write_lane_i),
-    .write_group_i  (write_group_i),
-    .write_word_i   (write_word_i),
-    .start_i        (start),
+    .write_bank_i   (write_bank_i),
+    .write_section_i(write_section_i),
+    .write_column_i (write_column_i),
+    .write_word_i   (write_limits_word_i),
+    .start_i        (start_o),
     .groups_i       (groups_i),
     .grey_i         (grey_i),
     .bank_i         (bank_o),
     .section_i      (section_o),
-    .shift_columns_i(shift_columns),
-    .shift_rows_i   (shift_rows),
+    .shift_columns_i(shift[sp_spec_pkg::RegVerdictShiftColumnsLsb+:8]),
+    .shift_rows_i   (shift[sp_spec_pkg::RegVerdictShiftRowsLsb+:12]),
     .beat_valid_i   (beat_valid_i),
     .beat_data_i    (beat_data_i),
     .break_i        (break_i),
     .group_valid_o  (group_valid),
-    .group_o        (group),
     .above_o        (group_above),
     .below_o        (group_below),
     .unlit_o        (group_unlit),
@@ -183,9 +177,8 @@ module sp_verdict #(
     .above_i       (above && in_part),
     .below_i       (below && in_part),
     .fresh_i       (fresh || !in_part),
-    .start_i       (start),
+    .start_i       (start_o),
     .group_valid_i (group_valid),
-    .group_i       (group),
     .group_above_i (group_above),
     .group_below_i (group_below),
     .group_unlit_i (group_unlit & {4{in_part}}),
@@ -219,7 +212,7 @@ module sp_verdict #(
     end else begin
       verdict_valid_o <= found;
       first_bad_o     <= found && bad && !bad_before_q;
-      if (start && first) bad_before_q <= 1'b0;
+      if (start_o && first) bad_before_q <= 1'b0;
       if (found && bad) bad_before_q <= 1'b1;
     end
   end

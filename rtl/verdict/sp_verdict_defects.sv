@@ -1,7 +1,8 @@
 // Finds defects in the judged columns of frames: w or more neighbouring columns that were out in at
 // least m of the last h frames.
 //
-// Input: the groups of sp_verdict_columns, with done_i behind or with the last group of a frame.
+// Input: the groups of sp_verdict_columns, in order, with done_i behind or with the last group of a
+// frame.
 // Two groups of one place, of two frames, are eight clocks apart or more. The settings stand still
 // from the first group of a frame until found_valid_o. A column is out if it is above and above_i,
 // or below and below_i. fresh_i: no frame of the part came before, so columns have no hits yet.
@@ -35,7 +36,6 @@ module sp_verdict_defects #(
   // A frame
   input  wire logic                  start_i,    // before its first group
   input  wire logic                  group_valid_i,
-  input  wire logic [GroupBits-1:0]  group_i,
   input  wire logic [3:0]            group_above_i,
   input  wire logic [3:0]            group_below_i,
   input  wire logic [3:0]            group_unlit_i,
@@ -59,8 +59,14 @@ module sp_verdict_defects #(
   logic [5:1]           valid_q, done_q;
   logic [3:0]           s1_out_q, s2_out_q, s5_marked_q;
   logic [27:0]          past, s2_past_q;  // seven frames for each lane, the newest lowest
-  logic [GroupBits-1:0] s1_group_q, s2_group_q, s3_group_q, s4_group_q, s5_group_q;
+  logic [GroupBits-1:0] group_q, s1_group_q, s2_group_q;
   logic [6:0]           counts_q;         // the frames before, of those that count for hits
+
+  // Ones among four bits
+  function automatic logic [2:0] ones(input logic [3:0] bits);
+    ones = {&bits, (bits[0] && bits[1]) ^ (bits[2] && bits[3]) ^
+            ((bits[0] ^ bits[1]) && (bits[2] ^ bits[3])), ^bits};
+  endfunction
 
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
@@ -77,9 +83,17 @@ module sp_verdict_defects #(
     for (int frame = 0; frame < 7; frame++) begin
       counts_q[frame] <= !fresh_i && history_i > 3'(frame);
     end
-    s2_past_q <= past & {4{counts_q}};
-    {s5_group_q, s4_group_q, s3_group_q, s2_group_q, s1_group_q} <=
-        {s4_group_q, s3_group_q, s2_group_q, s1_group_q, group_i};
+    if (start_i) group_q <= '0;
+    else if (group_valid_i) group_q <= group_q + GroupBits'(1);
+    {s2_group_q, s1_group_q} <= {s1_group_q, group_q};
+  end
+  for (genvar frame = 0; frame < 7; frame++) begin : gen_frame
+    always_ff @(posedge clk_i) begin
+      for (int lane = 0; lane < 4; lane++) begin
+        if (!counts_q[frame]) s2_past_q[7*lane+frame] <= 1'b0;
+        else s2_past_q[7*lane+frame] <= past[7*lane+frame];
+      end
+    end
   end
 
   logic [27:0] kept;  // for the next frame
@@ -91,10 +105,8 @@ module sp_verdict_defects #(
     assign {old_hits, new_hits}  = {s2_past_q[7*lane+:7], s2_out_q[lane]};
     assign kept[7*lane+:7]       = {s2_past_q[7*lane+:6], s2_out_q[lane]};
     always_ff @(posedge clk_i) begin
-      s3_new_q  <= {&new_hits, (new_hits[0] && new_hits[1]) ^ (new_hits[2] && new_hits[3]) ^
-                    ((new_hits[0] ^ new_hits[1]) && (new_hits[2] ^ new_hits[3])), ^new_hits};
-      s3_old_q  <= {&old_hits, (old_hits[0] && old_hits[1]) ^ (old_hits[2] && old_hits[3]) ^
-                    ((old_hits[0] ^ old_hits[1]) && (old_hits[2] ^ old_hits[3])), ^old_hits};
+      s3_new_q  <= ones(new_hits);
+      s3_old_q  <= ones(old_hits);
       s4_hits_q <= {1'b0, s3_new_q} + {1'b0, s3_old_q};
       s5_marked_q[lane] <= s4_hits_q >= hits_i;
     end
@@ -110,7 +122,7 @@ module sp_verdict_defects #(
     .wr_data_i(kept),
     .rd_clk_i (clk_i),
     .rd_en_i  (1'b1),
-    .rd_addr_i(group_i),
+    .rd_addr_i(group_q),
     .rd_data_o(past)
 `ifdef FORMAL
     ,
@@ -125,10 +137,9 @@ module sp_verdict_defects #(
   logic [2:0] s6_lead_q, s6_trail_q;
   logic [1:0] s6_inner_q;        // a run that touches neither side: its length
   logic       s6_inner_third_q;  // it begins with the third column, not the second
-  logic [GroupBits:0] s6_group_q;
+  logic [GroupBits:0] s6_group_q;  // behind the last group, that of the item that ends
   logic       s5_end_q;          // the item after the last group: what is open ends
   logic [3:0] marks;
-  logic [GroupBits:0] next_group_q;
   assign marks = s5_marked_q & {4{!s5_end_q}};
 
   always_ff @(posedge clk_i) begin
@@ -143,9 +154,9 @@ module sp_verdict_defects #(
     end
   end
   always_ff @(posedge clk_i) begin
-    if (valid_q[5]) next_group_q <= {1'b0, s5_group_q} + (GroupBits + 1)'(1);
-    s6_group_q <= s5_end_q ? next_group_q : {1'b0, s5_group_q};
-    s6_all_q   <= &marks;
+    if (start_i) s6_group_q <= '0;
+    else if (s6_valid_q) s6_group_q <= s6_group_q + (GroupBits + 1)'(1);
+    s6_all_q <= &marks;
     casez (marks)
       4'b???0: s6_lead_q <= 3'd0;
       4'b??01: s6_lead_q <= 3'd1;
@@ -170,7 +181,7 @@ module sp_verdict_defects #(
 
   // --- Stage 7: the run that comes from the left ---
   logic [ColumnBits-1:0] run_q;  // columns with enough hits directly before this group
-  logic [ColumnBits-1:0] s7_run_q, s7_before_q;  // a run that ends here, and the columns before it
+  logic [ColumnBits-1:0] s7_run_q, s7_first_q;  // a run that ends here, and its first column
   logic                  s7_ends_q, s7_done_q, s7_inner_third_q;
   logic [1:0]            s7_inner_q;
   logic [GroupBits:0]    s7_group_q;
@@ -183,7 +194,7 @@ module sp_verdict_defects #(
   end
   always_ff @(posedge clk_i) begin
     s7_run_q         <= run_q + ColumnBits'(s6_lead_q);
-    s7_before_q      <= ColumnBits'({s6_group_q, 2'b00}) - run_q;
+    s7_first_q       <= ColumnBits'({s6_group_q, 2'b01}) - run_q;
     s7_inner_q       <= s6_inner_q;
     s7_inner_third_q <= s6_inner_third_q;
     s7_group_q       <= s6_group_q;
@@ -195,7 +206,7 @@ module sp_verdict_defects #(
 
   // --- Stages 8 and 9: is it long enough, and is it the first ---
   logic                  s8_long_q, s8_inner_long_q, s8_inner_third_q, s8_done_q;
-  logic [ColumnBits-1:0] s8_run_q, s8_before_q;
+  logic [ColumnBits-1:0] s8_run_q, s8_first_q;
   logic [1:0]            s8_inner_q;
   logic [GroupBits:0]    s8_group_q;
 
@@ -208,7 +219,7 @@ module sp_verdict_defects #(
     end
   end
   always_ff @(posedge clk_i) begin
-    {s8_run_q, s8_before_q} <= {s7_run_q, s7_before_q};
+    {s8_run_q, s8_first_q} <= {s7_run_q, s7_first_q};
     {s8_inner_q, s8_inner_third_q, s8_group_q} <= {s7_inner_q, s7_inner_third_q, s7_group_q};
   end
 
@@ -220,7 +231,7 @@ module sp_verdict_defects #(
     end else if (!defect_o) begin
       defect_o <= s8_long_q || s8_inner_long_q;
       if (s8_long_q) begin
-        first_column_o <= s8_before_q + ColumnBits'(1);
+        first_column_o <= s8_first_q;
         columns_o      <= s8_run_q;
       end else if (s8_inner_long_q) begin
         first_column_o <= ColumnBits'({s8_group_q, 1'b1, s8_inner_third_q});
@@ -236,10 +247,8 @@ module sp_verdict_defects #(
       unlit_o <= '0;
       lit_o   <= '0;
     end else if (group_valid_i) begin
-      unlit_o <= unlit_o + ColumnBits'(group_unlit_i[0]) + ColumnBits'(group_unlit_i[1]) +
-                 ColumnBits'(group_unlit_i[2]) + ColumnBits'(group_unlit_i[3]);
-      lit_o   <= lit_o + ColumnBits'(group_lit_i[0]) + ColumnBits'(group_lit_i[1]) +
-                 ColumnBits'(group_lit_i[2]) + ColumnBits'(group_lit_i[3]);
+      unlit_o <= unlit_o + ColumnBits'(ones(group_unlit_i));
+      lit_o   <= lit_o + ColumnBits'(ones(group_lit_i));
     end
   end
 

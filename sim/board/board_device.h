@@ -81,6 +81,7 @@ class BoardDevice {
     packet_.clear();
     region_ = 0;
     compact_ = false;
+    verdict_ = false;
     model_->rst_i = 1;
     model_->bus_rst_i = 1;
     model_->s_axil_awvalid = 0;
@@ -112,6 +113,7 @@ class BoardDevice {
   [[nodiscard]] bool takes_beats() const { return model_->s_axis_tready != 0; }
   [[nodiscard]] bool projector_trigger() const { return model_->projector_trigger_o != 0; }
   [[nodiscard]] bool camera_trigger() const { return model_->camera_trigger_o != 0; }
+  [[nodiscard]] bool ejector() const { return model_->ejector_o != 0; }
 
   // Queues one beat, or clocks without a beat.
   void send(const model::VideoBeat& beat) { beats_.push_back({beat, 0}); }
@@ -219,6 +221,10 @@ class BoardDevice {
       write(spec::kRegCompact, (settings.compact ? 1U : 0U) << spec::kRegCompactOnLsb);
       compact_ = settings.compact;
     }
+    if (settings.verdict || verdict_) {  // false after reset, and always in a build without it
+      write_verdict(settings);
+      verdict_ = settings.verdict;
+    }
     write(spec::kRegTimeout, static_cast<std::uint32_t>(settings.timeout));
     if (!decodes_) {
       decodes_ = (read(spec::kRegCapability) >> spec::kRegCapabilityCodesLsb & 1U) != 0;
@@ -232,6 +238,22 @@ class BoardDevice {
       throw std::runtime_error("this board has no decoder");
     }
     write(spec::kRegControl, control | (settings.hold ? 1U << spec::kRegControlHoldLsb : 0U));
+  }
+
+  // Writes the registers of the verdict but the limits and those of the ejector, and switches it on or off.
+  void write_verdict(const model::BoardSettings& settings) {
+    const model::VerdictWords words = model::verdict_words(settings.verdict_settings, settings.part_rule);
+    write(spec::kRegVerdictDefect, words.defect);
+    write(spec::kRegVerdictShift, words.shift);
+    write(spec::kRegVerdictLight, words.light);
+    write(spec::kRegVerdictStart, settings.part_rule.start & model::kCountMask);
+    write(spec::kRegVerdictLength, settings.part_rule.length);
+    write(spec::kRegVerdictPitch, settings.part_rule.pitch);
+    write(spec::kRegVerdictControl,
+          (settings.verdict ? 1U << spec::kRegVerdictControlOnLsb : 0U) |
+              (settings.verdict_hold ? 1U << spec::kRegVerdictControlHoldLsb : 0U) |
+              (settings.part_rule.by_encoder ? 1U << spec::kRegVerdictControlByEncoderLsb : 0U) |
+              static_cast<std::uint32_t>(settings.verdict_packets) << spec::kRegVerdictControlPacketsLsb);
   }
 
   // Video clocks since the last reset.
@@ -424,6 +446,7 @@ class BoardDevice {
 
   std::uint32_t region_ = 0;     // in the register, after reset and in a build without it
   bool compact_ = false;         // likewise
+  bool verdict_ = false;         // likewise
   std::optional<bool> decodes_;  // whether the build has the decoder; empty until asked
   model::RegisterAnswer answer_;
   bool access_done_ = true;

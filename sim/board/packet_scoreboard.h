@@ -66,9 +66,10 @@ class PacketScoreboard {
     [[nodiscard]] std::uint32_t lost_in_all() const { return lost_before + static_cast<std::uint32_t>(known.lost); }
   };
 
-  // Exact and compact columns are one kind here: the board counts their losses together.
+  // Exact and compact columns and verdicts are one kind here: the board counts their losses together.
   static std::size_t index(std::uint8_t kind) {
-    return static_cast<std::size_t>((model::has_columns(kind) ? spec::kKindMoments : kind) - spec::kKindMoments);
+    const bool of_frame = model::has_columns(kind) || kind == spec::kKindVerdict;
+    return static_cast<std::size_t>((of_frame ? spec::kKindMoments : kind) - spec::kKindMoments);
   }
   bool fail(const std::string& what);
 

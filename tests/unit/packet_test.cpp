@@ -31,7 +31,8 @@ Bytes forged(Bytes packet, std::size_t offset, std::size_t bytes, std::uint64_t 
 TEST(Packet, RoundTrip) {
   for (const int columns : {4, 8, 12, 16, 20, 508, 512, spec::kMaxColumns}) {
     for (const model::Mode mode : {model::Mode::binary, model::Mode::grey, model::Mode::grey_over}) {
-      for (const std::uint8_t kind : {spec::kKindMoments, spec::kKindCodes, spec::kKindImage, spec::kKindCompact}) {
+      for (const std::uint8_t kind :
+           {spec::kKindMoments, spec::kKindCodes, spec::kKindImage, spec::kKindCompact, spec::kKindVerdict}) {
         if (kind == spec::kKindCompact && mode == model::Mode::binary) {
           EXPECT_EQ(verdict(packet_of(header_of(kind, mode, columns))), model::PacketError::geometry);
           continue;
@@ -196,10 +197,12 @@ TEST(Packet, NamesWhatIsWrong) {
   EXPECT_EQ(verdict(forged(moments, spec::kHeaderMagic, 4, spec::kMagic ^ 1)), model::PacketError::magic);
   EXPECT_EQ(verdict(forged(moments, spec::kHeaderSpecHash, 4, spec::kHash ^ 1)), model::PacketError::hash);
   EXPECT_EQ(verdict(forged(moments, spec::kHeaderVersion, 2, spec::kVersion + 1)), model::PacketError::version);
-  for (const std::uint64_t kind : {0, 5, 255}) {
+  for (const std::uint64_t kind : {0, 6, 255}) {
     EXPECT_EQ(verdict(forged(moments, spec::kHeaderKind, 1, kind)), model::PacketError::kind);
   }
   EXPECT_EQ(verdict(forged(moments, spec::kHeaderKind, 1, spec::kKindCompact)), model::PacketError::size);
+  EXPECT_EQ(verdict(forged(moments, spec::kHeaderKind, 1, spec::kKindVerdict)), model::PacketError::size);
+  EXPECT_EQ(verdict(forged(moments, spec::kHeaderFlags, 1, spec::kFlagVerdict)), model::PacketError::size);
   EXPECT_EQ(verdict(forged(moments, spec::kHeaderReserved, 1, 0x80)), model::PacketError::reserved);
   for (const Bytes& packet : {moments, image}) {
     EXPECT_EQ(verdict(forged(packet, spec::kHeaderMode, 1, 3)), model::PacketError::geometry);

@@ -45,7 +45,8 @@ inline std::size_t payload_bytes_of(const model::PacketHeader& header) {
   switch (header.kind) {
     case spec::kKindMoments:
     case spec::kKindCompact:
-      return model::columns_payload_bytes(header);
+    case spec::kKindVerdict:
+      return model::frame_payload_bytes(header);
     case spec::kKindCodes:
       return model::codes_line_payload_bytes(header.columns);
     default:
@@ -69,6 +70,10 @@ inline std::vector<Bytes> packets_of_all_kinds(int columns) {
   packets.push_back(packet_of(header_of(spec::kKindCodes, model::Mode::binary, columns)));
   packets.push_back(packet_of(header_of(spec::kKindImage, model::Mode::binary, columns)));
   packets.push_back(packet_of(header_of(spec::kKindCompact, model::Mode::grey, columns)));
+  packets.push_back(packet_of(header_of(spec::kKindVerdict, model::Mode::binary, columns)));
+  model::PacketHeader both = header_of(spec::kKindMoments, model::Mode::grey, columns);
+  both.flags |= spec::kFlagVerdict;
+  packets.push_back(packet_of(both));
   return packets;
 }
 

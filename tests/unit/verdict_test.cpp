@@ -49,12 +49,13 @@ class OnPaper {
 
   FrameVerdict see(const std::string& picture, bool whole = true) {
     const Frame frame(picture);
-    return verdict_.frame(settings_, rule_, encoder, frame.m0, frame.m1, whole);
+    return verdict_.frame(settings_, hold, rule_, encoder, frame.m0, frame.m1, whole);
   }
   model::Verdict& verdict() { return verdict_; }
   VerdictSettings& settings() { return settings_; }
 
   std::uint32_t encoder = 0;
+  bool hold = false;
 
  private:
   model::Verdict verdict_;
@@ -72,9 +73,9 @@ TEST(VerdictByHand, AColumnAtItsLimits) {
   // The band a row further down
   EXPECT_EQ(column_state(limits, kRow, 10, 99), ColumnState::above);
   EXPECT_EQ(column_state(limits, kRow, 10, 120), ColumnState::good);
-  // and a 128th of a row up
-  EXPECT_EQ(column_state(limits, -1, 128, 128 * 11 - 1), ColumnState::good);
-  EXPECT_EQ(column_state(limits, -1, 128, 128 * 11), ColumnState::below);
+  // and a 32nd of a row up
+  EXPECT_EQ(column_state(limits, -1, 32, 32 * 11 - 1), ColumnState::good);
+  EXPECT_EQ(column_state(limits, -1, 32, 32 * 11), ColumnState::below);
   // The largest products
   EXPECT_EQ(column_state(ColumnLimits{model::kMaxLimit, model::kMaxLimit, true}, -model::kMaxShiftRows, 255 * 1023,
                          255 * 1023 * 512),
@@ -164,7 +165,7 @@ TEST(VerdictByHand, PartsByTheEncoderAndTheirSections) {
   EXPECT_FALSE(at(119, "vvvv").defect);
   EXPECT_FALSE(at(120, "....").in_part);
   const FrameVerdict next = at(155, "....");
-  EXPECT_TRUE(next.in_part && next.part == 1 && next.section == 0);
+  EXPECT_TRUE(next.in_part && next.part == 2 && next.section == 0);
   EXPECT_TRUE(at(169, "....").in_part);
   EXPECT_FALSE(at(170, "....").in_part);
 }
@@ -181,11 +182,58 @@ TEST(VerdictByHand, AFrameThatBreaks) {
   EXPECT_EQ(paper.see(".....^..").first_column, 6);
 }
 
+TEST(VerdictByHand, SettingsThatAreHeld) {
+  OnPaper paper(8, {});
+  paper.hold = true;
+  paper.see("........");
+  EXPECT_FALSE(paper.see("........").in_part);  // there are none to be held
+  paper.hold = false;
+  EXPECT_TRUE(paper.see("..^.....").defect);
+  paper.see("        ");
+  paper.hold = true;
+  paper.settings().above = false;
+  paper.see("........");
+  EXPECT_TRUE(paper.see("..^.....").defect);  // as before
+  EXPECT_EQ(paper.verdict().bad_parts(), 2U);
+  paper.verdict().stop();
+  EXPECT_FALSE(paper.verdict().in_part());
+  EXPECT_FALSE(paper.see("..^.....").in_part);
+}
+
+TEST(VerdictByHand, WordsOfRegistersAndPackets) {
+  const VerdictSettings settings = {.width = 16,
+                                    .history = 8,
+                                    .hits = 5,
+                                    .above = false,
+                                    .most_unlit = 300,
+                                    .shift_columns = -17,
+                                    .shift_rows = 33,
+                                    .bank = 1};
+  const model::VerdictWords words = verdict_words(settings, {.lit = 40, .dark_frames = 3});
+  EXPECT_EQ(words.defect, 300U << 20 | 1U << 18 | 1U << 17 | 5U << 12 | 7U << 8 | 16U);
+  EXPECT_EQ(words.shift, (4096U - 33U) << 16 | (256U - 17U));
+  EXPECT_EQ(words.light, 3U << 16 | 40U);
+  EXPECT_EQ(settings_of_words(words), settings);
+
+  const FrameVerdict verdict = {.in_part = true,
+                                .defect = true,
+                                .section = 5,
+                                .bank = 1,
+                                .part = 0x1234,
+                                .first_column = 2048,
+                                .columns = 3,
+                                .unlit = 700};
+  std::vector<std::uint8_t> bytes(16);
+  EXPECT_FALSE(model::unpack_verdict(bytes.data()));
+  model::pack_verdict(verdict, bytes.data());
+  EXPECT_EQ(model::unpack_verdict(bytes.data()), verdict);
+}
+
 TEST(VerdictByHand, BadSettingsAreRefused) {
   EXPECT_THROW(model::Verdict(6, 1), std::invalid_argument);
   EXPECT_THROW(model::Verdict(8, 65), std::invalid_argument);
   VerdictSettings settings;
-  settings.hits = 2;  // of one frame
+  settings.width = 0;
   OnPaper paper(4, settings);
   paper.see("....");
   EXPECT_THROW(paper.see("...."), std::invalid_argument);

@@ -15,6 +15,7 @@
 #include "selfproj/model/column_runs.h"
 #include "selfproj/model/gray_decoder.h"
 #include "selfproj/model/packet.h"
+#include "selfproj/model/verdict.h"
 
 namespace selfproj::model {
 
@@ -28,12 +29,17 @@ struct BoardSettings {
   Mode mode = Mode::binary;
   int threshold = 128;  // 0..255
   Select select = Select::all;
-  int gap = 0;             // 0..3
-  RowWindow window = {};   // rows that count for the moments, each up to the build's maximum
-  int stream = 0;          // 0..255
-  int region_row = 0;      // row of the sensor, from 1, at which frames begin; 0: not said; only reported
-  int region_column = 0;   // the same for columns
-  bool compact = false;    // columns in grey modes come divided, in packets of kind compact
+  int gap = 0;                // 0..3
+  RowWindow window = {};      // rows that count for the moments, each up to the build's maximum
+  int stream = 0;             // 0..255
+  int region_row = 0;         // row of the sensor, from 1, at which frames begin; 0: not said; only reported
+  int region_column = 0;      // the same for columns
+  bool compact = false;       // columns in grey modes come divided, in packets of kind compact
+  bool verdict = false;       // frames are judged
+  int verdict_packets = 0;    // 0: packets as without; 1: with the verdict; 2: with nothing but it
+  bool verdict_hold = false;  // parts take no settings over; counts at the frame start, as the next two
+  VerdictSettings verdict_settings = {};
+  PartRule part_rule = {};
   bool codes = false;      // the board decodes Gray codes and sends them
   bool median = false;     // the codes pass through the 3 x 3 median
   int code_bits = 8;       // m, 1..12
@@ -78,6 +84,10 @@ class BoardModel {
   // `median_built`: the build contains the median. Codes then leave one line later, whether or not the median is used.
   explicit BoardModel(Sink sink, bool median_built = true) : sink_(std::move(sink)), median_built_(median_built) {}
 
+  // Judges frames with `verdict`, which holds the limits and must live longer. The model judges all frames; the board
+  // leaves out those that come too soon (register verdict_state, missed).
+  void judge_with(Verdict& verdict) { verdict_ = &verdict; }
+
   // Settings as written to the registers. They come into force at the next frame start that may take them over, which
   // is one that is at least kTakeDistance clocks after the last take-over, while `hold` is low. `run` and `hold` count
   // at once, `timeout` from the next beat. No frame starts before the first take-over.
@@ -99,6 +109,10 @@ class BoardModel {
 
   static constexpr std::uint64_t kTakeDistance = 7;
 
+  // A frame that broke before its last row does not count for parts if the next one starts less than kSeenDistance
+  // clocks after it.
+  static constexpr std::uint64_t kSeenDistance = 6;
+
   // Two frames are not consecutive for the decoder if the later one starts less than kDecodeDistance clocks after the
   // last beat of one with fewer beats (docs/circuits/gray.md). If the median is built, the same holds for a frame whose
   // codes are due no later than kMedianClocks + columns / 4 clocks after the last beat of the previous frame with
@@ -114,11 +128,16 @@ class BoardModel {
   void end_code_line(std::uint32_t status);
   void send_codes(int row, int columns, std::uint32_t status);
   [[nodiscard]] PacketHeader header(std::uint8_t kind) const;
+  void judge(const RunsView& columns, int complete, BoardPacket& packet);
+  void pass_broken();
 
   Sink sink_;
   bool median_built_;
   BoardSettings written_;
   BoardSettings settings_;  // in force
+  Verdict* verdict_ = nullptr;
+  BoardSettings at_start_;      // as written when the open frame started
+  bool broken_passes_ = false;  // it broke before its last row, and the verdict does not know yet
   std::uint64_t last_take_ = 0;
   bool taken_ = false;
 

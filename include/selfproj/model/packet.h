@@ -69,13 +69,14 @@ constexpr std::size_t packet_bytes(std::size_t payload_bytes) {
   return spec::kHeaderBytes + payload_bytes + spec::kTrailerBytes;
 }
 
-// The largest packet a board sends: moments of the widest image in a grey mode. Packets of images and codes hold one
-// line and are smaller. The format could announce many lines, but readers refuse such a packet, so that they notice a
-// damaged length within this many bytes.
+// The largest packet a board sends: moments of the widest image in a grey mode, and a verdict. Packets of images and
+// codes hold one line and are smaller. The format could announce many lines, but readers refuse such a packet, so that
+// they notice a damaged length within this many bytes.
 inline constexpr std::size_t kLargestPacketBytes =
     packet_bytes(std::max(std::size_t{spec::kMaxColumns} * spec::kGreyWordBits,
                           std::size_t{spec::kMaxColumns} * spec::kCodeWordBits) /
-                 8);
+                     8 +
+                 spec::kVerdictWordBits / 8);
 static_assert(kLargestPacketBytes % spec::kPacketBeatBytes == 0);
 
 // The faults of a packet. The length of the header is checked first, then the rest in the order of this list, and the
@@ -120,6 +121,11 @@ Measure measure_of(const PacketHeader& header);
 // Whether packets of this kind tell of the columns of a frame: one for each frame, exact or compact.
 constexpr bool has_columns(std::uint8_t kind) { return kind == spec::kKindMoments || kind == spec::kKindCompact; }
 
+// Whether the packet has a verdict (unpack_verdict), which is the end of its payload.
+constexpr bool has_verdict(const PacketHeader& header) {
+  return header.kind == spec::kKindVerdict || (has_columns(header.kind) && (header.flags & spec::kFlagVerdict) != 0);
+}
+
 // The kind of the packets that tell of columns: exact words in mode binary, which have 32 bits already, else as asked.
 constexpr std::uint8_t kind_of_columns(bool compact, Mode mode) {
   return compact && mode != Mode::binary ? spec::kKindCompact : spec::kKindMoments;
@@ -129,6 +135,9 @@ constexpr std::uint8_t kind_of_columns(bool compact, Mode mode) {
 // unpack_columns, or those of compact columns. The header must be one that parse_packet finds right, but for
 // payload_size.
 std::size_t columns_payload_bytes(const PacketHeader& header);
+
+// The payload of a packet of a frame, if it is not empty: its columns, if it has them, and its verdict, if it has one.
+std::size_t frame_payload_bytes(const PacketHeader& header);
 void pack_columns(const PacketHeader& header, const RunsView& runs, std::uint8_t* payload);
 void unpack_columns(const PacketHeader& header, const std::uint8_t* payload, const RunsView& out);
 

@@ -1,13 +1,13 @@
 // A verdict from the moments of frames, without a division: the definition, which the circuit sp_verdict equals to the
 // last bit.
 //
-// **Columns.** A table has for each column η two limits, in 1/128 rows, and whether the column is judged. Limits may be
-// moved by s columns and d/128 rows, because a part does not always lie in the same place: column η has the limits of
+// **Columns.** A table has for each column η two limits, in 1/32 rows, and whether the column is judged. Limits may be
+// moved by s columns and d/32 rows, because a part does not always lie in the same place: column η has the limits of
 // column η - s, plus d. A judged column with the moments M0, M1 is
 //
 //     unlit   if M0 = 0
-//     above   if 128 M1 - d M0 < low  · M0      its centroid M1 / M0 lies above the band, at smaller rows
-//     below   if 128 M1 - d M0 > high · M0      … below it, at larger rows
+//     above   if 32 M1 - d M0 < low  · M0      its centroid M1 / M0 lies above the band, at smaller rows
+//     below   if 32 M1 - d M0 > high · M0      … below it, at larger rows
 //     good    otherwise
 //
 // It is *out* if it is above, where defects above are asked for, or below, where those below are.
@@ -23,26 +23,36 @@
 // All frames of a part have the same size.
 //
 // **Parts.** By light: a part begins with the frame after a whole frame with t lit columns or more, and ends with the
-// last of e whole frames in a row that have fewer. A column is lit if M0 > 0, judged or not. By the encoder, which
-// counts up: part k = 0, 1, … begins with the first frame whose encoder count is not before start + k · pitch, and ends
-// before the first frame whose count is `length` or more behind that point. k counts from where the encoder was chosen.
-// Counts are compared modulo 2^24. Frames outside of parts have no verdict.
+// last of e whole frames in a row that have fewer. A column is lit if M0 > 0, judged or not; t and e are those in force
+// at the next frame. By the encoder, which counts up: part k = 0, 1, … begins with the first frame whose encoder count
+// is not before start + k · pitch, and ends before the first frame whose count is `length` or more behind that point. k
+// counts from where the encoder was chosen. Counts are compared modulo 2^24. A part ends, too, where the way of telling
+// parts changes. Frames outside of parts have no verdict.
 //
 // **Sections.** A part may have other limits along its way. It begins with section 0; the next section begins with the
 // first frame whose count is `begins[section + 1]` or more behind the part's beginning, by one section at most from
 // frame to frame. The beginning is start + k · pitch, or with parts by light the count of the part's first frame.
 //
 // **Settings** are taken over where a part begins, and so is the bank of limits: a bank can be written while the other
-// judges. The settings by which parts begin and end are always those in force.
+// judges. While they are held, the part keeps those of the part before; without any no part begins. The settings by
+// which parts begin and end are always those in force.
 #ifndef SELFPROJ_MODEL_VERDICT_H
 #define SELFPROJ_MODEL_VERDICT_H
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
 namespace selfproj::model {
+
+inline constexpr int kRowParts = 32;
+inline constexpr std::uint32_t kMaxLimit = (1U << 15) - 1;   // rows to 1023
+inline constexpr int kMaxShiftColumns = 127;                 // both ways
+inline constexpr int kMaxShiftRows = 2047;                   // both ways, in 1/kRowParts rows
+inline constexpr int kMaxHistory = 8;                        // frames
+inline constexpr std::uint32_t kCountMask = (1U << 24) - 1;  // of the encoder, as far as parts need it
 
 // The limits of a column, in 1/kRowParts rows, row 1 being kRowParts.
 struct ColumnLimits {
@@ -53,13 +63,6 @@ struct ColumnLimits {
   bool operator==(const ColumnLimits&) const = default;
 };
 
-inline constexpr int kRowParts = 128;
-inline constexpr std::uint32_t kMaxLimit = (1U << 17) - 1;   // rows to 1023
-inline constexpr int kMaxShiftColumns = 127;                 // both ways
-inline constexpr int kMaxShiftRows = 8191;                   // both ways, in 1/kRowParts rows
-inline constexpr int kMaxHistory = 8;                        // frames
-inline constexpr std::uint32_t kCountMask = (1U << 24) - 1;  // of the encoder, as far as parts need it
-
 enum class ColumnState : std::uint8_t { good, above, below, unlit };
 
 // The state of a judged column. `shift` is d. The inequalities above, exactly.
@@ -69,7 +72,7 @@ ColumnState column_state(const ColumnLimits& limits, int shift, std::uint32_t m0
 struct VerdictSettings {
   int width = 1;      // w, 1..255 columns
   int history = 1;    // h, 1..kMaxHistory frames
-  int hits = 1;       // m, 1..h
+  int hits = 1;       // m, 1..15; more than h: there are no defects
   bool above = true;  // defects above are asked for
   bool below = true;
   int most_unlit = 4095;  // u, 0..4095 columns; 4095: light is not judged
@@ -86,25 +89,42 @@ struct PartRule {
   int lit = 1;               // t, 1..4095 columns
   int dark_frames = 1;       // e, 1..255
   std::uint32_t start = 0;   // count at which part 0 begins
-  std::uint32_t length = 1;  // counts, 1..2^23 - 1
-  std::uint32_t pitch = 1;   // counts, more than length
+  std::uint32_t length = 1;  // counts, 1..2^24 - 1
+  std::uint32_t pitch = 1;   // counts, 1..2^24 - 1, which is to be more than length
 
   bool operator==(const PartRule&) const = default;
 };
+
+// The registers verdict_defect, verdict_shift and verdict_light (docs/register-reference.md).
+struct VerdictWords {
+  std::uint32_t defect = 0;
+  std::uint32_t shift = 0;
+  std::uint32_t light = 0;
+};
+VerdictWords verdict_words(const VerdictSettings& settings, const PartRule& rule);
+VerdictSettings settings_of_words(const VerdictWords& words);
 
 // What was found in a frame of a part.
 struct FrameVerdict {
   bool in_part = false;
   bool defect = false;
   bool lacks_light = false;
-  int section = 0;
-  std::uint32_t part = 0;  // parts that began before this one since reset; wraps
+  int section = 0;         // this and the next two outside of parts are those of the part before
+  int bank = 0;            // of limits in force
+  std::uint32_t part = 0;  // its number, from 1: parts that have begun, modulo 2^16
+  bool first_bad = false;  // the first frame of its part that has a defect or lacks light
   int first_column = 0;    // of the leftmost defect, from 1; 0 without one
   int columns = 0;         // of it
   int unlit = 0;           // judged columns that are unlit
 
   bool operator==(const FrameVerdict&) const = default;
 };
+
+// The 16 bytes of a packet that have the verdict (docs/packet-reference.md); all but first_bad, which they do not have.
+void pack_verdict(const FrameVerdict& verdict, std::uint8_t* bytes);
+
+// Reads them back; nothing if they have no verdict, because the frame broke.
+std::optional<FrameVerdict> unpack_verdict(const std::uint8_t* bytes);
 
 // Judges frame after frame.
 class Verdict {
@@ -120,16 +140,25 @@ class Verdict {
 
   // Judges the next frame: its encoder count, and the moments of the columns that came, which are as many as it has
   // unless it broke. Settings and rule are those of this moment.
-  FrameVerdict frame(const VerdictSettings& settings, const PartRule& rule, std::uint32_t encoder,
+  FrameVerdict frame(const VerdictSettings& settings, bool hold, const PartRule& rule, std::uint32_t encoder,
                      std::span<const std::uint32_t> m0, std::span<const std::uint32_t> m1, bool whole);
 
-  [[nodiscard]] bool in_part() const { return in_part_; }
+  // A frame that is not to be judged: no part passes.
+  void stop();
+
+  [[nodiscard]] int columns() const { return columns_; }
+  [[nodiscard]] int sections() const { return sections_; }
+  [[nodiscard]] bool in_part() const { return in_part_; }  // as of the last frame
+  [[nodiscard]] int section() const { return section_; }
+  [[nodiscard]] int bank() const { return settings_.bank; }     // in force
+  [[nodiscard]] std::uint32_t parts() const { return parts_; }  // that have begun
+  [[nodiscard]] std::uint32_t bad_parts() const { return bad_parts_; }
 
  private:
-  void begin(const VerdictSettings& settings, std::uint32_t count);
-  void find_part(const VerdictSettings& settings, const PartRule& rule, std::uint32_t encoder);
+  void begin(const VerdictSettings& settings, bool hold, std::uint32_t count);
+  void find_part(const VerdictSettings& settings, bool hold, const PartRule& rule, std::uint32_t encoder);
   void judge(std::span<const std::uint32_t> m0, std::span<const std::uint32_t> m1, FrameVerdict& found);
-  void look_for_light(const PartRule& rule, std::span<const std::uint32_t> m0);
+  bool look_for_light(const PartRule& rule);
 
   int columns_;
   int sections_;
@@ -137,15 +166,18 @@ class Verdict {
   std::vector<std::uint32_t> begins_;  // [bank][section]
   std::vector<std::uint8_t> past_;     // hits of each column: bit 0 the frame before, bit 1 the one before that …
   VerdictSettings settings_;           // in force
+  bool taken_ = false;                 // there are settings in force
   bool in_part_ = false;
-  bool begins_next_ = false;  // a part by light begins with the next frame
-  bool fresh_ = true;         // no whole frame of the part has come
+  int lit_ = -1;       // lit columns of the frame before; -1: it was not whole
+  bool fresh_ = true;  // no whole frame of the part has come
+  bool bad_ = false;   // a frame of the part was bad
   int section_ = 0;
   int dark_ = 0;
-  std::uint32_t began_ = 0;  // encoder count
+  std::uint32_t began_ = 0;  // encoder count, or where the first part by the encoder begins
   bool by_encoder_ = false;  // the frame before
-  std::uint32_t next_ = 0;   // count at which the next part by the encoder begins
+  bool waits_ = true;        // no part by the encoder has begun since it was chosen
   std::uint32_t parts_ = 0;  // that have begun
+  std::uint32_t bad_parts_ = 0;
 };
 
 }  // namespace selfproj::model

@@ -93,9 +93,10 @@ inline constexpr std::array<RegisterField, 1> kFieldsOfTriggerCamera{{
 inline constexpr std::array<RegisterField, 1> kFieldsOfTriggerWidth{{
     {"clocks", 0, 16, "pixel clocks that a pulse lasts; 0: no pulses; a pulse that lasts until the next one of its kind runs into it"},
 }};
-inline constexpr std::array<RegisterField, 3> kFieldsOfStatus{{
+inline constexpr std::array<RegisterField, 4> kFieldsOfStatus{{
     {"frame_open", 0, 1, "1: a frame is being taken"},
     {"pending", 1, 1, "1: settings were written that no frame start has taken over yet; also after reset, until the first take-over"},
+    {"verdict", 30, 1, "1: the registers verdict_… and ejector_… are built in"},
     {"compact", 31, 1, "1: the register compact is built in"},
 }};
 inline constexpr std::array<RegisterField, 1> kFieldsOfFrames{{
@@ -148,9 +149,72 @@ inline constexpr std::array<RegisterField, 2> kFieldsOfRegion{{
 inline constexpr std::array<RegisterField, 1> kFieldsOfCompact{{
     {"on", 0, 1, "1: frames of modes grey and grey_over give packets of kind compact in place of kind moments; mode binary has words of 32 bits already, and keeps them"},
 }};
+inline constexpr std::array<RegisterField, 4> kFieldsOfVerdictControl{{
+    {"on", 0, 1, "1: frames are judged; 0: they are not, and no part passes"},
+    {"hold", 1, 1, "1: verdict_defect and verdict_shift in force stay in force; 0: the next part takes over what was written, so that both change together"},
+    {"by_encoder", 2, 1, "1: parts begin and end by the encoder, 0: by light"},
+    {"packets", 4, 2, "while on is 1: 0: packets as without a verdict; 1: with 16 bytes more, the verdict; 2: of kind verdict, without the columns; 3 is refused"},
+}};
+inline constexpr std::array<RegisterField, 7> kFieldsOfVerdictDefect{{
+    {"width", 0, 8, "neighbouring columns of a defect, at least; 0 is refused"},
+    {"history", 8, 3, "the frames that count for hits, less 1"},
+    {"hits", 12, 4, "of these frames, those in which a column of a defect was out, at least; 0 is refused"},
+    {"above", 16, 1, "1: columns above their limits are out"},
+    {"below", 17, 1, "1: columns below their limits are out"},
+    {"bank", 18, 1, "bank of limits"},
+    {"most_unlit", 20, 12, "judged columns that may lack light; 4095: light is not judged"},
+}};
+inline constexpr std::array<RegisterField, 2> kFieldsOfVerdictShift{{
+    {"columns", 0, 8, "columns further right, in two's complement; -128 has no meaning"},
+    {"rows", 16, 12, "1/32 rows, in two's complement, that are added to the centroids before they are compared: less than 0 for a part that lies further down; -2048 has no meaning"},
+}};
+inline constexpr std::array<RegisterField, 2> kFieldsOfVerdictLight{{
+    {"lit", 0, 12, "lit columns of a frame that belongs to a part; 0 is refused"},
+    {"dark_frames", 16, 8, "frames in a row with fewer after which a part has ended; 0 is refused"},
+}};
+inline constexpr std::array<RegisterField, 1> kFieldsOfVerdictStart{{
+    {"count", 0, 24, "count of the encoder, modulo 2^24"},
+}};
+inline constexpr std::array<RegisterField, 1> kFieldsOfVerdictLength{{
+    {"counts", 0, 24, "counts of the encoder; 0 is refused"},
+}};
+inline constexpr std::array<RegisterField, 1> kFieldsOfVerdictPitch{{
+    {"counts", 0, 24, "counts of the encoder, more than verdict_length; 0 is refused"},
+}};
+inline constexpr std::array<RegisterField, 1> kFieldsOfEjectorDelay{{
+    {"counts", 0, 23, "counts of the encoder; 0: at once"},
+}};
+inline constexpr std::array<RegisterField, 1> kFieldsOfEjectorLength{{
+    {"counts", 0, 16, "counts of the encoder; 0: no pulses"},
+}};
+inline constexpr std::array<RegisterField, 3> kFieldsOfVerdictTable{{
+    {"column", 0, 11, "column, from 0"},
+    {"section", 16, 6, "section of a part"},
+    {"bank", 24, 1, "bank of limits"},
+}};
+inline constexpr std::array<RegisterField, 3> kFieldsOfVerdictLimits{{
+    {"low", 0, 15, "least row of the centroid, in 1/32 rows, row 1 being 32"},
+    {"high", 16, 15, "greatest row, likewise"},
+    {"judged", 31, 1, "1: the column is judged"},
+}};
+inline constexpr std::array<RegisterField, 1> kFieldsOfVerdictBegin{{
+    {"counts", 0, 24, "counts of the encoder behind the part's beginning"},
+}};
+inline constexpr std::array<RegisterField, 6> kFieldsOfVerdictState{{
+    {"in_part", 0, 1, "1: a part passes"},
+    {"bank", 1, 1, "bank of limits in force, of the last part"},
+    {"log_sections", 4, 3, "log2 of the sections of a bank"},
+    {"section", 8, 6, "section of the part, of the last part"},
+    {"missed", 16, 8, "frames that came too soon to be judged and were lost, since reset; wraps"},
+    {"ejector_lost", 24, 8, "pulses that had no place in the queue, since reset; wraps"},
+}};
+inline constexpr std::array<RegisterField, 2> kFieldsOfVerdictParts{{
+    {"begun", 0, 16, "that have begun, since reset; wraps"},
+    {"bad", 16, 16, "of which a frame had a defect or lacked light, since reset; wraps"},
+}};
 
 // In the order of their addresses.
-inline constexpr std::array<Register, 28> kRegisters{{
+inline constexpr std::array<Register, 42> kRegisters{{
     {"id", 0x00, false, false, 0x50464C53U, "marks a selfproj board", kFieldsOfId},
     {"version", 0x04, false, false, 0x00000200U, "version of the specification", kFieldsOfVersion},
     {"spec_hash", 0x08, false, false, 0x1A81A4C9U, "specification that the board was built from", kFieldsOfSpecHash},
@@ -179,6 +243,20 @@ inline constexpr std::array<Register, 28> kRegisters{{
     {"window", 0x64, true, true, 0x00000000U, "rows that count for the moments; pixels of other rows are dark for them; codes and images do not change; where no row of the frame counts, all columns are dark; a row above the build's max_rows is refused", kFieldsOfWindow},
     {"region", 0x68, true, true, 0x00000000U, "where on the sensor the camera's frames begin: only reported, in the header of each packet; not there in a build without it", kFieldsOfRegion},
     {"compact", 0x6C, true, true, 0x00000000U, "how a packet tells of its columns; not there in a build without compact columns", kFieldsOfCompact},
+    {"verdict_control", 0x80, true, false, 0x00000000U, "verdicts; this register and the ones that follow are not there in a build without verdicts; on is refused before all registers from verdict_defect to ejector_length have been written", kFieldsOfVerdictControl},
+    {"verdict_defect", 0x88, true, false, 0x00000000U, "what a defect is; taken over where a part begins", kFieldsOfVerdictDefect},
+    {"verdict_shift", 0x8C, true, false, 0x00000000U, "where parts lie; taken over where a part begins", kFieldsOfVerdictShift},
+    {"verdict_light", 0x90, true, false, 0x00000000U, "parts by light", kFieldsOfVerdictLight},
+    {"verdict_start", 0x94, true, false, 0x00000000U, "parts by the encoder: where the first one begins", kFieldsOfVerdictStart},
+    {"verdict_length", 0x98, true, false, 0x00000000U, "parts by the encoder: their length", kFieldsOfVerdictLength},
+    {"verdict_pitch", 0x9C, true, false, 0x00000000U, "parts by the encoder: from one to the next", kFieldsOfVerdictPitch},
+    {"ejector_delay", 0xA0, true, false, 0x00000000U, "from the first bad frame of a part to the pulse for the ejector", kFieldsOfEjectorDelay},
+    {"ejector_length", 0xA4, true, false, 0x00000000U, "length of the pulse for the ejector", kFieldsOfEjectorLength},
+    {"verdict_table", 0xA8, true, false, 0x00000000U, "where verdict_limits and verdict_begin write to; what the build does not have is refused", kFieldsOfVerdictTable},
+    {"verdict_limits", 0xAC, true, false, 0x00000000U, "limits of the column that verdict_table names; while on is 1, refused for the bank that verdict_defect names, and for the bank in force while a part passes; limits beyond the build's rows are refused", kFieldsOfVerdictLimits},
+    {"verdict_begin", 0xB0, true, false, 0x00000000U, "where the section begins that verdict_table names; that of section 0 has no meaning; refused as verdict_limits", kFieldsOfVerdictBegin},
+    {"verdict_state", 0xC0, false, false, 0x00000000U, "what the verdict is doing", kFieldsOfVerdictState},
+    {"verdict_parts", 0xC4, false, false, 0x00000000U, "parts", kFieldsOfVerdictParts},
 }};
 
 // The registers of the link, for boards on the network.

@@ -22,7 +22,8 @@ namespace selfproj::test {
 namespace {
 
 TEST(Control, EveryRegisterAndFieldByName) {
-  model::RegisterFile board({.codes = true, .median = true, .region = true, .compact = true, .code_bits = 12});
+  model::RegisterFile board(
+      {.codes = true, .median = true, .region = true, .compact = true, .verdict_log_sections = 2, .code_bits = 12});
   driver::Control control(port_of(board));
   for (const spec::Register& one : spec::kRegisters) {
     for (const spec::RegisterField& field : one.fields) {
@@ -81,39 +82,94 @@ TEST(Control, SettingsChangeTogether) {
 // All that a board's settings are
 auto all_of(const model::BoardSettings& settings) {
   const auto& [run, hold, image, columns, rows, mode, threshold, select, gap, window, stream, region_row, region_column,
-               compact, codes, median, code_bits, code_threshold, timeout] = settings;
+               compact, verdict, verdict_packets, verdict_hold, verdict_settings, part_rule, codes, median, code_bits,
+               code_threshold, timeout] = settings;
   return std::tuple(run, hold, image, columns, rows, mode, threshold, select, gap, window.first, window.last, stream,
-                    region_row, region_column, compact, codes, median, code_bits, code_threshold, timeout);
+                    region_row, region_column, compact, verdict, verdict_packets, verdict_hold, verdict_settings,
+                    part_rule, codes, median, code_bits, code_threshold, timeout);
 }
 
 TEST(Control, EverySettingReachesTheBoard) {
-  model::RegisterFile board(
-      {.codes = true, .median = true, .runs = true, .region = true, .compact = true, .code_bits = 12});
+  model::RegisterFile board({.codes = true,
+                             .median = true,
+                             .runs = true,
+                             .region = true,
+                             .compact = true,
+                             .verdict_log_sections = 2,
+                             .code_bits = 12});
   driver::Control control(port_of(board));
   const model::BoardSettings reset = board.settings();
-  const model::BoardSettings settings{.run = false,
-                                      .hold = true,
-                                      .image = true,
-                                      .columns = 64,
-                                      .rows = 50,
-                                      .mode = model::Mode::grey_over,
-                                      .threshold = 77,
-                                      .select = model::Select::strongest,
-                                      .gap = 3,
-                                      .window = {.first = 5, .last = 40},
-                                      .stream = 9,
-                                      .region_row = 11,
-                                      .region_column = 21,
-                                      .compact = true,
-                                      .codes = true,
-                                      .median = true,
-                                      .code_bits = 7,
-                                      .code_threshold = 13,
-                                      .timeout = 5000};
+  control.set_ejector(100, 20);
+  const model::BoardSettings settings{
+      .run = false,
+      .hold = true,
+      .image = true,
+      .columns = 64,
+      .rows = 50,
+      .mode = model::Mode::grey_over,
+      .threshold = 77,
+      .select = model::Select::strongest,
+      .gap = 3,
+      .window = {.first = 5, .last = 40},
+      .stream = 9,
+      .region_row = 11,
+      .region_column = 21,
+      .compact = true,
+      .verdict = true,
+      .verdict_packets = 2,
+      .verdict_hold = true,
+      .verdict_settings = {.width = 16,
+                           .history = 7,
+                           .hits = 5,
+                           .above = false,
+                           .most_unlit = 77,
+                           .shift_columns = -12,
+                           .shift_rows = 40,
+                           .bank = 1},
+      .part_rule = {.by_encoder = true, .lit = 30, .dark_frames = 2, .start = 1234, .length = 2000, .pitch = 3000},
+      .codes = true,
+      .median = true,
+      .code_bits = 7,
+      .code_threshold = 13,
+      .timeout = 5000};
   control.set(settings);
   EXPECT_EQ(all_of(board.settings()), all_of(settings));
   control.set(reset);
   EXPECT_EQ(all_of(board.settings()), all_of(reset));
+}
+
+TEST(Control, LimitsReachTheVerdict) {
+  model::RegisterFile board({.max_columns = 8, .max_rows = 40, .verdict_log_sections = 1});
+  model::Verdict verdict(8, 2);
+  board.judge_with(verdict);
+  driver::Control control(port_of(board));
+  EXPECT_EQ(control.build().verdict_log_sections, 1);
+  control.set_ejector(0, 5);
+  const std::vector<model::ColumnLimits> limits(8, {.low = 9 * 32, .high = 11 * 32, .judged = true});
+  control.set_limits(0, 0, limits);
+  control.set_limits(0, 1, limits, 50);
+  model::BoardSettings settings = board.settings();
+  settings.verdict = true;
+  settings.columns = 8;
+  settings.rows = 40;
+  control.set(settings);
+  // Bank 0 judges next.
+  EXPECT_EQ(error_of([&] { control.set_limits(0, 0, limits); }),
+            "sim:: the board refuses 0x81600120 in register verdict_limits");
+  control.set_limits(1, 0, limits);
+  const std::vector<std::uint32_t> m0(8, 2);
+  const std::vector<std::uint32_t> good(8, 20);
+  std::vector<std::uint32_t> bad = good;
+  bad[3] = 24;
+  const auto frame = [&](const std::vector<std::uint32_t>& m1) {
+    return verdict.frame(board.settings().verdict_settings, false, board.settings().part_rule, 0, m0, m1, true);
+  };
+  frame(good);
+  EXPECT_FALSE(frame(good).defect);
+  EXPECT_EQ(frame(bad).first_column, 4);
+  EXPECT_EQ(control.read("verdict_parts.bad"), 1U);
+  EXPECT_EQ(error_of([&] { control.set_limits(1, 2, limits); }),
+            "sim:: the board refuses 0x01020000 in register verdict_table");
 }
 
 TEST(Control, OtherBoards) {

@@ -174,9 +174,9 @@ TEST(SimDevice, BeatsBecomePackets) {
 
 TEST(SimDevice, FullBufferStallsTheBus) {
   driver::SimDevice device(1);  // room for two of the largest packets
-  const Bytes first = moments_packet(0, spec::kMaxColumns);
+  const Bytes first = largest_packet(0);
   EXPECT_EQ(push(device, first), first.size() / kBeat);
-  EXPECT_EQ(push(device, moments_packet(1, spec::kMaxColumns)), first.size() / kBeat);
+  EXPECT_EQ(push(device, largest_packet(1)), first.size() / kBeat);
   const Bytes beat(kBeat);
   EXPECT_FALSE(device.push(beat, false));
   model::PacketView packet;

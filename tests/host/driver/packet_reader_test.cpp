@@ -93,7 +93,10 @@ TEST(PacketStreamReader, WholeStreamInPiecesOfAnySize) {
 }
 
 TEST(PacketStreamReader, LargestPacketFits) {
-  const Bytes stream = moments_stream(0, 5, spec::kMaxColumns);
+  Bytes stream;
+  for (std::uint64_t sequence = 0; sequence < 5; ++sequence) {
+    append(stream, largest_packet(sequence));
+  }
   EXPECT_EQ(stream.size(), 5 * model::kLargestPacketBytes);
   for (const int largest_piece : {0, 5000}) {  // in the second case it is there in part before it is there
     Random random(1);

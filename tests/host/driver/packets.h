@@ -29,13 +29,18 @@ inline model::PacketHeader moments_header(std::uint64_t sequence, int columns = 
 // Its packet, with a payload that is unique to this sequence.
 inline Bytes moments_packet(const model::PacketHeader& header, std::uint32_t status = 0) {
   Bytes packet;
-  model::append_packet(
-      header, Random(header.sequence + 1).bytes(model::moments_payload_bytes(model::Mode::grey_over, header.columns)),
-      status, packet);
+  model::append_packet(header, Random(header.sequence + 1).bytes(model::frame_payload_bytes(header)), status, packet);
   return packet;
 }
 inline Bytes moments_packet(std::uint64_t sequence, int columns = 16) {
   return moments_packet(moments_header(sequence, columns));
+}
+
+// The largest packet that there is.
+inline Bytes largest_packet(std::uint64_t sequence) {
+  model::PacketHeader header = moments_header(sequence, spec::kMaxColumns);
+  header.flags = spec::kFlagVerdict;
+  return moments_packet(header);
 }
 
 // The packets of frames first..first + count - 1, one after another.

@@ -21,7 +21,8 @@ constexpr int kTrackerDelay = 2;  // from a frame's first beat at the video inpu
 constexpr int kEncoderDelay = 7;  // from a change of the encoder's lines to encoder_i
 
 struct Settings {
-  int stream, mode, threshold, columns, rows, gap, strongest, first_row, last_row, region_row, region_column, compact;
+  int stream, mode, threshold, columns, rows, gap, strongest, first_row, last_row, region_row, region_column, compact,
+      verdict;
 };
 
 // A frame as frame_start_i announced it.
@@ -58,7 +59,9 @@ void expect_fields(const Wide& info, const Shown& shown) {
       {{"kind", spec::kHeaderKind, 1,
         [](const StartedFrame& f) {
           const bool compact = f.settings.compact != 0 && f.settings.mode != spec::kModeBinary;
-          return std::uint64_t{compact ? spec::kKindCompact : spec::kKindMoments};
+          return std::uint64_t{(f.settings.verdict & 2) != 0 ? spec::kKindVerdict
+                               : compact                     ? spec::kKindCompact
+                                                             : spec::kKindMoments};
         }},
        {"stream", spec::kHeaderStream, 1,
         [](const StartedFrame& f) { return static_cast<std::uint64_t>(f.settings.stream); }},
@@ -89,7 +92,8 @@ void expect_fields(const Wide& info, const Shown& shown) {
         [](const StartedFrame& f) { return static_cast<std::uint64_t>(f.start - kTrackerDelay); }},
        {"encoder", spec::kHeaderEncoder, 4, [](const StartedFrame& f) { return std::uint64_t{f.encoder}; }},
        {"flags", spec::kHeaderFlags, 1, [](const StartedFrame& f) {
-          return std::uint64_t{f.stray_before ? spec::kFlagStrayBefore : std::uint8_t{0}};
+          return std::uint64_t{f.stray_before ? spec::kFlagStrayBefore : std::uint8_t{0}} |
+                 ((f.settings.verdict & 1) != 0 ? spec::kFlagVerdict : std::uint8_t{0});
         }}}};
   for (const Field& entry : kFields) {
     if (const StartedFrame* frame = shown(entry.at / spec::kPacketBeatBytes - entry.early); frame != nullptr) {
@@ -119,7 +123,8 @@ TEST(FrameInfo, EachFieldStandsFromItsClockToTheNextFrames) {
         settings = {random.between(0, 255),   random.between(0, 2),     random.between(0, 255),
                     random.between(0, 4095),  random.between(0, 1023),  random.between(0, 3),
                     random.between(0, 1),     random.between(0, 1023),  random.between(0, 1023),
-                    random.between(0, 65535), random.between(0, 65535), random.between(0, 1)};
+                    random.between(0, 65535), random.between(0, 65535), random.between(0, 1),
+                    random.between(0, 7)};
       }
       info->frame_start_i = start;
       info->take_i = take;
@@ -132,6 +137,7 @@ TEST(FrameInfo, EachFieldStandsFromItsClockToTheNextFrames) {
       info->select_i = static_cast<IData>(settings.gap | settings.strongest << 2 | settings.first_row << 3 |
                                           settings.last_row << 13);
       info->compact_i = static_cast<CData>(settings.compact);
+      info->verdict_i = static_cast<CData>(settings.verdict);
       info->region_i = static_cast<IData>(settings.region_row) | static_cast<IData>(settings.region_column) << 16;
       info->encoder_i = static_cast<std::uint32_t>(random.bits());
       info->pattern_i = static_cast<std::uint16_t>(random.bits());

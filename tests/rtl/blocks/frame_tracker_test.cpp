@@ -29,6 +29,7 @@ struct Settings {
   std::uint32_t select = 0;
   std::uint32_t region = 0;
   bool compact = false;
+  int verdict = 0;
 };
 
 // All outputs in one clock. Fields of a beat count only if beat is set, those of a break only if break_status is set.
@@ -167,7 +168,7 @@ class FrameTrackerBench {
                         beat);
     tracker_.valid_when({"break_in_last_row_o", "break_status_o"}, [this] { return tracker_->break_o != 0; });
     tracker_.valid_when({"image_o", "columns_o", "rows_o", "mode_o", "threshold_o", "stream_o", "select_o", "region_o",
-                         "compact_o", "one_group_o", "two_groups_o"},
+                         "compact_o", "verdict_o", "one_group_o", "two_groups_o"},
                         [this] { return reference_.taken; });
     tracker_->s_axis_tvalid_i = 0;
     tracker_->run_i = 0;
@@ -247,6 +248,7 @@ class FrameTrackerBench {
     tracker_->select_i = settings.select;
     tracker_->region_i = settings.region;
     tracker_->compact_i = settings.compact;
+    tracker_->verdict_i = static_cast<CData>(settings.verdict);
     tracker_->timeout_i = static_cast<IData>(timeout);
   }
 
@@ -291,6 +293,7 @@ class FrameTrackerBench {
       ASSERT_EQ(tracker_->select_o, reference_.in_force.select);
       ASSERT_EQ(tracker_->region_o, reference_.in_force.region);
       ASSERT_EQ(tracker_->compact_o, reference_.in_force.compact);
+      ASSERT_EQ(tracker_->verdict_o, reference_.in_force.verdict);
       ASSERT_EQ(tracker_->one_group_o, reference_.in_force.columns == 4);
       ASSERT_EQ(tracker_->two_groups_o, reference_.in_force.columns == 8);
     }

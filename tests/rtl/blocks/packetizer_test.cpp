@@ -45,6 +45,7 @@ class PacketizerBench {
     packetizer_->spoiled_i = 0;
     packetizer_->payload_valid_i = 0;
     packetizer_->payload_break_i = 0;
+    packetizer_->tail_valid_i = 0;
     set_free();
     packetizer_.reset();
   }
@@ -259,6 +260,7 @@ class PacketizerBench {
   void feed_payload(std::int64_t now) {
     packetizer_->payload_valid_i = 0;
     packetizer_->payload_break_i = 0;
+    packetizer_->tail_valid_i = 0;
     set128(packetizer_->payload_data_i, {0xDEAD, 0xBEEF, 0xDEAD, 0xBEEF});
     if (now < payload_from_ || random_.chance(plan_.gaps)) {
       return;
@@ -469,6 +471,7 @@ TYPED_TEST(Packetizer, ManyLossesAreCounted) {
   packetizer->spoiled_i = 0;
   packetizer->payload_valid_i = 0;
   packetizer->payload_break_i = 0;
+  packetizer->tail_valid_i = 0;
   packetizer->payload_beats_i = 1;
   packetizer->fifo_free_i = 0;
   packetizer->start_i = 0;

@@ -28,6 +28,7 @@ struct Build {
   bool runs = false;
   bool region = false;
   bool compact = false;
+  bool verdict = false;
 };
 
 template <typename Dut>
@@ -42,7 +43,7 @@ struct BuildOf<Vsp_registers_small> {
 };
 template <>
 struct BuildOf<Vsp_registers_codes> {
-  static constexpr Build kBuild = {640, 480, false, true, 9, true, true, true};
+  static constexpr Build kBuild = {640, 480, false, true, 9, true, true, true, true};
 };
 
 // State inputs, all different and with upper bits set.
@@ -284,7 +285,8 @@ class RegistersBench {
       case spec::kRegStatus:
         return (state_.frame_open ? 1U << spec::kRegStatusFrameOpenLsb : 0) |
                (pending_ ? 1U << spec::kRegStatusPendingLsb : 0) |
-               (kBuild.compact ? 1U << spec::kRegStatusCompactLsb : 0);
+               (kBuild.compact ? 1U << spec::kRegStatusCompactLsb : 0) |
+               (kBuild.verdict ? 1U << spec::kRegStatusVerdictLsb : 0);
       case spec::kRegFrames:
         return state_.frames;
       case spec::kRegBroken:

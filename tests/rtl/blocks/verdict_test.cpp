@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <bit>
 #include <cstdint>
-#include <set>
 #include <utility>
 #include <vector>
 
@@ -24,9 +23,10 @@ using model::FrameVerdict;
 using model::PartRule;
 using model::VerdictSettings;
 
-constexpr int kVerdictDelay = 17;  // from the last beat of a frame
-constexpr int kBreakDelay = 18;    // from its break
-constexpr int kFirstBeat = 7;      // least clocks from frame_i
+constexpr int kStartDelay = 14;    // from frame_i
+constexpr int kVerdictDelay = 15;  // from the last beat of a frame
+constexpr int kBreakDelay = 16;    // from its break
+constexpr int kFirstBeat = 3;      // least clocks from start_o
 
 template <typename Port>
 void set(Port& port, int value) {
@@ -49,14 +49,15 @@ class VerdictBench {
   static constexpr Build kOf = kBuild<Dut>;
 
   explicit VerdictBench(Random& random) : random_(random), model_(kOf.columns, kOf.sections) {
-    const auto valid = [this] { return judged_.in_part && known_; };
-    dut_.valid_when({"first_column_o", "columns_o", "unlit_o", "section_o", "part_o", "bank_o"}, valid);
-    dut_.valid_when({"in_part_o", "defect_o", "lacks_light_o"}, [this] { return known_; });
-    dut_->write_limits_i = dut_->write_begin_i = dut_->frame_i = dut_->beat_valid_i = dut_->break_i = 0;
+    dut_.valid_when({"first_column_o", "columns_o", "unlit_o", "section_o", "part_o", "bank_o", "in_part_o", "defect_o",
+                     "lacks_light_o"},
+                    [this] { return known_; });
+    dut_->write_limits_i = dut_->write_i = dut_->frame_i = dut_->beat_valid_i = dut_->break_i = 0;
+    dut_->restart_i = dut_->hold_i = dut_->by_encoder_i = 0;
     dut_->groups_i = 1;
     dut_->grey_i = 0;
-    settle_settings();
     dut_.reset();
+    write_words();
     for (int bank = 0; bank < 2; ++bank) {
       write_bank(bank);
     }
@@ -67,7 +68,7 @@ class VerdictBench {
   void draw_settings() {
     settings_.width = random_.chance(70) ? random_.between(1, 4) : random_.between(1, 255);
     settings_.history = random_.between(1, model::kMaxHistory);
-    settings_.hits = random_.between(1, settings_.history);
+    settings_.hits = random_.between(1, random_.chance(90) ? settings_.history : 15);
     settings_.above = random_.chance(70);
     settings_.below = random_.chance(70);
     settings_.most_unlit = random_.chance(30) ? 4095 : random_.between(0, kOf.columns / 2);
@@ -78,7 +79,8 @@ class VerdictBench {
       settings_.shift_rows = random_.chance(50) ? -model::kMaxShiftRows : model::kMaxShiftRows;
     }
     settings_.bank = random_.between(0, 1);
-    settle_settings();
+    hold_ = random_.chance(20);
+    write_words();
   }
 
   void draw_rule() {
@@ -88,7 +90,7 @@ class VerdictBench {
     rule_.start = encoder_ + static_cast<std::uint32_t>(random_.between(-50, 50));
     rule_.length = static_cast<std::uint32_t>(random_.between(1, 60));
     rule_.pitch = rule_.length + static_cast<std::uint32_t>(random_.between(1, 40));
-    settle_settings();
+    write_words();
   }
 
   // Writes limits of the bank that is not in force.
@@ -103,7 +105,7 @@ class VerdictBench {
     }
   }
   void write_one() {
-    const int bank = model_.in_part() ? 1 - bank_ : random_.between(0, 1);
+    const int bank = model_.in_part() ? 1 - model_.bank() : random_.between(0, 1);
     write(bank, random_.between(0, kOf.sections - 1), random_.between(0, kOf.columns - 1));
   }
 
@@ -120,18 +122,43 @@ class VerdictBench {
     const int come = silent ? 0 : breaks ? random_.between(0, beats - 1) : beats;
     draw_moments(columns, grey);
 
+    const bool restarts = random_.chance(2);
+    if (restarts) {
+      model_.stop();
+    }
     dut_->frame_i = 1;
+    dut_->restart_i = restarts;
     dut_->encoder_i = encoder_ & model::kCountMask;
     set(dut_->groups_i, columns / 4);
     dut_->grey_i = grey;
-    clock();
+    const bool writes = random_.chance(20);  // meanwhile; the reads of the circuit wait
+    int wait = kStartDelay;
+    if (writes && random_.chance(20)) {
+      write_word(spec::kRegEjectorDelay, 0);  // its clock is that of the frame
+    } else {
+      clock();
+    }
     dut_->frame_i = 0;
+    dut_->restart_i = random_.chance(50);
+    dut_->hold_i = random_.chance(50);  // counted with the frame
     dut_->encoder_i = static_cast<IData>(random_.bits()) & model::kCountMask;
     const auto count = static_cast<std::size_t>(come) * (grey ? 2 : 4);
     const FrameVerdict wanted =
-        model_.frame(settings_, rule_, encoder_, {m0_.data(), count}, {m1_.data(), count}, !breaks);
-    bank_ = taken_over(wanted);
-    for (int i = 1; i < kFirstBeat + (random_.chance(50) ? 0 : random_.between(0, 9)); ++i) {
+        model_.frame(settings_, hold_, rule_, encoder_, {m0_.data(), count}, {m1_.data(), count}, !breaks);
+    for (int i = 1; i < wait; ++i) {
+      dut_.settle();
+      ASSERT_FALSE(dut_->start_o);
+      if (writes && random_.chance(20)) {
+        write_word(spec::kRegEjectorDelay, static_cast<std::uint32_t>(random_.bits()));
+        ++wait;
+      } else {
+        clock();
+      }
+    }
+    dut_.settle();
+    ASSERT_TRUE(dut_->start_o);
+    dut_->hold_i = hold_;
+    for (int i = 0; i < kFirstBeat + (random_.chance(50) ? 0 : random_.between(0, 9)); ++i) {
       clock();
     }
     if (silent) {
@@ -169,31 +196,27 @@ class VerdictBench {
   }
 
  private:
-  // Which bank judges a frame of this part.
-  int taken_over(const FrameVerdict& found) {
-    if (found.in_part && (parts_.empty() || *parts_.rbegin() != found.part)) {
-      parts_.insert(found.part);
-      return settings_.bank;
-    }
-    return bank_;
+  void write_word(std::uint32_t address, std::uint32_t data) {
+    put_word((address - spec::kRegVerdictControl) / 4, data);
+  }
+  void put_word(std::uint32_t word, std::uint32_t data) {
+    dut_->write_i = 1;
+    set(dut_->write_word_i, static_cast<int>(word));
+    dut_->write_data_i = data;
+    clock();
+    dut_->write_i = 0;
   }
 
-  void settle_settings() {
-    set(dut_->width_i, settings_.width);
-    set(dut_->history_i, settings_.history - 1);
-    set(dut_->hits_i, settings_.hits);
-    dut_->above_i = settings_.above;
-    dut_->below_i = settings_.below;
-    set(dut_->most_unlit_i, settings_.most_unlit);
-    set(dut_->shift_columns_i, settings_.shift_columns & 0xFF);
-    set(dut_->shift_rows_i, settings_.shift_rows & 0x3FFF);
-    dut_->bank_i = settings_.bank != 0;
-    dut_->rule_by_encoder_i = rule_.by_encoder;
-    set(dut_->rule_lit_i, rule_.lit);
-    set(dut_->rule_dark_i, rule_.dark_frames);
-    dut_->rule_start_i = rule_.start & model::kCountMask;
-    dut_->rule_length_i = rule_.length;
-    dut_->rule_pitch_i = rule_.pitch;
+  void write_words() {
+    const model::VerdictWords words = model::verdict_words(settings_, rule_);
+    write_word(spec::kRegVerdictDefect, words.defect);
+    write_word(spec::kRegVerdictShift, words.shift);
+    write_word(spec::kRegVerdictLight, words.light);
+    write_word(spec::kRegVerdictStart, rule_.start & model::kCountMask);
+    write_word(spec::kRegVerdictLength, rule_.length);
+    write_word(spec::kRegVerdictPitch, rule_.pitch);
+    dut_->hold_i = hold_;
+    dut_->by_encoder_i = rule_.by_encoder;
   }
 
   void write(int bank, int section, int column) {
@@ -203,12 +226,13 @@ class VerdictBench {
         static_cast<std::uint32_t>(std::max(0, middle - band)),
         static_cast<std::uint32_t>(std::min(model::kRowParts * kOf.rows, middle + band)), random_.chance(90)};
     model_.write(bank, section, column, limits);
-    const int row_bits = std::bit_width(static_cast<unsigned>(kOf.rows)) + 7;
+    const int limit_bits = std::bit_width(static_cast<unsigned>(kOf.rows)) + 5;
     dut_->write_limits_i = 1;
-    set(dut_->write_lane_i, column % 4);
-    set(dut_->write_group_i, (bank * kOf.sections + section) * (kOf.columns / 4) + column / 4);
-    dut_->write_word_i = (static_cast<std::uint64_t>(limits.judged) << 2 * row_bits) |
-                         (static_cast<std::uint64_t>(limits.high) << row_bits) | limits.low;
+    dut_->write_bank_i = bank != 0;
+    set(dut_->write_section_i, section);
+    set(dut_->write_column_i, column);
+    dut_->write_limits_word_i =
+        (static_cast<IData>(limits.judged) << 2 * limit_bits) | (limits.high << limit_bits) | limits.low;
     clock();
     dut_->write_limits_i = 0;
   }
@@ -216,11 +240,7 @@ class VerdictBench {
   void begin_section(int bank, int section) {
     const auto count = static_cast<std::uint32_t>(random_.between(0, 60));
     model_.begin_section(bank, section, count);
-    dut_->write_begin_i = 1;
-    set(dut_->write_section_i, bank * kOf.sections + section);
-    dut_->write_count_i = count;
-    clock();
-    dut_->write_begin_i = 0;
+    put_word(16U + static_cast<std::uint32_t>(bank * kOf.sections + section), count);
   }
 
   // Columns near the rows where limits lie, so that some are good, and at the limits themselves.
@@ -236,7 +256,8 @@ class VerdictBench {
       const int m0 = random_.between(1, most);
       const int row_parts = random_.between(model::kRowParts, model::kRowParts * kOf.rows);
       m0_[c] = static_cast<std::uint32_t>(m0);
-      m1_[c] = static_cast<std::uint32_t>((static_cast<std::int64_t>(row_parts) * m0 + random_.between(0, 127)) / 128);
+      const int rest = random_.between(0, model::kRowParts - 1);
+      m1_[c] = static_cast<std::uint32_t>((static_cast<std::int64_t>(row_parts) * m0 + rest) / model::kRowParts);
       m1_[c] = std::min(m1_[c], static_cast<std::uint32_t>(most * (kOf.rows + 1) / 2));
     }
   }
@@ -275,22 +296,20 @@ class VerdictBench {
   void compare(const FrameVerdict& wanted, int columns) {
     dut_.settle();
     ASSERT_TRUE(dut_->verdict_valid_o) << "clock " << dut_.clock() << ", last seen " << came_;
-    judged_ = wanted;
+
     known_ = true;
     ASSERT_EQ(dut_->in_part_o != 0, wanted.in_part);
     ASSERT_EQ(dut_->defect_o != 0, wanted.defect);
     ASSERT_EQ(dut_->lacks_light_o != 0, wanted.lacks_light);
-    if (wanted.in_part) {
-      ASSERT_EQ(dut_->unlit_o, wanted.unlit) << columns << " columns";
-      ASSERT_EQ(dut_->first_column_o, wanted.first_column);
-      ASSERT_EQ(dut_->columns_o, wanted.columns);
-      ASSERT_EQ(dut_->section_o, wanted.section);
-      ASSERT_EQ(dut_->part_o, wanted.part);
-      ASSERT_EQ(dut_->bank_o, bank_);
-    }
-    const bool bad = wanted.defect || wanted.lacks_light;
-    ASSERT_EQ(dut_->first_bad_o != 0, bad && bad_.insert(wanted.part).second);
-    parts = static_cast<int>(parts_.size());
+    ASSERT_EQ(dut_->unlit_o, wanted.unlit) << columns << " columns";
+    ASSERT_EQ(dut_->first_column_o, wanted.first_column);
+    ASSERT_EQ(dut_->columns_o, wanted.columns);
+    ASSERT_EQ(dut_->section_o, wanted.section);
+    ASSERT_EQ(dut_->part_o, wanted.part);
+    ASSERT_EQ(dut_->bank_o, wanted.bank);
+    ASSERT_EQ(dut_->count_o, encoder_ & model::kCountMask);
+    ASSERT_EQ(dut_->first_bad_o != 0, wanted.first_bad);
+    parts = static_cast<int>(model_.parts());
     defects += wanted.defect ? 1 : 0;
     dark += wanted.lacks_light ? 1 : 0;
     sections = std::max(sections, wanted.section);
@@ -307,11 +326,9 @@ class VerdictBench {
   PartRule rule_;
   std::uint32_t encoder_ = 0xFFFF'FF00;  // wraps
   std::vector<std::uint32_t> m0_, m1_;
-  std::set<std::uint32_t> parts_, bad_;  // that have begun, and of which a frame was bad
-  FrameVerdict judged_;
   bool known_ = false, broke_ = false;
   int columns_ = kOf.columns;
-  int bank_ = 0;
+  bool hold_ = false;
   int seen_ = 0;
   std::int64_t came_ = -1;
 };
@@ -354,7 +371,7 @@ void random_frames(int cases, int frames) {
 TEST(Verdict, RandomFramesEqualTheModel) { random_frames<Vsp_verdict>(20, 250); }
 TEST(VerdictSmall, RandomFramesEqualTheModel) { random_frames<Vsp_verdict_small>(6, 100); }
 
-// The pin follows its definition, five clocks late.
+// The pin follows its definition, six clocks late.
 TEST(Ejector, PulsesByTheEncoder) {
   int pulses = 0;
   for_cases(30, [&](Random& random) {
@@ -364,26 +381,27 @@ TEST(Ejector, PulsesByTheEncoder) {
     ejector->delay_i = delay;
     set(ejector->length_i, length);
     ejector->bad_i = 0;
-    std::uint32_t encoder = 0xFFFF'FFC0;  // wraps
+    std::uint32_t encoder = model::kCountMask - 63;  // wraps
     ejector->encoder_i = encoder;
     ejector.reset();
     std::vector<std::uint32_t> places;
     int quiet = 0;  // clocks in which the encoder stood
     for (int i = 0; i < 3000; ++i) {
-      const bool steps = quiet >= 8 && random.chance(40);
+      const bool steps = quiet >= 9 && random.chance(40);
       quiet = steps ? 0 : quiet + 1;
-      encoder += steps ? 1U : 0U;
+      encoder = (encoder + (steps ? 1U : 0U)) & model::kCountMask;
       ejector->encoder_i = encoder;
-      ejector->bad_i = quiet == 1 && random.chance(5) && (places.empty() || encoder - places.back() > 12);
+      ejector->bad_i =
+          quiet == 1 && random.chance(5) && (places.empty() || ((encoder - places.back()) & model::kCountMask) > 12);
       ejector->place_i = encoder;
       if (ejector->bad_i) {
         places.push_back(encoder);
       }
       ejector.settle();
       ASSERT_FALSE(ejector->lost_o);
-      if (quiet >= 8) {  // by now the pin has followed
+      if (quiet >= 9) {  // by now the pin has followed
         const bool wanted = std::ranges::any_of(places, [&](std::uint32_t place) {
-          return encoder - (place + delay) < static_cast<std::uint32_t>(length);
+          return ((encoder - (place + delay)) & model::kCountMask) < static_cast<std::uint32_t>(length);
         });
         ASSERT_EQ(ejector->ejector_o != 0, wanted) << "clock " << i;
         pulses += wanted ? 1 : 0;

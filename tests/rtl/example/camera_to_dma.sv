@@ -12,6 +12,7 @@ module camera_to_dma (
   input  wire logic [1:0]   encoder_i,    // {b, a}
   output logic              projector_trigger_o,
   output logic              camera_trigger_o,
+  output logic              ejector_o,
 
   input  wire logic         bus_clk_i,    // the DMA's and the processor's
   output logic              dma_valid_o,
@@ -73,6 +74,7 @@ module camera_to_dma (
     .encoder_b_i        (encoder_i[1]),
     .projector_trigger_o(projector_trigger_o),
     .camera_trigger_o   (camera_trigger_o),
+    .ejector_o          (ejector_o),
     .bus_clk_i          (bus_clk_i),
     .bus_rst_i          (bus_rst),
     .m_axis_tvalid      (dma_valid_o),

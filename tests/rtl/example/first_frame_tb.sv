@@ -19,6 +19,7 @@ module first_frame_tb;
   always #3.307 pixel_clk = !pixel_clk;  // 151.2 MHz
   always #8 bus_clk = !bus_clk;          // 62.5 MHz
 
+  logic unused_ejector;
   camera_to_dma u_design (
     .reset_i             (reset),
     .pixel_clk_i         (pixel_clk),
@@ -29,6 +30,7 @@ module first_frame_tb;
     .encoder_i           (2'b00),
     .projector_trigger_o (triggers[0]),
     .camera_trigger_o    (triggers[1]),
+    .ejector_o           (unused_ejector),
     .bus_clk_i           (bus_clk),
     .dma_valid_o         (dma_valid),
     .dma_ready_i         (1'b1),

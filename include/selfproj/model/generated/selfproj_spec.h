@@ -47,6 +47,7 @@ constexpr std::uint8_t kKindMoments = 1;  // column moments, one packet per fram
 constexpr std::uint8_t kKindCodes = 2;  // code image, one packet per line
 constexpr std::uint8_t kKindImage = 3;  // raw image, one packet per line
 constexpr std::uint8_t kKindCompact = 4;  // columns divided in the circuit, one packet per frame in place of kind moments
+constexpr std::uint8_t kKindVerdict = 5;  // the verdict of a frame, one packet per frame in place of kinds moments and compact
 
 // Payload words; the largest value that can occur fits its field
 constexpr int kBinaryWordBits = 32;
@@ -131,6 +132,47 @@ constexpr int kCompactQualityLsb = 26;
 constexpr int kCompactQualityBits = 6;
 constexpr std::uint64_t kCompactQualityMax = 63;  // 63
 static_assert(kCompactQualityMax >> kCompactQualityBits == 0, "compact.quality does not fit");
+constexpr int kVerdictWordBits = 128;
+constexpr int kVerdictFirstColumnLsb = 0;
+constexpr int kVerdictFirstColumnBits = 12;
+constexpr std::uint64_t kVerdictFirstColumnMax = 2048;  // 2048
+static_assert(kVerdictFirstColumnMax >> kVerdictFirstColumnBits == 0, "verdict.first_column does not fit");
+constexpr int kVerdictColumnsLsb = 16;
+constexpr int kVerdictColumnsBits = 12;
+constexpr std::uint64_t kVerdictColumnsMax = 2048;  // 2048
+static_assert(kVerdictColumnsMax >> kVerdictColumnsBits == 0, "verdict.columns does not fit");
+constexpr int kVerdictUnlitLsb = 32;
+constexpr int kVerdictUnlitBits = 12;
+constexpr std::uint64_t kVerdictUnlitMax = 2048;  // 2048
+static_assert(kVerdictUnlitMax >> kVerdictUnlitBits == 0, "verdict.unlit does not fit");
+constexpr int kVerdictJudgedLsb = 72;
+constexpr int kVerdictJudgedBits = 1;
+constexpr std::uint64_t kVerdictJudgedMax = 1;  // 1
+static_assert(kVerdictJudgedMax >> kVerdictJudgedBits == 0, "verdict.judged does not fit");
+constexpr int kVerdictInPartLsb = 73;
+constexpr int kVerdictInPartBits = 1;
+constexpr std::uint64_t kVerdictInPartMax = 1;  // 1
+static_assert(kVerdictInPartMax >> kVerdictInPartBits == 0, "verdict.in_part does not fit");
+constexpr int kVerdictDefectLsb = 74;
+constexpr int kVerdictDefectBits = 1;
+constexpr std::uint64_t kVerdictDefectMax = 1;  // 1
+static_assert(kVerdictDefectMax >> kVerdictDefectBits == 0, "verdict.defect does not fit");
+constexpr int kVerdictLacksLightLsb = 75;
+constexpr int kVerdictLacksLightBits = 1;
+constexpr std::uint64_t kVerdictLacksLightMax = 1;  // 1
+static_assert(kVerdictLacksLightMax >> kVerdictLacksLightBits == 0, "verdict.lacks_light does not fit");
+constexpr int kVerdictBankLsb = 76;
+constexpr int kVerdictBankBits = 1;
+constexpr std::uint64_t kVerdictBankMax = 1;  // 1
+static_assert(kVerdictBankMax >> kVerdictBankBits == 0, "verdict.bank does not fit");
+constexpr int kVerdictSectionLsb = 80;
+constexpr int kVerdictSectionBits = 6;
+constexpr std::uint64_t kVerdictSectionMax = 63;  // 63
+static_assert(kVerdictSectionMax >> kVerdictSectionBits == 0, "verdict.section does not fit");
+constexpr int kVerdictPartLsb = 96;
+constexpr int kVerdictPartBits = 16;
+constexpr std::uint64_t kVerdictPartMax = 65535;  // 65535
+static_assert(kVerdictPartMax >> kVerdictPartBits == 0, "verdict.part does not fit");
 
 // Packet: byte offsets
 constexpr std::uint32_t kMagic = 0x50464C53U;  // "SLFP"
@@ -167,6 +209,7 @@ constexpr std::size_t kTrailerCheck = 12;  // 32 bits
 
 // Header flags and trailer status bits
 constexpr std::uint8_t kFlagStrayBefore = 1U << 0;  // beats that belonged to no frame were discarded before this frame
+constexpr std::uint8_t kFlagVerdict = 1U << 1;  // the payload ends with 16 bytes more, the verdict of the frame
 constexpr std::uint32_t kStatusShortLine = 1U << 0;  // a line ended before its last column
 constexpr std::uint32_t kStatusLongLine = 1U << 1;  // a line went on after its last column
 constexpr std::uint32_t kStatusStartInFrame = 1U << 2;  // the next frame started before this one was complete
@@ -266,6 +309,8 @@ constexpr int kRegStatusFrameOpenLsb = 0;
 constexpr int kRegStatusFrameOpenBits = 1;
 constexpr int kRegStatusPendingLsb = 1;
 constexpr int kRegStatusPendingBits = 1;
+constexpr int kRegStatusVerdictLsb = 30;
+constexpr int kRegStatusVerdictBits = 1;
 constexpr int kRegStatusCompactLsb = 31;
 constexpr int kRegStatusCompactBits = 1;
 constexpr std::uint32_t kRegFrames = 0x34;  // ro
@@ -338,6 +383,104 @@ constexpr std::uint32_t kRegCompact = 0x6C;  // rw
 constexpr std::uint32_t kRegCompactReset = 0x00000000U;
 constexpr int kRegCompactOnLsb = 0;
 constexpr int kRegCompactOnBits = 1;
+constexpr std::uint32_t kRegVerdictControl = 0x80;  // rw
+constexpr std::uint32_t kRegVerdictControlReset = 0x00000000U;
+constexpr int kRegVerdictControlOnLsb = 0;
+constexpr int kRegVerdictControlOnBits = 1;
+constexpr int kRegVerdictControlHoldLsb = 1;
+constexpr int kRegVerdictControlHoldBits = 1;
+constexpr int kRegVerdictControlByEncoderLsb = 2;
+constexpr int kRegVerdictControlByEncoderBits = 1;
+constexpr int kRegVerdictControlPacketsLsb = 4;
+constexpr int kRegVerdictControlPacketsBits = 2;
+constexpr std::uint32_t kRegVerdictDefect = 0x88;  // rw
+constexpr std::uint32_t kRegVerdictDefectReset = 0x00000000U;
+constexpr int kRegVerdictDefectWidthLsb = 0;
+constexpr int kRegVerdictDefectWidthBits = 8;
+constexpr int kRegVerdictDefectHistoryLsb = 8;
+constexpr int kRegVerdictDefectHistoryBits = 3;
+constexpr int kRegVerdictDefectHitsLsb = 12;
+constexpr int kRegVerdictDefectHitsBits = 4;
+constexpr int kRegVerdictDefectAboveLsb = 16;
+constexpr int kRegVerdictDefectAboveBits = 1;
+constexpr int kRegVerdictDefectBelowLsb = 17;
+constexpr int kRegVerdictDefectBelowBits = 1;
+constexpr int kRegVerdictDefectBankLsb = 18;
+constexpr int kRegVerdictDefectBankBits = 1;
+constexpr int kRegVerdictDefectMostUnlitLsb = 20;
+constexpr int kRegVerdictDefectMostUnlitBits = 12;
+constexpr std::uint32_t kRegVerdictShift = 0x8C;  // rw
+constexpr std::uint32_t kRegVerdictShiftReset = 0x00000000U;
+constexpr int kRegVerdictShiftColumnsLsb = 0;
+constexpr int kRegVerdictShiftColumnsBits = 8;
+constexpr int kRegVerdictShiftRowsLsb = 16;
+constexpr int kRegVerdictShiftRowsBits = 12;
+constexpr std::uint32_t kRegVerdictLight = 0x90;  // rw
+constexpr std::uint32_t kRegVerdictLightReset = 0x00000000U;
+constexpr int kRegVerdictLightLitLsb = 0;
+constexpr int kRegVerdictLightLitBits = 12;
+constexpr int kRegVerdictLightDarkFramesLsb = 16;
+constexpr int kRegVerdictLightDarkFramesBits = 8;
+constexpr std::uint32_t kRegVerdictStart = 0x94;  // rw
+constexpr std::uint32_t kRegVerdictStartReset = 0x00000000U;
+constexpr int kRegVerdictStartCountLsb = 0;
+constexpr int kRegVerdictStartCountBits = 24;
+constexpr std::uint32_t kRegVerdictLength = 0x98;  // rw
+constexpr std::uint32_t kRegVerdictLengthReset = 0x00000000U;
+constexpr int kRegVerdictLengthCountsLsb = 0;
+constexpr int kRegVerdictLengthCountsBits = 24;
+constexpr std::uint32_t kRegVerdictPitch = 0x9C;  // rw
+constexpr std::uint32_t kRegVerdictPitchReset = 0x00000000U;
+constexpr int kRegVerdictPitchCountsLsb = 0;
+constexpr int kRegVerdictPitchCountsBits = 24;
+constexpr std::uint32_t kRegEjectorDelay = 0xA0;  // rw
+constexpr std::uint32_t kRegEjectorDelayReset = 0x00000000U;
+constexpr int kRegEjectorDelayCountsLsb = 0;
+constexpr int kRegEjectorDelayCountsBits = 23;
+constexpr std::uint32_t kRegEjectorLength = 0xA4;  // rw
+constexpr std::uint32_t kRegEjectorLengthReset = 0x00000000U;
+constexpr int kRegEjectorLengthCountsLsb = 0;
+constexpr int kRegEjectorLengthCountsBits = 16;
+constexpr std::uint32_t kRegVerdictTable = 0xA8;  // rw
+constexpr std::uint32_t kRegVerdictTableReset = 0x00000000U;
+constexpr int kRegVerdictTableColumnLsb = 0;
+constexpr int kRegVerdictTableColumnBits = 11;
+constexpr int kRegVerdictTableSectionLsb = 16;
+constexpr int kRegVerdictTableSectionBits = 6;
+constexpr int kRegVerdictTableBankLsb = 24;
+constexpr int kRegVerdictTableBankBits = 1;
+constexpr std::uint32_t kRegVerdictLimits = 0xAC;  // rw
+constexpr std::uint32_t kRegVerdictLimitsReset = 0x00000000U;
+constexpr int kRegVerdictLimitsLowLsb = 0;
+constexpr int kRegVerdictLimitsLowBits = 15;
+constexpr int kRegVerdictLimitsHighLsb = 16;
+constexpr int kRegVerdictLimitsHighBits = 15;
+constexpr int kRegVerdictLimitsJudgedLsb = 31;
+constexpr int kRegVerdictLimitsJudgedBits = 1;
+constexpr std::uint32_t kRegVerdictBegin = 0xB0;  // rw
+constexpr std::uint32_t kRegVerdictBeginReset = 0x00000000U;
+constexpr int kRegVerdictBeginCountsLsb = 0;
+constexpr int kRegVerdictBeginCountsBits = 24;
+constexpr std::uint32_t kRegVerdictState = 0xC0;  // ro
+constexpr std::uint32_t kRegVerdictStateReset = 0x00000000U;
+constexpr int kRegVerdictStateInPartLsb = 0;
+constexpr int kRegVerdictStateInPartBits = 1;
+constexpr int kRegVerdictStateBankLsb = 1;
+constexpr int kRegVerdictStateBankBits = 1;
+constexpr int kRegVerdictStateLogSectionsLsb = 4;
+constexpr int kRegVerdictStateLogSectionsBits = 3;
+constexpr int kRegVerdictStateSectionLsb = 8;
+constexpr int kRegVerdictStateSectionBits = 6;
+constexpr int kRegVerdictStateMissedLsb = 16;
+constexpr int kRegVerdictStateMissedBits = 8;
+constexpr int kRegVerdictStateEjectorLostLsb = 24;
+constexpr int kRegVerdictStateEjectorLostBits = 8;
+constexpr std::uint32_t kRegVerdictParts = 0xC4;  // ro
+constexpr std::uint32_t kRegVerdictPartsReset = 0x00000000U;
+constexpr int kRegVerdictPartsBegunLsb = 0;
+constexpr int kRegVerdictPartsBegunBits = 16;
+constexpr int kRegVerdictPartsBadLsb = 16;
+constexpr int kRegVerdictPartsBadBits = 16;
 
 }  // namespace spec
 }  // namespace selfproj

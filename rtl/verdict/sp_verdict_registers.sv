@@ -1,0 +1,231 @@
+// Registers of the verdict, in the video clock. The specification places addresses and fields
+// (sp_spec_pkg).
+//
+// Guarantees: those of sp_registers, beside which it stands, for addresses from verdict_control on:
+// request_i lasts one clock and stands still until the answer five clocks later. By then error_o
+// and data_o are there, and a write has taken effect. What a build cannot do is refused, and so are
+// writes of limits to a bank that judges or may judge next.
+//
+// Most registers are words of a memory, which sp_verdict_parts has a copy of: write_o fills it.
+// What of them has not been written since the reset reads as 0. Bits outside all fields are kept,
+// and mean nothing.
+//
+//   clock       0   1   2   3   4   5
+//   request_i  _/1\___________________
+//   good_q     ---------<   >---------
+//   put_q      _____________/1\_______   write_o or write_limits_o, or both switches change
+//   error_o    ---------------------<    and data_o
+`default_nettype none
+
+module sp_verdict_registers #(
+  parameter int MaxColumns = sp_spec_pkg::MaxColumns,  // a multiple of 4, 8..2048
+  parameter int MaxRows = sp_spec_pkg::MaxRows,  // 2..1023
+  parameter int LogSections = 1,  // log2 of the sections of a bank: 0..6
+  // derived, do not set
+  parameter int GroupBits = $clog2(MaxColumns / 4),
+  parameter int LimitBits = $clog2(MaxRows + 1) + 5,
+  parameter int SectionBits = LogSections > 0 ? LogSections : 1,
+  parameter int LogWords = LogSections > 3 ? LogSections + 2 : 5
+) (
+  input  wire logic                   clk_i,
+  input  wire logic                   rst_i,
+
+  input  wire logic                   request_i,
+  input  wire logic                   write_i,
+  input  wire logic [7:0]             address_i,
+  input  wire logic [31:0]            data_i,
+  output logic                        error_o,
+  output logic      [31:0]            data_o,   // 0 for an address that is not here
+
+  output logic                        on_o,
+  output logic                        hold_o,
+  output logic                        by_encoder_o,
+  output logic      [1:0]             packets_o,        // as verdict_control.packets
+  output logic      [15:0]            length_o,         // of the ejector's pulse
+
+  // Words, and from the middle on beginnings of sections, {1, bank, section}
+  output logic                        write_o,
+  output logic      [LogWords-1:0]    write_word_o,
+  output logic                        write_limits_o,
+  output logic                        write_bank_o,
+  output logic      [SectionBits-1:0] write_section_o,
+  output logic      [GroupBits+1:0]   write_column_o,
+  output logic      [2*LimitBits:0]   write_limits_word_o,  // {judged, high, low}
+
+  // State
+  input  wire logic                   passes_i,   // a part passes
+  input  wire logic                   bank_i,     // in force
+  input  wire logic [SectionBits-1:0] section_i,
+  input  wire logic [15:0]            part_i,     // parts that have begun
+  input  wire logic                   bad_i,      // for one clock each: a bad part
+  input  wire logic                   missed_i,   // a frame that was not judged
+  input  wire logic                   lost_i      // a pulse of the ejector
+);
+
+  localparam int Base = 32'(sp_spec_pkg::RegVerdictControl);
+  localparam int Control = 0,
+                 Defect = (32'(sp_spec_pkg::RegVerdictDefect) - Base) / 4,
+                 Light = (32'(sp_spec_pkg::RegVerdictLight) - Base) / 4,
+                 LengthWord = (32'(sp_spec_pkg::RegVerdictLength) - Base) / 4,
+                 Pitch = (32'(sp_spec_pkg::RegVerdictPitch) - Base) / 4,
+                 Ejector = (32'(sp_spec_pkg::RegEjectorLength) - Base) / 4,
+                 Table = (32'(sp_spec_pkg::RegVerdictTable) - Base) / 4,
+                 Limits = (32'(sp_spec_pkg::RegVerdictLimits) - Base) / 4,
+                 Begin = (32'(sp_spec_pkg::RegVerdictBegin) - Base) / 4,
+                 State = (32'(sp_spec_pkg::RegVerdictState) - Base) / 4;
+  localparam int Plain = 16;  // words that can be written lie below
+  // What has to be written before on
+  localparam logic [Plain-1:0] Needed =
+      (Plain'(1) << (Ejector + 1)) - (Plain'(1) << Defect);
+  localparam int LowLsb = sp_spec_pkg::RegVerdictLimitsLowLsb,
+                 HighLsb = sp_spec_pkg::RegVerdictLimitsHighLsb,
+                 LimitSpan = sp_spec_pkg::RegVerdictLimitsLowBits;
+  localparam int ColumnLsb = sp_spec_pkg::RegVerdictTableColumnLsb,
+                 ColumnSpan = sp_spec_pkg::RegVerdictTableColumnBits,
+                 SectionLsb = sp_spec_pkg::RegVerdictTableSectionLsb,
+                 SectionSpan = sp_spec_pkg::RegVerdictTableSectionBits,
+                 BankLsb = sp_spec_pkg::RegVerdictTableBankLsb;
+  localparam int PacketsLsb = sp_spec_pkg::RegVerdictControlPacketsLsb;
+
+  // --- Request: its register and whether its data is good ---
+  logic [2:0]       asked_q;    // the request, one to three clocks ago, the latest lowest
+  logic [4:0]       word;       // of the bank
+  logic             here, there_q, good, good_q, put_q, can_put_q;
+  logic [Plain-1:0] written_q;  // since reset
+  logic             named_bank_q;  // that verdict_defect names
+  logic             free;          // the bank that verdict_table names may be written
+  logic [ColumnSpan-1:0]  column_q;
+  logic [SectionSpan-1:0] section_q;
+
+  assign word = address_i[6:2];
+  assign here = address_i[7] && address_i[1:0] == 2'b00 && sp_spec_pkg::VerdictWords[word];
+  assign free = !(on_o && (write_bank_o == named_bank_q || passes_i && write_bank_o == bank_i));
+
+  always_comb begin
+    good = 1'b1;
+    case (word)
+      5'(Control): good = data_i[PacketsLsb+:2] != 2'd3 &&
+                          (!data_i[sp_spec_pkg::RegVerdictControlOnLsb] ||
+                           (written_q & Needed) == Needed);
+      5'(Defect): good = data_i[sp_spec_pkg::RegVerdictDefectWidthLsb+:8] != '0 &&
+                         data_i[sp_spec_pkg::RegVerdictDefectHitsLsb+:4] != '0;
+      5'(Light): good = data_i[sp_spec_pkg::RegVerdictLightLitLsb+:12] != '0 &&
+                        data_i[sp_spec_pkg::RegVerdictLightDarkFramesLsb+:8] != '0;
+      5'(LengthWord), 5'(Pitch): good = data_i[23:0] != '0;
+      5'(Table): good = 32'(data_i[ColumnLsb+:ColumnSpan]) < MaxColumns &&
+                        data_i[SectionLsb+:SectionSpan] >> LogSections == '0;
+      5'(Limits): good = free && data_i[LowLsb+:LimitSpan] >> LimitBits == '0 &&
+                         data_i[HighLsb+:LimitSpan] >> LimitBits == '0;
+      5'(Begin): good = free;
+      default: good = 1'b1;
+    endcase
+  end
+
+  always_ff @(posedge clk_i) begin
+    asked_q   <= rst_i ? '0 : {asked_q[1:0], request_i};
+    there_q   <= here;
+    can_put_q <= here && !address_i[6];
+    good_q    <= good;
+    put_q     <= !rst_i && asked_q[1] && write_i && can_put_q && good_q;
+    if (asked_q[2]) error_o <= write_i ? !put_q : !there_q;
+  end
+
+  // --- Writes ---
+  always_ff @(posedge clk_i) begin
+    if (rst_i) begin
+      {on_o, hold_o, by_encoder_o, packets_o} <= '0;
+      written_q    <= '0;
+      named_bank_q <= 1'b0;
+    end else if (put_q) begin
+      written_q[word[3:0]] <= 1'b1;
+      if (word == 5'(Control)) begin
+        on_o         <= data_i[sp_spec_pkg::RegVerdictControlOnLsb];
+        hold_o       <= data_i[sp_spec_pkg::RegVerdictControlHoldLsb];
+        by_encoder_o <= data_i[sp_spec_pkg::RegVerdictControlByEncoderLsb];
+        packets_o    <= data_i[PacketsLsb+:2];
+      end
+      if (word == 5'(Defect)) named_bank_q <= data_i[sp_spec_pkg::RegVerdictDefectBankLsb];
+    end
+  end
+  always_ff @(posedge clk_i) begin
+    if (put_q && word == 5'(Ejector)) length_o <= data_i[15:0];
+    if (put_q && word == 5'(Table)) begin
+      column_q     <= data_i[ColumnLsb+:ColumnSpan];
+      section_q    <= data_i[SectionLsb+:SectionSpan];
+      write_bank_o <= data_i[BankLsb];
+    end
+    if (rst_i) {column_q, section_q, write_bank_o, length_o} <= '0;
+  end
+  logic unused;
+  assign unused = ^{column_q, section_q};
+
+  assign write_o         = put_q;
+  assign write_limits_o  = put_q && word == 5'(Limits);
+  assign write_section_o = SectionBits'(section_q);
+  assign write_column_o  = (GroupBits + 2)'(column_q);
+  assign write_limits_word_o = {data_i[sp_spec_pkg::RegVerdictLimitsJudgedLsb],
+                                data_i[HighLsb+:LimitBits], data_i[LowLsb+:LimitBits]};
+  if (LogSections > 0) begin : gen_sections
+    assign write_word_o = word == 5'(Begin) ?
+        {1'b1, (LogWords - 1)'({write_bank_o, write_section_o})} : LogWords'(word);
+  end else begin : gen_one_section
+    assign write_word_o = LogWords'(word);
+  end
+
+  // --- Reads ---
+  logic [31:0] kept, state_word, parts_word;
+  logic [15:0] bad_q;
+  logic [7:0]  missed_q, lost_q;
+
+  sp_ram #(
+    .Width   (32),
+    .LogDepth(4)
+  ) u_kept (
+    .wr_clk_i (clk_i),
+    .wr_en_i  (put_q),
+    .wr_addr_i(word[3:0]),
+    .wr_data_i(data_i),
+    .rd_clk_i (clk_i),
+    .rd_en_i  (1'b1),
+    .rd_addr_i(word[3:0]),
+    .rd_data_o(kept)
+`ifdef FORMAL
+    ,
+    .f_addr_i ('0),
+    .f_word_o (),
+    .f_first_o()
+`endif
+  );
+
+  always_ff @(posedge clk_i) begin
+    if (rst_i) begin
+      bad_q    <= '0;
+      missed_q <= '0;
+      lost_q   <= '0;
+    end else begin
+      bad_q    <= bad_q + 16'(bad_i);
+      missed_q <= missed_q + 8'(missed_i);
+      lost_q   <= lost_q + 8'(lost_i);
+    end
+  end
+
+  assign state_word = 32'(passes_i) << sp_spec_pkg::RegVerdictStateInPartLsb |
+                      32'(bank_i) << sp_spec_pkg::RegVerdictStateBankLsb |
+                      32'(LogSections) << sp_spec_pkg::RegVerdictStateLogSectionsLsb |
+                      32'(section_i) << sp_spec_pkg::RegVerdictStateSectionLsb |
+                      32'(missed_q) << sp_spec_pkg::RegVerdictStateMissedLsb |
+                      32'(lost_q) << sp_spec_pkg::RegVerdictStateEjectorLostLsb;
+  assign parts_word = 32'(part_i) << sp_spec_pkg::RegVerdictPartsBegunLsb |
+                      32'(bad_q) << sp_spec_pkg::RegVerdictPartsBadLsb;
+
+  always_ff @(posedge clk_i) begin
+    data_o <= '0;
+    if (!write_i && there_q) begin
+      if (can_put_q) data_o <= kept & {32{written_q[word[3:0]]}};
+      else data_o <= word == 5'(State) ? state_word : parts_word;
+    end
+  end
+
+endmodule
+
+`default_nettype wire
