@@ -252,12 +252,15 @@ std::vector<std::string> run_parts(const ExperimentOptions& options, std::option
   experiment.seed = options.parts_seed;
   experiment.perturbed_rig_seed = options.perturbed_rig_seed;
   experiment.null_test = options.null_test;
+  experiment.verdict = options.verdict;
   PartDetectionResult result;
   {
     ShownProgress progress("image or part");
     result = run_part_detection(experiment, std::ref(progress));
   }
-  keep_study("parts_detection", "Planted defects on a running line: found, missed, and false alarms",
+  keep_study(options.verdict ? "verdict_detection" : "parts_detection",
+             options.verdict ? "Planted defects on a running line: found by moments, of those that the host finds"
+                             : "Planted defects on a running line: found, missed, and false alarms",
              {{"tables", json_of(result.tables)}, {"not_reached", result.not_reached}}, result.data, result.page,
              folder);
   return result.not_reached;

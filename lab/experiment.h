@@ -46,6 +46,7 @@ struct ExperimentOptions {
   std::uint64_t parts = 2000;  // PartDetectionOptions
   std::uint64_t good_parts = 1000;
   std::uint64_t parts_seed = 2;
+  bool verdict = false;
 
   // For B1:
   int paths = 10;               // GrayMotionOptions::paths

@@ -25,11 +25,18 @@ model::BoardSettings settings_of(const rig::Rig& rig) {
 ImageProfiler::ImageProfiler(const rig::Rig& rig, const light_section::ReferenceProfile& reference)
     : board_(settings_of(rig)), profiler_(rig, reference) {}
 
-void ImageProfiler::profile(const model::ImageView& image, const light_section::ProfileView& to) {
+void ImageProfiler::profile(const model::ImageView& image, const light_section::ProfileView& to,
+                            model::Moments* moments) {
   board_.process(image, true, 0, {});
   model::PacketView packet;
   if (!board_.next(packet) || !profiler_.profile(packet, to)) {
     throw std::invalid_argument("image profiler: the board's packet does not go with the reference");
+  }
+  if (moments != nullptr) {
+    model::Runs runs;
+    runs.resize(static_cast<model::Select>(packet.header.select), packet.header.columns);
+    model::unpack_columns(packet.header, packet.payload.data(), runs.view());
+    *moments = runs.moments;
   }
 }
 

@@ -17,7 +17,10 @@ class ImageProfiler {
   ImageProfiler(const rig::Rig& rig, const light_section::ReferenceProfile& reference);
 
   // Makes the board's packet of an image of the camera's size, and the packet's profile.
-  void profile(const model::ImageView& image, const light_section::ProfileView& to);
+  void profile(const model::ImageView& image, const light_section::ProfileView& to) { profile(image, to, nullptr); }
+
+  // The same, and the packet's moments.
+  void profile(const model::ImageView& image, const light_section::ProfileView& to, model::Moments* moments);
 
  private:
   camera::SoftwareBoard board_;

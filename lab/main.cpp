@@ -119,6 +119,8 @@ selfproj-lab experiment parts --out detection
   families.begin("parts (ends early at Ctrl-C)", {"parts"});
   number("--parts", options->parts, 1, 100'000, "Parts with planted defects.")->capture_default_str();
   number("--good-parts", options->good_parts, 1, 100'000, "Parts without any.")->capture_default_str();
+  command->add_flag("--verdict", options->verdict,
+                    "Judge the moments, too, as a board does. The parts are shifted by up to 2 mm.");
   number("--parts-seed", options->parts_seed, 1, 100'000,
          "Seed of these parts. The tolerance is learned from parts of the seed before.")
       ->capture_default_str();

@@ -21,6 +21,8 @@
 #include "host/production/learn.h"
 #include "host/production/part_reference.h"
 #include "host/production/tolerance.h"
+#include "host/production/verdict_run.h"
+#include "host/production/verdict_table.h"
 #include "lab/learned_rig.h"
 #include "lab/planted_parts.h"
 #include "selfproj/files/user_error.h"
@@ -47,6 +49,7 @@ constexpr std::array<double, 7> kBands = {0.02, 0.03, 0.04, 0.05, 0.07, 0.1, 0.1
 constexpr double kNear = 1;
 
 constexpr double kBesideParts = 6;  // mm that are lit beside a part
+constexpr double kMaxShift = 2;     // mm across, of the parts that are judged by moments, too
 
 template <std::size_t Count>
 std::size_t bin_of(const std::array<double, Count>& bounds, double value) {
@@ -78,7 +81,11 @@ class Tally {
   Tally(double edge_mm, const production::Tolerance& tolerance)
       : edge_mm_(edge_mm), middle_(0.5 * (tolerance.left_mm + tolerance.right_mm)) {}
 
+  // Whether the host found the goal's defect of the part that was added last; nothing if it could not judge the part.
+  [[nodiscard]] std::optional<bool> found_goal() const { return found_goal_; }
+
   void add(const DrawnPart& part, const production::PartResult& result) {
+    found_goal_.reset();
     ++of_.parts;
     of_.inconclusive += result.verdict == production::Verdict::inconclusive ? 1 : 0;
     for (std::size_t i = 0; i < part.defects.size(); ++i) {
@@ -87,6 +94,9 @@ class Tally {
         return distance(found, middle_, planted) <= planted.size / 2 + kNear;
       });
       count(planted, at != result.defects.end() ? &*at : nullptr, i == 0);
+      if (i == 0 && result.verdict != production::Verdict::inconclusive) {
+        found_goal_ = at != result.defects.end();
+      }
     }
     const auto wrong =
         std::count_if(result.defects.begin(), result.defects.end(), [&](const production::Defect& found) {
@@ -136,6 +146,7 @@ class Tally {
   DetectionCount at_edges_;
   double depth_sum_ = 0;
   double depth_squares_ = 0;
+  std::optional<bool> found_goal_;
 };
 
 // How often good parts would have been called bad, had the smallest area and the band been others.
@@ -204,12 +215,22 @@ class Detection {
     good_.emplace(learn.edge_mm, tolerance_);
     alarms_.emplace(setup_->rig, section, tolerance_);
     const auto take_planted = [&](const DrawnPart& drawn, production::CutPart&& part) {
-      tally_->add(drawn, classifier.classify(part, maps));
+      const production::PartResult result = classifier.classify(part, maps);
+      tally_->add(drawn, result);
+      count_moments(drawn, part, result);
     };
     const auto take_good = [&](const DrawnPart& drawn, production::CutPart&& part) {
-      good_->add(drawn, classifier.classify(part, maps));
-      alarms_->add(part);
+      const production::PartResult result = classifier.classify(part, maps);
+      good_->add(drawn, result);
+      if (options_.verdict) {
+        count_moments(drawn, part, result);
+      } else {
+        alarms_->add(part);
+      }
     };
+    if (options_.verdict) {
+      make_table();
+    }
     // A share of each at a time, so that a run that is stopped has both.
     constexpr std::uint64_t kShares = 50;
     const files::StopSignal stop;
@@ -218,13 +239,74 @@ class Detection {
       const std::uint64_t first = share(options_.parts, i);
       parts_of(options_.seed, first, share(options_.parts, i + 1) - first, true, take_planted);
       const std::uint64_t good = share(options_.good_parts, i);
-      parts_of(options_.seed, options_.parts + good, share(options_.good_parts, i + 1) - good, false, take_good);
+      const std::uint64_t of_share = share(options_.good_parts, i + 1) - good;
+      if (options_.verdict) {
+        good_parts_of(options_.parts + i, good, of_share, take_good);
+      } else {
+        parts_of(options_.seed, options_.parts + good, of_share, false, take_good);
+      }
     }
     return result();
   }
 
  private:
   using Take = std::function<void(const DrawnPart&, production::CutPart&&)>;
+
+  // The table that `selfproj verdict table --defect 2x2` makes.
+  void make_table() {
+    verdict_options_.defect_across_mm = verdict_options_.defect_along_mm = kGoalSize;
+    verdict_options_.start = 0;
+    verdict_options_.pitch = model::kCountMask / 2;
+    table_ =
+        production::VerdictTables(setup_->rig, setup_->references[0], tolerance_, verdict_options_, "the tolerance")
+            .table();
+  }
+
+  // For the parts that follow, which lie where the host finds them.
+  void begin_moments() {
+    run_.reset();
+    if (table_) {
+      run_.emplace(setup_->rig, *table_, "the table", 0,
+                   std::make_unique<production::VerdictTables>(setup_->rig, setup_->references[0], tolerance_,
+                                                               verdict_options_, "the tolerance"));
+    }
+  }
+
+  void count_moments(const DrawnPart& drawn, const production::CutPart& part, const production::PartResult& result) {
+    const std::optional<production::PartMoments> found = run_ ? run_->judge(part, result) : std::nullopt;
+    if (!found) {
+      return;
+    }
+    if (drawn.defects.empty()) {
+      ++moments_.good_parts;
+      moments_.false_parts += found->defect() ? 1 : 0;
+      return;
+    }
+    const bool of_host = tally_->found_goal().value_or(false);
+    (of_host ? moments_.of_host : moments_.of_others).add(found->defect());
+    if (of_host && !found->defect()) {
+      const PlantedDefect& goal = drawn.defects.front();
+      moments_.missed.push_back(fmt::format("{:+.1f} mm deep at ({:.2f}, {:.2f}) mm, shifted by {:.2f}", goal.depth,
+                                            goal.along, goal.across, drawn.pose.across_mm));
+    }
+  }
+
+  // Good parts that all lie as part `number` of the series, each with noise of its own.
+  void good_parts_of(std::uint64_t number, std::uint64_t first, std::uint64_t count, const Take& take) {
+    constexpr std::uint64_t kAtOnce = 16;
+    constexpr std::uint64_t kNoise = 1'000'000'000;
+    DrawnPart drawn = draw_part(drawn_, options_.seed, number, false, kMaxShift);
+    PlantedParts belt(*setup_, options_.render);
+    const CleanPart clean = count > 0 ? belt.clean(drawn) : CleanPart{};
+    for (std::uint64_t begin = 0; begin < count && !files::StopSignal::came(); begin += kAtOnce) {
+      std::vector<std::uint64_t> noise;
+      for (std::uint64_t i = begin; i < std::min(count, begin + kAtOnce); ++i) {
+        noise.push_back(kNoise * options_.seed + first + i);
+      }
+      pass(std::vector<DrawnPart>(noise.size(), drawn), take,
+           [&](const PlantedParts::Take& take_frame) { belt.pass(clean, noise, options_.threads, take_frame); });
+    }
+  }
 
   void set_up() {
     make_setup();
@@ -264,32 +346,46 @@ class Detection {
     for (std::uint64_t begin = 0; begin < count && !files::StopSignal::came(); begin += kAtOnce) {
       std::vector<DrawnPart> drawn;
       for (std::uint64_t i = begin; i < std::min(count, begin + kAtOnce); ++i) {
-        drawn.push_back(draw_part(drawn_, seed, first + i, planted));
-      }
-      std::size_t came = 0;
-      production::ProfileCutter cutter(setup_->rig);
-      const auto take_part = [&](std::optional<production::CutPart> part) {
-        if (part && came < drawn.size()) {
-          take(drawn[came], std::move(*part));
+        drawn.push_back(draw_part(drawn_, seed, first + i, planted, options_.verdict ? kMaxShift : 1));
+        if (options_.verdict && planted) {
+          drawn.back().defects.resize(1);
         }
-        came += part ? 1 : 0;
-      };
-      belt.pass(drawn, options_.threads,
-                [&](const model::PacketHeader& header, const light_section::ProfileView& profile) {
-                  take_part(cutter.add(header, profile, 0));
-                });
-      take_part(cutter.finish());
-      if (came != drawn.size()) {
-        throw CheckFailed(fmt::format("{} parts were cut out of {}", came, drawn.size()));
       }
-      done_ += drawn.size();
-      progress_(done_, all_);
+      pass(drawn, take, [&](const PlantedParts::Take& take_frame) { belt.pass(drawn, options_.threads, take_frame); });
     }
+  }
+
+  // Cuts the parts out of the frames that `pass_frames` passes on.
+  void pass(const std::vector<DrawnPart>& drawn, const Take& take,
+            const std::function<void(const PlantedParts::Take&)>& pass_frames) {
+    std::size_t came = 0;
+    production::ProfileCutter cutter(setup_->rig);
+    begin_moments();
+    const auto take_part = [&](std::optional<production::CutPart> part) {
+      if (part && came < drawn.size()) {
+        take(drawn[came], std::move(*part));
+      }
+      came += part ? 1 : 0;
+    };
+    pass_frames([&](const model::PacketHeader& header, const light_section::ProfileView& profile,
+                    const model::Moments& moments) {
+      if (run_) {
+        run_->add(header, moments.m0, moments.m1);
+      }
+      take_part(cutter.add(header, profile, 0));
+    });
+    take_part(cutter.finish());
+    if (came != drawn.size()) {
+      throw CheckFailed(fmt::format("{} parts were cut out of {}", came, drawn.size()));
+    }
+    done_ += drawn.size();
+    progress_(done_, all_);
   }
 
   PartDetectionResult result() const;
   [[nodiscard]] report::ReportTable detection_table() const;
   [[nodiscard]] report::ReportTable alarm_table() const;
+  [[nodiscard]] report::ReportTable moments_table() const;
   [[nodiscard]] report::ReportTable summary_table(const PartDetectionResult& result) const;
   [[nodiscard]] Json data(const PartDetectionResult& result) const;
   [[nodiscard]] std::vector<report::ReportPlot> plots() const;
@@ -303,6 +399,10 @@ class Detection {
   std::optional<Tally> tally_;  // parts with planted defects
   std::optional<Tally> good_;   // parts without
   std::optional<FalseAlarms> alarms_;
+  production::VerdictOptions verdict_options_;
+  std::optional<production::VerdictTable> table_;
+  std::optional<production::VerdictRun> run_;
+  MomentDetection moments_;
   std::size_t done_ = 0;
   std::size_t all_ = 0;
 };
@@ -343,6 +443,22 @@ report::ReportTable Detection::alarm_table() const {
                            static_cast<double>(std::max<std::uint64_t>(1, alarms_->parts()));
       table.rows.back().push_back(fmt::format("{:.1f} %", 100 * share));
     }
+  }
+  return table;
+}
+
+report::ReportTable Detection::moments_table() const {
+  report::ReportTable table{
+      "Verdict by moments, each part where the host has placed it",
+      {"what", "result"},
+      {{"of the defects that the host finds", percent(moments_.of_host)},
+       {"of those that it does not find or judge", percent(moments_.of_others)},
+       {"good parts with a defect", fmt::format("{} of {}", moments_.false_parts, moments_.good_parts)}},
+      fmt::format("w = {}, h = {}, m = {}; {} columns are judged. Good parts lie in up to 50 "
+                  "ways, and each has noise of its own.",
+                  table_->settings.width, table_->settings.history, table_->settings.hits, table_->judged())};
+  for (const std::string& missed : moments_.missed) {
+    table.rows.push_back({"missed", missed});
   }
   return table;
 }
@@ -402,6 +518,17 @@ Json Detection::data(const PartDetectionResult& result) const {
   for (const production::ToleranceRegion& region : tolerance_.regions) {
     json["bands"].push_back({{"region", region.name}, {"low_mm", region.low_mm}, {"high_mm", region.high_mm}});
   }
+  if (table_) {
+    json["moments"] = {{"of_host", count_json(moments_.of_host)},
+                       {"of_others", count_json(moments_.of_others)},
+                       {"good_parts", moments_.good_parts},
+                       {"false_parts", moments_.false_parts},
+                       {"missed", moments_.missed},
+                       {"width", table_->settings.width},
+                       {"history", table_->settings.history},
+                       {"hits", table_->settings.hits},
+                       {"judged_columns", table_->judged()}};
+  }
   for (std::size_t size = 0; size < kSizes.size(); ++size) {
     for (std::size_t depth = 0; depth < kDepths.size(); ++depth) {
       Json cell = count_json(tally_->cell(size, depth));
@@ -420,7 +547,14 @@ PartDetectionResult Detection::result() const {
   result.false_defects += good.false_defects;
   result.false_parts += good.false_parts;
   result.inconclusive += good.inconclusive;
-  result.tables = {summary_table(result), detection_table(), alarm_table()};
+  result.moments = moments_;
+  result.tables = {summary_table(result)};
+  if (table_) {
+    result.tables.push_back(moments_table());
+  } else {
+    result.tables.push_back(detection_table());
+    result.tables.push_back(alarm_table());
+  }
   result.data = data(result).dump();
   const double share = static_cast<double>(result.false_parts) / static_cast<double>(result.parts);
   if (!(result.goal.share() >= kMinFound)) {
@@ -430,6 +564,14 @@ PartDetectionResult Detection::result() const {
   if (!(share <= kMaxFalseParts)) {
     result.not_reached.push_back(fmt::format("{} of {} parts have a false defect, at most {:g} % wanted",
                                              result.false_parts, result.parts, 100 * kMaxFalseParts));
+  }
+  if (table_ && !(moments_.of_host.share() >= kMinFoundOfHost)) {
+    result.not_reached.push_back(fmt::format("by moments {} of the host's found, at least {:g} % wanted",
+                                             percent(moments_.of_host), 100 * kMinFoundOfHost));
+  }
+  if (moments_.false_parts > 0) {
+    result.not_reached.push_back(fmt::format("by moments {} of {} good parts have a defect, none wanted",
+                                             moments_.false_parts, moments_.good_parts));
   }
   result.page.title = "Experiment parts";
   result.page.subtitle = "Defects planted into parts on a running line";

@@ -20,8 +20,10 @@ struct PartDetectionOptions {
   std::uint64_t learn_parts = 30;        // from which the tolerance is learned; other parts, of another seed
   std::uint64_t seed = 2;                // of the parts that are judged; the learned ones have seed - 1
   std::uint64_t perturbed_rig_seed = 1;  // of the rig that takes the images
-  bool null_test = false;                // the rig is known perfectly, and the good part's shape
-  int threads = 0;                       // 0: one for each core
+  bool verdict =
+      false;  // also by moments (VerdictRun); parts are shifted by up to 2 mm, and have the goal's defect alone
+  bool null_test = false;  // the rig is known perfectly, and the good part's shape
+  int threads = 0;         // 0: one for each core
 };
 
 // How many defects were planted and found.
@@ -38,6 +40,15 @@ struct DetectionCount {
   }
 };
 
+// What the verdict by moments makes of the same parts, each judged where the host has placed it.
+struct MomentDetection {
+  DetectionCount of_host;    // of the goal's defects that the host finds
+  DetectionCount of_others;  // of those that it does not find, or does not judge
+  std::uint64_t good_parts = 0;
+  std::uint64_t false_parts = 0;    // of these with a defect
+  std::vector<std::string> missed;  // where those of the host lay that it did not find
+};
+
 struct PartDetectionResult {
   DetectionCount goal;              // kGoalSize, kGoalDepth, on the surface that is judged
   DetectionCount goal_at_edges;     // those that reach into the strips along edges and walls, which is not judged
@@ -45,6 +56,7 @@ struct PartDetectionResult {
   std::uint64_t false_defects = 0;  // where none was planted, on all parts
   std::uint64_t false_parts = 0;    // parts with such a defect
   std::uint64_t inconclusive = 0;
+  MomentDetection moments;
   std::vector<report::ReportTable> tables;
   std::vector<std::string> not_reached;  // one line for each goal that is not reached
   std::string data;                      // all figures as numbers, JSON
@@ -54,6 +66,7 @@ struct PartDetectionResult {
 // The goals.
 inline constexpr double kMinFound = 0.995;
 inline constexpr double kMaxFalseParts = 0.001;
+inline constexpr double kMinFoundOfHost = 0.999;  // by moments, of what the host finds; and no false alarm
 
 // `progress` gets the number of images and parts done and of all.
 PartDetectionResult run_part_detection(const PartDetectionOptions& options,

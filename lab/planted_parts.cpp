@@ -3,10 +3,13 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
+#include <span>
 #include <vector>
 
 #include "lab/image_profiler.h"
 #include "selfproj/model/packet.h"
+#include "sim/scene/camera_errors.h"
 #include "sim/scene/parallel.h"
 #include "sim/scene/random.h"
 
@@ -35,12 +38,13 @@ int frames_of_part() { return static_cast<int>((PlantedPart::kLength + 2 * kLead
 
 }  // namespace
 
-DrawnPart draw_part(const rig::Rig& rig, std::uint64_t seed, std::uint64_t number, bool is_planted) {
+DrawnPart draw_part(const rig::Rig& rig, std::uint64_t seed, std::uint64_t number, bool is_planted,
+                    double max_shift_mm) {
   constexpr std::uint64_t kMaxParts = 1'000'000;
   DrawnPart part;
   part.noise = seed * kMaxParts + number + static_cast<std::uint64_t>(rig.imaging.seed);
   sim::EvenNumbers numbers(part.noise);
-  part.pose = {kStep * numbers.next(), numbers.within(1), numbers.within(1)};
+  part.pose = {kStep * numbers.next(), numbers.within(max_shift_mm), numbers.within(1)};
   if (is_planted) {
     const std::size_t of_goal = numbers.next() < 0.5 ? 0 : 1;
     part.defects.push_back(planted(numbers, of_goal, kGoalSize, kGoalDepth));
@@ -63,42 +67,80 @@ rig::Rig rig_of_planted_parts(rig::Rig rig) {
   return rig;
 }
 
-// What the host gets of a part: the profiles of its packets.
-std::vector<light_section::Profile> PlantedParts::profiles_of(const DrawnPart& part) const {
-  sim::PerturbedRig actual = setup_.actual;
-  actual.rig.imaging.seed = static_cast<std::int64_t>(part.noise);
-  const PlantedPart scene(actual.rig, part.pose, part.defects);
-  const sim::LineRenderer renderer(actual, scene, setup_.pattern, options_);
+// What the host gets of a part: moments and profiles of its packets.
+PlantedParts::Frames PlantedParts::measured(const Draw& draw) const {
   const rig::RigCamera& camera = setup_.rig.camera;
   rig::Rig rig = setup_.rig;
   rig.measure.mode = sim::kAllModes[0];
   ImageProfiler profiler(rig, setup_.references[0]);
   std::vector<std::uint8_t> pixels(camera.pixels());
-  std::vector<light_section::Profile> profiles(static_cast<std::size_t>(frames_of_part()));
-  for (std::size_t i = 0; i < profiles.size(); ++i) {
-    renderer.render(first_frame() + static_cast<int>(i), pixels);
-    profiles[i].resize(camera.columns);
-    profiler.profile({pixels.data(), camera.rows, camera.columns, camera.columns}, profiles[i].view());
+  Frames frames(static_cast<std::size_t>(frames_of_part()));
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    draw(i, pixels);
+    frames[i].profile.resize(camera.columns);
+    profiler.profile({pixels.data(), camera.rows, camera.columns, camera.columns}, frames[i].profile.view(),
+                     &frames[i].moments);
   }
-  return profiles;
+  return frames;
 }
 
 void PlantedParts::pass(const std::vector<DrawnPart>& parts, int threads, const Take& take) {
-  std::vector<std::vector<light_section::Profile>> profiles(parts.size());
-  sim::parallel_for(static_cast<int>(parts.size()), threads, [&](int i) {
-    profiles[static_cast<std::size_t>(i)] = profiles_of(parts[static_cast<std::size_t>(i)]);
-  });
+  const auto part = [&](std::size_t number) {
+    sim::PerturbedRig actual = setup_.actual;
+    actual.rig.imaging.seed = static_cast<std::int64_t>(parts[number].noise);
+    const PlantedPart scene(actual.rig, parts[number].pose, parts[number].defects);
+    const sim::LineRenderer renderer(actual, scene, setup_.pattern, options_);
+    return measured([&](std::size_t frame, std::span<std::uint8_t> pixels) {
+      renderer.render(first_frame() + static_cast<int>(frame), pixels);
+    });
+  };
+  pass(parts.size(), threads, part, take);
+}
+
+CleanPart PlantedParts::clean(const DrawnPart& part) const {
+  sim::RenderOptions options = options_;
+  options.shot_noise = options.read_noise = options.quantization = false;
+  const PlantedPart scene(setup_.actual.rig, part.pose, part.defects);
+  const sim::LineRenderer renderer(setup_.actual, scene, setup_.pattern, options);
+  CleanPart clean;
+  for (int frame = 0; frame < frames_of_part(); ++frame) {
+    renderer.render(first_frame() + frame, clean.frames.emplace_back(setup_.rig.camera.pixels()));
+  }
+  return clean;
+}
+
+void PlantedParts::pass(const CleanPart& clean, const std::vector<std::uint64_t>& noise, int threads,
+                        const Take& take) {
+  const auto part = [&](std::size_t number) {
+    rig::RigImaging imaging = setup_.actual.rig.imaging;
+    imaging.seed = static_cast<std::int64_t>(noise[number]);
+    std::vector<float> noisy;
+    return measured([&](std::size_t frame, std::span<std::uint8_t> pixels) {
+      noisy = clean.frames[frame];
+      sim::add_noise(imaging, options_, first_frame() + static_cast<int>(frame), noisy);
+      sim::quantize(noisy, pixels);
+    });
+  };
+  pass(noise.size(), threads, part, take);
+}
+
+void PlantedParts::pass(std::size_t parts, int threads, const std::function<Frames(std::size_t)>& part,
+                        const Take& take) {
+  std::vector<Frames> all(parts);
+  sim::parallel_for(static_cast<int>(parts), threads,
+                    [&](int i) { all[static_cast<std::size_t>(i)] = part(static_cast<std::size_t>(i)); });
   const rig::Rig& rig = setup_.rig;
-  for (std::vector<light_section::Profile>& of_part : profiles) {
-    for (light_section::Profile& profile : of_part) {
+  for (Frames& frames : all) {
+    for (Measured& frame : frames) {
       const double time = static_cast<double>(sequence_) / rig.camera.frame_rate_hz;
       model::PacketHeader header;
       header.kind = spec::kKindMoments;
+      model::describe_frame(header, rig.camera.rows, rig.camera.columns, rig.measure.of_board());
       header.sequence = sequence_;
       header.time_stamp = static_cast<std::uint64_t>(std::llround(time * rig.pixel_clock_hz()));
       header.encoder = static_cast<std::uint32_t>(
           std::llround(time * rig.conveyor.speed_mm_per_s / rig.conveyor.encoder_mm_per_count));
-      take(header, profile.view());
+      take(header, frame.profile.view(), frame.moments);
       ++sequence_;
     }
     sequence_ += kBare;

@@ -37,6 +37,7 @@ void add_depth_command(CLI::App& app);
 void add_match_command(CLI::App& app);
 void add_inspect_command(CLI::App& app);
 void add_tolerance_command(CLI::App& app);
+void add_verdict_command(CLI::App& app);
 void add_lines_command(CLI::App& app);
 void add_compare_command(CLI::App& app);
 

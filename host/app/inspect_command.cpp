@@ -28,6 +28,10 @@
 #include "host/production/cutter.h"
 #include "host/production/part_reference.h"
 #include "host/production/production.h"
+#include "host/production/tolerance.h"
+#include "host/production/verdict_file.h"
+#include "host/production/verdict_run.h"
+#include "host/production/verdict_table.h"
 #include "host/report/facts.h"
 #include "host/report/inspection_output.h"
 #include "host/report/report.h"
@@ -52,6 +56,8 @@ struct InspectOptions {
   std::string select;  // empty: whatever comes
   std::string out;
   std::string json;
+  std::string verdict;  // a table; empty: nothing is judged by moments
+  bool verdict_placed = false;
   std::uint64_t keep = light_section::InspectionOptions{}.max_frames;
 
   // What is inspected, in messages and titles.
@@ -90,7 +96,7 @@ bool is_time(const report::Fact& fact) {
 
 void write_outputs(const InspectOptions& options, const light_section::Inspection& inspection,
                    const std::vector<report::Fact>& facts, const std::vector<std::string>& doubts,
-                   files::OutputFolder& folder) {
+                   const production::VerdictRun* verdict, files::OutputFolder& folder) {
   report::ReportParts parts;
   parts.title = "Inspection of " + options.source();
   parts.doubts = doubts;
@@ -104,6 +110,9 @@ void write_outputs(const InspectOptions& options, const light_section::Inspectio
     parts.settings.push_back({"wait", "waiting", options.receive.wait});
   }
   report::write_inspection(inspection, folder, parts);
+  if (verdict != nullptr) {
+    folder.append("verdict.csv", production::judged_csv(verdict->frames()));
+  }
   folder.append("times.json", files::json_text(report::facts_json(times), 2) + "\n");
   folder.commit();
 }
@@ -163,6 +172,7 @@ class Run {
         if (inspection_) {
           inspection_->add(packet.header, packet.payload, profile);
         }
+        take_moments(packet);
         publish(packet.header, receiver.device().arrival_ns());
       } else if (production_) {
         production_->image(packet);
@@ -191,6 +201,10 @@ class Run {
       if (inspection_) {
         inspection_->add(header, runs, profile);
       }
+      if (!options_.verdict.empty() && slot_ != nullptr) {
+        slot_->m0.assign(runs.moments.m0, runs.moments.m0 + header.columns);
+        slot_->m1.assign(runs.moments.m1, runs.moments.m1 + header.columns);
+      }
       publish(header, now);
       if (now >= next_report_ns) {
         next_report_ns = now + kReportNs;
@@ -211,8 +225,51 @@ class Run {
   void produce() {
     if (options_.production.any()) {
       production_.emplace(options_.production, rig_, production::section_of(rig_, reference_, profiler_),
-                          fmt::format("{}: {}", rig_.name, options_.source()));
+                          fmt::format("{}: {}", rig_.name, options_.source()), verdict_run());
     }
+  }
+
+  std::unique_ptr<production::VerdictRun> verdict_run() const {
+    if (options_.verdict.empty()) {
+      return nullptr;
+    }
+    const auto keep = static_cast<std::size_t>(folder_ ? options_.keep : 0);
+    const production::VerdictTable table = production::load_verdict_table(options_.verdict);
+    std::unique_ptr<production::VerdictTables> tables;
+    if (options_.verdict_placed) {
+      if (options_.production.tolerance.empty()) {
+        throw UserError("--verdict-placed", "needs --tolerance, by which parts are placed");
+      }
+      tables = std::make_unique<production::VerdictTables>(
+          rig_, reference_, production::load_tolerance(options_.production.tolerance),
+          production::VerdictOptions{.margin_mm = table.margin_mm,
+                                     .play_across_mm = table.play_across_mm,
+                                     .play_along_mm = table.play_along_mm,
+                                     .lit_rows = table.lit_rows,
+                                     .start = 0,
+                                     .pitch = model::kCountMask / 2},
+          options_.production.tolerance);
+    }
+    return std::make_unique<production::VerdictRun>(rig_, table, options_.verdict, keep, std::move(tables));
+  }
+
+  // The moments of the packet go with the profile in place().
+  void take_moments(const model::PacketView& packet) {
+    if (options_.verdict.empty() || slot_ == nullptr) {
+      return;
+    }
+    const model::PacketHeader& header = packet.header;
+    if (header.kind != spec::kKindMoments) {
+      throw UserError("--verdict", "needs exact moments; the device sends divided columns (words: compact)");
+    }
+    const std::size_t columns = header.columns;
+    slot_->m0.resize(columns);
+    slot_->m1.resize(columns);
+    n_.resize(columns);
+    runs_.resize(columns);
+    second_.resize(columns);
+    model::unpack_columns(header, packet.payload.data(),
+                          {{slot_->m0.data(), slot_->m1.data(), n_.data()}, runs_.data(), second_.data()});
   }
 
   // Where the next profile goes.
@@ -263,7 +320,7 @@ class Run {
       rig::expect_way_measured(rig_, inspection_->encoder_counts(), options_.section.rig);
     }
     if (inspection_ && inspection_->frames() > 0) {
-      write_outputs(options_, *inspection_, facts, doubts(), *folder_);
+      write_outputs(options_, *inspection_, facts, doubts(), production_ ? production_->verdict() : nullptr, *folder_);
     }
     if (json_) {
       json_->write(files::json_text(report::facts_json(facts), 2) + "\n");
@@ -298,6 +355,8 @@ class Run {
   NewestDoubt newest_doubt_;
   light_section::Profile own_;
   production::MeasuredFrame* slot_ = nullptr;
+  std::vector<std::uint32_t> n_;  // of a packet's columns: what the verdict does not take
+  std::vector<std::uint8_t> runs_, second_;
 };
 
 void run_inspect(const InspectOptions& options) {
@@ -356,6 +415,18 @@ selfproj inspect --device file:/dev/xdma0_c2h_0 --reference good-part --check --
       ->type_name("SELECT")
       ->default_str("what comes");
   add_production_options(*command, options->production);
+  cli::begin_group(*command, "Verdict by moments");
+  command
+      ->add_option("--verdict", options->verdict,
+                   "Judge the moments of each frame by this table, which `selfproj verdict table` writes, as a board "
+                   "with a verdict does. The results are in parts.jsonl, in --json, and frame by frame in verdict.csv "
+                   "of --out.")
+      ->type_name("FILE");
+  command
+      ->add_flag("--verdict-placed", options->verdict_placed,
+                 "Judge each part where --tolerance has placed it: with limits computed for its shift across, from "
+                 "where its leading edge passed.")
+      ->needs("--verdict");
   cli::begin_group(*command, "Output");
   command->add_option("--out", options->out, "Folder for tables, cloud, pictures and report.")->type_name("DIR");
   command->add_option("--keep", options->keep, "Frames kept in memory for --out. Later ones are only counted.")
@@ -363,7 +434,10 @@ selfproj inspect --device file:/dev/xdma0_c2h_0 --reference good-part --check --
       ->type_name("N")
       ->capture_default_str();
   command->add_option("--json", options->json, "File for the counts as JSON.")->type_name("FILE");
-  command->callback([options] { run_inspect(*options); });
+  command->callback([options] {
+    options->production.verdict = !options->verdict.empty();
+    run_inspect(*options);
+  });
 }
 
 }  // namespace selfproj::app

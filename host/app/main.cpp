@@ -35,8 +35,9 @@ selfproj rig light-section
         selfproj::cli::set_heading(app, "Capture with camera and projector", {"project", "capture", "scan", "measure"});
         selfproj::app::add_inspect_command(app);
         selfproj::app::add_tolerance_command(app);
+        selfproj::app::add_verdict_command(app);
         selfproj::app::add_lines_command(app);
-        selfproj::cli::set_heading(app, "Light section and parts on a line", {"inspect", "tolerance", "lines"});
+        selfproj::cli::set_heading(app, "Light section and parts on a line", {"inspect", "tolerance", "verdict", "lines"});
         selfproj::app::add_depth_command(app);
         selfproj::app::add_match_command(app);
         selfproj::app::add_compare_command(app);

@@ -52,9 +52,6 @@ struct RowsOptions {
 // The share of a frame's time in which light is collected; the rest resets the pixels.
 constexpr double kExposed = 0.9;
 
-// The grey over the dark that the brightest row of a line reaches on the built-in scenes: about 0.7 of white.
-constexpr double kPeakOfWhite = 0.7;
-
 // What a shorter exposure leaves: light falls with it, and the threshold may follow down to five standard deviations
 // above what is there without the line.
 struct Shot {
@@ -67,8 +64,8 @@ Shot shot_of(const rig::Rig& rig, double exposure_s, double lit_rows) {
   const double without = imaging.dark + imaging.ambient * share;
   const double noise = std::hypot(imaging.read_noise, std::sqrt(without / imaging.electrons_per_grey));
   Shot shot{.threshold = std::min(rig.measure.threshold, static_cast<int>(std::ceil(without + 5 * noise)))};
-  shot.noise_rows =
-      light_section::centroid_noise(imaging, kPeakOfWhite * imaging.white * share, lit_rows, shot.threshold);
+  shot.noise_rows = light_section::centroid_noise(imaging, light_section::kPeakOfWhite * imaging.white * share,
+                                                  lit_rows, shot.threshold);
   return shot;
 }
 

@@ -50,6 +50,9 @@ class RowTable {
   std::vector<Column> columns_;
 };
 
+// The grey over the dark that the brightest row of a line reaches on the built-in scenes: about 0.7 of white.
+inline constexpr double kPeakOfWhite = 0.7;
+
 // The standard deviation of the centroid of a line, in rows, from the noise of the camera (RigImaging): a Gaussian line
 // whose lit rows are four standard deviations, of a peak of `peak` grey values over the dark, each pixel with shot and
 // read noise. With weights g - threshold (mode grey-over):

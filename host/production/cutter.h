@@ -36,8 +36,9 @@ struct MeasuredFrame {
   model::PacketHeader header;
   std::int64_t arrival_ns = 0;
   light_section::Profile profile;
-  images::FloatImage depth;       // of the camera's size: z in mm, NaN where there is none
-  images::FloatImage difference;  // from the reference: z_R - z
+  std::vector<std::uint32_t> m0, m1;  // of the frame's columns; empty where nobody asks for them
+  images::FloatImage depth;           // of the camera's size: z in mm, NaN where there is none
+  images::FloatImage difference;      // from the reference: z_R - z
 };
 
 class Cutter {

@@ -73,6 +73,19 @@ nlohmann::ordered_json part_json(const PartResult& result) {
                                {"area_mm2", short_number(defect.area_mm2)},
                                {"depth_mm", short_number(defect.depth_mm)}});
   }
+  if (result.moments) {
+    const PartMoments& moments = *result.moments;
+    nlohmann::ordered_json& found = json["moments"];
+    found = {{"defect", moments.defect()},
+             {"frames", moments.frames},
+             {"defect_frames", moments.defect_frames},
+             {"dark_frames", moments.dark_frames}};
+    if (moments.defect()) {
+      found["first_frame"] = moments.first_frame;
+      found["first_column"] = moments.first_column;
+      found["columns"] = moments.columns;
+    }
+  }
   return json;
 }
 

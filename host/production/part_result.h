@@ -45,6 +45,18 @@ struct RegionFigures {
   double lowest_mm = 0, highest_mm = 0;
 };
 
+// What the verdict by moments (verdict_run.h) found in the frames of a part.
+struct PartMoments {
+  std::uint64_t frames = 0;  // that were judged
+  std::uint64_t defect_frames = 0;
+  std::uint64_t dark_frames = 0;  // that lack light
+  std::uint64_t first_frame = 0;  // sequence number of the first one with a defect; without meaning where there is none
+  int first_column = 0;           // of the defect in that frame, from 1
+  int columns = 0;                // the most that a defect of the part has
+
+  [[nodiscard]] bool defect() const { return defect_frames > 0; }
+};
+
 struct PartResult {
   std::uint64_t number = 0;  // from 1
   Verdict verdict = Verdict::inconclusive;
@@ -52,6 +64,7 @@ struct PartResult {
   std::vector<Defect> defects;
   std::vector<RegionFigures> regions;
   std::optional<Placement> placement;
+  std::optional<PartMoments> moments;
   double begin_mm = 0;  // position of the belt at the part's beginning
   double length_mm = 0;
   std::uint64_t first_frame = 0, last_frame = 0;  // sequence numbers

@@ -49,14 +49,19 @@ Production::Production(const ProductionOptions& options, const rig::Rig& rig) : 
 }
 
 Production::Production(const ProductionOptions& options, const rig::Rig& rig, const SectionReference& section,
-                       const std::string& title)
+                       const std::string& title, std::unique_ptr<VerdictRun> verdict)
     : Production(options, rig) {
+  verdict_ = std::move(verdict);
   if (tolerance_) {
     classifier_.emplace(rig, section, *tolerance_, options.tolerance);
     cutter_ = std::make_unique<ProfileCutter>(rig);
   }
   MeasuredFrame empty;
   empty.profile.resize(rig.camera.columns);
+  if (verdict_) {
+    empty.m0.resize(static_cast<std::size_t>(rig.camera.columns));
+    empty.m1 = empty.m0;
+  }
   start(title, kQueuedProfiles, empty);
 }
 
@@ -145,6 +150,7 @@ void Production::run(const std::stop_token& stop) {
       {
         const std::lock_guard lock(mutex_);
         counts_.specks = cutter_->specks();
+        count_moments();
       }
       new_counts_.put(std::make_unique<PartCounts>(counts_));
     }
@@ -162,11 +168,27 @@ void Production::work(MeasuredFrame& measured) {
   }
   newest_ = measured.header;
   encoder_counts_ = encoder_counts_ || first_->encoder != newest_.encoder;
+  if (verdict_) {
+    verdict_->add(measured.header, measured.m0, measured.m1);
+  }
   if (cutter_) {
     classify(cutter_->add(measured));
   }
+  if (verdict_) {
+    const std::lock_guard lock(mutex_);
+    count_moments();
+  }
   if (page_) {
     page_->measured(measured);
+  }
+}
+
+void Production::count_moments() {
+  if (verdict_) {
+    moments_.frames = verdict_->judged_frames();
+    moments_.defect_frames = verdict_->defect_frames();
+    moments_.parts = verdict_->parts();
+    moments_.parts_with_defect = verdict_->parts_with_defect();
   }
 }
 
@@ -188,8 +210,15 @@ void Production::classify(const std::optional<CutPart>& part) {
     return;
   }
   PartResult result = classifier_->classify(*part, maps_);
+  if (verdict_) {
+    result.moments = verdict_->judge(*part, result);
+  }
   {
     const std::lock_guard lock(mutex_);
+    if (result.moments && result.verdict != Verdict::inconclusive) {
+      const bool bad = result.verdict == Verdict::bad;
+      ++(result.moments->defect() == bad ? moments_.agree : bad ? moments_.less : moments_.more);
+    }
     result.number = counts_.parts() + 1;
     const std::int64_t now = driver::now_ns();
     result.delay_ns = now - part->last_ns;
@@ -252,10 +281,24 @@ std::vector<report::Fact> Production::facts() const {
   if (page_) {
     facts.push_back({"live_dropped", "pictures dropped for slow browsers", report::fact_number(page_->dropped())});
   }
+  const std::lock_guard lock(mutex_);
+  if (verdict_) {
+    const std::vector<report::Fact> of_moments = {
+        {"verdict_frames", "frames judged by moments", report::fact_number(moments_.frames)},
+        {"verdict_defect_frames", "of these with a defect", report::fact_number(moments_.defect_frames)},
+        {"verdict_parts", "parts judged by moments", report::fact_number(moments_.parts)},
+        {"verdict_parts_with_defect", "of these with a defect", report::fact_number(moments_.parts_with_defect)}};
+    facts.insert(facts.end(), of_moments.begin(), of_moments.end());
+  }
   if (!classifier_) {
     return facts;
   }
-  const std::lock_guard lock(mutex_);
+  if (verdict_) {
+    facts.push_back(
+        {"verdict_agrees", "parts judged alike by moments and heights", report::fact_number(moments_.agree)});
+    facts.push_back({"verdict_more", "parts with a defect by moments alone", report::fact_number(moments_.more)});
+    facts.push_back({"verdict_less", "parts with a defect by heights alone", report::fact_number(moments_.less)});
+  }
   const std::vector<report::Fact> of_parts = {
       {"parts", "parts", report::fact_number(counts_.parts())},
       {"parts_good", "good parts", report::fact_number(counts_.verdicts[0])},
@@ -334,13 +377,23 @@ std::string Production::status_text() const {
 }
 
 std::string Production::end_text() const {
-  if (!classifier_) {
-    return "";
-  }
   const std::string parts = status_text();
   const std::lock_guard lock(mutex_);
-  return fmt::format("{}; result after the last frame p50 {}, p99 {}{}\n", parts, time_text(delays_.percentile_ns(0.5)),
-                     time_text(delays_.percentile_ns(0.99)), files_ ? " → " + options_.folder : std::string());
+  std::string moments;
+  if (verdict_) {
+    moments = fmt::format("by moments {} of {} parts have a defect, in {} of {} frames", moments_.parts_with_defect,
+                          moments_.parts, moments_.defect_frames, moments_.frames);
+    if (classifier_) {
+      moments += fmt::format("; as by heights {}, more {}, less {}", moments_.agree, moments_.more, moments_.less);
+    }
+    moments += "\n";
+  }
+  if (!classifier_) {
+    return moments;
+  }
+  return moments + fmt::format("{}; result after the last frame p50 {}, p99 {}{}\n", parts,
+                               time_text(delays_.percentile_ns(0.5)), time_text(delays_.percentile_ns(0.99)),
+                               files_ ? " → " + options_.folder : std::string());
 }
 
 }  // namespace selfproj::production

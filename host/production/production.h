@@ -27,6 +27,7 @@
 #include "host/production/part_reference.h"
 #include "host/production/part_result.h"
 #include "host/production/tolerance.h"
+#include "host/production/verdict_run.h"
 #include "host/report/facts.h"
 #include "selfproj/driver/counters.h"
 #include "selfproj/images/float_image.h"
@@ -41,6 +42,7 @@ struct ProductionOptions {
   std::uint64_t keep = 1000;
   std::string modbus;
   std::string live;
+  bool verdict = false;  // of moments, which the device must bring
 
   // The first option that was given; empty: none.
   [[nodiscard]] std::string first() const {
@@ -48,6 +50,7 @@ struct ProductionOptions {
            : !folder.empty()  ? "--parts"
            : !modbus.empty()  ? "--modbus"
            : !live.empty()    ? "--live"
+           : verdict          ? "--verdict"
                               : "";
   }
   [[nodiscard]] bool any() const { return !first().empty(); }
@@ -65,8 +68,9 @@ class Production {
  public:
   // Of a light section. Throws UserError about options, rig, tolerance, ports and folders, as the constructor below.
   // `title` stands above the page.
+  // `verdict` judges the moments of each frame; null: nothing does.
   Production(const ProductionOptions& options, const rig::Rig& rig, const SectionReference& section,
-             const std::string& title);
+             const std::string& title, std::unique_ptr<VerdictRun> verdict = nullptr);
 
   // Of structured light. `reference_depth` is z_R in mm, NaN where there is none, and `patterns` are the frames of a
   // depth image.
@@ -101,6 +105,9 @@ class Production {
   // inconclusive. Empty if all have one but those that the run cut off, or no parts are classified.
   [[nodiscard]] std::string doubt() const;
 
+  // The verdict by moments, after finish(); null where there is none.
+  [[nodiscard]] const VerdictRun* verdict() const { return verdict_.get(); }
+
   // What was counted so far; the end of the status line on a terminal: "12 parts: 10 good, ..."; and at the end one
   // line, or nothing where no parts are classified.
   [[nodiscard]] std::vector<report::Fact> facts() const;
@@ -108,11 +115,20 @@ class Production {
   [[nodiscard]] std::string end_text() const;
 
  private:
+  // Of the verdict by moments: frames of parts, those with a defect, parts by its own rule, those with a defect; and of
+  // the parts that both judged, those on which it agrees with the classifier, where it finds a defect that the
+  // classifier does not, and the other way round.
+  struct MomentCounts {
+    std::uint64_t frames = 0, defect_frames = 0, parts = 0, parts_with_defect = 0;
+    std::uint64_t agree = 0, more = 0, less = 0;
+  };
+
   Production(const ProductionOptions& options, const rig::Rig& rig);
   void start(const std::string& title, std::size_t queued, const MeasuredFrame& empty);
   void run(const std::stop_token& stop);
   void work(MeasuredFrame& measured);
   void look_at_the_clock();
+  void count_moments();
   void classify(const std::optional<CutPart>& part);
   [[nodiscard]] PartCounts counts() const;
   // Where frames came at another rate than the rig's, and the belt's way follows from it: the end of a sentence.
@@ -130,6 +146,7 @@ class Production {
   // Of the thread of the production:
   std::unique_ptr<Cutter> cutter_;
   std::optional<Classifier> classifier_;
+  std::unique_ptr<VerdictRun> verdict_;
   PlacedMaps maps_;
   std::int64_t next_beat_ns_ = 0;
   std::int64_t last_arrival_ns_ = 0;
@@ -137,9 +154,10 @@ class Production {
   model::PacketHeader newest_;
   bool encoder_counts_ = false;  // it has changed between two frames
 
-  mutable std::mutex mutex_;       // of the next six
+  mutable std::mutex mutex_;       // of the next seven
   std::string last_inconclusive_;  // the reason of the last inconclusive part that the run did not cut off
   std::uint64_t cut_off_ = 0;      // parts that the run cut off
+  MomentCounts moments_;
   PartCounts counts_;
   PartStatistics statistics_;
   driver::DurationHistogram delays_;  // from the arrival of a part's last frame to its result

@@ -6,9 +6,14 @@
 #include <cstddef>
 #include <cstdint>
 #include <nlohmann/json.hpp>
+#include <vector>
 
 #include "lab/planted_parts.h"
+#include "selfproj/light_section/profile.h"
+#include "selfproj/model/column_moments.h"
+#include "selfproj/model/packet.h"
 #include "selfproj/rig/rig.h"
+#include "sim/cosim/light_section.h"
 #include "sim/scene/perturbed_rig.h"
 #include "sim/scene/random.h"
 #include "tests/sim/traced.h"
@@ -45,6 +50,47 @@ TEST(PlantedPart, RangesHoldAndConverge) {
     }
   }
   EXPECT_GT(sharp, 4950);
+}
+
+// Images with noise that is added afterwards are those that are rendered with it.
+TEST(PlantedParts, NoiseAfterwardsIsThatOfRendering) {
+  const rig::Rig rig = lab::rig_of_planted_parts(rig::load_rig("light-section"));
+  const sim::LightSection setup =
+      sim::self_projection(rig, sim::PerturbedRig(rig), lab::PlantedPart(rig, {}, {}), {}, false);
+  lab::DrawnPart drawn = lab::draw_part(rig, 3, 1, false, 2);
+  using Seen = std::vector<std::vector<std::uint32_t>>;
+  const auto keep = [](Seen& seen) {
+    return [&seen](const model::PacketHeader& header, const light_section::ProfileView& /*profile*/,
+                   const model::Moments& moments) {
+      seen.push_back({static_cast<std::uint32_t>(header.sequence), header.encoder});
+      seen.push_back(moments.m0);
+      seen.push_back(moments.m1);
+    };
+  };
+  Seen rendered;
+  Seen added;
+  lab::PlantedParts(setup, {}).pass({drawn}, 1, keep(rendered));
+  lab::PlantedParts belt(setup, {});
+  belt.pass(belt.clean(drawn), {drawn.noise}, 1, keep(added));
+  EXPECT_EQ(rendered.size(), 240U);
+  EXPECT_EQ(rendered, added);
+}
+
+// Each part judged by moments where the host has placed it, as the host judges it.
+TEST(PartDetection, MomentsFindWhatHeightsFind) {
+  lab::PartDetectionOptions options;
+  options.null_test = true;
+  options.verdict = true;
+  options.learn_parts = 5;
+  options.parts = 4;
+  options.good_parts = 6;
+  const lab::PartDetectionResult result = lab::run_part_detection(options, [](std::size_t, std::size_t) {});
+  EXPECT_GT(result.moments.of_host.planted, 1U);
+  EXPECT_EQ(result.moments.of_host.found, result.moments.of_host.planted);
+  EXPECT_EQ(result.moments.of_host.planted + result.moments.of_others.planted, 4U);
+  EXPECT_EQ(result.moments.good_parts, 6U);
+  EXPECT_EQ(result.moments.false_parts, 0U);
+  EXPECT_EQ(nlohmann::json::parse(result.data).at("moments").at("missed").size(), 0U);
 }
 
 TEST(PartDetection, FindsWhatWasPlantedAndNothingElse) {

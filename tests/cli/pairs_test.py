@@ -274,6 +274,11 @@ class Pairs(unittest.TestCase):
                 --parts parts_$tolerance --out result_$tolerance
             done
             cmp parts_a/parts.csv parts_b/parts.csv
+            selfproj verdict table --rig rig.yaml --tolerance a.yaml --start 5980 --pitch 3000 --out v.yaml
+            selfproj verdict table --rig again.yaml --tolerance b.yaml --start 5980 --pitch 3000 --out w.yaml
+            tail -n +2 v.yaml > v; tail -n +2 w.yaml > w; cmp v w
+            selfproj verdict show w.yaml
+            selfproj inspect --rig again.yaml --device file:run.packets --tolerance a.yaml --verdict w.yaml --parts by_w
         """)
 
 

@@ -133,6 +133,103 @@ TEST_F(PartsCommand, KeepsNoMoreFoldersThanTold) {
   EXPECT_EQ(nlohmann::json::parse(read_text(*folder_ / "few.json")).at("part_folders_left_out"), 1);
 }
 
+// The run's parts, which come every 30 mm, judged by moments: as by heights. The line meets the first one 4.8 mm behind
+// its leading edge's place at 55 mm.
+TEST_F(PartsCommand, JudgesMomentsByATable) {
+  const Outcome made = host({"verdict", "table", "--rig", "rig.yaml", "--tolerance", "tolerance.yaml", "--start",
+                             "5980", "--pitch", "3000", "--max-shift", "1", "--out", "verdict.yaml"});
+  ASSERT_EQ(made.status, 0) << made.err;
+  EXPECT_NE(made.out.find(" of 512 columns are judged, in 3 sections; a column is 0.23"), std::string::npos)
+      << made.out;
+  EXPECT_NE(made.out.find("a defect: 3 neighbouring columns (w) out in 7 (m) of 7 frames (h), too high or too low; too "
+                          "high is below the band\n"),
+            std::string::npos)
+      << made.out;
+  EXPECT_NE(made.out.find("parts begin at count 5980, every 3000 counts, and take 2"), std::string::npos) << made.out;
+  const Outcome shown = host({"verdict", "show", "verdict.yaml", "--across", "0.7", "--higher", "-0.4"});
+  ASSERT_EQ(shown.status, 0) << shown.err;
+  EXPECT_NE(shown.out.find("shift 3 columns, -1.0"), std::string::npos) << shown.out;
+
+  for (const bool placed : {false, true}) {
+    const std::string name = placed ? "placed" : "as-told";
+    Words words = {"--tolerance", "tolerance.yaml", "--verdict", "verdict.yaml", "--parts",
+                   name + "/p",   "--out",          name + "/o", "--json",       name + ".json"};
+    if (placed) {
+      words.emplace_back("--verdict-placed");
+    }
+    std::filesystem::create_directory(*folder_ / name);
+    const Outcome run = inspect(words);
+    ASSERT_EQ(run.status, 0) << run.err;
+    EXPECT_NE(run.out.find("by moments 2 of 6 parts have a defect, in "), std::string::npos) << run.out;
+    EXPECT_NE(run.out.find("; as by heights 6, more 0, less 0\n"), std::string::npos) << run.out;
+    const auto counts = nlohmann::json::parse(read_text(*folder_ / (name + ".json")));
+    EXPECT_EQ(counts.at("verdict_parts"), 6);
+    EXPECT_EQ(counts.at("verdict_parts_with_defect"), 2);
+    EXPECT_EQ(counts.at("verdict_agrees"), 6);
+    const auto summary = nlohmann::json::parse(read_text(*folder_ / (name + "/o/summary.json")));
+    EXPECT_EQ(summary.at("counters").at("verdict_defect_frames"), counts.at("verdict_defect_frames"));
+
+    // Each line of the table is a frame of a part; those with a defect are those of the parts.
+    std::istringstream table(read_text(*folder_ / (name + "/o/verdict.csv")));
+    std::string row;
+    std::getline(table, row);
+    EXPECT_EQ(row, "sequence,part,section,defect,first_column,columns,unlit,lacks_light");
+    std::uint64_t frames = 0;
+    std::uint64_t defects = 0;
+    while (std::getline(table, row)) {
+      ++frames;
+      const std::size_t section = row.find(',', row.find(',') + 1);
+      defects += row.at(row.find(',', section + 1) + 1) == '1' ? 1 : 0;
+    }
+    EXPECT_EQ(frames, counts.at("verdict_frames").get<std::uint64_t>());
+    std::istringstream lines(read_text(*folder_ / (name + "/p/parts.jsonl")));
+    std::string line;
+    std::uint64_t of_parts = 0;
+    while (std::getline(lines, line)) {
+      const auto part = nlohmann::json::parse(line);
+      const auto& moments = part.at("moments");
+      EXPECT_EQ(moments.at("defect"), part.at("verdict") == "bad") << line;
+      EXPECT_GT(moments.at("frames"), 100) << line;
+      of_parts += moments.at("defect_frames").get<std::uint64_t>();
+      if (moments.at("defect")) {  // 3 mm at 5 mm across
+        EXPECT_GE(moments.at("columns"), 10);
+        EXPECT_NEAR(moments.at("first_column").get<int>(), 256 + (5 - 1.5) / 0.2318, 6) << line;
+      }
+    }
+    EXPECT_EQ(of_parts, defects);
+    EXPECT_GT(defects, 30U);
+  }
+}
+
+TEST_F(PartsCommand, VerdictRefusesInOneLine) {
+  const auto error = [](const Outcome& outcome) {
+    EXPECT_EQ(outcome.status, 2);
+    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+    return outcome.err;
+  };
+  const auto table = [&](Words more) {
+    more.insert(more.begin(),
+                {"verdict", "table", "--rig", "rig.yaml", "--tolerance", "tolerance.yaml", "--out", "refused.yaml"});
+    return error(host(more));
+  };
+  EXPECT_NE(table({}).find("--start: is needed: "), std::string::npos);
+  const Words evenly = {"--start", "0", "--pitch", "3000"};
+  const auto with = [&](Words more) {
+    more.insert(more.end(), evenly.begin(), evenly.end());
+    return table(more);
+  };
+  EXPECT_NE(with({"--defect", "2"}).find("--defect 2: is not WIDTHxLENGTH"), std::string::npos);
+  EXPECT_NE(with({"--defect", "2x-1"}).find("--defect 2x-1: is not WIDTHxLENGTH"), std::string::npos);
+  EXPECT_NE(with({"--shift", "1.5", "--max-shift", "1"}).find("--shift: and --max-shift together are 2.5 mm"),
+            std::string::npos);
+  EXPECT_NE(with({"--play-across", "50"}).find("no column of made can be judged"), std::string::npos);
+  EXPECT_NE(table({"--start", "0"}).find("--start"), std::string::npos);
+  EXPECT_FALSE(std::filesystem::exists(*folder_ / "refused.yaml"));
+  EXPECT_NE(error(inspect({"--verdict", "tolerance.yaml"})).find("tolerance.yaml: "), std::string::npos);
+  EXPECT_NE(error(inspect({"--verdict-placed"})).find("--verdict"), std::string::npos);
+  EXPECT_NE(error(host({"verdict", "show", "none.yaml"})).find("none.yaml: "), std::string::npos);
+}
+
 TEST_F(PartsCommand, BadInputIsOneLine) {
   const auto error = [](const Outcome& outcome) {
     EXPECT_EQ(outcome.status, 2);
