@@ -55,8 +55,9 @@ class CameraScoreboard {
   CameraScoreboard(int columns, int rows, std::uint64_t frame_clocks)
       : columns_(columns), rows_(rows), frame_clocks_(frame_clocks) {}
 
-  // Finds a frame that has the moments of this packet: with grey moments, exact or compact, it shows the same picture, with
-  // binary ones lines in the same places. The frames of all packets are then counted from there. Returns false if there is none.
+  // Finds a frame that has the moments of this packet: with grey moments, exact or compact, it shows the same picture,
+  // with binary ones lines in the same places. The frames of all packets are then counted from there. Returns false if
+  // there is none.
   bool find_frame(const model::PacketView& moments) {
     const auto rows = static_cast<std::uint32_t>(rows_);
     const std::uint32_t pictures = std::lcm(rows - 3, kBrightnesses);

@@ -6,9 +6,9 @@
 // The circuits are those of constraints/ecpix5/ecpix5_system.sv, LiteEth included, which Verilator has compiled; PLL
 // and pins are not. INTERFACE becomes a TAP interface. The first three faults hit datagrams with packets, and those of
 // replay. --damage hits any frame to the board, so that its check fails. --fast: pixels at 133.3 MHz and the bus at
-// 53.3 MHz, not 125 and 50, as with parameter Fast of ecpix5.sv. Runs until SIGTERM or SIGINT, then writes what was sent
-// as JSON, and how fast: packet_clocks are the clocks of RGMII, of 8 ns, from the end of the first datagram that begins a
-// packet to the end of the last one.
+// 53.3 MHz, not 125 and 50, as with parameter Fast of ecpix5.sv. Runs until SIGTERM or SIGINT, then writes what was
+// sent as JSON, and how fast: packet_clocks are the clocks of RGMII, of 8 ns, from the end of the first datagram that
+// begins a packet to the end of the last one.
 //
 // A simulated second takes minutes, but the host's clock is real. Ethernet frames with packets therefore wait here, as
 // in a switch, until the board has sent nothing for 10 us. So the host sees no pauses within a burst of packets. If a
