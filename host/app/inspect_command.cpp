@@ -199,6 +199,9 @@ class Run {
       return delay_text(counts().delay) + (parts.empty() ? "" : ", ") + parts;
     };
     receiver.run({take, status, [&](double /*rate*/) { report(receiver.counters()); }});
+    if (mover) {
+      mover->finish();
+    }
     finish(receiver.counters());
     receiver.check(counts().other_size + counts().other_select);
     say_doubts();

@@ -42,13 +42,22 @@ void run_command(const std::string& command) {
 RegionMover::RegionMover(driver::Control& control, std::string command)
     : control_(control), command_(std::move(command)), thread_([this] { run(); }) {}
 
-RegionMover::~RegionMover() {
+RegionMover::~RegionMover() { end(); }
+
+void RegionMover::finish() {
+  end();
+  check();
+}
+
+void RegionMover::end() {
   {
     const std::lock_guard lock(mutex_);
     ends_ = true;
   }
   changed_.notify_one();
-  thread_.join();
+  if (thread_.joinable()) {
+    thread_.join();
+  }
 }
 
 void RegionMover::move(int row) {

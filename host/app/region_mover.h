@@ -31,7 +31,11 @@ class RegionMover {
   // Throws UserError if a move has failed: where the camera's region lies is then not known.
   void check();
 
+  // Waits for a move that is under way, and checks. Later ones are not carried out.
+  void finish();
+
  private:
+  void end();
   void run();
   void carry_out(int row);
 
