@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "host/files/file_descriptor.h"
+#include "host/files/notes.h"
 #include "selfproj/files/user_error.h"
 
 namespace selfproj::app {
@@ -88,8 +89,12 @@ void RegionMover::run() {
     std::exception_ptr failure;
     try {
       carry_out(row);
-    } catch (const UserError&) {
-      failure = std::current_exception();
+    } catch (const UserError& error) {
+      if (command_.empty()) {
+        files::note(error.what());  // each packet says where its frame begins, whether the region has moved or not
+      } else {
+        failure = std::current_exception();
+      }
     }
     lock.lock();
     if (failure) {

@@ -15,7 +15,8 @@ namespace selfproj::app {
 
 // Writes the register `region`, which a board takes over at a frame start. With a command, a camera that does not obey
 // that register is moved: the register is set to 0 (the place is not said), the command runs with the row, from 0, as
-// its last word, and when it has ended with status 0 the register gets the row.
+// its last word, and when it has ended with status 0 the register gets the row. A move that fails ends the run then;
+// without a command it is noted, because each packet says where its frame begins.
 class RegionMover {
  public:
   // Until it is destroyed, the control belongs to it.
@@ -24,11 +25,10 @@ class RegionMover {
   RegionMover& operator=(const RegionMover&) = delete;
   ~RegionMover();
 
-  // Asks for the region to begin at this row, from 0. Does not wait; the newest row counts. Throws UserError if an
-  // earlier move has failed.
+  // Asks for the region to begin at this row, from 0. Does not wait; the newest row counts. Throws as check().
   void move(int row);
 
-  // Throws UserError if a move has failed: where the camera's region lies is then not known.
+  // Throws UserError if a move by the command has failed: where the camera's region lies is then not known.
   void check();
 
   // Waits for a move that is under way, and checks. Later ones are not carried out.

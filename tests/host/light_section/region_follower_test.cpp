@@ -1,4 +1,6 @@
 // The region follows the line: it moves where that gains columns, stays where it does not, and goes home without light.
+#include "host/light_section/region_follower.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -11,7 +13,6 @@
 #include <string>
 #include <vector>
 
-#include "host/light_section/region_follower.h"
 #include "selfproj/files/user_error.h"
 #include "selfproj/light_section/differential_profile.h"
 #include "selfproj/light_section/profile.h"
