@@ -8,10 +8,10 @@
 // In the first three forms the board looked at the test camera. Which frame a packet is of follows from its time stamp.
 // The settings are those of its header. In the second form triggers made the frames, and the board may have missed the
 // first of them. The moments in the first moments packet then show which frame it is of; if raw images are compared,
-// these must be grey moments. In the third form the test camera showed the patterns of a code of BITS bits in turn,
-// beginning with the frame of the first packet, and the board decoded them. Which frame a packet is of then follows
-// from its sequence number. In the last form images were replayed to the board: its frame number k, from 0, must be
-// image number k. Prints JSON. Exit status 1 if a packet differs, or if there is none.
+// these must be grey moments, exact or compact. In the third form the test camera showed the patterns of a code of BITS
+// bits in turn, beginning with the frame of the first packet, and the board decoded them. Which frame a packet is of
+// then follows from its sequence number. In the last form images were replayed to the board: its frame number k, from
+// 0, must be image number k. Prints JSON. Exit status 1 if a packet differs, or if there is none.
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
@@ -121,7 +121,7 @@ bool next_packet(Bytes bytes, std::size_t& at, model::PacketView& packet) {
 void find_first_frame(Bytes bytes, CameraScoreboard& scoreboard) {
   model::PacketView packet;
   for (std::size_t at = 0; next_packet(bytes, at, packet);) {
-    if (packet.header.kind == spec::kKindMoments) {
+    if (model::has_columns(packet.header.kind)) {
       static_cast<void>(scoreboard.find_frame(packet));  // otherwise no packet will be equal
       return;
     }

@@ -27,13 +27,17 @@ void FramePackets::expect(std::span<const std::uint8_t> pixels, int columns, int
   expected_.clear();
   mode_ = header.mode;
   threshold_ = header.threshold;
+  kind_ = header.kind;
   model::BoardModel model([this](model::BoardPacket&& packet) { expect(std::move(packet)); });
   model.write({.image = true,
                .columns = columns,
                .rows = rows,
                .mode = static_cast<model::Mode>(header.mode),
                .threshold = header.threshold,
-               .stream = header.stream});
+               .stream = header.stream,
+               .region_row = header.region_row,
+               .region_column = header.region_column,
+               .compact = header.kind == spec::kKindCompact});
   show_frame(model, pixels, columns, {.clock = 1000});
 }
 

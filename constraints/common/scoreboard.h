@@ -30,8 +30,8 @@ class FramePackets {
 
   // Whether what is expected is of the settings of this packet.
   [[nodiscard]] bool settings_of(const model::PacketHeader& header) const {
-    const bool moments = header.kind == spec::kKindMoments;
-    return !moments || (header.mode == mode_ && header.threshold == threshold_);
+    return !model::has_columns(header.kind) ||
+           (header.kind == kind_ && header.mode == mode_ && header.threshold == threshold_);
   }
 
   // Whether the packet is one of them, byte by byte. What the models do not know is taken from the packet: which frame
@@ -40,6 +40,7 @@ class FramePackets {
   [[nodiscard]] bool has(const model::PacketView& packet, bool may_stray) const;
 
  private:
+  std::uint8_t kind_ = 0;
   std::uint8_t mode_ = 0;
   std::uint8_t threshold_ = 0;
   std::map<std::pair<std::uint8_t, std::uint16_t>, model::BoardPacket> expected_;
@@ -54,8 +55,9 @@ class CameraScoreboard {
   CameraScoreboard(int columns, int rows, std::uint64_t frame_clocks)
       : columns_(columns), rows_(rows), frame_clocks_(frame_clocks) {}
 
-  // Finds a frame that has the moments of this packet: with grey moments it shows the same picture, with binary ones
-  // lines in the same places. The frames of all packets are then counted from there. Returns false if there is none.
+  // Finds a frame that has the moments of this packet: with grey moments, exact or compact, it shows the same picture,
+  // with binary ones lines in the same places. The frames of all packets are then counted from there. Returns false if
+  // there is none.
   bool find_frame(const model::PacketView& moments) {
     const auto rows = static_cast<std::uint32_t>(rows_);
     const std::uint32_t pictures = std::lcm(rows - 3, kBrightnesses);

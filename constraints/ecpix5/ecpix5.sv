@@ -1,7 +1,7 @@
 // Top of the ECPIX-5 with the LFE5UM5G-85F: pins, clocks, resets and LEDs around ecpix5_system.
 //
-// Clocks, by the PLL from the board's 100 MHz: pixel clock 125 MHz, bus clock 50 MHz. The PHY chip
-// gives the third, of RGMII. Reset: while the PLL is not locked or the button is held, and 256
+// Clocks, by the PLL from the board's 100 MHz: pixel clock 125 MHz, bus clock 50 MHz; with Fast
+// 133.3 MHz and 53.3 MHz. The PHY chip gives the third, of RGMII. Reset: while the PLL is not locked or the button is held, and 256
 // clocks more.
 //
 // LEDs show events by changes, so that it does not matter which level lights them. LED 0, green,
@@ -16,9 +16,13 @@ module ecpix5 #(
   parameter int MaxRows = 127,
   parameter bit Grey = 1'b1,
   parameter bit Image = 1'b1,
+  parameter bit Region = 1'b0,
+  parameter bit Compact = 1'b0,
   parameter bit Codes = 1'b0,
   parameter int CodeBits = 8,
   parameter bit Sensor = 1'b0,       // 1: the parallel sensor; 0: the test camera
+  parameter bit Fast = 1'b0,         // pixel clock 133.3 MHz
+  parameter int CameraRows = 96,     // of the test camera's image
   parameter int FrameClocks = 12_500,  // of the test camera: 10,000 frames a second
   parameter int DatagramBytes = 1472  // longest datagram with packets; 8972 in jumbo frames
 ) (
@@ -55,9 +59,8 @@ module ecpix5 #(
   logic clk, bus_clk, locked, unused_secondary2, unused_secondary3, unused_intlock, unused_refclk;
   logic unused_clkintfb;
 
-  // The detector runs at 25 MHz, the oscillator at 500 MHz.
-  (* FREQUENCY_PIN_CLKI = "100", FREQUENCY_PIN_CLKOP = "125", FREQUENCY_PIN_CLKOS = "50",
-     ICP_CURRENT = "12", LPF_RESISTOR = "8" *)
+  // The detector runs at 25 MHz, the oscillator at 500 MHz; with Fast at 33.3 MHz and 533.3 MHz.
+  (* ICP_CURRENT = "12", LPF_RESISTOR = "8" *)
   EHXPLLL #(
     .PLLRST_ENA      ("DISABLED"),
     .INTFB_WAKE      ("DISABLED"),
@@ -67,8 +70,8 @@ module ecpix5 #(
     .OUTDIVIDER_MUXB ("DIVB"),
     .OUTDIVIDER_MUXC ("DIVC"),
     .OUTDIVIDER_MUXD ("DIVD"),
-    .CLKI_DIV        (4),
-    .CLKFB_DIV       (5),
+    .CLKI_DIV        (Fast ? 3 : 4),
+    .CLKFB_DIV       (Fast ? 4 : 5),
     .FEEDBK_PATH     ("CLKOP"),
     .CLKOP_ENABLE    ("ENABLED"),
     .CLKOP_DIV       (4),
@@ -131,7 +134,7 @@ module ecpix5 #(
     bus_rst_q  <= !wait_bus_q[8];
   end
 
-  // The PHY chip rests for 20 ms after the board's reset.
+  // The PHY chip rests for 20 ms or almost after the board's reset.
   logic [20:0] phy_q;
   always_ff @(posedge bus_clk) begin
     if (bus_rst_q) phy_q <= '0;
@@ -148,9 +151,12 @@ module ecpix5 #(
     .MaxRows      (MaxRows),
     .Grey         (Grey),
     .Image        (Image),
+    .Region       (Region),
+    .Compact      (Compact),
     .Codes        (Codes),
     .CodeBits     (CodeBits),
     .Sensor       (Sensor),
+    .CameraRows   (CameraRows),
     .FrameClocks  (FrameClocks),
     .DatagramBytes(DatagramBytes)
   ) u_system (

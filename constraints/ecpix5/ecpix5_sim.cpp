@@ -1,12 +1,14 @@
 // The FPGA of an ECPIX-5 in simulation. Its Ethernet is connected to a network interface of this machine.
 //
 //     ecpix5_sim INTERFACE [--drop PERCENT] [--double PERCENT] [--reorder PERCENT] [--damage PERCENT] [--seed N]
-//                [--counts FILE] [--paused FILE]
+//                [--fast] [--counts FILE] [--paused FILE]
 //
 // The circuits are those of constraints/ecpix5/ecpix5_system.sv, LiteEth included, which Verilator has compiled; PLL
 // and pins are not. INTERFACE becomes a TAP interface. The first three faults hit datagrams with packets, and those of
-// replay. --damage hits any frame to the board, so that its check fails. Runs until SIGTERM or SIGINT, then writes what
-// was sent as JSON.
+// replay. --damage hits any frame to the board, so that its check fails. --fast: pixels at 133.3 MHz and the bus at
+// 53.3 MHz, not 125 and 50, as with parameter Fast of ecpix5.sv. Runs until SIGTERM or SIGINT, then writes what was
+// sent as JSON, and how fast: packet_clocks are the clocks of RGMII, of 8 ns, from the end of the first datagram that
+// begins a packet to the end of the last one.
 //
 // A simulated second takes minutes, but the host's clock is real. Ethernet frames with packets therefore wait here, as
 // in a switch, until the board has sent nothing for 10 us. So the host sees no pauses within a burst of packets. If a
@@ -16,6 +18,7 @@
 #include <sys/types.h>
 #include <verilated.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <csignal>
@@ -43,8 +46,7 @@ std::atomic<bool> g_stop = false;
 
 constexpr unsigned kPacketPort = 1235;
 constexpr std::uint64_t kHalfEthernetPs = 4000;
-constexpr std::uint64_t kPixelPs = 8000;  // 125 MHz
-constexpr std::uint64_t kBusPs = 20000;   // 50 MHz
+constexpr std::uint64_t kEthernetPs = 2 * kHalfEthernetPs;
 constexpr std::uint64_t kBurstPs = 10'000'000;
 constexpr std::size_t kBurstBytes = 80'000;       // with the kernel's overhead less than net.core.rmem_max usually is
 constexpr std::chrono::milliseconds kHeldUp(10);  // half of what a host takes for silence
@@ -55,6 +57,7 @@ struct Options {
   FaultyNetwork::Faults faults;
   double damaged = 0;  // percent of the frames to the board
   std::uint64_t seed = 1;
+  bool fast = false;
   std::string counts;
   std::string paused;
 };
@@ -74,6 +77,10 @@ Options read_options(const std::vector<std::string>& words) {
     const std::string& word = words[i];
     if (!word.starts_with("--")) {
       options.interface = word;
+      continue;
+    }
+    if (word == "--fast") {
+      options.fast = true;
       continue;
     }
     if (i + 1 == words.size()) {
@@ -106,8 +113,10 @@ Options read_options(const std::vector<std::string>& words) {
 
 // Whether a frame with a datagram of packets holds the first piece of one.
 bool begins_packet(const EthernetFrame& frame) {
-  constexpr std::size_t kOffset = 14 + 20 + 8 + spec::kDatagramOffset;  // behind the headers of Ethernet, IP and UDP
-  return frame.size() > kOffset + 1 && frame[kOffset] == 0 && frame[kOffset + 1] == 0;
+  constexpr std::size_t kHeader = 14 + 20 + 8;  // behind the headers of Ethernet, IP and UDP
+  const auto is_0 = [&](std::size_t field) { return frame[kHeader + field] == 0 && frame[kHeader + field + 1] == 0; };
+  return frame.size() >= kHeader + spec::kDatagramHeaderBytes && is_0(spec::kDatagramOffset) &&
+         !is_0(spec::kDatagramLength);
 }
 
 class Simulation {
@@ -118,6 +127,8 @@ class Simulation {
         network_(kPacketPort, options.faults, options.seed),
         to_board_(spec::kReplayPort, options.faults, options.seed + 1),
         paused_(options.paused),
+        half_pixel_(options.fast ? 3750 : 4000),
+        half_bus_(options.fast ? 9375 : 10'000),
         damaged_(options.damaged / 100),
         random_(options.seed) {
     model_->rst_i = 1;
@@ -127,16 +138,17 @@ class Simulation {
   Simulation& operator=(const Simulation&) = delete;
   ~Simulation() { model_->final(); }
 
-  // One half of an Ethernet clock, and what happens in it. The other clocks have phases of their own.
+  // One half of an Ethernet clock, and the edges of the other clocks in it.
   void step() {
     now_ += kHalfEthernetPs;
-    if (now_ >= next_bus_) {
-      model_->bus_clk_i = model_->bus_clk_i == 0;
-      next_bus_ += kBusPs / 2;
-      model_->eval();
-    }
-    model_->clk_i = now_ % kPixelPs == 0;
-    if (model_->clk_i) {
+    while (std::min(next_pixel_, next_bus_) <= now_) {
+      if (next_bus_ <= next_pixel_) {
+        model_->bus_clk_i = model_->bus_clk_i == 0;
+        next_bus_ += half_bus_;
+      } else {
+        model_->clk_i = model_->clk_i == 0;
+        next_pixel_ += half_pixel_;
+      }
       model_->eval();
     }
     ethernet();
@@ -159,7 +171,8 @@ class Simulation {
          << ", \"held_up\": " << held_up_ << ", \"replay_datagrams\": " << replayed.datagrams
          << ", \"replay_dropped\": " << replayed.dropped << ", \"replay_doubled\": " << replayed.doubled
          << ", \"replay_reordered\": " << replayed.reordered << ", \"to_board_damaged\": " << to_board_damaged_
-         << ", \"from_board_damaged\": " << receiver_.damaged() << "}\n";
+         << ", \"from_board_damaged\": " << receiver_.damaged() << ", \"packets_on_cable\": " << packets_
+         << ", \"packet_clocks\": " << (last_packet_ - first_packet_) / kEthernetPs << "}\n";
     if (!file.flush()) {
       throw std::runtime_error(path + ": cannot be written");
     }
@@ -181,8 +194,13 @@ class Simulation {
       if (udp_source_port(*frame) != kPacketPort) {
         refused_ += tap_.send(*frame) ? 0 : 1;
       } else {
-        if (burst_bytes_ >= kBurstBytes && begins_packet(*frame)) {
-          hand_over();
+        if (begins_packet(*frame)) {
+          first_packet_ = packets_ == 0 ? now_ : first_packet_;
+          last_packet_ = now_;
+          ++packets_;
+          if (burst_bytes_ >= kBurstBytes) {
+            hand_over();
+          }
         }
         for (EthernetFrame& one : network_.pass(*std::move(frame))) {
           burst_bytes_ += one.size();
@@ -236,6 +254,8 @@ class Simulation {
   FaultyNetwork network_;
   FaultyNetwork to_board_;
   std::string paused_;
+  std::uint64_t half_pixel_;  // of a clock, in ps
+  std::uint64_t half_bus_;
   std::bernoulli_distribution damaged_;  // whether a frame to the board is
   std::mt19937_64 random_;
   RgmiiSender sender_;
@@ -243,7 +263,11 @@ class Simulation {
   std::vector<EthernetFrame> burst_;
   std::size_t burst_bytes_ = 0;
   std::uint64_t now_ = 0;
-  std::uint64_t next_bus_ = kBusPs / 2;
+  std::uint64_t next_pixel_ = half_pixel_;
+  std::uint64_t next_bus_ = half_bus_;
+  std::uint64_t packets_ = 0;  // that have begun on the cable, and when the first and the last one did
+  std::uint64_t first_packet_ = 0;
+  std::uint64_t last_packet_ = 0;
   std::uint64_t last_busy_ = 0;
   std::uint64_t refused_ = 0;
   std::uint64_t held_up_ = 0;  // pauses within a burst, because this process had to wait for a processor

@@ -17,6 +17,8 @@ module ecpix5_system #(
   parameter int MaxRows = 127,
   parameter bit Grey = 1'b1,
   parameter bit Image = 1'b1,
+  parameter bit Region = 1'b0,
+  parameter bit Compact = 1'b0,
   parameter bit Codes = 1'b0,
   parameter int CodeBits = 8,
   parameter bit Sensor = 1'b0,       // 1: the parallel sensor is the camera; 0: the test camera
@@ -212,6 +214,8 @@ module ecpix5_system #(
     .MaxRows   (MaxRows),
     .Grey      (Grey),
     .Image     (Image),
+    .Region    (Region),
+    .Compact   (Compact),
     .Codes     (Codes),
     .CodeBits  (CodeBits)
   ) u_board (

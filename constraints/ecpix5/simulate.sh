@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# simulate.sh [--frames N] [--replay DIR | --codes | --rows N] [--drop P] [--double P] [--reorder P] [--damage P]
+# simulate.sh [--frames N] [--replay DIR | --codes | --rows N | --few-rows] [--drop P] [--double P] [--reorder P] [--damage P]
 # [--images] [--jumbo] [--keep] [-- COMMAND...]: simulates the FPGA of the ECPIX-5, LiteEth included, from the test
 # camera to the pins of RGMII. In a network namespace of its own a TAP interface takes the place of the cable. The
 # kernel's own stack and the programs in build/bin reach the board at 192.168.1.50. By default the board sends N frames
@@ -9,7 +9,9 @@
 # board. The faults hit its datagrams, too, but every image must arrive. With --codes the board is built with the
 # Gray-code decoder, and the test camera shows its patterns, one every millisecond; code images must be those of the
 # models, too. With --rows the test camera has N rows, 5 to 127, and makes no pause between frames: only its pixel clock
-# limits their rate. --damage hits the frames to the board. --images has raw images sent as well. --jumbo builds the board
+# limits their rate. --few-rows does the same with 20 rows, the register region, compact columns, and the clocks of
+# bitstream.py --few-rows; it prints how many packets a second the cable carries, and fails below 50,000. --damage hits
+# the frames to the board. --images has raw images sent as well. --jumbo builds the board
 # for datagrams of up to 8,972 bytes, and gives the network frames of 9,000 bytes. --keep records the figures in the
 # folder results. With a COMMAND, that command runs instead, as long as it likes; rates.py is one. SELFPROJ_PROGRAMS
 # names the folder of the programs, and SELFPROJ_BUILD the build with the models, if they are not build/bin and
@@ -27,6 +29,7 @@ faults=()
 images=false
 mtu=1500
 rows=
+few=false
 keep=false
 command=()
 while (($# > 0)); do
@@ -37,6 +40,7 @@ while (($# > 0)); do
     --drop | --double | --reorder | --damage) faults+=("$1" "${2:?"simulate.sh: $1 needs a percentage"}"); shift 2 ;;
     --images) images=true; shift ;;
     --jumbo) mtu=9000; shift ;;
+    --few-rows) few=true; shift ;;
     --rows) rows=${2:?"simulate.sh: --rows needs a number"}; shift 2 ;;
     --keep) keep=true; shift ;;
     --) command=("${@:2}"); break ;;
@@ -49,6 +53,7 @@ done
 ((${#replay} > 0)) && given="--replay " || given=
 $codes && given+="--codes "
 [[ -z $rows ]] || given+="--rows "
+$few && given+="--few-rows "
 [[ $given != *" "*" " ]] || { echo "simulate.sh: ${given}exclude each other" >&2; exit 2; }
 programs=${SELFPROJ_PROGRAMS:-$PWD/build/bin}
 built=${SELFPROJ_BUILD:-$PWD/build/release}
@@ -70,6 +75,11 @@ frame_clocks=12500
   frame_clocks=$((128 * rows))
   folder+=-rows-$rows && build+=("-GCameraRows=$rows" "-GFrameClocks=$frame_clocks")
 }
+clocks=
+$few && { rows=20 && frame_clocks=2560
+  folder+=-few-rows && build+=("-GCameraRows=$rows" "-GFrameClocks=$frame_clocks" "-GRegion=1'b1" "-GCompact=1'b1")
+  clocks=--fast
+}
 $codes && folder+=-codes && build+=("-GGrey=1'b0" "-GImage=1'b0" "-GCodes=1'b1") # as bitstream.py does
 search=()
 for room in rtl/*/; do search+=(-y "${room%/}"); done
@@ -83,7 +93,7 @@ constraints/common/verilated_sim.sh "$built" "$folder" Vecpix5_system constraint
 
 work=$(mktemp -d "$PWD/build/ecpix5-sim-XXXXXX")
 trap 'rm -rf "$work"' EXIT
-export here folder work programs compare frames images replay codes mtu rows
+export here folder work programs compare frames images replay codes mtu rows few clocks
 status=0
 # The host's programs do not interrupt the simulation when a datagram wakes them up. A host takes 20 ms of silence for
 # the end of a packet. Where the simulation had to wait for a processor in the middle of one, it counts that (held_up).
@@ -94,7 +104,7 @@ unshare --map-root-user --net chrt --batch 0 bash -euo pipefail -c '
   while [[ ${1:-} == --* && $1 != -- ]]; do faults+=("$1" "$2"); shift 2; done
   shift
   touch "$work/sim.txt"
-  chrt --other 0 "$folder/sim" tap0 --counts "$work/sim.json" --paused "$work/record.pid" "${faults[@]}" \
+  chrt --other 0 "$folder/sim" tap0 $clocks --counts "$work/sim.json" --paused "$work/record.pid" "${faults[@]}" \
     >"$work/sim.txt" & sim=$!
   trap "kill -TERM $sim 2>/dev/null || true" EXIT
   until grep -q ready "$work/sim.txt" || ! kill -0 "$sim" 2>/dev/null; do sleep 0.05; done
@@ -114,6 +124,7 @@ unshare --map-root-user --net chrt --batch 0 bash -euo pipefail -c '
   $images && image=1 || image=0
   ((mtu == 1500)) && jumbo= || jumbo=--jumbo
   settings=(measure.mode=grey-over "control.image=$image" ${rows:+"size.rows=$rows"})
+  $few && settings+=(compact.on=1 region.row=39 region.column=1)
   $codes && settings=(decode.bits=8 decode.codes=1)
   selfproj board set "${board[@]}" measure.threshold=100 "${settings[@]}" >/dev/null
   [[ -z $replay ]] || selfproj board source replay "${board[@]}"
@@ -152,9 +163,9 @@ form=("512x${rows:-96}" "$frame_clocks")
 if $codes; then form[1]=codes=8; fi
 if [[ -n $replay ]]; then form=(replay "$replay"); fi
 "$compare" "$work/packets" "${form[@]}" >"$work/compared.json" || status=$?
-python3 -B - "$work" "$images" "$codes" "${rows:-96}" <<'PYTHON' || status=$?
+python3 -B - "$work" "$images" "$codes" "${rows:-96}" "$few" <<'PYTHON' || status=$?
 import json, pathlib, re, sys
-folder, images, codes = pathlib.Path(sys.argv[1]), sys.argv[2] == "true", sys.argv[3] == "true"
+folder, (images, codes, few) = pathlib.Path(sys.argv[1]), (sys.argv[at] == "true" for at in (2, 3, 5))
 rows = int(sys.argv[4])
 said = (folder / "record.txt").read_text()
 print("record: " + said.strip())
@@ -168,6 +179,8 @@ sent = board["frames"] * (1 + rows * images) + 96 * code_images - lost_board
 figures = {"frames": board["frames"], "packets_sent": sent, "recorded": compared["packets"],
            "equal": compared["equal"], "lost_board": lost_board,
            "lost_network": number("lost in the network"), "bad": number("bad packets"), **sim}
+if sim["packet_clocks"]:
+    figures["packets_per_s"] = round((sim["packets_on_cable"] - 1) / sim["packet_clocks"] * 125e6)
 images_replayed = "images" in compared
 if images_replayed:
     replayed = (folder / "replay.txt").read_text()
@@ -178,6 +191,7 @@ print("".join(f"    {key} {value}\n" for key, value in figures.items()), end="")
 good = (figures["recorded"] == figures["equal"] and figures["recorded"] + figures["lost_network"] == sent
         and figures["bad"] == 0 and sim["from_board_damaged"] == 0 and sim["refused_by_kernel"] == 0
         and figures["lost_network"] <= sim["dropped"] + sim["held_up"]
+        and (not few or lost_board == 0 and figures["packets_per_s"] >= 50_000)
         and (not images_replayed or figures["images"] == figures["left"] == figures["frames"]))
 print("every packet equals the models', and delivered + lost = sent" if good else "the counts do not fit")
 sys.exit(0 if good else 1)
@@ -188,7 +202,11 @@ if $keep; then
   [[ -n $replay ]] && source="--replay ${replay##*/}" || source="--frames $frames"
   name=target_sim${replay:+_replay}
   ((mtu == 1500)) || { source+=" --jumbo" && name+=_jumbo; }
-  [[ -z $rows ]] || { source+=" --rows $rows" && name+=_rows; }
+  if $few; then
+    source+=" --few-rows" name+=_few_rows
+  elif [[ -n $rows ]]; then
+    source+=" --rows $rows" name+=_rows
+  fi
   $codes && source+=" --codes" && name+=_codes
   SELFPROJ_RESULTS=results python3 -B scripts/results.py record "$name${faults[0]:+_faults}" \
     --about "The FPGA of an ECPIX-5 in simulation, test camera to RGMII, and the host behind the kernel's stack" \

@@ -16,6 +16,7 @@
 #include "host/app/commands.h"
 #include "host/app/image_source.h"
 #include "host/app/receive.h"
+#include "host/app/region_mover.h"
 #include "host/app/scanner_run.h"
 #include "host/app/section_run.h"
 #include "host/camera/camera_device.h"
@@ -25,6 +26,7 @@
 #include "host/files/output_file.h"
 #include "host/files/output_folder.h"
 #include "host/images/frame_options.h"
+#include "host/light_section/region_follower.h"
 #include "host/production/cutter.h"
 #include "host/production/part_reference.h"
 #include "host/production/production.h"
@@ -58,6 +60,8 @@ struct InspectOptions {
   std::string json;
   std::string verdict;  // a table; empty: nothing is judged by moments
   bool verdict_placed = false;
+  bool follow = false;
+  std::string move_camera;  // empty: the camera obeys the register
   std::uint64_t keep = light_section::InspectionOptions{}.max_frames;
 
   // What is inspected, in messages and titles.
@@ -151,6 +155,9 @@ class Run {
         section_(rig_, profiler_,
                  options.select.empty() ? std::nullopt : std::optional(images::select_of(options.select))),
         measure_(measure_of_rig(rig_, options.select)) {
+    if (options.follow) {
+      follower_.emplace(rig_, reference_, "--rig " + options.section.rig);
+    }
     own_.resize(profiler_.columns());
     if (folder_) {
       const std::uint64_t count = options.receive.count;
@@ -166,7 +173,20 @@ class Run {
     produce();
     receiver.open(camera::camera_of_rig(rig_, measure_),
                   BoardSetup{rig_.camera, measure_, rig_.measure.sends_compact()});
+    std::optional<RegionMover> mover;
+    if (follower_) {
+      if (receiver.control() == nullptr || !receiver.control()->build().region) {
+        throw UserError("--follow", fmt::format("needs a board with the register region beside {} (--control)",
+                                                options_.receive.device));
+      }
+      mover.emplace(*receiver.control(), options_.move_camera);
+    }
     const auto take = [&](const model::PacketView& packet) {
+      if (mover && packet.header.region_row == 0 && model::has_columns(packet.header.kind)) {
+        mover->check();
+        ++frames_of_moves_;  // the camera is being moved
+        return counts().profiles;
+      }
       const light_section::ProfileView profile = place();
       if (section_.profile(packet, receiver.device(), profile)) {
         if (inspection_) {
@@ -174,6 +194,11 @@ class Run {
         }
         take_moments(packet);
         publish(packet.header, receiver.device().arrival_ns());
+        if (mover) {
+          if (const std::optional<int> row = follower_->look(packet)) {
+            mover->move(*row);
+          }
+        }
       } else if (production_) {
         production_->image(packet);
       }
@@ -184,6 +209,9 @@ class Run {
       return delay_text(counts().delay) + (parts.empty() ? "" : ", ") + parts;
     };
     receiver.run({take, status, [&](double /*rate*/) { report(receiver.counters()); }});
+    if (mover) {
+      mover->finish();
+    }
     finish(receiver.counters());
     receiver.check(counts().other_size + counts().other_select);
     say_doubts();
@@ -311,6 +339,15 @@ class Run {
 
   void finish(const std::optional<driver::Counters>& counters) {
     std::vector<report::Fact> facts = facts_of(counts(), counters);
+    if (follower_) {
+      const auto number = [](std::uint64_t value) { return static_cast<std::int64_t>(value); };
+      const light_section::RegionFollower::Counts& followed = follower_->counts();
+      facts.insert(facts.end(), {{"region_moves", "moves of the region", number(followed.moves)},
+                                 {"region_moves_failed", "moves that did not come", number(followed.failed)},
+                                 {"region_looks", "looks at the region", number(followed.looks)},
+                                 {"region_left", "looks at a line that left it", number(followed.left)},
+                                 {"region_moving", "frames while it was moved", number(frames_of_moves_)}});
+    }
     if (production_) {
       production_->finish();
       const std::vector<report::Fact> more = production_->facts();
@@ -326,6 +363,11 @@ class Run {
       json_->write(files::json_text(report::facts_json(facts), 2) + "\n");
     }
     print_outcome(options_, counts(), counters, inspection_);
+    if (follower_) {
+      const light_section::RegionFollower::Counts& followed = follower_->counts();
+      fmt::print("region moved {} times; in {} of {} looks the line left it\n", followed.moves, followed.left,
+                 followed.looks);
+    }
     if (production_) {
       fmt::print("{}", production_->end_text());
       production_->check();
@@ -352,6 +394,8 @@ class Run {
   const model::Measure measure_;
   std::optional<light_section::Inspection> inspection_;
   std::optional<production::Production> production_;
+  std::optional<light_section::RegionFollower> follower_;
+  std::uint64_t frames_of_moves_ = 0;  // whose place on the sensor was not said
   NewestDoubt newest_doubt_;
   light_section::Profile own_;
   production::MeasuredFrame* slot_ = nullptr;
@@ -414,6 +458,19 @@ selfproj inspect --device file:/dev/xdma0_c2h_0 --reference good-part --check --
       ->check(cli::one_of(images::select_names()))
       ->type_name("SELECT")
       ->default_str("what comes");
+  CLI::Option* const follow =
+      command
+          ->add_flag("--follow", options->follow,
+                     "Move the rig's region (camera.region) to where the line is, by the register `region`. The camera "
+                     "must send the region that this register says, as simulated ones do, or be moved by "
+                     "--move-camera; otherwise heights are wrong.")
+          ->needs(device);
+  command
+      ->add_option("--move-camera", options->move_camera,
+                   "Command that moves the camera's region, for the shell. Its last word is the region's first row, "
+                   "from 0. While it runs nothing is measured.")
+      ->type_name("COMMAND")
+      ->needs(follow);
   add_production_options(*command, options->production);
   cli::begin_group(*command, "Verdict by moments");
   command

@@ -84,6 +84,7 @@ class Receiver {
   void run(const Handlers& handlers);
 
   [[nodiscard]] driver::Device& device() { return *device_; }
+  [[nodiscard]] driver::Control* control() { return control_.get(); }  // null: there are no registers
   // After run() those of its end: what a ring loses later is left to its next reader, who is told of it.
   [[nodiscard]] driver::Counters counters() const { return ended_ ? *ended_ : device_->counters(); }
 

@@ -60,7 +60,8 @@ VerdictRun::VerdictRun(const rig::Rig& rig, VerdictTable table, std::string sour
 void VerdictRun::judge(model::Verdict& model, const model::PartRule& rule, const model::VerdictSettings& settings,
                        const model::PacketHeader& header, const std::vector<std::uint32_t>& m0,
                        const std::vector<std::uint32_t>& m1) {
-  const model::FrameVerdict found = model.frame(settings, rule, header.encoder & model::kCountMask, m0, m1, true);
+  const model::FrameVerdict found =
+      model.frame(settings, false, rule, header.encoder & model::kCountMask, m0, m1, true);
   if (!found.in_part) {
     return;
   }

@@ -1,15 +1,19 @@
 #!/usr/bin/env python3
 """Few rows of hidden rigs: calibrated with the whole sensor, then run with 20 rows at 50,000 frames a second.
 
-    few_rows.py [--seeds N-M] [--quick] [--rows N] [--rate HZ] [--frames N] [--programs DIR] [--out DIR]
+    few_rows.py [--seeds N-M] [--quick] [--rows N] [--rate HZ] [--frames N] [--programs DIR] [--out DIR] [--add]
 
 As hidden_rigs.py, by the documented commands and images alone: board, plates, and a scan of the good part with the whole
 sensor; `selfproj rows` chooses the rows; images of the good part under its pattern with the short exposure, as the
 camera then sends them, give the residual (`selfproj pattern --residual`); the part passes, the RTL makes packets of the
 frames (`selfproj-sim cosim --engine rtl`, every packet compared with the model's), and `selfproj inspect` measures.
 Experiments A1 (mountain) and A2 (stairs): the RMS of the differences from the good part over the columns with a
-reference, but those within half a millimetre of a step (STEP_COLUMNS). With SELFPROJ_RESULTS set, few_rows.json is
-written. The exit status is 1 where a bound is not reached. Standard library only.
+reference, but those within half a millimetre of a step (STEP_COLUMNS). Then parts of A2 that lie higher, aside or
+turned (DISPLACED) pass a board whose camera obeys the register `region` (`selfproj-sim board --sensor`, whose packets
+are the model's), one after the other, and `selfproj inspect --follow` moves the region; a part's last frames are those
+that count, because the first ones are seen where the part before has left the region. With SELFPROJ_RESULTS set,
+few_rows.json is written; --add keeps the seeds that an earlier run has measured. The exit status is 1 where a bound is
+not reached. Standard library only.
 """
 
 import argparse
@@ -17,8 +21,10 @@ import json
 import math
 import os
 import pathlib
+import subprocess
 import sys
 import tempfile
+import time
 
 import float_tiff
 import hidden_rig_figures as figures
@@ -27,6 +33,11 @@ import results  # hidden_rigs has set its path
 
 RIG = "light-section"
 SCENES = {"A1": "mountain", "A2": "stairs"}
+DISPLACED = (("lift", 2), ("lift", -2), ("aside", 2), ("turn", -1), ("lift", -2), ("aside", -2), ("turn", 1),
+             ("lift", 2))
+DISPLACED_FRAMES = 60  # of each, at DISPLACED_RATE
+DISPLACED_RATE = 500   # of the simulated board, whose host shares the machine with it
+ADDRESS = "127.0.0.9"  # of that board's registers
 STEP_COLUMNS = 3
 RMS_MM = 0.03
 COLUMNS_SHARE = 0.8  # of the part's, those beside steps counted as missing
@@ -44,6 +55,62 @@ def calibrated(chain, effort):
                ",".join(map(str, effort.heights)), "--every", effort.every_line, "--out", "heights", *plates)
     (chain.folder / "drawn.yaml").write_text(hidden_rigs.drawn(RIG), encoding="utf-8")
     return "heights/rig.yaml"
+
+
+def compared(height, truth):
+    """The figures of heights beside the truth."""
+    reach = 5  # frames, 0.1 mm of the belt: the light slides down the walls of turned parts
+    edges = figures.near_steps(truth, STEP_COLUMNS, reach, apart=reach)
+    squares = points = seen = beside = 0
+    greatest = 0.0
+    for measured, true, edge in zip(height, truth, edges):
+        for h, t, left_out in zip(measured, true, edge):
+            seen += not math.isnan(t)
+            if left_out or math.isnan(t):
+                beside += not math.isnan(t)
+            elif not math.isnan(h):
+                points += 1
+                squares += (h - t) ** 2
+                greatest = max(greatest, abs(h - t))
+    return {"rms_mm": math.sqrt(squares / max(points, 1)), "max_mm": greatest, "columns": points / max(seen, 1),
+            "left_out": beside / max(seen, 1), "points": points}
+
+
+def displaced(chain, options):
+    """Parts of A2 that lie elsewhere, one after the other. Returns the figures of the worst."""
+    few, part = "A2/few.yaml", "A2/part"
+    middle = round(MIDDLE_MM * options.rate / 1000)
+    folders = []
+    for number, (way, value) in enumerate(DISPLACED):
+        folder = f"A2/moved_{number}"
+        chain.render("stairs", part, folder, "--first", middle, "--count", DISPLACED_FRAMES, f"--{way}", value,
+                     "--truth", f"{folder}.tiff", "--region-of", few, "--uncropped")
+        folders.append(folder)
+    ring = f"few-rows-{os.getpid()}"
+    images = [str(file) for folder in folders for file in sorted((chain.folder / folder).glob("*.png"))]
+    programs = options.programs.resolve()
+    board = subprocess.Popen([programs / "selfproj-sim", "board", "--images", *images, "--sensor", "--rate",
+                              str(DISPLACED_RATE), "--ring", ring, "--control", ADDRESS], stdout=subprocess.DEVNULL)
+    try:
+        info = [programs / "selfproj", "board", "info", "--device", f"udp:{ADDRESS}"]
+        while subprocess.run(info, capture_output=True, check=False).returncode:
+            if board.poll() is not None:
+                raise hidden_rigs.Refused("selfproj-sim board has ended")
+            time.sleep(0.1)
+        chain.host("inspect", "--device", f"ring:{ring}", "--control", f"udp:{ADDRESS}", "--rig", few, "--reference",
+                   part, "--follow", "--assume", "speed", "--count", len(images), "--out", "A2/followed")
+    finally:
+        board.terminate()
+        board.wait()
+    height = float_tiff.read(chain.folder / "A2/followed/height.tiff")
+    found = []
+    for number, folder in enumerate(folders):
+        half = DISPLACED_FRAMES // 2
+        begin = number * DISPLACED_FRAMES + half
+        found.append(compared(height[begin:begin + half], float_tiff.read(chain.folder / f"{folder}.tiff")[half:]))
+    return {"rms_mm": max(one["rms_mm"] for one in found), "max_mm": max(one["max_mm"] for one in found),
+            "columns": min(one["columns"] for one in found), "left_out": max(one["left_out"] for one in found),
+            "points": sum(one["points"] for one in found)}
 
 
 def run(chain, name, scene, rig, effort, options):
@@ -68,23 +135,10 @@ def run(chain, name, scene, rig, effort, options):
               "--packets", at("packets"))
     chain.host("inspect", "--device", f"file:{at('packets')}", "--rig", at("few.yaml"), "--reference", at("part"),
                "--out", at("result"), "--check")
-    height = float_tiff.read(chain.folder / at("result/height.tiff"))
-    truth = float_tiff.read(chain.folder / at("truth.tiff"))
-    edges = figures.near_steps(truth, STEP_COLUMNS, 1)
-    squares = points = 0
-    for measured, true, edge in zip(height, truth, edges):
-        for h, t, left_out in zip(measured, true, edge):
-            if left_out or math.isnan(t):
-                continue
-            if not math.isnan(h):
-                points += 1
-                squares += (h - t) ** 2
     region = (chain.folder / at("few.yaml")).read_text(encoding="utf-8").split("region:")[1].split("projector:")[0]
-    seen = sum(not math.isnan(t) for row in truth for t in row)
-    beside = sum(edge and not math.isnan(t) for edges_of, row in zip(edges, truth) for edge, t in zip(edges_of, row))
     values = dict(line.strip().split(": ") for line in region.strip().splitlines())
-    return {"rms_mm": math.sqrt(squares / max(points, 1)), "columns": points / max(seen, 1),
-            "left_out": beside / max(seen, 1), "points": points,
+    return {**compared(float_tiff.read(chain.folder / at("result/height.tiff")),
+                       float_tiff.read(chain.folder / at("truth.tiff"))),
             "rows": int(values["rows"]), "rate_hz": float(values["frame_rate_hz"]),
             "exposure_us": float(values["exposure_us"])}
 
@@ -95,6 +149,7 @@ def measured(seed, root, options):
     try:
         rig = calibrated(chain, effort)
         found = {name: run(chain, name, scene, rig, effort, options) for name, scene in SCENES.items()}
+        found["moved"] = displaced(chain, options)
     except hidden_rigs.Refused as error:
         return {"refused": str(error)}
     return found
@@ -116,6 +171,7 @@ def main():
     parser.add_argument("--frames", type=int, default=400)
     parser.add_argument("--programs", type=pathlib.Path, default=hidden_rigs.ROOT / "build/bin")
     parser.add_argument("--out", type=pathlib.Path)
+    parser.add_argument("--add", action="store_true")
     options = parser.parse_args()
     by_seed = {}
     with tempfile.TemporaryDirectory(prefix="selfproj_few_rows_") as scratch:
@@ -125,15 +181,23 @@ def main():
             found["missed"] = missed({key: value for key, value in found.items() if key != "missed"})
             print(f"seed {seed}: " + (found.get("refused") or "; ".join(
                 f"{name} RMS {found[name]['rms_mm']:.4f} mm over {100 * found[name]['columns']:.1f} % of the columns, "
-                f"{100 * found[name]['left_out']:.1f} % left out beside steps" for name in SCENES)), flush=True)
+                f"{100 * found[name]['left_out']:.1f} % left out beside steps" for name in (*SCENES, "moved"))),
+              flush=True)
+    if options.add and (file := pathlib.Path(os.environ.get(results.VARIABLE, "")) / "few_rows.json").is_file():
+        before = json.loads(file.read_text(encoding="utf-8"))["results"]["seeds"]
+        by_seed = {seed: by_seed.get(seed) or before[str(seed)] for seed in sorted({*by_seed, *map(int, before)})}
     bad = sum(bool(found["missed"]) for found in by_seed.values())
     print(f"{len(by_seed) - bad} of {len(by_seed)} hidden rigs hold the bounds: {RMS_MM} mm RMS over "
           f"{100 * COLUMNS_SHARE:.0f} % of the columns, {options.rows} rows at {options.rate} frames a second")
     if os.environ.get(results.VARIABLE):
-        header = ["seed", "A1, RMS", "A1, columns", "A2, RMS", "A2, columns", "does not hold"]
-        rows = [[f"{seed:02}", *(f"{found[n][k]:{f}}" for n in SCENES for k, f in (("rms_mm", ".4f"), ("columns", ".1%"))),
-                 ", ".join(found["missed"])] if "refused" not in found else
-                [f"{seed:02}", *["–"] * 4, found["refused"]] for seed, found in by_seed.items()]
+        header = ["seed", "A1, RMS", "A1, columns", "A2, RMS", "A2, columns", "A2 displaced, RMS", "largest", "columns",
+                  "does not hold"]
+        columns = [*((name, key, form) for name in SCENES for key, form in (("rms_mm", ".4f"), ("columns", ".1%"))),
+                   ("moved", "rms_mm", ".4f"), ("moved", "max_mm", ".3f"), ("moved", "columns", ".1%")]
+        rows = [[f"{seed:02}",
+                 *(f"{found[name][key]:{form}}" if name in found else "–" for name, key, form in columns),
+                 ", ".join(found["missed"]) if "refused" not in found else found["refused"]]
+                for seed, found in by_seed.items()]
         table = {"title": f"Hidden rigs with {options.rows} rows at {options.rate:,} frames a second", "header": header,
                  "rows": rows, "note": f"mm; bounds {RMS_MM} mm RMS over {COLUMNS_SHARE:.0%} of the columns of the part"}
         results.write("few_rows", "Few rows of simulated rigs calibrated from images alone, compared with the truth",

@@ -14,6 +14,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 
 #include "host/cli/command_line.h"
 #include "host/cli/progress.h"
@@ -29,6 +30,7 @@
 #include "sim/app/commands.h"
 #include "sim/board/etherbone_board.h"
 #include "sim/board/packet_recording.h"
+#include "sim/board/sensor_board.h"
 #include "sim/board/udp_sender.h"
 
 namespace selfproj::sim {
@@ -74,7 +76,8 @@ std::uint64_t frames_wanted(const BoardOptions& options) {
   return options.loop || options.seconds > 0 ? std::numeric_limits<std::uint64_t>::max() : 0;
 }
 
-std::uint64_t frames_to_play(const BoardOptions& options, const PacketRecording& source) {
+template <class Source>
+std::uint64_t frames_to_play(const BoardOptions& options, const Source& source) {
   const std::uint64_t wanted = frames_wanted(options);
   return wanted > 0 ? wanted : source.frames();
 }
@@ -161,8 +164,8 @@ class UdpOutput {
 
 // A board in real time. Frames are due at fixed times from the start, not from each other, so that the rate is kept
 // exactly; a late one follows immediately. The summary says how late the latest was.
-template <class Output>
-void play(const BoardOptions& options, const PacketRecording& source, PlayedRegisters& registers, Output& output) {
+template <class Output, class Source>
+void play(const BoardOptions& options, Source& source, PlayedRegisters& registers, Output& output) {
   const files::StopSignal stop;
   cli::StatusLine status;
   prctl(PR_SET_TIMERSLACK, 1UL, 0UL, 0UL, 0UL);  // sleep to the point, not up to 50 µs longer
@@ -171,6 +174,12 @@ void play(const BoardOptions& options, const PacketRecording& source, PlayedRegi
   while (options.wait_for_reader && !output.has_reader() && !files::StopSignal::came()) {
     status.show("waiting for a reader of ring:" + options.ring);
     sleep_until(driver::now_ns() + kGlanceNs / 10);
+  }
+
+  const auto stopped = [&] { return options.source.sensor && !registers.settings().run; };
+  while (stopped() && !files::StopSignal::came()) {
+    status.show("waiting for a host that starts the board");
+    sleep_until(driver::now_ns() + kGlanceNs / 100);
   }
 
   const std::uint64_t frames = frames_to_play(options, source);
@@ -183,7 +192,7 @@ void play(const BoardOptions& options, const PacketRecording& source, PlayedRegi
   std::int64_t latest = 0;
   std::uint64_t packets = 0;
   std::uint64_t frame = 0;
-  for (; frame < frames && !files::StopSignal::came(); ++frame) {
+  for (; frame < frames && !files::StopSignal::came() && !stopped(); ++frame) {
     const std::int64_t due = start + static_cast<std::int64_t>(static_cast<double>(frame) * period);
     if (period > 0 ? due >= end : driver::now_ns() >= end) {
       break;
@@ -216,24 +225,9 @@ void play(const BoardOptions& options, const PacketRecording& source, PlayedRegi
              static_cast<double>(frame) / seconds, packets, output.text(), static_cast<double>(latest) / 1e6);
 }
 
-void run_board(const BoardOptions& options) {
-  if ((options.ring.empty() ? 0 : 1) + (options.record.empty() ? 0 : 1) + (options.udp.empty() ? 0 : 1) != 1) {
-    throw UserError("--ring, --udp, --record", "give one of them");
-  }
-  constexpr double kMinRate = 1e-3;
-  if (options.rate != 0 && !(options.rate >= kMinRate && options.rate <= 1e9)) {
-    throw UserError("--rate", fmt::format("is {}; 0 (as fast as it can) or a number from {} to 1e9 is needed",
-                                          options.rate, kMinRate));
-  }
-  if (!(options.seconds >= 0) || options.seconds > 1e9) {
-    throw UserError("--seconds", "a number from 0 to 1e9 is needed");
-  }
-  const PacketRecording source = read_source(options.source, frames_wanted(options));
-  if (!options.record.empty()) {
-    record(options, source);
-    return;
-  }
-  PlayedRegisters registers(options.pixel_clock_hz);
+// Plays it where the options say, with registers where they say.
+template <class Source>
+void play(const BoardOptions& options, Source& source, PlayedRegisters& registers) {
   std::optional<EtherboneServer> server;
   if (!options.control.empty()) {
     server.emplace(
@@ -249,6 +243,38 @@ void run_board(const BoardOptions& options) {
   }
 }
 
+void run_board(const BoardOptions& options) {
+  if ((options.ring.empty() ? 0 : 1) + (options.record.empty() ? 0 : 1) + (options.udp.empty() ? 0 : 1) != 1) {
+    throw UserError("--ring, --udp, --record", "give one of them");
+  }
+  constexpr double kMinRate = 1e-3;
+  if (options.rate != 0 && !(options.rate >= kMinRate && options.rate <= 1e9)) {
+    throw UserError("--rate", fmt::format("is {}; 0 (as fast as it can) or a number from {} to 1e9 is needed",
+                                          options.rate, kMinRate));
+  }
+  if (!(options.seconds >= 0) || options.seconds > 1e9) {
+    throw UserError("--seconds", "a number from 0 to 1e9 is needed");
+  }
+  if (options.source.sensor) {
+    if (options.source.images.empty() || options.control.empty() || options.source.bits > 0 ||
+        !options.record.empty()) {
+      throw UserError("--sensor", "needs --images and --control, and goes neither with --bits nor with --record");
+    }
+    const model::BoardBuild build{.max_rows = spec::kMaxRows, .runs = true, .region = true, .compact = true};
+    PlayedRegisters registers(options.pixel_clock_hz, build);
+    SensorImages images = read_sensor_images(options.source);
+    SensorBoard source(std::move(images.pixels), images.rows, images.columns, registers);
+    play(options, source, registers);
+    return;
+  }
+  const PacketRecording source = read_source(options.source, frames_wanted(options));
+  if (!options.record.empty()) {
+    record(options, source);
+    return;
+  }
+  PlayedRegisters registers(options.pixel_clock_hz);
+  play(options, source, registers);
+}
 }  // namespace
 
 void add_board_command(CLI::App& app) {
@@ -298,9 +324,10 @@ selfproj inspect --device ring:line1 --wait-for-board --seconds 3
       ->needs(udp);
   command->add_flag("--jumbo", options->jumbo, "Send datagrams for frames of 9,000 bytes, not 1,500.")->needs(udp);
   command
-      ->add_option("--control", options->control,
-                   "Address of this machine, or ADDRESS:PORT, port 1234 unless given, where the board's registers "
-                   "answer to Etherbone. `selfproj board` takes udp:ADDRESS. Settings change no packet.")
+      ->add_option(
+          "--control", options->control,
+          "Address of this machine, or ADDRESS:PORT, port 1234 unless given, where the board's registers "
+          "answer to Etherbone. `selfproj board` takes udp:ADDRESS. Settings change no packet, but with --sensor.")
       ->type_name("ADDRESS");
   command->add_option("--record", options->record, "File for the same packets, written as fast as possible.")
       ->type_name("FILE");

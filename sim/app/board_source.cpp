@@ -81,6 +81,24 @@ PacketRecording make_images(const BoardSource& options, std::uint64_t frames) {
 
 }  // namespace
 
+SensorImages read_sensor_images(const BoardSource& options) {
+  constexpr std::size_t kMost = 4'000'000'000;  // bytes; they are held in memory
+  images::ImageSequence images(options.images, options.pixels.rule());
+  SensorImages all{.pixels = {}, .rows = images.first().rows, .columns = images.first().columns};
+  const auto size = static_cast<std::size_t>(all.rows) * static_cast<std::size_t>(all.columns);
+  if (size * images.count() > kMost) {
+    throw UserError("--images", "are more than 4 GB; they are held in memory");
+  }
+  all.pixels.reserve(size * images.count());
+  cli::Progress progress("image", images.count());
+  for (std::size_t i = 0; i < images.count(); ++i) {
+    const images::Image image = images.read(i);
+    all.pixels.insert(all.pixels.end(), image.pixels.begin(), image.pixels.end());
+    progress.update(i + 1);
+  }
+  return all;
+}
+
 PacketRecording read_source(const BoardSource& options, std::uint64_t frames) {
   if ((options.replay.empty() ? 0 : 1) + (options.line.empty() ? 0 : 1) + (options.images.empty() ? 0 : 1) != 1) {
     throw UserError("--replay, --line, --images", "give one of them");
@@ -114,6 +132,11 @@ void add_source_options(CLI::App& command, BoardSource& options) {
   cli::add_files(command, "--images", options.images,
                  "Recorded 8-bit images of one size. The model of the board sends their moments and "
                  "the images themselves, line by line; with --bits the codes that it decodes.");
+  command.add_flag(
+      "--sensor", options.sensor,
+      "With --images and --control: they are images of the whole sensor, and the camera sends the part that "
+      "the registers `region` and `size` say. It is measured as the registers say. The board begins when a "
+      "host starts it and ends when one stops it.");
   command
       .add_option("--bits", options.bits,
                   "With --images: bits M of their Gray code. Image k shows pattern k modulo 2M.")

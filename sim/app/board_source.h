@@ -17,6 +17,7 @@ namespace selfproj::sim {
 struct BoardSource {
   std::string replay;
   std::vector<std::string> images;
+  bool sensor = false;  // the images are of the whole sensor; the registers say what is sent
   images::PixelOptions pixels;
   int bits = 0;  // of the Gray code in the images; 0: the images are sent as they are
   std::optional<int> code_threshold;
@@ -29,6 +30,16 @@ struct BoardSource {
 
 // Adds the group of --replay, --images, --line and what goes with them.
 void add_source_options(CLI::App& command, BoardSource& options);
+
+// Images of one size, one after the other.
+struct SensorImages {
+  std::vector<std::uint8_t> pixels;
+  int rows = 0;
+  int columns = 0;
+};
+
+// The images of --images. Throws UserError.
+SensorImages read_sensor_images(const BoardSource& options);
 
 // The packets, of which `frames` are to be played. Throws UserError about options and files.
 PacketRecording read_source(const BoardSource& options, std::uint64_t frames);

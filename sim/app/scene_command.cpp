@@ -14,6 +14,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -28,6 +29,7 @@
 #include "selfproj/rig/rig.h"
 #include "sim/app/commands.h"
 #include "sim/cosim/render_options.h"
+#include "sim/scene/moved_scene.h"
 #include "sim/scene/optics.h"
 #include "sim/scene/parallel.h"
 #include "sim/scene/pattern_renderer.h"
@@ -51,9 +53,11 @@ constexpr const char* kPatternFile = "pattern.tiff";
 struct SceneOptions {
   std::string scene;
   std::string height_map;
+  Displacement displacement;
   double mm_per_pixel = 0;
-  std::string rig;        // empty: the scene's own
-  std::string region_of;  // the rig whose region the camera sends; empty: the whole sensor
+  std::string rig;         // empty: the scene's own
+  std::string region_of;   // the rig whose region the camera sends; empty: the whole sensor
+  bool uncropped = false;  // the whole sensor all the same
   std::vector<std::string> patterns;
   int bits = 0;  // 0: not given
   std::string out;
@@ -96,6 +100,11 @@ rig::Rig rig_of(const SceneOptions& options) {
   }
   rig.camera.region = camera.region;
   rig.camera.frame_rate_hz = camera.region->frame_rate_hz;  // of all that moves
+  if (options.uncropped) {
+    rig::RigRegion& sent = *rig.camera.region;
+    std::tie(sent.row_offset, sent.rows, sent.column_offset, sent.columns) =
+        std::tuple(0, camera.rows, 0, camera.columns);
+  }
   return rig;
 }
 
@@ -216,10 +225,15 @@ void render(const SceneOptions& options) {
     truth_file.emplace(options.truth);
   }
   const rig::Rig rig = rig_of(options);
-  const std::unique_ptr<Scene> scene = options.height_map.empty()
-                                           ? make_scene(options.scene, rig)
-                                           : height_map_scene(images::read_float_tiff(options.height_map),
-                                                              options.mm_per_pixel, rig, options.height_map);
+  const std::unique_ptr<Scene> as_it_should = options.height_map.empty()
+                                                  ? make_scene(options.scene, rig)
+                                                  : height_map_scene(images::read_float_tiff(options.height_map),
+                                                                     options.mm_per_pixel, rig, options.height_map);
+  const std::unique_ptr<Scene> moved =
+      options.displacement.any()
+          ? std::make_unique<MovedScene>(*as_it_should, options.displacement, "--lift, --aside, --turn")
+          : nullptr;
+  const Scene* const scene = moved ? moved.get() : as_it_should.get();
   if (options.count == 0 && options.first > scene->frames()) {
     throw UserError(fmt::format("--first {}", options.first),
                     fmt::format("the scene ends after {} frames; give --count to see more", scene->frames()));
@@ -307,6 +321,18 @@ void add_part_options(CLI::App& command, SceneOptions& options) {
       command.add_option("--mm-per-pixel", options.mm_per_pixel, "Side of a pixel of the height map in mm.");
   scale->transform(cli::number_above_zero())->type_name("MM")->needs(map);
   map->needs(scale);
+  const auto displace = [&](const char* option, double& value, double most, const char* text, const char* unit) {
+    command.add_option(option, value, text)
+        ->transform(cli::real_number(-most, most))
+        ->type_name(unit)
+        ->capture_default_str();
+  };
+  displace("--lift", options.displacement.lift_mm, 100, "The part lies higher by this much, mm; the belt does not.",
+           "MM");
+  displace("--aside", options.displacement.aside_mm, 1000,
+           "It lies farther in the direction of increasing columns, mm.", "MM");
+  displace("--turn", options.displacement.turn_deg, 180, "It is turned about the vertical through its middle, degrees.",
+           "DEG");
   command.add_option("--rig", options.rig, "Built-in rig or YAML file.")->type_name("RIG")->default_str("the scene's");
   cli::begin_group(command, "Frames");
   command.add_option("--first", options.first, "First frame, from 1.")
@@ -335,11 +361,16 @@ void add_light_options(CLI::App& command, SceneOptions& options) {
   add_error_source_option(
       command, "--without", options.without,
       "Sources of error to leave out, with commas between them. Without quantization the frames are 32-bit TIFF.");
+  CLI::Option* const region =
+      command
+          .add_option("--region-of", options.region_of,
+                      "Rig whose region (camera.region) the camera sends, with its exposure and frame rate.")
+          ->type_name("RIG")
+          ->default_str("the whole sensor");
   command
-      .add_option("--region-of", options.region_of,
-                  "Rig whose region (camera.region) the camera sends, with its exposure and frame rate.")
-      ->type_name("RIG")
-      ->default_str("the whole sensor");
+      .add_flag("--uncropped", options.uncropped,
+                "The whole sensor all the same, with that exposure and frame rate: for `selfproj-sim board --sensor`.")
+      ->needs(region);
   command.add_flag("--falloff", options.falloff, "Light falls with the squared distance from the projector.");
   add_world_options(command, options.world);
   add_perturbed_rig_option(command, options.perturbed_rig_seed);

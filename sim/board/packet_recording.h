@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <mutex>
 #include <span>
 #include <string>
 #include <vector>
@@ -80,15 +81,23 @@ PacketRecording moving_line(int rows, int columns, int frames, const model::Meas
 PacketRecording recording_of_images(const model::BoardSettings& settings, std::size_t images, int patterns,
                                     const std::function<model::ImageView(std::size_t)>& image);
 
-// The registers of a board that plays recorded packets: settings are taken or refused as a board does, but change no
-// packet; frames and time go on. One thread counts, another one accesses.
+// The registers of a board that plays: settings are taken or refused as a board of that build does; frames and time go
+// on. One thread plays, another one accesses.
 class PlayedRegisters {
  public:
-  explicit PlayedRegisters(double pixel_clock_hz) : clocks_per_ns_(pixel_clock_hz / 1e9), start_ns_(driver::now_ns()) {}
+  explicit PlayedRegisters(double pixel_clock_hz, const model::BoardBuild& build = {})
+      : clocks_per_ns_(pixel_clock_hz / 1e9), start_ns_(driver::now_ns()), registers_(build) {}
+
+  // The settings as they are written.
+  [[nodiscard]] model::BoardSettings settings() {
+    const std::lock_guard lock(mutex_);
+    return registers_.settings();
+  }
 
   void set_frames(std::uint64_t frames) { frames_ = static_cast<std::uint32_t>(frames); }
 
   model::RegisterAnswer access(bool write, std::uint32_t address, std::uint32_t data) {
+    const std::lock_guard lock(mutex_);
     if (write) {
       return registers_.write(address, data);
     }
@@ -100,6 +109,7 @@ class PlayedRegisters {
   double clocks_per_ns_;
   std::int64_t start_ns_;
   std::atomic<std::uint32_t> frames_ = 0;
+  std::mutex mutex_;  // of registers_
   model::RegisterFile registers_;
 };
 

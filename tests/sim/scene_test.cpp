@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <iterator>
 #include <limits>
 #include <memory>
 #include <numbers>
@@ -14,12 +15,14 @@
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "host/light_section/pattern.h"
 #include "selfproj/images/float_image.h"
 #include "selfproj/rig/rig.h"
 #include "sim/scene/lit_surface.h"
+#include "sim/scene/moved_scene.h"
 #include "sim/scene/optics.h"
 #include "sim/scene/pattern_renderer.h"
 #include "sim/scene/perturbed_rig.h"
@@ -48,6 +51,28 @@ std::vector<std::unique_ptr<sim::Scene>> all_scenes(const rig::Rig& rig, Random&
     all.push_back(sim::make_scene(info.name, rig::load_rig(info.rig())));
   }
   all.push_back(sim::height_map_scene(random_map(random), 2.5, rig));
+  return all;
+}
+
+// Displaced parts, with the scenes that they come from.
+struct MovedPart {
+  std::unique_ptr<sim::Scene> part;
+  sim::Displacement by;
+  std::unique_ptr<sim::MovedScene> moved;
+};
+std::vector<MovedPart> moved_parts(const rig::Rig& rig, Random& random) {
+  std::vector<MovedPart> all;
+  const auto value = [&] { return static_cast<double>(random.between(-200, 200)) / 50; };
+  for (const char* name : {"mountain", "stairs", "stairs-marked", "map"}) {
+    for (int i = 0; i < 3; ++i) {
+      MovedPart one{.part = std::string(name) == "map" ? sim::height_map_scene(random_map(random), 2.5, rig)
+                                                       : sim::make_scene(name, rig),
+                    .by = {.lift_mm = value(), .aside_mm = value(), .turn_deg = i == 0 ? 0 : value()},
+                    .moved = nullptr};
+      one.moved = std::make_unique<sim::MovedScene>(*one.part, one.by, "options");
+      all.push_back(std::move(one));
+    }
+  }
   return all;
 }
 
@@ -150,7 +175,11 @@ TEST(Scene, RangeBoundsTheHeightsAndClosesIn) {
     SCOPED_TRACE(how_to_repeat(seed));
     Random random(seed);
     const rig::Rig rig = rig::load_rig("light-section");
-    for (const auto& scene : all_scenes(rig, random)) {
+    std::vector<std::unique_ptr<sim::Scene>> scenes = all_scenes(rig, random);
+    std::vector<MovedPart> moved = moved_parts(rig, random);
+    std::transform(moved.begin(), moved.end(), std::back_inserter(scenes),
+                   [](MovedPart& one) { return std::move(one.moved); });
+    for (const auto& scene : scenes) {
       for (int i = 0; i < 50; ++i) {
         const double t = uniform(random, 0, 0.14);
         const double size = std::pow(10, uniform(random, -4, 2));
@@ -170,6 +199,37 @@ TEST(Scene, RangeBoundsTheHeightsAndClosesIn) {
       }
     }
   }
+}
+
+// A point of the part is where it is put, at all times, and the plane stays where it is.
+TEST(Scene, MovedPartsLieWhereTheyArePut) {
+  Random random(1);
+  const rig::Rig rig = rig::load_rig("light-section");
+  for (const MovedPart& one : moved_parts(rig, random)) {
+    const auto& part = dynamic_cast<const sim::ConveyedScene&>(*one.part);
+    const double turn = one.by.turn_deg * std::numbers::pi / 180;
+    int on_it = 0;
+    for (int i = 0; i < 2000; ++i) {
+      const double t = uniform(random, 0, 0.14);
+      const double u = uniform(random, -70, 70);  // from the part's middle
+      const double v = uniform(random, -60, 60);
+      const double x = part.position(t) + std::cos(turn) * u - std::sin(turn) * v;
+      const double y = std::sin(turn) * u + std::cos(turn) * v + one.by.aside_mm;
+      const double height = part.part_height(u, v);
+      const sim::HeightRange near = part.part_range({u - 1e-9, u + 1e-9, v - 1e-9, v + 1e-9});
+      if (near.high - near.low > 1e-6) {
+        continue;  // at a wall it is rounding that decides
+      }
+      on_it += height > 0 ? 1 : 0;
+      EXPECT_NEAR(one.moved->height(x, y, t), height > 0 ? height + one.by.lift_mm : height, 1e-6);
+    }
+    EXPECT_GT(on_it, 200);
+  }
+  EXPECT_EQ(error_of([&] {
+              const auto desk = sim::make_scene("desk", rig::load_rig("scanner"));
+              const sim::MovedScene moved(*desk, {.lift_mm = 1}, "--lift");
+            }),
+            "--lift: the scene is no part on a conveyor");
 }
 
 TEST(Scene, HeightMapLiesAsHeightsAreMeasured) {

@@ -418,7 +418,7 @@ TEST(VerdictRun, IsTheModel) {
       m1[i] = static_cast<std::uint32_t>(m0[i] * row);
     }
     const model::FrameVerdict found =
-        model.frame(table.settings, table.rule, header.encoder & model::kCountMask, m0, m1, true);
+        model.frame(table.settings, false, table.rule, header.encoder & model::kCountMask, m0, m1, true);
     run.add(header, m0, m1);
     if (found.in_part) {
       expected.push_back({header.sequence, found});
