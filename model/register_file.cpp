@@ -35,6 +35,12 @@ namespace {
 constexpr std::uint64_t words_between(std::uint32_t first, std::uint32_t last) {
   return (std::uint64_t{1} << (last / 4 + 1)) - (std::uint64_t{1} << first / 4);
 }
+// The greater limit in a word of verdict_limits.
+std::uint32_t high_of(std::uint32_t word) {
+  return bits_of(word, spec::kRegVerdictLimitsLowLsb, spec::kRegVerdictLimitsLowBits) +
+         bits_of(word, spec::kRegVerdictLimitsBandLsb, spec::kRegVerdictLimitsBandBits);
+}
+
 constexpr std::uint64_t kNeeded = words_between(spec::kRegVerdictDefect, spec::kRegEjectorLength);
 
 }  // namespace
@@ -146,9 +152,6 @@ bool RegisterFile::bank_is_free() const {
 }
 
 bool RegisterFile::good_verdict(std::uint32_t address, std::uint32_t data) const {
-  const auto limit_fits = [&](int lsb, int bits) {
-    return bits_of(data, lsb, bits) >> (std::bit_width(static_cast<unsigned>(build_.max_rows)) + 5) == 0;
-  };
   switch (address) {
     case spec::kRegVerdictControl:
       return bits_of(data, spec::kRegVerdictControlPacketsLsb, spec::kRegVerdictControlPacketsBits) != 3 &&
@@ -169,8 +172,7 @@ bool RegisterFile::good_verdict(std::uint32_t address, std::uint32_t data) const
                      build_.verdict_log_sections ==
                  0;
     case spec::kRegVerdictLimits:
-      return bank_is_free() && limit_fits(spec::kRegVerdictLimitsLowLsb, spec::kRegVerdictLimitsLowBits) &&
-             limit_fits(spec::kRegVerdictLimitsHighLsb, spec::kRegVerdictLimitsHighBits);
+      return bank_is_free() && high_of(data) >> (std::bit_width(static_cast<unsigned>(build_.max_rows)) + 7) == 0;
     case spec::kRegVerdictBegin:
       return bank_is_free();
     default:
@@ -187,7 +189,7 @@ void RegisterFile::write_limits(std::uint32_t address, std::uint32_t data) {
         field(spec::kRegVerdictTable, spec::kRegVerdictTableColumnLsb, spec::kRegVerdictTableColumnBits));
     verdict_->write(bank, section, column,
                     {.low = bits_of(data, spec::kRegVerdictLimitsLowLsb, spec::kRegVerdictLimitsLowBits),
-                     .high = bits_of(data, spec::kRegVerdictLimitsHighLsb, spec::kRegVerdictLimitsHighBits),
+                     .high = high_of(data),
                      .judged = bits_of(data, spec::kRegVerdictLimitsJudgedLsb, 1) != 0});
   } else if (section > 0) {
     verdict_->begin_section(bank, section, bits_of(data, 0, spec::kRegVerdictBeginCountsBits));

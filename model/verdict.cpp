@@ -30,7 +30,7 @@ void check_settings(const VerdictSettings& s) {
   check(s.hits >= 1 && s.hits <= 15, "verdict: hits is not in 1 to 15");
   check(s.most_unlit >= 0 && s.most_unlit <= 4095, "verdict: most_unlit is not in 0 to 4095");
   check(std::abs(s.shift_columns) <= kMaxShiftColumns, "verdict: shift_columns is not in -127 to 127");
-  check(std::abs(s.shift_rows) <= kMaxShiftRows, "verdict: shift_rows is not in -2047 to 2047");
+  check(std::abs(s.shift_rows) <= kMaxShiftRows, "verdict: shift_rows is not in -8191 to 8191");
   check(s.bank == 0 || s.bank == 1, "verdict: bank is not 0 or 1");
 }
 
@@ -78,6 +78,13 @@ VerdictSettings settings_of_words(const VerdictWords& words) {
   };
 }
 
+std::uint32_t limits_word(const ColumnLimits& limits) {
+  check(limits.low <= limits.high && limits.high - limits.low <= kMaxBand,
+        "verdict: the limits of a column are not in order, or too far apart");
+  return limits.low << spec::kRegVerdictLimitsLowLsb | (limits.high - limits.low) << spec::kRegVerdictLimitsBandLsb |
+         (limits.judged ? 1U : 0U) << spec::kRegVerdictLimitsJudgedLsb;
+}
+
 ColumnState column_state(const ColumnLimits& limits, int shift, std::uint32_t m0, std::uint32_t m1) {
   if (m0 == 0) {
     return ColumnState::unlit;
@@ -105,6 +112,22 @@ void Verdict::write(int bank, int section, int column, const ColumnLimits& limit
             limits.low <= kMaxLimit && limits.high <= kMaxLimit,
         "verdict: limits out of range");
   limits_[static_cast<std::size_t>((bank * sections_ + section) * columns_ + column)] = limits;
+}
+
+void Verdict::write(int bank, std::span<const SectionLimits> sections) {
+  for (int section = 0; section < static_cast<int>(sections.size()); ++section) {
+    const SectionLimits& one = sections[static_cast<std::size_t>(section)];
+    for (int column = 0; column < static_cast<int>(one.limits.size()); ++column) {
+      write(bank, section, column, one.limits[static_cast<std::size_t>(column)]);
+    }
+    if (section > 0) {
+      begin_section(bank, section, one.begin);
+    }
+  }
+  // A section more, which never begins, so that the last one does not end.
+  if (const int next = static_cast<int>(sections.size()); next > 0 && next < sections_) {
+    begin_section(bank, next, kCountMask);
+  }
 }
 
 void Verdict::begin_section(int bank, int section, std::uint32_t count) {

@@ -60,6 +60,8 @@ struct InspectOptions {
   std::string json;
   std::string verdict;  // a table; empty: nothing is judged by moments
   bool verdict_placed = false;
+  bool verdict_board = false;
+  std::vector<double> ejector_mm;  // delay and length; empty: no pulses
   bool follow = false;
   std::string move_camera;  // empty: the camera obeys the register
   std::uint64_t keep = light_section::InspectionOptions{}.max_frames;
@@ -171,8 +173,11 @@ class Run {
   void receive() {
     Receiver receiver(options_.receive);  // before the page can be seen
     produce();
-    receiver.open(camera::camera_of_rig(rig_, measure_),
-                  BoardSetup{rig_.camera, measure_, rig_.measure.sends_compact()});
+    receiver.open(camera::camera_of_rig(rig_, measure_), board_setup());
+    if (options_.verdict_board && receiver.control() == nullptr) {
+      throw UserError("--verdict-board",
+                      fmt::format("needs a board with registers beside {} (--control)", options_.receive.device));
+    }
     std::optional<RegionMover> mover;
     if (follower_) {
       if (receiver.control() == nullptr || !receiver.control()->build().region) {
@@ -257,6 +262,31 @@ class Run {
     }
   }
 
+  BoardSetup board_setup() const {
+    BoardSetup setup{rig_.camera, measure_, rig_.measure.sends_compact()};
+    if (!options_.verdict_board) {
+      return setup;
+    }
+    setup.verdict = production::load_verdict_table(options_.verdict);
+    production::check_verdict_table(*setup.verdict, rig_, options_.verdict);
+    if (!options_.ejector_mm.empty()) {
+      if (!(rig_.conveyor.encoder_mm_per_count > 0)) {
+        throw UserError("--ejector-mm", "the rig's belt has no encoder (conveyor.encoder_mm_per_count)");
+      }
+      const auto counts = [&](double mm, std::uint32_t most) {
+        const double number = std::round(mm / rig_.conveyor.encoder_mm_per_count);
+        if (!(number >= 0 && number <= most)) {
+          throw UserError("--ejector-mm",
+                          fmt::format("{} mm are {} counts of the encoder; the board takes 0 to {}", mm, number, most));
+        }
+        return static_cast<std::uint32_t>(number);
+      };
+      setup.ejector_delay = counts(options_.ejector_mm[0], (1U << spec::kRegEjectorDelayCountsBits) - 1);
+      setup.ejector_length = counts(options_.ejector_mm[1], (1U << spec::kRegEjectorLengthCountsBits) - 1);
+    }
+    return setup;
+  }
+
   std::unique_ptr<production::VerdictRun> verdict_run() const {
     if (options_.verdict.empty()) {
       return nullptr;
@@ -290,6 +320,9 @@ class Run {
     if (header.kind != spec::kKindMoments) {
       throw UserError("--verdict", "needs exact moments; the device sends divided columns (words: compact)");
     }
+    slot_->board = model::has_verdict(header)
+                       ? model::unpack_verdict(packet.payload.data() + model::columns_payload_bytes(header))
+                       : std::nullopt;
     const std::size_t columns = header.columns;
     slot_->m0.resize(columns);
     slot_->m1.resize(columns);
@@ -484,6 +517,22 @@ selfproj inspect --device file:/dev/xdma0_c2h_0 --reference good-part --check --
                  "Judge each part where --tolerance has placed it: with limits computed for its shift across, from "
                  "where its leading edge passed.")
       ->needs("--verdict");
+  CLI::Option* const on_board =
+      command
+          ->add_flag(
+              "--verdict-board", options->verdict_board,
+              "Write the table to the board, which then judges frames itself and says in its packets what it has "
+              "found. Frames of which board and model say different things are counted, and the first is told.")
+          ->needs("--verdict")
+          ->excludes("--verdict-placed");
+  command
+      ->add_option(
+          "--ejector-mm", options->ejector_mm,
+          "Where the board's pulse for an ejector begins behind the first bad frame of a part, and how long it "
+          "is, along the belt.")
+      ->expected(2)
+      ->type_name("MM MM")
+      ->needs(on_board);
   cli::begin_group(*command, "Output");
   command->add_option("--out", options->out, "Folder for tables, cloud, pictures and report.")->type_name("DIR");
   command->add_option("--keep", options->keep, "Frames kept in memory for --out. Later ones are only counted.")

@@ -37,8 +37,28 @@ driver::Wait wait_of(const std::string& name) {
                            : driver::Wait::polling_then_blocking;
 }
 
+// Limits go to the bank that does not judge.
+void write_verdict(driver::Control& control, const BoardSetup& setup) {
+  if (control.build().verdict_log_sections < 0) {
+    throw UserError(control.uri(), "this board gives no verdicts");
+  }
+  const production::VerdictTable& table = setup.verdict.value();
+  model::BoardSettings settings;
+  settings.verdict = true;
+  settings.verdict_packets = 1;
+  settings.verdict_settings = table.settings;
+  settings.part_rule = table.rule;
+  const bool judges = control.read("verdict_control.on") != 0;
+  settings.verdict_settings.bank = judges ? 1 - static_cast<int>(control.read("verdict_defect.bank")) : 0;
+  control.set_limits(settings.verdict_settings.bank, table.sections);
+  control.set_ejector(setup.ejector_delay, setup.ejector_length);
+  control.set_verdict(settings);
+}
+
 void write_setup(driver::Control& control, const BoardSetup& setup) {
-  const auto& [camera, measure, compact] = setup;
+  const rig::RigCamera& camera = setup.camera;
+  const model::Measure& measure = setup.measure;
+  const bool compact = setup.compact;
   const auto number = [](int value) { return static_cast<std::uint32_t>(value); };
   if (measure.select == model::Select::strongest && !control.build().runs) {
     throw UserError(control.uri(), "this board is built without the strongest run; select all lit pixels");
@@ -54,6 +74,9 @@ void write_setup(driver::Control& control, const BoardSetup& setup) {
   }
   if (control.build().compact) {
     control.write(driver::register_part("compact.on"), compact ? 1 : 0);
+  }
+  if (setup.verdict) {
+    write_verdict(control, setup);
   }
   control.write_together({{driver::register_part("size.columns"), number(sent.columns)},
                           {driver::register_part("size.rows"), number(sent.rows)},

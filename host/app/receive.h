@@ -14,6 +14,7 @@
 #include "host/driver/control.h"
 #include "host/files/stop_signal.h"
 #include "host/production/production.h"
+#include "host/production/verdict_table.h"
 #include "selfproj/driver/counters.h"
 #include "selfproj/driver/device.h"
 #include "selfproj/model/column_runs.h"
@@ -54,6 +55,11 @@ struct BoardSetup {
   rig::RigCamera camera;
   model::Measure measure;
   bool compact = false;
+  // By which the board judges frames; nothing: what it does about verdicts is left as it is. And where the pulse for
+  // the ejector lies, in counts of the encoder; none of length 0.
+  std::optional<production::VerdictTable> verdict = {};
+  std::uint32_t ejector_delay = 0;
+  std::uint32_t ejector_length = 0;
 };
 
 // A run of a command that receives packets. From its construction on, Ctrl-C ends the run instead of the program.

@@ -127,7 +127,7 @@ void add_table_command(CLI::App& verdict) {
        .purpose = "Computes limits and settings from rig, reference and tolerance.",
        .details =
            "Each camera column gets the band of rows in which a good part's line may be: where the difference from "
-           "the reference, as `inspect` computes it, is within the tolerance. Limits are rounded outwards, to 1/32 "
+           "the reference, as `inspect` computes it, is within the tolerance. Limits are rounded outwards, to 1/128 "
            "of a row. Columns beside walls and edges, without a reference, or where the line would be cut off, are "
            "not judged.\n\n"
            "w, h and m are those of the smallest defect of the tolerance, or of as much more, up to --defect, as "

@@ -225,14 +225,15 @@ void Control::set(const model::BoardSettings& settings) {
                                          bit(settings.median, spec::kRegDecodeMedianLsb));
   }
   if (build_.verdict_log_sections >= 0) {
-    write_verdict(settings);
+    set_verdict(settings);
   } else if (settings.verdict) {
     throw UserError(uri(), "this board gives no verdicts");
   }
   write_word(at(spec::kRegControl), control | bit(settings.hold, spec::kRegControlHoldLsb));
 }
 
-void Control::write_verdict(const model::BoardSettings& settings) {
+void Control::set_verdict(const model::BoardSettings& settings) {
+  need(at(spec::kRegVerdictControl));
   const auto bit = [](bool set, int lsb) { return static_cast<std::uint32_t>(set ? 1U : 0U) << lsb; };
   const spec::Register& control = at(spec::kRegVerdictControl);
   const std::uint32_t asked = bit(settings.verdict, spec::kRegVerdictControlOnLsb) |
@@ -253,23 +254,40 @@ void Control::write_verdict(const model::BoardSettings& settings) {
   write_word(control, asked | bit(settings.verdict_hold, spec::kRegVerdictControlHoldLsb));
 }
 
-void Control::set_limits(int bank, int section, std::span<const model::ColumnLimits> limits, std::uint32_t begin) {
-  const auto number = [](int value, int lsb) { return static_cast<std::uint32_t>(value) << lsb; };
-  const auto aim = [&](int column) {
-    write_word(at(spec::kRegVerdictTable), number(column, spec::kRegVerdictTableColumnLsb) |
-                                               number(section, spec::kRegVerdictTableSectionLsb) |
-                                               number(bank, spec::kRegVerdictTableBankLsb));
-  };
-  for (int column = 0; column < static_cast<int>(limits.size()); ++column) {
-    const model::ColumnLimits& one = limits[static_cast<std::size_t>(column)];
-    aim(column);
-    write_word(at(spec::kRegVerdictLimits), one.low << spec::kRegVerdictLimitsLowLsb |
-                                                one.high << spec::kRegVerdictLimitsHighLsb |
-                                                number(one.judged ? 1 : 0, spec::kRegVerdictLimitsJudgedLsb));
+void Control::set_limits(int bank, std::span<const model::SectionLimits> sections) {
+  need(at(spec::kRegVerdictTable));
+  const int count = static_cast<int>(sections.size());
+  if (count > 1 << build_.verdict_log_sections) {
+    throw UserError(uri(), "the table has " + std::to_string(count) + " sections, but this board has " +
+                               std::to_string(1 << build_.verdict_log_sections));
   }
-  if (section > 0) {
-    aim(0);
-    write_word(at(spec::kRegVerdictBegin), begin & model::kCountMask);
+  const auto aim = [&](int section, int column) {
+    write_word(at(spec::kRegVerdictTable), static_cast<std::uint32_t>(column) << spec::kRegVerdictTableColumnLsb |
+                                               static_cast<std::uint32_t>(section) << spec::kRegVerdictTableSectionLsb |
+                                               static_cast<std::uint32_t>(bank) << spec::kRegVerdictTableBankLsb);
+  };
+  for (int section = 0; section < count; ++section) {
+    const model::SectionLimits& one = sections[static_cast<std::size_t>(section)];
+    // Columns behind the last one, which a shift may reach, are not judged.
+    const int columns = static_cast<int>(one.limits.size());
+    for (int column = 0; column < std::min(build_.max_columns, columns + model::kMaxShiftColumns); ++column) {
+      const model::ColumnLimits limits =
+          column < columns ? one.limits[static_cast<std::size_t>(column)] : model::ColumnLimits{};
+      if (limits.low > limits.high || limits.high - limits.low > model::kMaxBand) {
+        throw UserError(uri(), "the limits of column " + std::to_string(column + 1) +
+                                   " are not in order, or 128 rows and more apart");
+      }
+      aim(section, column);
+      write_word(at(spec::kRegVerdictLimits), model::limits_word(limits));
+    }
+    if (section > 0) {
+      aim(section, 0);
+      write_word(at(spec::kRegVerdictBegin), one.begin & model::kCountMask);
+    }
+  }
+  if (count > 0 && count < 1 << build_.verdict_log_sections) {
+    aim(count, 0);
+    write_word(at(spec::kRegVerdictBegin), model::kCountMask);  // never
   }
 }
 

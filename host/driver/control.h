@@ -59,14 +59,17 @@ class Control {
   // need their limits (set_limits) before, and set_ejector.
   void set(const model::BoardSettings& settings);
 
-  // Writes limits of the columns from 0 on, and from which count behind a part's beginning on they are in force, which
-  // counts for sections from 1 on. While verdicts are on, the board refuses this for a bank that judges or is named by
-  // the settings. Every write is confirmed by the board.
-  void set_limits(int bank, int section, std::span<const model::ColumnLimits> limits, std::uint32_t begin = 0);
+  // Writes all sections of a bank, which may be fewer than the board has. While verdicts are on, the board refuses this
+  // for a bank that judges or is named by the settings. Every write is confirmed by the board.
+  void set_limits(int bank, std::span<const model::SectionLimits> sections);
 
   // The pulse for the ejector, in counts of the encoder: how far behind the first bad frame of a part it begins, and
   // how long it is.
   void set_ejector(std::uint32_t delay, std::uint32_t length);
+
+  // Writes of all settings those of the verdict. They count from the next part on, `verdict` and `verdict_packets` from
+  // the next frame start on that takes settings over.
+  void set_verdict(const model::BoardSettings& settings);
 
   // Frames count patterns: frame k from now on has the pattern index k mod patterns, 1..256.
   void count_patterns_on_frames(int patterns);
@@ -76,7 +79,6 @@ class Control {
 
  private:
   void write_word(const spec::Register& one, std::uint32_t value);
-  void write_verdict(const model::BoardSettings& settings);
   void need(const spec::Register& one) const;
   void check_fits(const RegisterPart& part, std::uint32_t value) const;
 

@@ -12,6 +12,7 @@
 #include "selfproj/images/float_image.h"
 #include "selfproj/light_section/profile.h"
 #include "selfproj/model/packet.h"
+#include "selfproj/model/verdict.h"
 #include "selfproj/rig/rig.h"
 
 namespace selfproj::production {
@@ -36,9 +37,10 @@ struct MeasuredFrame {
   model::PacketHeader header;
   std::int64_t arrival_ns = 0;
   light_section::Profile profile;
-  std::vector<std::uint32_t> m0, m1;  // of the frame's columns; empty where nobody asks for them
-  images::FloatImage depth;           // of the camera's size: z in mm, NaN where there is none
-  images::FloatImage difference;      // from the reference: z_R - z
+  std::vector<std::uint32_t> m0, m1;         // of the frame's columns; empty where nobody asks for them
+  std::optional<model::FrameVerdict> board;  // what the board has found in the frame
+  images::FloatImage depth;                  // of the camera's size: z in mm, NaN where there is none
+  images::FloatImage difference;             // from the reference: z_R - z
 };
 
 class Cutter {

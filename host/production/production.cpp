@@ -169,7 +169,7 @@ void Production::work(MeasuredFrame& measured) {
   newest_ = measured.header;
   encoder_counts_ = encoder_counts_ || first_->encoder != newest_.encoder;
   if (verdict_) {
-    verdict_->add(measured.header, measured.m0, measured.m1);
+    verdict_->add(measured.header, measured.m0, measured.m1, measured.board);
   }
   if (cutter_) {
     classify(cutter_->add(measured));
@@ -189,6 +189,7 @@ void Production::count_moments() {
     moments_.defect_frames = verdict_->defect_frames();
     moments_.parts = verdict_->parts();
     moments_.parts_with_defect = verdict_->parts_with_defect();
+    moments_.board = verdict_->board();
   }
 }
 
@@ -289,6 +290,13 @@ std::vector<report::Fact> Production::facts() const {
         {"verdict_parts", "parts judged by moments", report::fact_number(moments_.parts)},
         {"verdict_parts_with_defect", "of these with a defect", report::fact_number(moments_.parts_with_defect)}};
     facts.insert(facts.end(), of_moments.begin(), of_moments.end());
+    const BoardAgreement& board = moments_.board;
+    if (board.frames > 0) {
+      facts.push_back({"board_frames", "frames judged by the board", report::fact_number(board.frames)});
+      facts.push_back({"board_defect_frames", "of these with a defect", report::fact_number(board.defects)});
+      facts.push_back({"board_after_gap", "not compared, behind missing frames", report::fact_number(board.after_gap)});
+      facts.push_back({"board_disagrees", "judged otherwise by the model", report::fact_number(board.disagree)});
+    }
   }
   if (!classifier_) {
     return facts;
@@ -316,10 +324,16 @@ std::vector<report::Fact> Production::facts() const {
 }
 
 std::string Production::doubt() const {
+  const std::lock_guard lock(mutex_);
+  if (verdict_ && moments_.board.disagree > 0) {
+    return fmt::format(
+        "board and model judge {} of {} frames differently, so the board has another table, or packets "
+        "are wrong; {}",
+        moments_.board.disagree, moments_.board.frames, moments_.board.first);
+  }
   if (!classifier_) {
     return "";
   }
-  const std::lock_guard lock(mutex_);
   const rig::RigParts& parts = *rig_.parts;
   if (rig_.kind == rig::RigKind::light_section && parts.by_encoder && !encoder_counts_) {
     return "the encoder did not count, so the belt stood still or its encoder is not connected; the rig's section "
@@ -387,6 +401,11 @@ std::string Production::end_text() const {
       moments += fmt::format("; as by heights {}, more {}, less {}", moments_.agree, moments_.more, moments_.less);
     }
     moments += "\n";
+    if (const BoardAgreement& board = moments_.board; board.frames > 0) {
+      moments +=
+          fmt::format("the board judged {} frames, {} with a defect; {} otherwise than the model{}\n", board.frames,
+                      board.defects, board.disagree, board.disagree > 0 ? ", first " + board.first : std::string());
+    }
   }
   if (!classifier_) {
     return moments;

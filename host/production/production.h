@@ -121,6 +121,7 @@ class Production {
   struct MomentCounts {
     std::uint64_t frames = 0, defect_frames = 0, parts = 0, parts_with_defect = 0;
     std::uint64_t agree = 0, more = 0, less = 0;
+    BoardAgreement board;
   };
 
   Production(const ProductionOptions& options, const rig::Rig& rig);

@@ -24,15 +24,7 @@ constexpr std::size_t kMaxRecent = 1U << 16U;
 
 model::Verdict model_of(const VerdictTable& table) {
   model::Verdict model(table.columns, static_cast<int>(table.sections.size()));
-  for (std::size_t s = 0; s < table.sections.size(); ++s) {
-    const VerdictTable::Section& section = table.sections[s];
-    for (int c = 0; c < table.columns; ++c) {
-      model.write(table.settings.bank, static_cast<int>(s), c, section.limits[static_cast<std::size_t>(c)]);
-    }
-    if (s > 0) {
-      model.begin_section(table.settings.bank, static_cast<int>(s), section.begin);
-    }
-  }
+  model.write(table.settings.bank, table.sections);
   return model;
 }
 
@@ -57,13 +49,13 @@ VerdictRun::VerdictRun(const rig::Rig& rig, VerdictTable table, std::string sour
   }
 }
 
-void VerdictRun::judge(model::Verdict& model, const model::PartRule& rule, const model::VerdictSettings& settings,
-                       const model::PacketHeader& header, const std::vector<std::uint32_t>& m0,
-                       const std::vector<std::uint32_t>& m1) {
+model::FrameVerdict VerdictRun::judge(model::Verdict& model, const model::PartRule& rule,
+                                      const model::VerdictSettings& settings, const model::PacketHeader& header,
+                                      const std::vector<std::uint32_t>& m0, const std::vector<std::uint32_t>& m1) {
   const model::FrameVerdict found =
       model.frame(settings, false, rule, header.encoder & model::kCountMask, m0, m1, true);
   if (!found.in_part) {
-    return;
+    return found;
   }
   if (part_ != found.part) {
     part_ = found.part;
@@ -82,10 +74,72 @@ void VerdictRun::judge(model::Verdict& model, const model::PartRule& rule, const
   if (kept_.size() < keep_) {
     kept_.push_back(frame);
   }
+  return found;
+}
+
+namespace {
+
+std::string verdict_text(const model::FrameVerdict& verdict) {
+  if (!verdict.in_part) {
+    return "no part";
+  }
+  return fmt::format("section {}, {} unlit, {}", verdict.section, verdict.unlit,
+                     verdict.defect
+                         ? fmt::format("a defect of {} columns from {} on", verdict.columns, verdict.first_column)
+                         : "no defect");
+}
+
+}  // namespace
+
+// Board and model say the same of every frame if they have seen the same frames. The board may have seen more: before
+// this program began, or packets that were lost on the way. From the next part on both are in step again.
+void VerdictRun::compare(const model::PacketHeader& header, const std::vector<std::uint32_t>& m0,
+                         const std::vector<std::uint32_t>& m1, const model::FrameVerdict& here,
+                         const std::optional<model::FrameVerdict>& board) {
+  const bool gap = !last_sequence_ || header.sequence != *last_sequence_ + 1;
+  last_sequence_ = header.sequence;
+  if (gap) {
+    in_step_ = false;
+  }
+  if (!board) {
+    return;
+  }
+  ++board_.frames;
+  board_.defects += board->defect ? 1 : 0;
+  if (!here.in_part && !board->in_part) {
+    in_step_ = in_step_ || !gap;
+    return;
+  }
+  if (!in_step_) {
+    ++board_.after_gap;
+    return;
+  }
+  if (here.in_part == board->in_part && here.defect == board->defect && here.lacks_light == board->lacks_light &&
+      here.section == board->section && here.first_column == board->first_column && here.columns == board->columns &&
+      here.unlit == board->unlit) {
+    return;
+  }
+  if (board_.disagree++ == 0) {
+    board_.first = fmt::format("frame {}: the board says {}, the model {}", header.sequence + 1, verdict_text(*board),
+                               verdict_text(here));
+    const int first = board->defect ? board->first_column : here.first_column;
+    if (first > 0 && first <= static_cast<int>(m0.size())) {
+      const auto column = static_cast<std::size_t>(first - 1);
+      const int from = first - 1 - table_.settings.shift_columns;
+      const auto section = static_cast<std::size_t>(here.section);
+      board_.first += fmt::format("; column {} has M0 = {}, M1 = {}", first, m0[column], m1[column]);
+      if (from >= 0 && from < table_.columns && section < table_.sections.size() &&
+          !table_.sections[section].limits.empty()) {
+        const model::ColumnLimits& limits = table_.sections[section].limits[static_cast<std::size_t>(from)];
+        board_.first += fmt::format(" and limits {} and {} of 1/{} row{}", limits.low, limits.high, model::kRowParts,
+                                    limits.judged ? "" : ", not judged");
+      }
+    }
+  }
 }
 
 void VerdictRun::add(const model::PacketHeader& header, const std::vector<std::uint32_t>& m0,
-                     const std::vector<std::uint32_t>& m1) {
+                     const std::vector<std::uint32_t>& m1, const std::optional<model::FrameVerdict>& board) {
   const auto place = light_section::place_of_frame(rig_.camera, header).value_or(light_section::FramePlace{});
   if (header.columns != table_.columns || header.rows != table_.rows || place.row != table_.row_offset ||
       place.column != table_.column_offset) {
@@ -95,7 +149,7 @@ void VerdictRun::add(const model::PacketHeader& header, const std::vector<std::u
                                          header.columns, header.rows, place.row + 1, place.column + 1));
   }
   if (!tables_) {
-    judge(model_, table_.rule, table_.settings, header, m0, m1);
+    compare(header, m0, m1, judge(model_, table_.rule, table_.settings, header, m0, m1), board);
     return;
   }
   waiting_.push_back({belt_.add(header), header, m0, m1});

@@ -21,12 +21,7 @@ namespace selfproj::production {
 
 // What a board needs to judge parts: limits of each section, settings, and where parts begin and end.
 struct VerdictTable {
-  struct Section {
-    std::uint32_t begin = 0;  // counts of the encoder behind the part's beginning; 0 in the first
-    std::vector<model::ColumnLimits> limits;
-
-    bool operator==(const Section&) const = default;
-  };
+  using Section = model::SectionLimits;
 
   std::string rig;  // its name
   int columns = 0;  // of a frame

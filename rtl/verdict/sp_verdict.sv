@@ -31,7 +31,7 @@ module sp_verdict #(
   // derived, do not set
   parameter int GroupBits = $clog2(MaxColumns / 4),
   parameter int ColumnBits = $clog2(MaxColumns + 1),
-  parameter int LimitBits = $clog2(MaxRows + 1) + 5,
+  parameter int LimitBits = $clog2(MaxRows + 1) + 7,
   parameter int SectionBits = LogSections > 0 ? LogSections : 1,
   parameter int LogWords = LogSections > 3 ? LogSections + 2 : 5
 ) (
@@ -50,7 +50,7 @@ module sp_verdict #(
   input  wire logic                   write_bank_i,
   input  wire logic [SectionBits-1:0] write_section_i,
   input  wire logic [GroupBits+1:0]   write_column_i,  // from 0
-  input  wire logic [2*LimitBits:0]   write_limits_word_i,  // {judged, high, low}, in 1/32 rows
+  input  wire logic [2*LimitBits:0]   write_limits_word_i,  // {judged, high, low}, in 1/128 rows
 
   // A frame
   input  wire logic                   frame_i,
@@ -153,7 +153,7 @@ module sp_verdict #(
     .bank_i         (bank_o),
     .section_i      (section_o),
     .shift_columns_i(shift[sp_spec_pkg::RegVerdictShiftColumnsLsb+:8]),
-    .shift_rows_i   (shift[sp_spec_pkg::RegVerdictShiftRowsLsb+:12]),
+    .shift_rows_i   (shift[sp_spec_pkg::RegVerdictShiftRowsLsb+:14]),
     .beat_valid_i   (beat_valid_i),
     .beat_data_i    (beat_data_i),
     .break_i        (break_i),

@@ -1,11 +1,11 @@
 // Judges the columns of a frame as their moments come: above, below, unlit or good, without a
 // division.
 //
-//   above  32 M1 - d M0 < low M0      below  32 M1 - d M0 > high M0      unlit  M0 = 0
+//   above  128 M1 - d M0 < low M0      below  128 M1 - d M0 > high M0      unlit  M0 = 0
 //
 // low and high stand in a table with a word {judged, high, low} for each column, in banks and
 // sections. Column c has the word of column c - s; where there is none it is not judged. s is
-// shift_columns_i, d is -shift_rows_i in 1/32 rows.
+// shift_columns_i, d is -shift_rows_i in 1/128 rows.
 //
 // Each lane of the beat has a memory of its own with all words of the table, sorted by the lane
 // that their column has modulo 4: so no word and no moment has to change its lane, however far
@@ -36,7 +36,7 @@ module sp_verdict_columns #(
   // derived, do not set
   parameter int GroupBits = $clog2(MaxColumns / 4),
   parameter int ColumnBits = $clog2(MaxColumns + 1),
-  parameter int LimitBits = $clog2(MaxRows + 1) + 5,
+  parameter int LimitBits = $clog2(MaxRows + 1) + 7,
   parameter int SectionBits = LogSections > 0 ? LogSections : 1
 ) (
   input  wire logic                   clk_i,
@@ -47,7 +47,7 @@ module sp_verdict_columns #(
   input  wire logic                   write_bank_i,
   input  wire logic [SectionBits-1:0] write_section_i,
   input  wire logic [GroupBits+1:0]   write_column_i,  // from 0
-  input  wire logic [2*LimitBits:0]   write_word_i,    // {judged, high, low}, in 1/32 rows
+  input  wire logic [2*LimitBits:0]   write_word_i,    // {judged, high, low}, in 1/128 rows
 
   // A frame
   input  wire logic                   start_i,
@@ -56,7 +56,7 @@ module sp_verdict_columns #(
   input  wire logic                   bank_i,
   input  wire logic [SectionBits-1:0] section_i,
   input  wire logic [7:0]             shift_columns_i,  // s, in two's complement
-  input  wire logic [11:0]            shift_rows_i,     // -d, in two's complement
+  input  wire logic [13:0]            shift_rows_i,     // -d, in two's complement
 
   // Its moments
   input  wire logic                   beat_valid_i,
@@ -86,7 +86,7 @@ module sp_verdict_columns #(
   localparam int M0Bits = $clog2((Grey ? 255 : 1) * MaxRows + 1);
   localparam int M1Bits = $clog2((Grey ? 255 : 1) * MaxRows * (MaxRows + 1) / 2 + 1);
   localparam int ProductBits = M0Bits + LimitBits;
-  localparam int XBits = M0Bits + (LimitBits > 11 ? LimitBits : 11) + 2;  // 32 M1 - d M0, signed
+  localparam int XBits = M0Bits + (LimitBits > 13 ? LimitBits : 13) + 2;  // 128 M1 - d M0, signed
   localparam int WordBits = 2 * LimitBits + 1;
   localparam int Groups = MaxColumns / 4;
   // Of a group of the table, or of one as far beside it as columns may be shifted; signed
@@ -225,7 +225,7 @@ module sp_verdict_columns #(
     logic                      s1_came_q, s2_came_q;
     logic [M0Bits-1:0]         s1_m0_q;
     logic [M1Bits-1:0]         s1_m1_q;
-    logic signed [M0Bits+11:0] s1_moved_q;  // -d M0
+    logic signed [M0Bits+13:0] s1_moved_q;  // -d M0
     logic [LimitBits-1:0]      s1_low_q, s1_high_q;
     logic                      s1_judged_q, s2_judged_q, s2_lit_q;
     logic signed [XBits-1:0]   s2_x_q;
@@ -246,7 +246,7 @@ module sp_verdict_columns #(
       s2_lit_q    <= s1_m0_q != '0;
       s2_low_q    <= s1_low_q * ProductBits'(s1_m0_q);
       s2_high_q   <= s1_high_q * ProductBits'(s1_m0_q);
-      s2_x_q      <= $signed(XBits'({s1_m1_q, 5'd0})) + XBits'(s1_moved_q);
+      s2_x_q      <= $signed(XBits'({s1_m1_q, 7'd0})) + XBits'(s1_moved_q);
 
       s3_came_q[lane]  <= s2_came_q;
       s3_above_q[lane] <= s2_judged_q && s2_lit_q && s2_x_q < $signed(XBits'(s2_low_q));

@@ -23,7 +23,7 @@ module sp_verdict_registers #(
   parameter int LogSections = 1,  // log2 of the sections of a bank: 0..6
   // derived, do not set
   parameter int GroupBits = $clog2(MaxColumns / 4),
-  parameter int LimitBits = $clog2(MaxRows + 1) + 5,
+  parameter int LimitBits = $clog2(MaxRows + 1) + 7,
   parameter int SectionBits = LogSections > 0 ? LogSections : 1,
   parameter int LogWords = LogSections > 3 ? LogSections + 2 : 5
 ) (
@@ -78,8 +78,9 @@ module sp_verdict_registers #(
   localparam logic [Plain-1:0] Needed =
       (Plain'(1) << (Ejector + 1)) - (Plain'(1) << Defect);
   localparam int LowLsb = sp_spec_pkg::RegVerdictLimitsLowLsb,
-                 HighLsb = sp_spec_pkg::RegVerdictLimitsHighLsb,
-                 LimitSpan = sp_spec_pkg::RegVerdictLimitsLowBits;
+                 LowSpan = sp_spec_pkg::RegVerdictLimitsLowBits,
+                 BandLsb = sp_spec_pkg::RegVerdictLimitsBandLsb,
+                 BandSpan = sp_spec_pkg::RegVerdictLimitsBandBits;
   localparam int ColumnLsb = sp_spec_pkg::RegVerdictTableColumnLsb,
                  ColumnSpan = sp_spec_pkg::RegVerdictTableColumnBits,
                  SectionLsb = sp_spec_pkg::RegVerdictTableSectionLsb,
@@ -97,7 +98,10 @@ module sp_verdict_registers #(
   logic [ColumnSpan-1:0]  column_q;
   logic [SectionSpan-1:0] section_q;
 
+  logic [LowSpan:0]       high;  // the greater limit
+
   assign word = address_i[6:2];
+  assign high = {1'b0, data_i[LowLsb+:LowSpan]} + (LowSpan + 1)'(data_i[BandLsb+:BandSpan]);
   assign here = address_i[7] && address_i[1:0] == 2'b00 && sp_spec_pkg::VerdictWords[word];
   assign free = !(on_o && (write_bank_o == named_bank_q || passes_i && write_bank_o == bank_i));
 
@@ -114,8 +118,7 @@ module sp_verdict_registers #(
       5'(LengthWord), 5'(Pitch): good = data_i[23:0] != '0;
       5'(Table): good = 32'(data_i[ColumnLsb+:ColumnSpan]) < MaxColumns &&
                         data_i[SectionLsb+:SectionSpan] >> LogSections == '0;
-      5'(Limits): good = free && data_i[LowLsb+:LimitSpan] >> LimitBits == '0 &&
-                         data_i[HighLsb+:LimitSpan] >> LimitBits == '0;
+      5'(Limits): good = free && high >> LimitBits == '0;
       5'(Begin): good = free;
       default: good = 1'b1;
     endcase
@@ -164,7 +167,7 @@ module sp_verdict_registers #(
   assign write_section_o = SectionBits'(section_q);
   assign write_column_o  = (GroupBits + 2)'(column_q);
   assign write_limits_word_o = {data_i[sp_spec_pkg::RegVerdictLimitsJudgedLsb],
-                                data_i[HighLsb+:LimitBits], data_i[LowLsb+:LimitBits]};
+                                high[LimitBits-1:0], data_i[LowLsb+:LimitBits]};
   if (LogSections > 0) begin : gen_sections
     assign write_word_o = word == 5'(Begin) ?
         {1'b1, (LogWords - 1)'({write_bank_o, write_section_o})} : LogWords'(word);

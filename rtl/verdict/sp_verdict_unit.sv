@@ -53,7 +53,7 @@ module sp_verdict_unit #(
 );
 
   localparam int GroupBits = $clog2(MaxColumns / 4);
-  localparam int LimitBits = $clog2(MaxRows + 1) + 5;
+  localparam int LimitBits = $clog2(MaxRows + 1) + 7;
   localparam int SectionBits = LogSections > 0 ? LogSections : 1;
   localparam int LogWords = LogSections > 3 ? LogSections + 2 : 5;
 

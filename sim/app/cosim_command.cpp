@@ -114,6 +114,15 @@ void add_measuring_options(CLI::App& command, OptionFamilies& families, CosimOpt
   command.add_flag("--compact", options.compact,
                    "Packets of kind compact: the board divides the columns (modes grey and grey-over; else as the rig "
                    "says).");
+  CLI::Option* const verdict =
+      command
+          .add_option(
+              "--verdict", options.verdict,
+              "The board judges frames by this table, which `selfproj verdict table` writes, and its packets say "
+              "what it found (engines rtl and model).")
+          ->type_name("FILE");
+  command.add_flag("--verdict-alone", options.verdict_alone, "Packets have the verdict, and no columns.")
+      ->needs(verdict);
   CLI::Option* trace =
       command.add_option("--trace", options.trace, "File for the waveforms of the board (engine rtl).")
           ->type_name("FILE.fst");

@@ -14,6 +14,8 @@
 #include <verilated.h>
 #include <verilated_fst_c.h>
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <deque>
@@ -33,6 +35,7 @@
 #include "selfproj/model/column_moments.h"
 #include "selfproj/model/packet.h"
 #include "selfproj/model/pixel_clock.h"
+#include "selfproj/model/verdict.h"
 #include "sim/board/clocks.h"
 #include "sim/board/verilated_model.h"
 
@@ -238,6 +241,33 @@ class BoardDevice {
       throw std::runtime_error("this board has no decoder");
     }
     write(spec::kRegControl, control | (settings.hold ? 1U << spec::kRegControlHoldLsb : 0U));
+  }
+
+  // Writes limits of a verdict, and a pulse of one count for the ejector, at once.
+  void write_limits(int bank, std::span<const model::SectionLimits> sections) {
+    write(spec::kRegEjectorDelay, 0);
+    write(spec::kRegEjectorLength, 1);
+    const auto aim = [&](std::size_t section, std::size_t column) {
+      write(spec::kRegVerdictTable, static_cast<std::uint32_t>(column) << spec::kRegVerdictTableColumnLsb |
+                                        static_cast<std::uint32_t>(section) << spec::kRegVerdictTableSectionLsb |
+                                        static_cast<std::uint32_t>(bank) << spec::kRegVerdictTableBankLsb);
+    };
+    constexpr std::size_t kReach = model::kMaxShiftColumns;  // of a shift, behind the last column
+    for (std::size_t section = 0; section < sections.size(); ++section) {
+      const std::vector<model::ColumnLimits>& limits = sections[section].limits;
+      for (std::size_t column = 0; column < std::min<std::size_t>(spec::kMaxColumns, limits.size() + kReach);
+           ++column) {
+        aim(section, column);
+        write(spec::kRegVerdictLimits,
+              model::limits_word(column < limits.size() ? limits[column] : model::ColumnLimits{}));
+      }
+      if (section > 0) {
+        aim(section, 0);
+        write(spec::kRegVerdictBegin, sections[section].begin);
+      }
+    }
+    aim(sections.size(), 0);
+    write(spec::kRegVerdictBegin, model::kCountMask);  // never
   }
 
   // Writes the registers of the verdict but the limits and those of the ejector, and switches it on or off.

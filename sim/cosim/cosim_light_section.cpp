@@ -15,6 +15,8 @@
 #include "host/images/frame_options.h"
 #include "host/images/image_files.h"
 #include "host/images/prepared_images.h"
+#include "host/production/verdict_file.h"
+#include "host/production/verdict_table.h"
 #include "host/report/frame_picture.h"
 #include "host/report/inspection_output.h"
 #include "host/report/line_images.h"
@@ -256,6 +258,9 @@ class LightSectionCosim final : public CosimMeasurement {
                          .region_row = rig.camera.region_row(),
                          .region_column = rig.camera.region_column(),
                          .compact = rig.measure.sends_compact()};
+    if (!options_.verdict.empty()) {
+      judge(platform);
+    }
     platform.frame_rate_hz = sent.frame_rate_hz;
     platform.pixel_clock_hz = rig.pixel_clock_hz();
     if (rig.conveyor.encoder_mm_per_count > 0 && setup_.profiler != nullptr) {
@@ -266,6 +271,31 @@ class LightSectionCosim final : public CosimMeasurement {
     }
     platform.seed = static_cast<std::uint64_t>(rig.imaging.seed);
     return platform;
+  }
+
+  // The board judges by the table of the options.
+  void judge(PlatformOptions& platform) const {
+    constexpr std::size_t kMostSections = 15;
+    const std::string source = "--verdict " + options_.verdict;
+    const production::VerdictTable table = production::load_verdict_table(options_.verdict);
+    production::check_verdict_table(table, setup_.rig, source);
+    if (table.columns != columns_ || table.rows != setup_.source->rows()) {
+      throw UserError(source,
+                      fmt::format("is for frames of {}, but these are {}", images::size_text(table.rows, table.columns),
+                                  images::size_text(setup_.source->rows(), columns_)));
+    }
+    if (table.sections.size() > kMostSections) {
+      throw UserError(source, fmt::format("has {} sections; the simulated board has room for {}", table.sections.size(),
+                                          kMostSections));
+    }
+    if (options_.engine == "hls" || !options_.trace.empty()) {
+      throw UserError(source, "goes with --engine rtl and model, and without --trace");
+    }
+    platform.limits = table.sections;
+    platform.settings.verdict = true;
+    platform.settings.verdict_packets = options_.verdict_alone ? 2 : 1;
+    platform.settings.verdict_settings = table.settings;
+    platform.settings.part_rule = table.rule;
   }
 
   // Takes the frames that the user asked for, or else the middle one of a scene, or the first ten recorded images.

@@ -40,6 +40,8 @@ struct CosimOptions {
   std::string mode = {};           // empty: the rig's
   cli::SelectOptions select = {};  // nothing: the rig's
   bool compact = false;            // compact packets, also where the rig does not say so
+  std::string verdict = {};        // table by which the board judges; empty: it does not
+  bool verdict_alone = false;      // its packets have nothing but the verdict
   std::string trace = {};          // FST file of waveforms; empty: none
   std::size_t trace_from = 1;
 

@@ -17,6 +17,7 @@
 
 #include "selfproj/model/board.h"
 #include "selfproj/model/pixel_clock.h"
+#include "selfproj/model/verdict.h"
 
 namespace selfproj::sim {
 
@@ -35,8 +36,8 @@ struct BoardCoreOptions {
   std::uint64_t seed = 1;  // seed of the stalls
   int patterns = 1;        // the sequencer counts frames modulo this
   bool codes = false;      // build with the Gray-code decoder, for images up to 512 x 512; binary moments only
-  bool runs =
-      false;  // build with the strongest runs and compact columns; not with codes, a trace file or SystemC shells
+  // build with the strongest runs, compact columns and verdicts; not with codes, a trace file or SystemC shells
+  bool runs = false;
   std::string trace_file;  // FST file; empty: none; engine rtl only
   std::uint64_t trace_from_clock = 0;
 };
@@ -64,8 +65,9 @@ class BoardCore {
 
   virtual void on_packet(PacketSink sink) = 0;
 
-  // Sets the registers as the host does; takes some hundred clocks. Throws std::runtime_error if the board refuses.
-  virtual void write(const model::BoardSettings& settings) = 0;
+  // Sets the registers as the host does; takes some hundred clocks, with limits of a verdict for each of them some
+  // dozens. Throws std::runtime_error if the board refuses.
+  virtual void write(const model::BoardSettings& settings, std::span<const model::SectionLimits> limits) = 0;
 
   // The number of the next clock edge.
   [[nodiscard]] virtual std::uint64_t clock() const = 0;
@@ -107,7 +109,15 @@ class ModelFeed {
   explicit ModelFeed(model::BoardModel::Sink sink, int patterns = 1)
       : model_(std::move(sink)), patterns_(static_cast<std::uint64_t>(patterns)) {}
 
-  void write(const model::BoardSettings& settings) { model_.write(settings); }
+  void write(const model::BoardSettings& settings, std::span<const model::SectionLimits> limits) {
+    if (!limits.empty()) {
+      constexpr int kSections = 64;
+      verdict_ = std::make_unique<model::Verdict>(spec::kMaxColumns, kSections);
+      verdict_->write(settings.verdict_settings.bank, limits);
+      model_.judge_with(*verdict_);
+    }
+    model_.write(settings);
+  }
 
   // A line of beats from `clock` on. Packets that it completes go to the sink.
   void line(std::uint64_t clock, std::span<const std::uint8_t> pixels, bool frame_start) {
@@ -137,6 +147,7 @@ class ModelFeed {
   [[nodiscard]] const model::BoardModel& model() const { return model_; }
 
  private:
+  std::unique_ptr<model::Verdict> verdict_;
   model::BoardModel model_;
   std::uint64_t patterns_;
   std::uint64_t clock_ = 0;

@@ -27,9 +27,9 @@ class ModelCore final : public BoardCore {
 
   void on_packet(PacketSink sink) override { sink_ = std::move(sink); }
 
-  void write(const model::BoardSettings& settings) override {
+  void write(const model::BoardSettings& settings, std::span<const model::SectionLimits> limits) override {
     clock_ += kWriteClocks;
-    feed_.write(settings);
+    feed_.write(settings, limits);
   }
 
   [[nodiscard]] std::uint64_t clock() const override { return clock_; }

@@ -224,10 +224,10 @@ void BusSink::hold_up() {
   });
 }
 
-ReferenceModel::ReferenceModel(const sc_core::sc_module_name& name, const model::BoardSettings& settings, int patterns,
-                               model::BoardModel::Sink sink)
+ReferenceModel::ReferenceModel(const sc_core::sc_module_name& name, const model::BoardSettings& settings,
+                               std::span<const model::SectionLimits> limits, int patterns, model::BoardModel::Sink sink)
     : sc_module(name), feed_(std::move(sink), patterns) {
-  feed_.write(settings);
+  feed_.write(settings, limits);
   video.bind(*this);
   encoder_pins.bind(*this);
 }

@@ -272,8 +272,8 @@ class ReferenceModel : public sc_core::sc_module, public VideoInterface, public 
   sc_core::sc_export<VideoInterface> video{"video"};
   sc_core::sc_export<EncoderInterface> encoder_pins{"encoder_pins"};
 
-  ReferenceModel(const sc_core::sc_module_name& name, const model::BoardSettings& settings, int patterns,
-                 model::BoardModel::Sink sink);
+  ReferenceModel(const sc_core::sc_module_name& name, const model::BoardSettings& settings,
+                 std::span<const model::SectionLimits> limits, int patterns, model::BoardModel::Sink sink);
 
   void line(const VideoLine& line) override { inputs_.line(line); }
   void promise_video(std::uint64_t clock) override;

@@ -82,10 +82,11 @@ void check(const PlatformOptions& options) {
   if (options.settings.codes && !options.trace_file.empty()) {
     throw std::invalid_argument("there is no build with both codes and waveforms");
   }
-  if ((options.settings.select == model::Select::strongest || options.settings.compact) &&
+  if ((options.settings.select == model::Select::strongest || options.settings.compact || options.settings.verdict) &&
       (options.settings.codes || !options.trace_file.empty() || options.engine == PlatformEngine::hls)) {
     throw std::invalid_argument(
-        "there is no build with the strongest runs or compact columns and codes, waveforms or SystemC shells");
+        "there is no build with the strongest runs, compact columns or verdicts and codes, waveforms or SystemC "
+        "shells");
   }
   if (options.quantum_lines == 0 || options.trace_from == 0) {
     throw std::invalid_argument("the quantum and the first frame of a trace are at least 1");
@@ -95,6 +96,15 @@ void check(const PlatformOptions& options) {
   }
 }
 
+std::uint64_t first_clock(const PlatformOptions& options) {
+  constexpr std::uint64_t kClocksALimit = 128;  // two writes on a bus that is not slower than half the pixel clock
+  std::uint64_t limits = 0;
+  for (const model::SectionLimits& section : options.limits) {
+    limits += section.limits.size() + model::kMaxShiftColumns + 2;
+  }
+  return Platform::kFirstClock + kClocksALimit * limits;
+}
+
 std::unique_ptr<BoardCore> make_core(const PlatformOptions& options, const CameraTiming& timing) {
   const BoardCoreOptions core{
       .pixel_clock_hz = options.pixel_clock_hz,
@@ -102,9 +112,10 @@ std::unique_ptr<BoardCore> make_core(const PlatformOptions& options, const Camer
       .seed = options.seed,
       .patterns = options.patterns,
       .codes = options.settings.codes,
-      .runs = options.settings.select == model::Select::strongest || options.settings.compact,
+      .runs =
+          options.settings.select == model::Select::strongest || options.settings.compact || options.settings.verdict,
       .trace_file = options.trace_file,
-      .trace_from_clock = Platform::kFirstClock + (options.trace_from - 1) * timing.frame_clocks};
+      .trace_from_clock = first_clock(options) + (options.trace_from - 1) * timing.frame_clocks};
   if (options.engine == PlatformEngine::model) {
     return make_model_core(core);
   }
@@ -125,8 +136,9 @@ struct Platform::Parts {
         timing(camera_timing(options.settings.rows, options.settings.columns, options.frame_rate_hz,
                              options.pixel_clock_hz)),
         period(sc_core::sc_time::from_value(model::pixel_clock_period_ps(options.pixel_clock_hz))),
-        camera("camera", timing, kFirstClock, period, std::move(frames)),
-        conveyor("conveyor", clocks_a_step(options.encoder_steps_per_s, options.pixel_clock_hz), kFirstClock, period),
+        camera("camera", timing, first_clock(options), period, std::move(frames)),
+        conveyor("conveyor", clocks_a_step(options.encoder_steps_per_s, options.pixel_clock_hz), first_clock(options),
+                 period),
         board("board", make_core(options, timing)),
         sink("bus_sink", options.bus, options.seed, period, std::move(packets)) {
     tlm::tlm_global_quantum::instance().set(time_of_clock(options.quantum_lines * timing.line_clocks, period));
@@ -138,13 +150,13 @@ struct Platform::Parts {
     sink.ready(board.bus_ready);
     sink.finished(finished);
     if (expected) {
-      reference =
-          std::make_unique<ReferenceModel>("reference", options.settings, options.patterns, std::move(expected));
+      reference = std::make_unique<ReferenceModel>("reference", options.settings, options.limits, options.patterns,
+                                                   std::move(expected));
       camera.video(reference->video);
       conveyor.encoder(reference->encoder_pins);
     }
-    board.core().write(options.settings);
-    if (board.core().clock() > kFirstClock) {
+    board.core().write(options.settings, options.limits);
+    if (board.core().clock() > first_clock(options)) {
       throw std::logic_error("the registers were not set in time");
     }
   }

@@ -27,7 +27,8 @@ enum class PlatformEngine : std::uint8_t { rtl, hls, model };
 
 struct PlatformOptions {
   PlatformEngine engine = PlatformEngine::rtl;
-  model::BoardSettings settings = {};  // columns and rows are those of the frames
+  model::BoardSettings settings = {};             // columns and rows are those of the frames
+  std::vector<model::SectionLimits> limits = {};  // of a verdict, for 15 sections at most; empty: nothing is judged
   double frame_rate_hz = 10000;
   double pixel_clock_hz = model::kDefaultPixelClockHz;
   int patterns = 1;                // 1..256: frame k carries the pattern index k mod patterns (sequencer on_frame)
@@ -57,7 +58,8 @@ class Platform {
   // Receives a packet and the time (in ps) at which its last beat was taken from the bus.
   using PacketSink = std::function<void(std::span<const std::uint8_t> bytes, std::uint64_t time_ps)>;
 
-  // Clock of the first frame's first beat. Before it the host sets the registers.
+  // Clock of the first frame's first beat. Before it the host sets the registers, for which it takes longer with limits
+  // of a verdict.
   static constexpr std::uint64_t kFirstClock = 4096;
 
   // `expected`, if given, gets the packets of the model of the board, each before the board's own, with `lost` 0.

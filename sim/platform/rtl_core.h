@@ -41,7 +41,10 @@ class RtlCore : public BoardCore {
     });
   }
 
-  void write(const model::BoardSettings& settings) override {
+  void write(const model::BoardSettings& settings, std::span<const model::SectionLimits> limits) override {
+    if (!limits.empty()) {
+      device_.write_limits(settings.verdict_settings.bank, limits);
+    }
     if (patterns_ > 1) {
       device_.write(spec::kRegTriggerControl,
                     1U << spec::kRegTriggerControlOnFrameLsb | static_cast<std::uint32_t>(patterns_ - 1)

@@ -73,9 +73,9 @@ TEST(VerdictByHand, AColumnAtItsLimits) {
   // The band a row further down
   EXPECT_EQ(column_state(limits, kRow, 10, 99), ColumnState::above);
   EXPECT_EQ(column_state(limits, kRow, 10, 120), ColumnState::good);
-  // and a 32nd of a row up
-  EXPECT_EQ(column_state(limits, -1, 32, 32 * 11 - 1), ColumnState::good);
-  EXPECT_EQ(column_state(limits, -1, 32, 32 * 11), ColumnState::below);
+  // and a 128th of a row up
+  EXPECT_EQ(column_state(limits, -1, 128, 128 * 11 - 1), ColumnState::good);
+  EXPECT_EQ(column_state(limits, -1, 128, 128 * 11), ColumnState::below);
   // The largest products
   EXPECT_EQ(column_state(ColumnLimits{model::kMaxLimit, model::kMaxLimit, true}, -model::kMaxShiftRows, 255 * 1023,
                          255 * 1023 * 512),
@@ -211,7 +211,7 @@ TEST(VerdictByHand, WordsOfRegistersAndPackets) {
                                     .bank = 1};
   const model::VerdictWords words = verdict_words(settings, {.lit = 40, .dark_frames = 3});
   EXPECT_EQ(words.defect, 300U << 20 | 1U << 18 | 1U << 17 | 5U << 12 | 7U << 8 | 16U);
-  EXPECT_EQ(words.shift, (4096U - 33U) << 16 | (256U - 17U));
+  EXPECT_EQ(words.shift, (16384U - 33U) << 16 | (256U - 17U));
   EXPECT_EQ(words.light, 3U << 16 | 40U);
   EXPECT_EQ(settings_of_words(words), settings);
 

@@ -1,13 +1,13 @@
 // A verdict from the moments of frames, without a division: the definition, which the circuit sp_verdict equals to the
 // last bit.
 //
-// **Columns.** A table has for each column η two limits, in 1/32 rows, and whether the column is judged. Limits may be
-// moved by s columns and d/32 rows, because a part does not always lie in the same place: column η has the limits of
+// **Columns.** A table has for each column η two limits, in 1/128 rows, and whether the column is judged. Limits may be
+// moved by s columns and d/128 rows, because a part does not always lie in the same place: column η has the limits of
 // column η - s, plus d. A judged column with the moments M0, M1 is
 //
 //     unlit   if M0 = 0
-//     above   if 32 M1 - d M0 < low  · M0      its centroid M1 / M0 lies above the band, at smaller rows
-//     below   if 32 M1 - d M0 > high · M0      … below it, at larger rows
+//     above   if 128 M1 - d M0 < low  · M0      its centroid M1 / M0 lies above the band, at smaller rows
+//     below   if 128 M1 - d M0 > high · M0      … below it, at larger rows
 //     good    otherwise
 //
 // It is *out* if it is above, where defects above are asked for, or below, where those below are.
@@ -47,10 +47,11 @@
 
 namespace selfproj::model {
 
-inline constexpr int kRowParts = 32;
-inline constexpr std::uint32_t kMaxLimit = (1U << 15) - 1;   // rows to 1023
+inline constexpr int kRowParts = 128;
+inline constexpr std::uint32_t kMaxLimit = (1U << 17) - 1;   // rows to 1023
+inline constexpr std::uint32_t kMaxBand = (1U << 14) - 1;    // between the two limits, in the board's registers
 inline constexpr int kMaxShiftColumns = 127;                 // both ways
-inline constexpr int kMaxShiftRows = 2047;                   // both ways, in 1/kRowParts rows
+inline constexpr int kMaxShiftRows = 8191;                   // both ways, in 1/kRowParts rows
 inline constexpr int kMaxHistory = 8;                        // frames
 inline constexpr std::uint32_t kCountMask = (1U << 24) - 1;  // of the encoder, as far as parts need it
 
@@ -61,6 +62,14 @@ struct ColumnLimits {
   bool judged = false;
 
   bool operator==(const ColumnLimits&) const = default;
+};
+
+// The limits of a section of a part.
+struct SectionLimits {
+  std::uint32_t begin = 0;  // counts of the encoder behind the part's beginning; 0 in the first
+  std::vector<ColumnLimits> limits;
+
+  bool operator==(const SectionLimits&) const = default;
 };
 
 enum class ColumnState : std::uint8_t { good, above, below, unlit };
@@ -104,6 +113,9 @@ struct VerdictWords {
 VerdictWords verdict_words(const VerdictSettings& settings, const PartRule& rule);
 VerdictSettings settings_of_words(const VerdictWords& words);
 
+// The register verdict_limits. The limits are kMaxBand apart at most, the lower one first.
+std::uint32_t limits_word(const ColumnLimits& limits);
+
 // What was found in a frame of a part.
 struct FrameVerdict {
   bool in_part = false;
@@ -134,6 +146,9 @@ class Verdict {
 
   // Writes the limits of a column, from 0. Throws std::invalid_argument if something is out of range.
   void write(int bank, int section, int column, const ColumnLimits& limits);
+
+  // Writes all sections of a bank, of which there may be fewer than it has, and columns from 0 on.
+  void write(int bank, std::span<const SectionLimits> sections);
 
   // From which count behind a part's beginning on a section, from 1, is in force.
   void begin_section(int bank, int section, std::uint32_t count);

@@ -166,7 +166,7 @@ inline constexpr std::array<RegisterField, 7> kFieldsOfVerdictDefect{{
 }};
 inline constexpr std::array<RegisterField, 2> kFieldsOfVerdictShift{{
     {"columns", 0, 8, "columns further right, in two's complement; -128 has no meaning"},
-    {"rows", 16, 12, "1/32 rows, in two's complement, that are added to the centroids before they are compared: less than 0 for a part that lies further down; -2048 has no meaning"},
+    {"rows", 16, 14, "1/128 rows, in two's complement, that are added to the centroids before they are compared: less than 0 for a part that lies further down; -8192 has no meaning"},
 }};
 inline constexpr std::array<RegisterField, 2> kFieldsOfVerdictLight{{
     {"lit", 0, 12, "lit columns of a frame that belongs to a part; 0 is refused"},
@@ -193,8 +193,8 @@ inline constexpr std::array<RegisterField, 3> kFieldsOfVerdictTable{{
     {"bank", 24, 1, "bank of limits"},
 }};
 inline constexpr std::array<RegisterField, 3> kFieldsOfVerdictLimits{{
-    {"low", 0, 15, "least row of the centroid, in 1/32 rows, row 1 being 32"},
-    {"high", 16, 15, "greatest row, likewise"},
+    {"low", 0, 17, "least row of the centroid, in 1/128 rows, row 1 being 128"},
+    {"band", 17, 14, "from there to the greatest row, likewise"},
     {"judged", 31, 1, "1: the column is judged"},
 }};
 inline constexpr std::array<RegisterField, 1> kFieldsOfVerdictBegin{{

@@ -145,18 +145,18 @@ TEST(Control, LimitsReachTheVerdict) {
   driver::Control control(port_of(board));
   EXPECT_EQ(control.build().verdict_log_sections, 1);
   control.set_ejector(0, 5);
-  const std::vector<model::ColumnLimits> limits(8, {.low = 9 * 32, .high = 11 * 32, .judged = true});
-  control.set_limits(0, 0, limits);
-  control.set_limits(0, 1, limits, 50);
+  const std::vector<model::ColumnLimits> limits(8, {.low = 9 * 128, .high = 11 * 128, .judged = true});
+  const std::vector<model::SectionLimits> sections = {{.begin = 0, .limits = limits}, {.begin = 50, .limits = limits}};
+  control.set_limits(0, sections);
   model::BoardSettings settings = board.settings();
   settings.verdict = true;
   settings.columns = 8;
   settings.rows = 40;
   control.set(settings);
   // Bank 0 judges next.
-  EXPECT_EQ(error_of([&] { control.set_limits(0, 0, limits); }),
-            "sim:: the board refuses 0x81600120 in register verdict_limits");
-  control.set_limits(1, 0, limits);
+  EXPECT_EQ(error_of([&] { control.set_limits(0, sections); }),
+            "sim:: the board refuses 0x82000480 in register verdict_limits");
+  control.set_limits(1, sections);
   const std::vector<std::uint32_t> m0(8, 2);
   const std::vector<std::uint32_t> good(8, 20);
   std::vector<std::uint32_t> bad = good;
@@ -168,8 +168,11 @@ TEST(Control, LimitsReachTheVerdict) {
   EXPECT_FALSE(frame(good).defect);
   EXPECT_EQ(frame(bad).first_column, 4);
   EXPECT_EQ(control.read("verdict_parts.bad"), 1U);
-  EXPECT_EQ(error_of([&] { control.set_limits(1, 2, limits); }),
-            "sim:: the board refuses 0x01020000 in register verdict_table");
+  EXPECT_EQ(error_of([&] { control.set_limits(1, std::vector<model::SectionLimits>(3)); }),
+            "sim:: the table has 3 sections, but this board has 2");
+  std::vector<model::SectionLimits> wide = {{.begin = 0, .limits = {{.low = 0, .high = model::kMaxBand + 1}}}};
+  EXPECT_EQ(error_of([&] { control.set_limits(1, wide); }),
+            "sim:: the limits of column 1 are not in order, or 128 rows and more apart");
 }
 
 TEST(Control, OtherBoards) {

@@ -391,14 +391,7 @@ TEST(VerdictRun, IsTheModel) {
   table.settings.history = 3;
   table.settings.hits = 2;
   model::Verdict model(table.columns, static_cast<int>(table.sections.size()));
-  for (std::size_t s = 0; s < table.sections.size(); ++s) {
-    for (int c = 0; c < table.columns; ++c) {
-      model.write(0, static_cast<int>(s), c, table.sections[s].limits[static_cast<std::size_t>(c)]);
-    }
-    if (s > 0) {
-      model.begin_section(0, static_cast<int>(s), table.sections[s].begin);
-    }
-  }
+  model.write(0, table.sections);
   production::VerdictRun run(setup.rig, table, "t", 100);
   std::mt19937_64 random(4);
   model::PacketHeader header;
@@ -419,7 +412,7 @@ TEST(VerdictRun, IsTheModel) {
     }
     const model::FrameVerdict found =
         model.frame(table.settings, false, table.rule, header.encoder & model::kCountMask, m0, m1, true);
-    run.add(header, m0, m1);
+    run.add(header, m0, m1, found);
     if (found.in_part) {
       expected.push_back({header.sequence, found});
       defects += found.defect ? 1 : 0;
@@ -447,6 +440,49 @@ TEST(VerdictRun, IsTheModel) {
   EXPECT_EQ(in_part->first_column, first->verdict.first_column);
   header.columns = 400;
   EXPECT_THROW(run.add(header, m0, m1), UserError);
+
+  // The board has said the same.
+  EXPECT_EQ(run.board().frames, 2000U);
+  EXPECT_EQ(run.board().defects, defects);
+  EXPECT_EQ(run.board().disagree, 0U);
+}
+
+// What a board says otherwise is told, but not behind frames that are missing here.
+TEST(VerdictRun, ABoardThatSaysOtherwise) {
+  const GoodPart setup = treads();
+  const VerdictTable table = VerdictTables(setup.rig, setup.reference, setup.tolerance, evenly(), "t").table();
+  model::Verdict model(table.columns, static_cast<int>(table.sections.size()));
+  model.write(0, table.sections);
+  production::VerdictRun run(setup.rig, table, "t", 0);
+  model::PacketHeader header;
+  header.columns = static_cast<std::uint16_t>(table.columns);
+  header.rows = static_cast<std::uint16_t>(table.rows);
+  std::vector<std::uint32_t> m0(512, 100);
+  std::vector<std::uint32_t> m1(512, 100 * 40);
+  std::uint64_t in_parts = 0;
+  std::uint64_t changed = 0;
+  for (int frame = 0; frame < 2000; ++frame) {
+    if (frame == 1000) {
+      continue;  // lost on the way
+    }
+    header.sequence = static_cast<std::uint64_t>(frame);
+    header.encoder = static_cast<std::uint32_t>(5000 + 10 * frame);
+    model::FrameVerdict board =
+        model.frame(table.settings, false, table.rule, header.encoder & model::kCountMask, m0, m1, true);
+    in_parts += board.in_part ? 1 : 0;
+    if (board.in_part && frame % 100 == 7) {
+      board.unlit += 1;
+      ++changed;
+    }
+    run.add(header, m0, m1, board);
+  }
+  ASSERT_GT(changed, 3U);
+  EXPECT_EQ(run.board().frames, 1999U);
+  EXPECT_GT(run.board().after_gap, 0U);
+  EXPECT_LT(run.board().after_gap, in_parts / 2);
+  EXPECT_GT(run.board().disagree, 0U);
+  EXPECT_LE(run.board().disagree, changed);
+  EXPECT_NE(run.board().first.find("1 unlit"), std::string::npos) << run.board().first;
 }
 
 }  // namespace

@@ -226,13 +226,13 @@ class VerdictBench {
         static_cast<std::uint32_t>(std::max(0, middle - band)),
         static_cast<std::uint32_t>(std::min(model::kRowParts * kOf.rows, middle + band)), random_.chance(90)};
     model_.write(bank, section, column, limits);
-    const int limit_bits = std::bit_width(static_cast<unsigned>(kOf.rows)) + 5;
+    const int limit_bits = std::bit_width(static_cast<unsigned>(kOf.rows)) + 7;
     dut_->write_limits_i = 1;
     dut_->write_bank_i = bank != 0;
     set(dut_->write_section_i, section);
     set(dut_->write_column_i, column);
-    dut_->write_limits_word_i =
-        (static_cast<IData>(limits.judged) << 2 * limit_bits) | (limits.high << limit_bits) | limits.low;
+    dut_->write_limits_word_i = (static_cast<std::uint64_t>(limits.judged) << 2 * limit_bits) |
+                                (static_cast<std::uint64_t>(limits.high) << limit_bits) | limits.low;
     clock();
     dut_->write_limits_i = 0;
   }

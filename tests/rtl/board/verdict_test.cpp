@@ -72,9 +72,7 @@ class VerdictBoard {
   // Limits of a column. Returns whether they were taken.
   bool write_limits(int bank, int section, int column, const model::ColumnLimits& limits) {
     aim(bank, section, column);
-    return write(spec::kRegVerdictLimits, limits.low << spec::kRegVerdictLimitsLowLsb |
-                                              limits.high << spec::kRegVerdictLimitsHighLsb |
-                                              (limits.judged ? 1U << spec::kRegVerdictLimitsJudgedLsb : 0U));
+    return write(spec::kRegVerdictLimits, model::limits_word(limits));
   }
   bool begin_section(int bank, int section, std::uint32_t counts) {
     aim(bank, section, 0);
