@@ -32,6 +32,8 @@ module sp_board_pins #(
   parameter bit Grey = 1'b1,
   parameter bit Runs = 1'b0,
   parameter bit Image = 1'b0,
+  parameter bit Verdict = 1'b0,
+  parameter int VerdictLogSections = 0,
   parameter bit Codes = 1'b0,
   parameter bit CodesMedian = 1'b0,
   parameter int CodeBits = sp_spec_pkg::CodeCodeBits
@@ -44,9 +46,9 @@ module sp_board_pins #(
   output logic      bus_o
 );
 
-  // Video clock, in: reset, valid, data, start, end, encoder; out: ready, triggers
+  // Video clock, in: reset, valid, data, start, end, encoder; out: ready, triggers, ejector
   localparam int VideoIn = 1 + 1 + 32 + 1 + 1 + 2;
-  localparam int VideoOut = 3;
+  localparam int VideoOut = 3 + 32'(Verdict);
   // Bus clock, in: reset, packet ready, AXI4-Lite; out: packets, AXI4-Lite
   localparam int BusIn = 1 + 1 + 1 + 8 + 1 + 32 + 4 + 1 + 1 + 8 + 1;
   localparam int BusOut = 1 + 128 + 1 + 1 + 1 + 1 + 2 + 1 + 1 + 32 + 2;
@@ -83,13 +85,22 @@ module sp_board_pins #(
   assign video_o = video_out_q[VideoOut-1];
   assign bus_o   = bus_out_q[BusOut-1];
 
-  logic unused_ejector;
+  logic ejector;
+  if (Verdict) begin : gen_ejector
+    assign video_out[VideoOut-1] = ejector;
+  end else begin : gen_no_ejector
+    logic unused;
+    assign unused = ejector;
+  end
+
   sp_board #(
     .MaxColumns (MaxColumns),
     .MaxRows    (MaxRows),
     .Grey       (Grey),
     .Runs       (Runs),
     .Image      (Image),
+    .Verdict    (Verdict),
+    .VerdictLogSections(VerdictLogSections),
     .Codes      (Codes),
     .CodesMedian(CodesMedian),
     .CodeBits   (CodeBits)
@@ -105,7 +116,7 @@ module sp_board_pins #(
     .encoder_b_i        (video_in[37]),
     .projector_trigger_o(video_out[1]),
     .camera_trigger_o   (video_out[2]),
-    .ejector_o          (unused_ejector),
+    .ejector_o          (ejector),
     .bus_clk_i          (bus_clk_i),
     .bus_rst_i          (bus_in[0]),
     .m_axis_tvalid      (bus_out[0]),

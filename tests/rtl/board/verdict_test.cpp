@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "Vboard_verdict.h"
+#include "Vboard_verdict_binary.h"
 #include "model/register_file.h"
 #include "tests/rtl/board/frames.h"
 #include "tests/rtl/board/random_frames.h"
@@ -18,12 +19,16 @@
 namespace selfproj::test {
 namespace {
 
+template <class Model>
 constexpr model::BoardBuild kBuild = {
     .max_columns = 64, .max_rows = 40, .runs = true, .region = true, .compact = true, .verdict_log_sections = 1};
-constexpr int kSections = 2;
+template <>
+constexpr model::BoardBuild kBuild<Vboard_verdict_binary> = {
+    .max_columns = 512, .max_rows = 127, .grey = false, .image = false, .verdict_log_sections = 0};
 constexpr int kApart = 200;  // clocks between frames, more than the verdict of a frame takes
 
 // The board, the model of its packets, and the model of its registers.
+template <class Model>
 class VerdictBoard {
  public:
   explicit VerdictBoard(const sim::BoardDeviceOptions& options = {}) : board_(options) {
@@ -31,8 +36,8 @@ class VerdictBoard {
     registers_.judge_with(verdict_);
   }
 
-  Scoreboard<Vboard_verdict>& board() { return board_; }
-  sim::BoardDevice<Vboard_verdict>& device() { return board_.device(); }
+  Scoreboard<Model>& board() { return board_; }
+  sim::BoardDevice<Model>& device() { return board_.device(); }
   model::Verdict& verdict() { return verdict_; }
 
   // The same access to the board and to the model of its registers: both take it, or both refuse it.
@@ -86,9 +91,9 @@ class VerdictBoard {
                                       static_cast<std::uint32_t>(bank) << spec::kRegVerdictTableBankLsb);
   }
 
-  model::Verdict verdict_{64, kSections};
-  Scoreboard<Vboard_verdict> board_;
-  model::RegisterFile registers_{kBuild};
+  model::Verdict verdict_{kBuild<Model>.max_columns, 1 << kBuild<Model>.verdict_log_sections};
+  Scoreboard<Model> board_;
+  model::RegisterFile registers_{kBuild<Model>};
 };
 
 model::ColumnLimits random_limits(Random& random, int rows) {
@@ -141,7 +146,8 @@ struct Seen {
 
 void play(std::uint64_t seed, int fault_percent, int changes, Seen& seen) {
   Random random(seed);
-  VerdictBoard bench(random_board_clocks(random, seed));
+  constexpr int kSections = 2;
+  VerdictBoard<Vboard_verdict> bench(random_board_clocks(random, seed));
   const int columns = 4 * random.between(8, 16);
   Scoreboard<Vboard_verdict>& board = bench.board();
   bench.access(false, spec::kRegVerdictControl);
@@ -203,7 +209,7 @@ void play(std::uint64_t seed, int fault_percent, int changes, Seen& seen) {
 }
 
 TEST(VerdictBoard, RandomFramesEqualTheModel) {
-  constexpr int kCases = 6;
+  constexpr int kCases = 4;
   Seen seen;
   for_cases(kCases, [&](std::uint64_t seed) { play(seed, 0, 40, seen); });
   if (runs_all_cases()) {
@@ -217,11 +223,56 @@ TEST(VerdictBoard, RandomFramesEqualTheModel) {
 
 TEST(VerdictBoard, RandomFaultsEqualTheModel) {
   Seen seen;
-  for_cases(4, [&](std::uint64_t seed) { play(seed, 30, 40, seen); });
+  for_cases(3, [&](std::uint64_t seed) { play(seed, 30, 40, seen); });
   if (runs_all_cases()) {
     EXPECT_GT(seen.delivered, seen.frames / 2);
-    EXPECT_GT(seen.bad, 4U);
+    EXPECT_GT(seen.bad, 3U);
   }
+}
+
+// From the last pixels of the frame that has the first defect to the pin.
+template <class Model>
+int clocks_to_the_pin(int columns, model::Mode mode) {
+  VerdictBoard<Model> bench;
+  bench.write(spec::kRegEjectorDelay, 0);
+  bench.write(spec::kRegEjectorLength, 1);
+  for (int column = 0; column < columns; ++column) {
+    bench.write_limits(0, 0, column, {.low = 3 * model::kRowParts, .high = 5 * model::kRowParts, .judged = true});
+  }
+  if (kBuild<Model>.verdict_log_sections > 0) {
+    bench.begin_section(0, 1, model::kCountMask);  // never
+  }
+  bench.write({.columns = columns,
+               .rows = 8,
+               .mode = mode,
+               .threshold = 100,
+               .verdict = true,
+               .verdict_packets = 1,
+               .verdict_settings = {.width = 16, .history = 2, .hits = 2},
+               .part_rule = {.by_encoder = true, .length = 1000, .pitch = 2000}});
+  int clocks = -1;
+  for (const int row : {4, 7, 7}) {  // good, the first hit, the second
+    EXPECT_FALSE(bench.device().ejector());
+    TestImage image = constant_image(8, columns, 0);
+    std::fill_n(image.pixels.begin() + static_cast<std::ptrdiff_t>(row - 1) * columns, columns, std::uint8_t{200});
+    bench.device().send(image.view());
+    bench.board().play();
+    for (clocks = 0; clocks < 300 && !bench.device().ejector(); ++clocks) {
+      bench.device().run(1);
+    }
+  }
+  bench.board().finish();
+  EXPECT_EQ(bench.verdict().bad_parts(), 1U);
+  return clocks;
+}
+
+TEST(VerdictBoard, ThePinFollowsWithinAMicrosecond) {
+  constexpr double kClocksOfAMicrosecond = 151.2;
+  const int binary = clocks_to_the_pin<Vboard_verdict_binary>(512, model::Mode::binary);
+  EXPECT_LE(binary, kClocksOfAMicrosecond);
+  EXPECT_EQ(binary, 29);
+  // Columns leave two a clock, while their row comes four a clock.
+  EXPECT_EQ(clocks_to_the_pin<Vboard_verdict>(64, model::Mode::grey), 56);
 }
 
 }  // namespace
