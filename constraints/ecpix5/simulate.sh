@@ -1,22 +1,21 @@
 #!/usr/bin/env bash
-# simulate.sh [--frames N] [--replay DIR | --codes | --rows N | --few-rows] [--drop P] [--double P] [--reorder P] [--damage P]
-# [--images] [--jumbo] [--keep] [-- COMMAND...]: simulates the FPGA of the ECPIX-5, LiteEth included, from the test
-# camera to the pins of RGMII. In a network namespace of its own a TAP interface takes the place of the cable. The
-# kernel's own stack and the programs in build/bin reach the board at 192.168.1.50. By default the board sends N frames
-# (40), and each recorded packet must equal that of the models. The network can drop, double and reorder P percent of the
-# datagrams: the packets recorded and those counted as lost must together be those that were sent. With --replay the
-# images of a folder, 512 x 96 pixels each, take the place of the test camera: selfproj board replay sends them to the
-# board. The faults hit its datagrams, too, but every image must arrive. With --codes the board is built with the
-# Gray-code decoder, and the test camera shows its patterns, one every millisecond; code images must be those of the
-# models, too. With --rows the test camera has N rows, 5 to 127, and makes no pause between frames: only its pixel clock
-# limits their rate. --few-rows does the same with 20 rows, the register region, compact columns, and the clocks of
-# bitstream.py --few-rows; it prints how many packets a second the cable carries, and fails below 50,000. --damage hits
-# the frames to the board. --images has raw images sent as well. --jumbo builds the board
-# for datagrams of up to 8,972 bytes, and gives the network frames of 9,000 bytes. --keep records the figures in the
-# folder results. With a COMMAND, that command runs instead, as long as it likes; rates.py is one. SELFPROJ_PROGRAMS
-# names the folder of the programs, and SELFPROJ_BUILD the build with the models, if they are not build/bin and
-# build/release. Where PyPI is not reached, or a TAP interface is not allowed, the script says so and exits with status
-# 77.
+# simulate.sh [--frames N] [--replay DIR | --codes | --rows N | --few-rows] [--drop P] [--double P] [--reorder P]
+# [--damage P] [--images] [--jumbo] [--keep] [-- COMMAND...]: simulates the FPGA of the ECPIX-5, LiteEth included, from
+# the test camera to the pins of RGMII. In a network namespace of its own a TAP interface takes the place of the cable.
+# The kernel's own stack and the programs in build/bin reach the board at 192.168.1.50. By default the board sends N
+# frames (40), and each recorded packet must equal that of the models. The network can drop, double and reorder P
+# percent of the datagrams: the packets recorded and those counted as lost must together be those that were sent. With
+# --replay the images of a folder, 512 x 96 pixels each, take the place of the test camera: selfproj board replay sends
+# them to the board. The faults hit its datagrams, too, but every image must arrive. With --codes the board is built
+# with the Gray-code decoder, and the test camera shows its patterns, one every millisecond; code images must be those
+# of the models, too. With --rows the test camera has N rows, 5 to 127, and makes no pause between frames: only its
+# pixel clock limits their rate. --few-rows does the same with 20 rows, the register region, compact columns, and the
+# clocks of bitstream.py --few-rows; it prints how many packets a second the cable carries, and fails below 50,000.
+# --damage hits the frames to the board. --images has raw images sent as well. --jumbo builds the board for datagrams of
+# up to 8,972 bytes, and gives the network frames of 9,000 bytes. --keep records the figures in the folder results. With
+# a COMMAND, that command runs instead, as long as it likes; rates.py is one. SELFPROJ_PROGRAMS names the folder of the
+# programs, and SELFPROJ_BUILD the build with the models, if they are not build/bin and build/release. Where PyPI is not
+# reached, or a TAP interface is not allowed, the script says so and exits with status 77.
 set -euo pipefail
 [[ ${1:-} != -h && ${1:-} != --help ]] || { sed -n '2,/^set /s/^# \{0,1\}//p' "$0"; exit 0; }
 here=$PWD

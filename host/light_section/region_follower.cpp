@@ -1,8 +1,12 @@
 #include "host/light_section/region_follower.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "selfproj/files/user_error.h"
@@ -14,6 +18,7 @@ namespace selfproj::light_section {
 RegionFollower::RegionFollower(const rig::Rig& rig, const ReferenceProfile& reference, const std::string& name)
     : camera_(rig.camera),
       measure_(rig.measure),
+      name_(name),
       valid_(reference.valid),
       clocks_per_ms_(rig.pixel_clock_hz() / 1000),
       home_(rig.camera.sent().row_offset),
@@ -52,6 +57,7 @@ std::optional<int> RegionFollower::look(const model::PacketView& packet) {
     }
     ++counts_.failed;
     asked_ = place->row;
+    before_.reset();
   }
   looked_at_ = clock;
   ++counts_.looks;
@@ -59,8 +65,10 @@ std::optional<int> RegionFollower::look(const model::PacketView& packet) {
   runs_.resize(static_cast<model::Select>(header.select), header.columns);
   const model::RunsView runs = runs_.view();
   model::unpack_columns(header, packet.payload.data(), runs);
-  const auto first = static_cast<float>(place->row + 1);
-  const auto last = static_cast<float>(place->row + header.rows);
+  counted_ = {.first = std::max<int>(header.first_row, 1),
+              .last = header.last_row > 0 ? std::min<int>(header.last_row, header.rows) : header.rows};
+  const auto first = static_cast<float>(place->row + counted_.first);
+  const auto last = static_cast<float>(place->row + counted_.last);
   middles_.clear();
   double lit_rows = 0;
   std::size_t whole = 0;
@@ -72,7 +80,8 @@ std::optional<int> RegionFollower::look(const model::PacketView& packet) {
       continue;
     }
     const auto lit = static_cast<float>(n);
-    const float centroid = static_cast<float>(runs.moments.m1[i]) / static_cast<float>(m0) + first - 1;
+    const float centroid =
+        static_cast<float>(runs.moments.m1[i]) / static_cast<float>(m0) + static_cast<float>(place->row);
     const auto half = static_cast<float>(half_line_);
     if (!line_is_cut_off(centroid, lit, first, last)) {
       middles_.push_back(centroid);
@@ -90,23 +99,46 @@ std::optional<int> RegionFollower::look(const model::PacketView& packet) {
   }
   if (static_cast<double>(middles_.size()) <= kGain * static_cast<double>(valid_.size())) {
     if (ms_since(lit_at_) >= kHomeMs && asked_ != home_) {
+      before_.reset();
       return ask(home_, clock);
     }
     return std::nullopt;
   }
   lit_at_ = clock;
   counts_.left += static_cast<double>(middles_.size() - whole) > kGain * static_cast<double>(middles_.size()) ? 1 : 0;
+  std::sort(middles_.begin(), middles_.end());
+  const double in_frame = static_cast<double>(middles_[middles_.size() / 2]) - place->row;
+  expect_moved(in_frame);
   const std::optional<int> better = better_place(whole);
-  return better ? ask(*better, clock) : std::nullopt;
+  if (!better) {
+    return std::nullopt;
+  }
+  before_ = Before{.in_frame = in_frame, .rows = *better - asked_};
+  return ask(*better, clock);
 }
 
-std::optional<int> RegionFollower::better_place(std::size_t whole) {
-  std::sort(middles_.begin(), middles_.end());
+// A part may change just when the region moves, so once is chance.
+void RegionFollower::expect_moved(double in_frame) {
+  constexpr int kLeastRows = 4;
+  constexpr int kTimes = 2;
+  const std::optional<Before> before = std::exchange(before_, std::nullopt);
+  if (!before || std::abs(before->rows) < kLeastRows) {
+    return;
+  }
+  unmoved_ = std::abs(in_frame - before->in_frame) < 0.25 * std::abs(before->rows) ? unmoved_ + 1 : 0;
+  if (unmoved_ == kTimes) {
+    throw UserError(name_,
+                    "the region was moved, but the line stays in the same rows of its frames: the camera does not obey "
+                    "the register `region`");
+  }
+}
+
+std::optional<int> RegionFollower::better_place(std::size_t whole) const {
   const int rows = camera_.sent().rows;
   const auto measured = [&](int row) {
     // The middles of lines that leave the outermost rows of the region dark, also where noise lights a row more
-    const auto top = static_cast<float>(row + 2 + half_line_);
-    const auto bottom = static_cast<float>(row + rows - 1 - half_line_);
+    const auto top = static_cast<float>(row + counted_.first + 1 + half_line_);
+    const auto bottom = static_cast<float>(row + counted_.last - 1 - half_line_);
     return std::max<std::ptrdiff_t>(std::upper_bound(middles_.begin(), middles_.end(), bottom) -
                                         std::lower_bound(middles_.begin(), middles_.end(), top),
                                     0);

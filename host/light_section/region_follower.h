@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "selfproj/light_section/reference.h"
@@ -35,7 +36,8 @@ class RegionFollower {
   RegionFollower(const rig::Rig& rig, const ReferenceProfile& reference, const std::string& name);
 
   // Looks at a packet of a good frame whose columns SectionRun takes. Returns the row of the sensor, from 0, at which
-  // the region should begin, if it is to be moved. Frames that come until it is there are not looked at.
+  // the region should begin, if it is to be moved. Frames that come until it is there are not looked at. Throws
+  // UserError about `name` if frames say twice that the region has moved, but their line has not.
   std::optional<int> look(const model::PacketView& packet);
 
   struct Counts {
@@ -48,11 +50,18 @@ class RegionFollower {
   [[nodiscard]] int row() const { return asked_; }
 
  private:
-  [[nodiscard]] std::optional<int> better_place(std::size_t whole);
+  // Where the line was in the frames before a move, in rows, and by how many rows the region was to move.
+  struct Before {
+    double in_frame = 0;
+    int rows = 0;
+  };
+  void expect_moved(double in_frame);
+  [[nodiscard]] std::optional<int> better_place(std::size_t whole) const;
   std::optional<int> ask(int row, std::uint64_t clock);
 
   rig::RigCamera camera_;
   rig::RigMeasure measure_;
+  std::string name_;
   std::vector<std::uint8_t> valid_;  // columns with a reference
   double clocks_per_ms_;
   int home_;
@@ -61,6 +70,9 @@ class RegionFollower {
   std::uint64_t looked_at_ = 0;
   std::uint64_t lit_at_ = 0;
   bool first_ = true;
+  model::RowWindow counted_;  // rows of a frame that count, from 1
+  std::optional<Before> before_;
+  int unmoved_ = 0;   // moves one after another that the frames do not show
   double half_line_;  // half the rows that a line lights; follows those that are seen
   model::Runs runs_;
   std::vector<float> middles_;  // of the lines, rows of the sensor from 1

@@ -3,8 +3,8 @@
 
     few_rows.py [--seeds N-M] [--quick] [--rows N] [--rate HZ] [--frames N] [--programs DIR] [--out DIR] [--add]
 
-As hidden_rigs.py, by the documented commands and images alone: board, plates, and a scan of the good part with the whole
-sensor; `selfproj rows` chooses the rows; images of the good part under its pattern with the short exposure, as the
+As hidden_rigs.py, by the documented commands and images alone: board, plates, and a scan of the good part with the
+whole sensor; `selfproj rows` chooses the rows; images of the good part under its pattern with the short exposure, as the
 camera then sends them, give the residual (`selfproj pattern --residual`); the part passes, the RTL makes packets of the
 frames (`selfproj-sim cosim --engine rtl`, every packet compared with the model's), and `selfproj inspect` measures.
 Experiments A1 (mountain) and A2 (stairs): the RMS of the differences from the good part over the columns with a
@@ -199,7 +199,8 @@ def main():
                  ", ".join(found["missed"]) if "refused" not in found else found["refused"]]
                 for seed, found in by_seed.items()]
         table = {"title": f"Hidden rigs with {options.rows} rows at {options.rate:,} frames a second", "header": header,
-                 "rows": rows, "note": f"mm; bounds {RMS_MM} mm RMS over {COLUMNS_SHARE:.0%} of the columns of the part"}
+                 "rows": rows,
+                 "note": f"mm; bounds {RMS_MM} mm RMS over {COLUMNS_SHARE:.0%} of the columns of the part"}
         results.write("few_rows", "Few rows of simulated rigs calibrated from images alone, compared with the truth",
                       "lab/scripts/few_rows.py" + (" --quick" if options.quick else ""),
                       {"seeds": {str(seed): found for seed, found in by_seed.items()}, "within": len(by_seed) - bad,

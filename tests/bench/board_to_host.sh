@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
 # board_to_host.sh [--seconds S] [--rate FPS] [--few-rows] [--rising] [--realtime]: runs two processes. One is a board
-# that plays 512 x 96 pixels in mode grey-over in real time into a ring (by default 10,000 frames a second for 60 s); the
-# other is the on-line inspection. --few-rows: 512 x 20 pixels of a region, by default 50,000 frames a second. The script
-# fails unless every frame became a profile, with nothing lost, bad or missing.
-# --rising then doubles the rate, 5 s each, as long as that holds. At the end the board plays as fast as it can, which
-# shows how many profiles a second the host makes. --realtime gives both processes real-time priority, for which the
-# user needs permission, and lets the host sleep while it waits. Without it, on a busy machine the processes may wait
-# for a processor for longer than the ring holds packets, 1.6 s.
+# that plays 512 x 96 pixels in mode grey-over in real time into a ring (by default 10,000 frames a second for 60 s);
+# the other is the on-line inspection. --few-rows: 512 x 20 pixels of a region, by default 50,000 frames a second. The
+# script fails unless every frame became a profile, with nothing lost, bad or missing. --rising then doubles the rate, 5
+# s each, as long as that holds. At the end the board plays as fast as it can, which shows how many profiles a second
+# the host makes. --realtime gives both processes real-time priority, for which the user needs permission, and lets the
+# host sleep while it waits. Without it, on a busy machine the processes may wait for a processor for longer than the
+# ring holds packets, 1.6 s.
 set -euo pipefail
 [[ ${1:-} != -h && ${1:-} != --help ]] || { sed -n '2,/^set /s/^# \{0,1\}//p' "$0"; exit 0; }
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."

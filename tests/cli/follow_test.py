@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""The region follows parts that come too high or too low: `selfproj inspect --follow` and a simulated board whose camera
-obeys the register `region`.
+"""The region follows parts that come too high or too low: `selfproj inspect --follow`, and a simulated board whose
+camera obeys the register `region`.
 
     follow_test.py PROGRAMS
 """
@@ -69,8 +69,8 @@ class Follow(unittest.TestCase):
     def inspect(self, name, images, *words, status=0):
         """Inspects these images. Returns what was said, and the counts."""
         files = [file for folder in images for file in sorted((self.folder / folder).glob("*.png"))]
-        board = subprocess.Popen([PROGRAMS / "selfproj-sim", "board", "--images", *files, "--sensor", "--rate", str(RATE),
-                                  "--ring", f"follow-{name}", "--control", ADDRESS], cwd=self.folder,
+        board = subprocess.Popen([PROGRAMS / "selfproj-sim", "board", "--images", *files, "--sensor", "--rate",
+                                  str(RATE), "--ring", f"follow-{name}", "--control", ADDRESS], cwd=self.folder,
                                  stdout=subprocess.DEVNULL)
         try:
             info = [PROGRAMS / "selfproj", "board", "info", "--device", f"udp:{ADDRESS}"]

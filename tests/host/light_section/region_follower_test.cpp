@@ -20,6 +20,7 @@
 #include "selfproj/model/board.h"
 #include "selfproj/model/packet.h"
 #include "selfproj/rig/rig.h"
+#include "tests/support/error_of.h"
 
 namespace selfproj::test {
 namespace {
@@ -39,13 +40,17 @@ class World {
                                         .columns = rig_.camera.columns,
                                         .frame_rate_hz = 50000,
                                         .exposure_s = 18e-6};
-    row_ = home();
+    row_ = camera_row_ = home();
     follower_.emplace(rig_, light_section::reference_of_plane(rig_), "few.yaml");
   }
 
   // Frames of a line in the middle of the image but for `aside` rows, for some milliseconds; the camera obeys. Returns
   // how often it was moved.
   int show(const std::function<double(int column)>& aside, double ms, bool obeys = true) {
+    return show(aside, ms, obeys, obeys);
+  }
+  // The same; `board_obeys`: packets say that the region has moved.
+  int show(const std::function<double(int column)>& aside, double ms, bool camera_obeys, bool board_obeys) {
     int moves = 0;
     for (double end = now_ms_ + ms; now_ms_ < end; now_ms_ += 1) {
       packet_ = packet_of(aside);
@@ -53,7 +58,8 @@ class World {
       EXPECT_EQ(model::parse_packet(packet_, view), model::PacketError::none);
       if (const std::optional<int> to = follower_->look(view)) {
         ++moves;
-        row_ = obeys ? *to : row_;
+        row_ = board_obeys ? *to : row_;
+        camera_row_ = camera_obeys ? *to : camera_row_;
       }
     }
     return moves;
@@ -85,7 +91,7 @@ class World {
     for (int column = 0; column < columns; ++column) {
       const double centre = 0.5 * (rig_.camera.rows - 1) + aside(column);
       for (int row = 0; row < kRows; ++row) {
-        const double light = 180 * std::exp(-0.5 * std::pow((row_ + row - centre) / 1.5, 2));
+        const double light = 180 * std::exp(-0.5 * std::pow((camera_row_ + row - centre) / 1.5, 2));
         pixels[static_cast<std::size_t>(row * columns + column)] =
             static_cast<std::uint8_t>(light + static_cast<double>(random_() % 8));
       }
@@ -103,7 +109,8 @@ class World {
   rig::Rig rig_ = rig::load_rig("light-section");
   bool compact_;
   std::mt19937 random_{5};
-  int row_ = 0;
+  int row_ = 0;         // that packets say
+  int camera_row_ = 0;  // and where the camera is
   double now_ms_ = 0;
   std::optional<light_section::RegionFollower> follower_;
   std::vector<std::uint8_t> packet_;
@@ -177,6 +184,18 @@ TEST_P(RegionFollower, AMoveThatNeverComesIsCounted) {
   EXPECT_EQ(world.counts().failed, 0U);
   EXPECT_EQ(world.show(9, 200, false), 1);
   EXPECT_EQ(world.counts().failed, 1U);
+}
+
+// A board that says so, and a camera that stays where it is: heights would be wrong.
+TEST_P(RegionFollower, ACameraThatDoesNotObeyIsFoundOut) {
+  for (const double aside : {-9.0, 8.0, 10.0}) {
+    World world(GetParam());
+    const auto line = [aside](int /*column*/) { return aside; };
+    EXPECT_EQ(error_of([&] { world.show(line, 10, false, true); }),
+              "few.yaml: the region was moved, but the line stays in the same rows of its frames: the camera does not "
+              "obey the register `region`");
+    EXPECT_LE(world.counts().looks, 4U);
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Words, RegionFollower, ::testing::Bool(),
