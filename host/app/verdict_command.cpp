@@ -267,7 +267,8 @@ void add_verdict_command(CLI::App& app) {
 selfproj-sim production --good 5 --parts 1 --out good-line
 selfproj tolerance learn --rig good-line/rig.yaml --reference good-line/part \
   --device file:good-line/good.packets --out good.yaml
-selfproj verdict table --rig good-line/rig.yaml --reference good-line/part --tolerance good.yaml --out good-verdict.yaml
+selfproj verdict table --rig good-line/rig.yaml --reference good-line/part --tolerance good.yaml \
+  --out good-verdict.yaml
 )"});
   command->require_subcommand(1);
   add_table_command(*command);
