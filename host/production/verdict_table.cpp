@@ -617,9 +617,10 @@ void VerdictTables::set_settings(VerdictTable& table) const {
   const double column = std::abs(column_mm_);
   const auto whole = [](double value, int most) { return std::clamp(static_cast<int>(value), 1, most); };
   constexpr int kMaxWidth = 255;
-  // No less than what the host takes for a defect; no more than the square within the one that is asked for.
-  int width = whole(std::round(side / column), kMaxWidth);
-  int hits = whole(std::round(side / frame_mm_), model::kMaxHistory);
+  // No less than what the host takes for a defect, one point less than cells, as a point reaches the cells on both
+  // sides of it; no more than the square within the defect that is asked for.
+  int width = whole(std::round(side / column) - 1, kMaxWidth);
+  int hits = whole(std::round(side / frame_mm_) - 1, model::kMaxHistory);
   int max_width = width;
   int max_hits = hits;
   if (options_.defect_across_mm && options_.defect_along_mm) {
