@@ -283,9 +283,10 @@ class Detection {
       return;
     }
     const bool of_host = tally_->found_goal().value_or(false);
-    (of_host ? moments_.of_host : moments_.of_others).add(found->defect());
+    const PlantedDefect& goal = drawn.defects.front();
+    const bool judged = from_edges(goal) >= production::LearnOptions{}.edge_mm;
+    (!of_host ? moments_.of_others : judged ? moments_.of_host : moments_.of_host_at_edges).add(found->defect());
     if (of_host && !found->defect()) {
-      const PlantedDefect& goal = drawn.defects.front();
       moments_.missed.push_back(fmt::format("{:+.1f} mm deep at ({:.2f}, {:.2f}) mm, shifted by {:.2f}", goal.depth,
                                             goal.along, goal.across, drawn.pose.across_mm));
     }
@@ -451,7 +452,8 @@ report::ReportTable Detection::moments_table() const {
   report::ReportTable table{
       "Verdict by moments, each part where the host has placed it",
       {"what", "result"},
-      {{"of the defects that the host finds", percent(moments_.of_host)},
+      {{"of the defects that the host finds on the inspected surface", percent(moments_.of_host)},
+       {"of those that it finds partly in the strips along edges and walls", percent(moments_.of_host_at_edges)},
        {"of those that it does not find or judge", percent(moments_.of_others)},
        {"good parts with a defect", fmt::format("{} of {}", moments_.false_parts, moments_.good_parts)}},
       fmt::format("w = {}, h = {}, m = {}; {} columns are judged. Good parts lie in up to 50 "
@@ -520,6 +522,7 @@ Json Detection::data(const PartDetectionResult& result) const {
   }
   if (table_) {
     json["moments"] = {{"of_host", count_json(moments_.of_host)},
+                       {"of_host_at_edges", count_json(moments_.of_host_at_edges)},
                        {"of_others", count_json(moments_.of_others)},
                        {"good_parts", moments_.good_parts},
                        {"false_parts", moments_.false_parts},

@@ -42,8 +42,9 @@ struct DetectionCount {
 
 // What the verdict by moments makes of the same parts, each judged where the host has placed it.
 struct MomentDetection {
-  DetectionCount of_host;    // of the goal's defects that the host finds
-  DetectionCount of_others;  // of those that it does not find, or does not judge
+  DetectionCount of_host;           // of the goal's defects that the host finds, on the surface that is judged
+  DetectionCount of_host_at_edges;  // of those that it finds and that reach into the strips along edges and walls
+  DetectionCount of_others;         // of those that it does not find, or does not judge
   std::uint64_t good_parts = 0;
   std::uint64_t false_parts = 0;    // of these with a defect
   std::vector<std::string> missed;  // where those of the host lay that it did not find

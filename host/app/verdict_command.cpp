@@ -134,7 +134,7 @@ void add_table_command(CLI::App& verdict) {
            "--false-alarms takes.",
        .examples = R"(
 # The table of a tolerance, and recorded parts judged by it.
-selfproj-sim production --out line
+selfproj-sim production --good 5 --parts 3 --out line
 selfproj tolerance learn --rig line/rig.yaml --reference line/part \
   --device file:line/good.packets --out tolerance.yaml
 selfproj verdict table --rig line/rig.yaml --reference line/part --tolerance tolerance.yaml \
@@ -235,7 +235,7 @@ void add_show_command(CLI::App& verdict) {
                 .details = "With --across and --higher it also says the shift that a part has in the settings.",
                 .examples = R"(
 # The shift of a part that lies 1.2 mm further right and 0.1 mm higher.
-selfproj-sim production --out shifted-line
+selfproj-sim production --good 5 --parts 1 --out shifted-line
 selfproj tolerance learn --rig shifted-line/rig.yaml --reference shifted-line/part \
   --device file:shifted-line/good.packets --out good-parts.yaml
 selfproj verdict table --rig shifted-line/rig.yaml --reference shifted-line/part \
@@ -264,10 +264,11 @@ void add_verdict_command(CLI::App& app) {
                              .details = "",
                              .examples = R"(
 # A table for the parts of a simulated line.
-selfproj-sim production --out good-line
+selfproj-sim production --good 5 --parts 1 --out good-line
 selfproj tolerance learn --rig good-line/rig.yaml --reference good-line/part \
   --device file:good-line/good.packets --out good.yaml
-selfproj verdict table --rig good-line/rig.yaml --reference good-line/part --tolerance good.yaml --out good-verdict.yaml
+selfproj verdict table --rig good-line/rig.yaml --reference good-line/part --tolerance good.yaml \
+  --out good-verdict.yaml
 )"});
   command->require_subcommand(1);
   add_table_command(*command);

@@ -159,7 +159,7 @@ void VerdictRun::add(const model::PacketHeader& header, const std::vector<std::u
 }
 
 void VerdictRun::judge_placed(const CutPart& part, const Placement& placement) {
-  VerdictTable table = tables_->table(placement.across_mm);
+  VerdictTable table = tables_->table(placement);
   table.settings.bank = table_.settings.bank;
   model::Verdict model = model_of(table);
   const double edge_mm = part.begin_mm + tables_->leading_edge_mm(placement);

@@ -181,7 +181,7 @@ void VerdictTables::sample() {
 void VerdictTables::measure_scale() {
   std::vector<double> columns;
   std::vector<double> rows;
-  const Placed part = placed(0);
+  const Placed part = placed(0, play_along_mm_);
   for (const SeenRegion& region : part.regions) {
     for (int c = 0; c < rig_.camera.columns; ++c) {
       const auto i = static_cast<std::size_t>(c);
@@ -230,9 +230,10 @@ int VerdictTables::row_of(const Placed& part, int column, double difference_mm) 
   return found;
 }
 
-VerdictTables::Placed VerdictTables::placed(double shift_mm) const {
+VerdictTables::Placed VerdictTables::placed(double shift_mm, double play_along_mm) const {
   Placed part;
   part.shift_mm = shift_mm;
+  part.play_along_mm = play_along_mm;
   part.difference.resize(height_.size());
   for (std::size_t i = 0; i < height_.size(); ++i) {
     part.difference[i] = static_cast<float>(static_cast<double>(height_[i]) -
@@ -290,7 +291,7 @@ std::vector<double> VerdictTables::boundaries(const Placed& part) const {
   std::vector<double> result;
   for (std::size_t r = 0; r < part.regions.size(); ++r) {
     const std::vector<double>& corners = tolerance_.regions[r].corners_mm;
-    const double play = play_along_mm_ + part.regions[r].spread_mm;
+    const double play = part.play_along_mm + part.regions[r].spread_mm;
     for (std::size_t i = 0; i < corners.size(); i += 2) {
       result.push_back(corners[i] + part.regions[r].along_mm - play);
       result.push_back(corners[i] + part.regions[r].along_mm + play);
@@ -304,8 +305,8 @@ VerdictTables::Wanted VerdictTables::wanted(const Placed& part, double from_mm, 
   for (std::size_t r = 0; r < part.regions.size(); ++r) {
     const SeenRegion& seen = part.regions[r];
     const ToleranceRegion& region = tolerance_.regions[r];
-    const double from = from_mm - seen.along_mm - play_along_mm_ - seen.spread_mm;
-    const double to = to_mm - seen.along_mm + play_along_mm_ + seen.spread_mm;
+    const double from = from_mm - seen.along_mm - part.play_along_mm - seen.spread_mm;
+    const double to = to_mm - seen.along_mm + part.play_along_mm + seen.spread_mm;
     for (std::size_t c = 0; c < result.size(); ++c) {
       if (!seen.places[c]) {
         continue;
@@ -409,12 +410,11 @@ VerdictTables::Limits VerdictTables::limits(const Placed& part, const Wanted& wa
 }
 
 // The limits of all columns of the sensor between each of these places and the next; none behind the last.
-std::vector<VerdictTables::Limits> VerdictTables::limits_of_stretches(double shift_mm,
+std::vector<VerdictTables::Limits> VerdictTables::limits_of_stretches(const Placed& part,
                                                                       const std::vector<double>& begins) const {
-  const Placed part = placed(shift_mm);
   std::vector<Placed> beside;
   if (options_.play_across_mm > 0) {
-    beside = {placed(shift_mm - options_.play_across_mm), placed(shift_mm + options_.play_across_mm)};
+    beside = {placed(part.shift_mm - options_.play_across_mm, 0), placed(part.shift_mm + options_.play_across_mm, 0)};
   }
   std::vector<Limits> result;
   Wanted before;
@@ -435,7 +435,16 @@ std::vector<VerdictTables::Limits> VerdictTables::limits_of_stretches(double shi
   return result;
 }
 
-VerdictTable VerdictTables::table(double shift_mm) const {
+VerdictTable VerdictTables::table(double shift_mm) const { return table(shift_mm, play_along_mm_); }
+
+VerdictTable VerdictTables::table(const Placement& placement) const {
+  // Edges are located to half a cell of the map. A turned part comes earlier on one side and later on the other.
+  const double half_width = std::max(std::abs(tolerance_.left_mm), std::abs(tolerance_.right_mm));
+  return table(placement.across_mm,
+               0.5 * (frame_mm_ + rig_.parts->grid_mm) + half_width * std::abs(std::sin(placement.turn_rad)));
+}
+
+VerdictTable VerdictTables::table(double shift_mm, double play_along_mm) const {
   VerdictTable table{.rig = rig_.name,
                      .columns = sent_.columns,
                      .rows = sent_.rows,
@@ -445,7 +454,7 @@ VerdictTable VerdictTables::table(double shift_mm) const {
                      .row_mm = row_mm_,
                      .margin_mm = options_.margin_mm,
                      .play_across_mm = options_.play_across_mm,
-                     .play_along_mm = play_along_mm_,
+                     .play_along_mm = play_along_mm,
                      .lit_rows = lit_rows_};
   table.max_shift_columns = static_cast<int>(std::ceil(options_.max_shift_mm / std::abs(column_mm_) - 1e-9));
   if (table.max_shift_columns > model::kMaxShiftColumns) {
@@ -455,7 +464,7 @@ VerdictTable VerdictTables::table(double shift_mm) const {
   const int most = table.max_shift_columns;
   std::vector<double> begins = {0};
   for (int s = -most; s <= most; ++s) {
-    const std::vector<double> more = boundaries(placed(shift_mm + s * column_mm_));
+    const std::vector<double> more = boundaries(placed(shift_mm + s * column_mm_, play_along_mm));
     begins.insert(begins.end(), more.begin(), more.end());
   }
   std::sort(begins.begin(), begins.end());
@@ -463,7 +472,7 @@ VerdictTable VerdictTables::table(double shift_mm) const {
   // Column c has the limits that hold for it wherever the part may be.
   std::vector<Limits> limits(begins.size(), Limits(static_cast<std::size_t>(rig_.camera.columns)));
   for (int s = -most; s <= most; ++s) {
-    const std::vector<Limits> here = limits_of_stretches(shift_mm + s * column_mm_, begins);
+    const std::vector<Limits> here = limits_of_stretches(placed(shift_mm + s * column_mm_, play_along_mm), begins);
     for (std::size_t b = 0; b < begins.size(); ++b) {
       for (int c = 0; c < rig_.camera.columns; ++c) {
         // Where its limits are moved out of the image, they are not used.
@@ -509,7 +518,7 @@ VerdictTable VerdictTables::table(double shift_mm) const {
     throw UserError(source_, fmt::format("no column of {} can be judged: regions are narrower or shorter than the "
                                          "plays of {} mm across and {:.3g} mm along leave, or the line does not stay "
                                          "within rows {} to {}",
-                                         rig_.name, options_.play_across_mm, play_along_mm_, first_, last_));
+                                         rig_.name, options_.play_across_mm, play_along_mm, first_, last_));
   }
   set_rule(table, shift_mm);
   set_settings(table);
@@ -530,7 +539,7 @@ void VerdictTables::set_rule(VerdictTable& table, double shift_mm) const {
   // Columns that are lit while there is no part, and those that are lit while there is one.
   int without = 0;
   int with = 0;
-  const Placed part = placed(shift_mm);
+  const Placed part = placed(shift_mm, play_along_mm_);
   for (int c = sent_.column_offset; c < sent_.column_offset + sent_.columns; ++c) {
     bool belt = false;
     for (int row = static_cast<int>(std::ceil(first_)); row < last_ && !belt; ++row) {
@@ -608,9 +617,10 @@ void VerdictTables::set_settings(VerdictTable& table) const {
   const double column = std::abs(column_mm_);
   const auto whole = [](double value, int most) { return std::clamp(static_cast<int>(value), 1, most); };
   constexpr int kMaxWidth = 255;
-  // No less than what the host takes for a defect; no more than the square within the one that is asked for.
-  int width = whole(std::round(side / column), kMaxWidth);
-  int hits = whole(std::round(side / frame_mm_), model::kMaxHistory);
+  // No less than what the host takes for a defect, one point less than cells, as a point reaches the cells on both
+  // sides of it; no more than the square within the defect that is asked for.
+  int width = whole(std::round(side / column) - 1, kMaxWidth);
+  int hits = whole(std::round(side / frame_mm_) - 1, model::kMaxHistory);
   int max_width = width;
   int max_hits = hits;
   if (options_.defect_across_mm && options_.defect_along_mm) {

@@ -113,6 +113,10 @@ class VerdictTables {
 
   [[nodiscard]] VerdictFacts facts(const VerdictTable& table) const;
 
+  // The table for a part whose place is known: shifted as it lies, and with no more play along than its edges and its
+  // turn leave. Throws as table() does.
+  [[nodiscard]] VerdictTable table(const Placement& placement) const;
+
   // Of a part that lies like this: where along, from the beginning of its map, its leading edge meets the light in the
   // middle of it; there a part begins. And how many counts it takes from there.
   [[nodiscard]] double leading_edge_mm(const Placement& placement) const;
@@ -138,6 +142,7 @@ class VerdictTables {
   // A part that is shifted across.
   struct Placed {
     double shift_mm = 0;
+    double play_along_mm = 0;
     std::vector<float> difference;  // of each column at the rows 1, 2, ...
     std::vector<SeenRegion> regions;
   };
@@ -151,12 +156,13 @@ class VerdictTables {
   }
   void sample();
   void measure_scale();
-  [[nodiscard]] Placed placed(double shift_mm) const;
+  [[nodiscard]] Placed placed(double shift_mm, double play_along_mm) const;
   [[nodiscard]] int row_of(const Placed& part, int column, double difference_mm) const;
   [[nodiscard]] std::vector<double> boundaries(const Placed& part) const;
   [[nodiscard]] Wanted wanted(const Placed& part, double from_mm, double to_mm) const;
   [[nodiscard]] Limits limits(const Placed& part, const Wanted& wanted) const;
-  [[nodiscard]] std::vector<Limits> limits_of_stretches(double shift_mm, const std::vector<double>& begins) const;
+  [[nodiscard]] VerdictTable table(double shift_mm, double play_along_mm) const;
+  [[nodiscard]] std::vector<Limits> limits_of_stretches(const Placed& part, const std::vector<double>& begins) const;
   void set_rule(VerdictTable& table, double shift_mm) const;
   void set_settings(VerdictTable& table) const;
   [[nodiscard]] double noise_rows() const;

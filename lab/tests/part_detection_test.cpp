@@ -87,10 +87,12 @@ TEST(PartDetection, MomentsFindWhatHeightsFind) {
   const lab::PartDetectionResult result = lab::run_part_detection(options, [](std::size_t, std::size_t) {});
   EXPECT_GT(result.moments.of_host.planted, 1U);
   EXPECT_EQ(result.moments.of_host.found, result.moments.of_host.planted);
-  EXPECT_EQ(result.moments.of_host.planted + result.moments.of_others.planted, 4U);
+  EXPECT_EQ(result.moments.of_host.planted + result.moments.of_host_at_edges.planted + result.moments.of_others.planted,
+            4U);
   EXPECT_EQ(result.moments.good_parts, 6U);
   EXPECT_EQ(result.moments.false_parts, 0U);
-  EXPECT_EQ(nlohmann::json::parse(result.data).at("moments").at("missed").size(), 0U);
+  EXPECT_EQ(nlohmann::json::parse(result.data).at("moments").at("missed").size(),
+            result.moments.of_host_at_edges.planted - result.moments.of_host_at_edges.found);
 }
 
 TEST(PartDetection, FindsWhatWasPlantedAndNothingElse) {

@@ -141,7 +141,7 @@ TEST_F(PartsCommand, JudgesMomentsByATable) {
   ASSERT_EQ(made.status, 0) << made.err;
   EXPECT_NE(made.out.find(" of 512 columns are judged, in 3 sections; a column is 0.23"), std::string::npos)
       << made.out;
-  EXPECT_NE(made.out.find("a defect: 3 neighbouring columns (w) out in 7 (m) of 7 frames (h), too high or too low; too "
+  EXPECT_NE(made.out.find("a defect: 2 neighbouring columns (w) out in 6 (m) of 6 frames (h), too high or too low; too "
                           "high is below the band\n"),
             std::string::npos)
       << made.out;

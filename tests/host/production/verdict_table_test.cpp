@@ -276,9 +276,9 @@ TEST(VerdictTables, SettingsFollowTheDefect) {
     return VerdictTables(setup.rig, setup.reference, setup.tolerance, options, "t").table().settings;
   };
   const model::VerdictSettings usual = table_of();  // a square of 0.5 mm², at 0.23 mm a column and 0.1 mm a frame
-  EXPECT_EQ(usual.width, 3);
-  EXPECT_EQ(usual.hits, 7);
-  EXPECT_EQ(usual.history, 7);
+  EXPECT_EQ(usual.width, 2);
+  EXPECT_EQ(usual.hits, 6);
+  EXPECT_EQ(usual.history, 6);
   EXPECT_TRUE(usual.above && usual.below);
   options.defect_across_mm = 0.5;
   options.defect_along_mm = 0.5;
