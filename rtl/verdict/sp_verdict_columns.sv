@@ -227,7 +227,7 @@ module sp_verdict_columns #(
     logic [M1Bits-1:0]         s1_m1_q;
     logic signed [M0Bits+13:0] s1_moved_q;  // -d M0
     logic [LimitBits-1:0]      s1_low_q, s1_high_q;
-    logic                      s1_judged_q, s2_judged_q, s2_lit_q;
+    logic                      s1_judged_q, s1_there_q, s2_judged_q, s2_lit_q;
     logic signed [XBits-1:0]   s2_x_q;
     logic [ProductBits-1:0]    s2_low_q, s2_high_q;
     always_ff @(posedge clk_i) begin
@@ -237,12 +237,13 @@ module sp_verdict_columns #(
       s1_m1_q     <= s0_m1;
       s1_moved_q  <= $signed(shift_rows_i) * $signed({1'b0, s0_m0});
       s1_came_q   <= s0_came;
-      s1_judged_q <= there_q && word[2*LimitBits];
+      s1_judged_q <= word[2*LimitBits];  // no logic behind a memory, which is slow
+      s1_there_q  <= there_q;
       s1_high_q   <= word[LimitBits+:LimitBits];
       s1_low_q    <= word[0+:LimitBits];
 
       s2_came_q   <= s1_came_q;
-      s2_judged_q <= s1_judged_q;
+      s2_judged_q <= s1_judged_q && s1_there_q;
       s2_lit_q    <= s1_m0_q != '0;
       s2_low_q    <= s1_low_q * ProductBits'(s1_m0_q);
       s2_high_q   <= s1_high_q * ProductBits'(s1_m0_q);
