@@ -20,7 +20,7 @@ module sp_board #(
   parameter bit Region = 1'b0,  // the register region: where on the sensor frames begin
   parameter bit Compact = 1'b0,  // columns divided in the circuit; only with Grey
   parameter bit Verdict = 1'b0,  // verdicts: registers, packets, the pin for an ejector
-  parameter int VerdictLogSections = 1,  // log2 of the sections of a part: 0..6
+  parameter int VerdictLogSections = 2,  // log2 of the sections of a part: 0..6
   parameter bit Codes = 1'b0,  // Gray-code decoder, with on-chip memory for its state
   parameter bit CodesMedian = 1'b1,  // 3 x 3 median behind the decoder
   parameter int CodeBits = sp_spec_pkg::CodeCodeBits,  // largest number of code bits: 1..12

@@ -23,7 +23,7 @@
 // Nothing overflows: products have all their bits.
 //
 //   beat_valid_i  _/1\___________________
-//   table word    <w>--------------------     read ahead, when the beat before came
+//   table word    <w>--------------------     read ahead, when beats before it came
 //   products      ---------<p>-----------
 //   group_valid_o _____________/1\_______
 `default_nettype none
@@ -93,12 +93,13 @@ module sp_verdict_columns #(
   localparam int PlaceBits = (GroupBits > 5 ? GroupBits : 5) + 2;
   localparam int TableBits = LogSections + 3 + GroupBits;  // {bank, section, turn, group}
 
-  // --- Stage 0: where a beat stands, and which words of the table are its. The words of the next
-  // group are read when the last beat of a group has come. ---
+  // --- Stage 0: where a beat stands, and which words of the table are its. A memory is slow, so there
+  // is a register behind it, which holds the words of this group; the memory those of the next. ---
   logic                        half_q;     // the second two columns of a group
   logic                        last_group;
   logic [ColumnBits-3:0]       left_q;     // groups to come behind this one
-  logic                        first_q, read;  // read the words of the first group, of any group
+  logic                        first_q, second_q;  // read the words of the first two groups
+  logic                        read;               // read the words of a group
   // Of the group whose words are read next, less s / 4; one before
   logic signed [PlaceBits-1:0] place_q, place_before;
   logic                        place_in, before_in;    // the table has these groups
@@ -109,10 +110,10 @@ module sp_verdict_columns #(
   assign group_end = !grey || half_q;
   assign turn      = shift_columns_i[1:0];
 
-  assign read      = first_q || beat_valid_i && group_end;
+  assign read      = first_q || second_q || beat_valid_i && group_end;
 
   always_ff @(posedge clk_i) begin
-    first_q <= start_i;
+    {second_q, first_q} <= {first_q, start_i};
     if (start_i) begin
       half_q  <= 1'b0;
       left_q  <= groups_i - (ColumnBits - 2)'(1);
@@ -221,29 +222,33 @@ module sp_verdict_columns #(
     );
 
     // Products, difference, comparison
-    logic                      there_q;  // the table has the word
+    logic [WordBits-1:0]       word_q;           // of this group
+    logic                      next_q, there_q;  // the table has the next word, this word
     logic                      s1_came_q, s2_came_q;
     logic [M0Bits-1:0]         s1_m0_q;
     logic [M1Bits-1:0]         s1_m1_q;
     logic signed [M0Bits+13:0] s1_moved_q;  // -d M0
     logic [LimitBits-1:0]      s1_low_q, s1_high_q;
-    logic                      s1_judged_q, s1_there_q, s2_judged_q, s2_lit_q;
+    logic                      s1_judged_q, s2_judged_q, s2_lit_q;
     logic signed [XBits-1:0]   s2_x_q;
     logic [ProductBits-1:0]    s2_low_q, s2_high_q;
     always_ff @(posedge clk_i) begin
-      if (read) there_q <= wraps ? before_in : place_in;
+      if (read) begin
+        word_q  <= word;
+        next_q  <= wraps ? before_in : place_in;
+        there_q <= next_q;
+      end
 
       s1_m0_q     <= s0_m0;
       s1_m1_q     <= s0_m1;
       s1_moved_q  <= $signed(shift_rows_i) * $signed({1'b0, s0_m0});
       s1_came_q   <= s0_came;
-      s1_judged_q <= word[2*LimitBits];  // no logic behind a memory, which is slow
-      s1_there_q  <= there_q;
-      s1_high_q   <= word[LimitBits+:LimitBits];
-      s1_low_q    <= word[0+:LimitBits];
+      s1_judged_q <= there_q && word_q[2*LimitBits];
+      s1_high_q   <= word_q[LimitBits+:LimitBits];
+      s1_low_q    <= word_q[0+:LimitBits];
 
       s2_came_q   <= s1_came_q;
-      s2_judged_q <= s1_judged_q && s1_there_q;
+      s2_judged_q <= s1_judged_q;
       s2_lit_q    <= s1_m0_q != '0;
       s2_low_q    <= s1_low_q * ProductBits'(s1_m0_q);
       s2_high_q   <= s1_high_q * ProductBits'(s1_m0_q);
