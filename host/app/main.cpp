@@ -37,7 +37,8 @@ selfproj rig light-section
         selfproj::app::add_tolerance_command(app);
         selfproj::app::add_verdict_command(app);
         selfproj::app::add_lines_command(app);
-        selfproj::cli::set_heading(app, "Light section and parts on a line", {"inspect", "tolerance", "verdict", "lines"});
+        selfproj::cli::set_heading(app, "Light section and parts on a line",
+                                   {"inspect", "tolerance", "verdict", "lines"});
         selfproj::app::add_depth_command(app);
         selfproj::app::add_match_command(app);
         selfproj::app::add_compare_command(app);
