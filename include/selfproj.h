@@ -108,6 +108,7 @@ int32_t selfproj_match(const uint16_t* codes, size_t count, int32_t bits, const 
 #define SELFPROJ_KIND_CODES 2   /* one packet a line of a code image */
 #define SELFPROJ_KIND_IMAGE 3   /* one packet a line of a raw image */
 #define SELFPROJ_KIND_COMPACT 4 /* one packet a frame, columns divided in the circuit */
+#define SELFPROJ_KIND_VERDICT 5 /* one packet a frame, with nothing but the board's verdict */
 
 /* The fields of a header; docs/packet-reference.md explains them. */
 typedef struct selfproj_header {

@@ -268,6 +268,7 @@ void append_moments_packet(const ImageView& image, const Measure& measure, Packe
   measure_columns(image, measure, runs.view());
   header.kind = kind_of_columns(header.kind == spec::kKindCompact, measure.mode);
   describe_frame(header, image.rows, image.columns, measure);
+  header.flags &= static_cast<std::uint8_t>(~spec::kFlagVerdict);
   std::vector<std::uint8_t> payload(columns_payload_bytes(header));
   pack_columns(header, runs.view(), payload.data());
   append_packet(header, payload, 0, out);

@@ -157,6 +157,7 @@ void bind_header(nb::module_& module) {
 void bind_packets(nb::module_& module) {
   module.attr("KIND_MOMENTS") = spec::kKindMoments;
   module.attr("KIND_COMPACT") = spec::kKindCompact;
+  module.attr("KIND_VERDICT") = spec::kKindVerdict;
   module.attr("KIND_CODES") = spec::kKindCodes;
   module.attr("KIND_IMAGE") = spec::kKindImage;
   bind_header(module);
