@@ -7,10 +7,11 @@
 from collections.abc import Iterator
 from typing import Any
 
-from ._core.packets import (KIND_CODES, KIND_COMPACT, KIND_IMAGE, KIND_MOMENTS, Header, Packet, build,
+from ._core.packets import (KIND_CODES, KIND_COMPACT, KIND_IMAGE, KIND_MOMENTS, KIND_VERDICT, Header, Packet, build,
                             moments_packet, parse)
 
-__all__ = ["KIND_CODES", "KIND_COMPACT", "KIND_IMAGE", "KIND_MOMENTS", "Header", "Packet", "build", "moments_packet",
+__all__ = ["KIND_CODES", "KIND_COMPACT", "KIND_IMAGE", "KIND_MOMENTS", "KIND_VERDICT", "Header", "Packet", "build",
+           "moments_packet",
            "parse", "split"]
 
 
