@@ -531,7 +531,8 @@ selfproj inspect --device file:/dev/xdma0_c2h_0 --reference good-part --check --
           "Where the board's pulse for an ejector begins behind the first bad frame of a part, and how long it "
           "is, along the belt.")
       ->expected(2)
-      ->type_name("MM MM")
+      ->delimiter(',')
+      ->type_name("MM,MM")
       ->needs(on_board);
   cli::begin_group(*command, "Output");
   command->add_option("--out", options->out, "Folder for tables, cloud, pictures and report.")->type_name("DIR");

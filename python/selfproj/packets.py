@@ -11,8 +11,7 @@ from ._core.packets import (KIND_CODES, KIND_COMPACT, KIND_IMAGE, KIND_MOMENTS, 
                             moments_packet, parse)
 
 __all__ = ["KIND_CODES", "KIND_COMPACT", "KIND_IMAGE", "KIND_MOMENTS", "KIND_VERDICT", "Header", "Packet", "build",
-           "moments_packet",
-           "parse", "split"]
+           "moments_packet", "parse", "split"]
 
 
 def split(data: Any) -> Iterator[Packet]:

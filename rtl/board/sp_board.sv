@@ -70,6 +70,10 @@ module sp_board #(
   output logic      [1:0]   s_axil_rresp          // OKAY or SLVERR
 );
 
+  if (VerdictLogSections < 0 || VerdictLogSections > 6) begin : gen_verdict_log_sections
+    verdict_log_sections_is_not_in_0_to_6 u_error ();
+  end
+
   localparam int GroupBits = $clog2(MaxColumns / 4);
   localparam int ColumnBits = $clog2(MaxColumns + 1);
   localparam int RowBits = $clog2(MaxRows + 1);
@@ -416,7 +420,7 @@ module sp_board #(
     );
   end else begin : gen_no_verdict
     logic unused_verdict;
-    assign unused_verdict = VerdictLogSections < 0 ^ ^{decision, spoiled, words_valid, words_break, words, verdict[2]};
+    assign unused_verdict = ^{decision, spoiled, words_valid, words_break, words, verdict[2]};
     assign {verdict_data, set_verdict, judge_ready, judge, verdict_valid, verdict_word, ejector_o} = '0;
     assign verdict_error = 1'b1;
   end

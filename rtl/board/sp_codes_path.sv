@@ -156,7 +156,8 @@ module sp_codes_path #(
   // fills a half, because fields of 64 bits are aligned.
   localparam int HalfBits = sp_spec_pkg::PacketBeatBits / 2;
   localparam logic [sp_spec_pkg::HeaderBits-1:0] FrameBits =
-      sp_spec_pkg::frame_mask(ColumnBits, RowBits, Region ? 16 : 0);
+      sp_spec_pkg::frame_mask(ColumnBits, RowBits, Region ? 16 : 0) &
+      ~(sp_spec_pkg::HeaderBits'(1) << (sp_spec_pkg::HeaderFlagsLsb + sp_spec_pkg::FlagVerdictBit));
   for (genvar half = 0; half < sp_spec_pkg::HeaderBits / HalfBits; half++) begin : gen_half
     localparam bit HasSequence = half == sp_spec_pkg::HeaderSequenceLsb / HalfBits;
     always_ff @(posedge clk_i) begin

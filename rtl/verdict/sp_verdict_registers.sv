@@ -62,6 +62,17 @@ module sp_verdict_registers #(
   input  wire logic                   lost_i      // a pulse of the ejector
 );
 
+  if (MaxColumns < 8 || MaxColumns > sp_spec_pkg::MaxColumns || MaxColumns % 4 != 0)
+  begin : gen_max_columns
+    max_columns_is_not_a_multiple_of_4_in_8_to_2048 u_error ();
+  end
+  if (MaxRows < 2 || MaxRows > sp_spec_pkg::MaxRows) begin : gen_max_rows
+    max_rows_is_not_in_2_to_1023 u_error ();
+  end
+  if (LogSections < 0 || LogSections > 6) begin : gen_log_sections
+    log_sections_is_not_in_0_to_6 u_error ();
+  end
+
   localparam int Base = 32'(sp_spec_pkg::RegVerdictControl);
   localparam int Control = 0,
                  Defect = (32'(sp_spec_pkg::RegVerdictDefect) - Base) / 4,
