@@ -85,6 +85,54 @@ std::uint32_t limits_word(const ColumnLimits& limits) {
          (limits.judged ? 1U : 0U) << spec::kRegVerdictLimitsJudgedLsb;
 }
 
+std::uint32_t verdict_control_word(bool on, bool hold, bool by_encoder, int packets) {
+  return (on ? 1U : 0U) << spec::kRegVerdictControlOnLsb | (hold ? 1U : 0U) << spec::kRegVerdictControlHoldLsb |
+         (by_encoder ? 1U : 0U) << spec::kRegVerdictControlByEncoderLsb |
+         static_cast<std::uint32_t>(packets) << spec::kRegVerdictControlPacketsLsb;
+}
+
+std::vector<RegisterWrite> verdict_writes(const VerdictSettings& settings, const PartRule& rule) {
+  const VerdictWords words = verdict_words(settings, rule);
+  return {{spec::kRegVerdictDefect, words.defect},
+          {spec::kRegVerdictShift, words.shift},
+          {spec::kRegVerdictLight, words.light},
+          {spec::kRegVerdictStart, rule.start & kCountMask},
+          {spec::kRegVerdictLength, rule.length & kCountMask},
+          {spec::kRegVerdictPitch, rule.pitch & kCountMask}};
+}
+
+std::vector<RegisterWrite> limits_writes(int bank, std::span<const SectionLimits> sections, int board_columns,
+                                         int board_sections) {
+  std::vector<RegisterWrite> writes;
+  const auto aim = [&](int section, int column) {
+    writes.push_back(
+        {spec::kRegVerdictTable, static_cast<std::uint32_t>(column) << spec::kRegVerdictTableColumnLsb |
+                                     static_cast<std::uint32_t>(section) << spec::kRegVerdictTableSectionLsb |
+                                     static_cast<std::uint32_t>(bank) << spec::kRegVerdictTableBankLsb});
+  };
+  const auto begin = [&](int section, std::uint32_t count) {
+    aim(section, 0);
+    writes.push_back({spec::kRegVerdictBegin, count & kCountMask});
+  };
+  const int count = static_cast<int>(sections.size());
+  for (int section = 0; section < count; ++section) {
+    const SectionLimits& one = sections[static_cast<std::size_t>(section)];
+    const int columns = static_cast<int>(one.limits.size());
+    for (int column = 0; column < std::min(board_columns, columns + kMaxShiftColumns); ++column) {
+      aim(section, column);
+      writes.push_back({spec::kRegVerdictLimits,
+                        limits_word(column < columns ? one.limits[static_cast<std::size_t>(column)] : ColumnLimits{})});
+    }
+    if (section > 0) {
+      begin(section, one.begin);
+    }
+  }
+  if (count > 0 && count < board_sections) {
+    begin(count, kCountMask);  // never
+  }
+  return writes;
+}
+
 ColumnState column_state(const ColumnLimits& limits, int shift, std::uint32_t m0, std::uint32_t m1) {
   if (m0 == 0) {
     return ColumnState::unlit;

@@ -234,60 +234,36 @@ void Control::set(const model::BoardSettings& settings) {
 
 void Control::set_verdict(const model::BoardSettings& settings) {
   need(at(spec::kRegVerdictControl));
-  const auto bit = [](bool set, int lsb) { return static_cast<std::uint32_t>(set ? 1U : 0U) << lsb; };
   const spec::Register& control = at(spec::kRegVerdictControl);
-  const std::uint32_t asked = bit(settings.verdict, spec::kRegVerdictControlOnLsb) |
-                              bit(settings.part_rule.by_encoder, spec::kRegVerdictControlByEncoderLsb) |
-                              static_cast<std::uint32_t>(settings.verdict_packets)
-                                  << spec::kRegVerdictControlPacketsLsb;
   if (settings.verdict) {
     // What changes together is held together.
     write_word(control, port_->word(control.address) | 1U << spec::kRegVerdictControlHoldLsb);
-    const model::VerdictWords words = model::verdict_words(settings.verdict_settings, settings.part_rule);
-    write_word(at(spec::kRegVerdictDefect), words.defect);
-    write_word(at(spec::kRegVerdictShift), words.shift);
-    write_word(at(spec::kRegVerdictLight), words.light);
-    write_word(at(spec::kRegVerdictStart), settings.part_rule.start & model::kCountMask);
-    write_word(at(spec::kRegVerdictLength), settings.part_rule.length);
-    write_word(at(spec::kRegVerdictPitch), settings.part_rule.pitch);
+    for (const auto& [address, data] : model::verdict_writes(settings.verdict_settings, settings.part_rule)) {
+      write_word(at(address), data);
+    }
   }
-  write_word(control, asked | bit(settings.verdict_hold, spec::kRegVerdictControlHoldLsb));
+  write_word(control, model::verdict_control_word(settings.verdict, settings.verdict_hold,
+                                                  settings.part_rule.by_encoder, settings.verdict_packets));
 }
 
 void Control::set_limits(int bank, std::span<const model::SectionLimits> sections) {
   need(at(spec::kRegVerdictTable));
-  const int count = static_cast<int>(sections.size());
-  if (count > 1 << build_.verdict_log_sections) {
-    throw UserError(uri(), "the table has " + std::to_string(count) + " sections, but this board has " +
-                               std::to_string(1 << build_.verdict_log_sections));
+  const int board_sections = 1 << build_.verdict_log_sections;
+  if (static_cast<int>(sections.size()) > board_sections) {
+    throw UserError(uri(), "the table has " + std::to_string(sections.size()) + " sections, but this board has " +
+                               std::to_string(board_sections));
   }
-  const auto aim = [&](int section, int column) {
-    write_word(at(spec::kRegVerdictTable), static_cast<std::uint32_t>(column) << spec::kRegVerdictTableColumnLsb |
-                                               static_cast<std::uint32_t>(section) << spec::kRegVerdictTableSectionLsb |
-                                               static_cast<std::uint32_t>(bank) << spec::kRegVerdictTableBankLsb);
-  };
-  for (int section = 0; section < count; ++section) {
-    const model::SectionLimits& one = sections[static_cast<std::size_t>(section)];
-    // Columns behind the last one, which a shift may reach, are not judged.
-    const int columns = static_cast<int>(one.limits.size());
-    for (int column = 0; column < std::min(build_.max_columns, columns + model::kMaxShiftColumns); ++column) {
-      const model::ColumnLimits limits =
-          column < columns ? one.limits[static_cast<std::size_t>(column)] : model::ColumnLimits{};
-      if (limits.low > limits.high || limits.high - limits.low > model::kMaxBand) {
-        throw UserError(uri(), "the limits of column " + std::to_string(column + 1) +
-                                   " are not in order, or 128 rows and more apart");
-      }
-      aim(section, column);
-      write_word(at(spec::kRegVerdictLimits), model::limits_word(limits));
-    }
-    if (section > 0) {
-      aim(section, 0);
-      write_word(at(spec::kRegVerdictBegin), one.begin & model::kCountMask);
+  for (const model::SectionLimits& section : sections) {
+    const auto wrong = std::ranges::find_if(section.limits, [](const model::ColumnLimits& limits) {
+      return limits.low > limits.high || limits.high - limits.low > model::kMaxBand;
+    });
+    if (wrong != section.limits.end()) {
+      throw UserError(uri(), "the limits of column " + std::to_string(wrong - section.limits.begin() + 1) +
+                                 " are not in order, or 128 rows and more apart");
     }
   }
-  if (count > 0 && count < 1 << build_.verdict_log_sections) {
-    aim(count, 0);
-    write_word(at(spec::kRegVerdictBegin), model::kCountMask);  // never
+  for (const auto& [address, data] : model::limits_writes(bank, sections, build_.max_columns, board_sections)) {
+    write_word(at(address), data);
   }
 }
 

@@ -14,7 +14,6 @@
 #include <verilated.h>
 #include <verilated_fst_c.h>
 
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -247,43 +246,20 @@ class BoardDevice {
   void write_limits(int bank, std::span<const model::SectionLimits> sections) {
     write(spec::kRegEjectorDelay, 0);
     write(spec::kRegEjectorLength, 1);
-    const auto aim = [&](std::size_t section, std::size_t column) {
-      write(spec::kRegVerdictTable, static_cast<std::uint32_t>(column) << spec::kRegVerdictTableColumnLsb |
-                                        static_cast<std::uint32_t>(section) << spec::kRegVerdictTableSectionLsb |
-                                        static_cast<std::uint32_t>(bank) << spec::kRegVerdictTableBankLsb);
-    };
-    constexpr std::size_t kReach = model::kMaxShiftColumns;  // of a shift, behind the last column
-    for (std::size_t section = 0; section < sections.size(); ++section) {
-      const std::vector<model::ColumnLimits>& limits = sections[section].limits;
-      for (std::size_t column = 0; column < std::min<std::size_t>(spec::kMaxColumns, limits.size() + kReach);
-           ++column) {
-        aim(section, column);
-        write(spec::kRegVerdictLimits,
-              model::limits_word(column < limits.size() ? limits[column] : model::ColumnLimits{}));
-      }
-      if (section > 0) {
-        aim(section, 0);
-        write(spec::kRegVerdictBegin, sections[section].begin);
-      }
+    const int room = static_cast<int>(sections.size()) + 1;  // the build has one more
+    for (const auto& [address, data] : model::limits_writes(bank, sections, spec::kMaxColumns, room)) {
+      write(address, data);
     }
-    aim(sections.size(), 0);
-    write(spec::kRegVerdictBegin, model::kCountMask);  // never
   }
 
   // Writes the registers of the verdict but the limits and those of the ejector, and switches it on or off.
   void write_verdict(const model::BoardSettings& settings) {
-    const model::VerdictWords words = model::verdict_words(settings.verdict_settings, settings.part_rule);
-    write(spec::kRegVerdictDefect, words.defect);
-    write(spec::kRegVerdictShift, words.shift);
-    write(spec::kRegVerdictLight, words.light);
-    write(spec::kRegVerdictStart, settings.part_rule.start & model::kCountMask);
-    write(spec::kRegVerdictLength, settings.part_rule.length);
-    write(spec::kRegVerdictPitch, settings.part_rule.pitch);
+    for (const auto& [address, data] : model::verdict_writes(settings.verdict_settings, settings.part_rule)) {
+      write(address, data);
+    }
     write(spec::kRegVerdictControl,
-          (settings.verdict ? 1U << spec::kRegVerdictControlOnLsb : 0U) |
-              (settings.verdict_hold ? 1U << spec::kRegVerdictControlHoldLsb : 0U) |
-              (settings.part_rule.by_encoder ? 1U << spec::kRegVerdictControlByEncoderLsb : 0U) |
-              static_cast<std::uint32_t>(settings.verdict_packets) << spec::kRegVerdictControlPacketsLsb);
+          model::verdict_control_word(settings.verdict, settings.verdict_hold, settings.part_rule.by_encoder,
+                                      settings.verdict_packets));
   }
 
   // Video clocks since the last reset.

@@ -116,6 +116,20 @@ VerdictSettings settings_of_words(const VerdictWords& words);
 // The register verdict_limits. The limits are kMaxBand apart at most, the lower one first.
 std::uint32_t limits_word(const ColumnLimits& limits);
 
+// The register verdict_control; `packets` is its field.
+std::uint32_t verdict_control_word(bool on, bool hold, bool by_encoder, int packets);
+
+// A write of a register, and what a host writes, in this order: settings and rule, and all sections of a bank of a
+// board with so many columns and sections. Columns behind the last one, which a shift may reach, are then not judged,
+// and no section follows the last one. The limits must be those that limits_word takes.
+struct RegisterWrite {
+  std::uint32_t address = 0;
+  std::uint32_t data = 0;
+};
+std::vector<RegisterWrite> verdict_writes(const VerdictSettings& settings, const PartRule& rule);
+std::vector<RegisterWrite> limits_writes(int bank, std::span<const SectionLimits> sections, int board_columns,
+                                         int board_sections);
+
 // What was found in a frame of a part.
 struct FrameVerdict {
   bool in_part = false;

@@ -209,13 +209,9 @@ class VerdictBench {
   }
 
   void write_words() {
-    const model::VerdictWords words = model::verdict_words(settings_, rule_);
-    write_word(spec::kRegVerdictDefect, words.defect);
-    write_word(spec::kRegVerdictShift, words.shift);
-    write_word(spec::kRegVerdictLight, words.light);
-    write_word(spec::kRegVerdictStart, rule_.start & model::kCountMask);
-    write_word(spec::kRegVerdictLength, rule_.length);
-    write_word(spec::kRegVerdictPitch, rule_.pitch);
+    for (const auto& [address, data] : model::verdict_writes(settings_, rule_)) {
+      write_word(address, data);
+    }
     dut_->hold_i = hold_;
     dut_->by_encoder_i = rule_.by_encoder;
   }

@@ -57,21 +57,13 @@ class VerdictBoard {
 
   // All settings of the verdict, through both.
   void write(const model::BoardSettings& settings) {
-    const model::VerdictWords words = model::verdict_words(settings.verdict_settings, settings.part_rule);
-    write(spec::kRegVerdictDefect, words.defect);
-    write(spec::kRegVerdictShift, words.shift);
-    write(spec::kRegVerdictLight, words.light);
-    write(spec::kRegVerdictStart, settings.part_rule.start);
-    write(spec::kRegVerdictLength, settings.part_rule.length);
-    write(spec::kRegVerdictPitch, settings.part_rule.pitch);
-    write(spec::kRegVerdictControl, control_of(settings));
+    for (const auto& [address, data] : model::verdict_writes(settings.verdict_settings, settings.part_rule)) {
+      write(address, data);
+    }
+    write(spec::kRegVerdictControl,
+          model::verdict_control_word(settings.verdict, settings.verdict_hold, settings.part_rule.by_encoder,
+                                      settings.verdict_packets));
     board_.write(settings);
-  }
-  static std::uint32_t control_of(const model::BoardSettings& settings) {
-    return (settings.verdict ? 1U << spec::kRegVerdictControlOnLsb : 0U) |
-           (settings.verdict_hold ? 1U << spec::kRegVerdictControlHoldLsb : 0U) |
-           (settings.part_rule.by_encoder ? 1U << spec::kRegVerdictControlByEncoderLsb : 0U) |
-           static_cast<std::uint32_t>(settings.verdict_packets) << spec::kRegVerdictControlPacketsLsb;
   }
 
   // Limits of a column. Returns whether they were taken.
