@@ -77,7 +77,7 @@ void run_moments(const MomentsOptions& options) {
   options.select.apply(measure);
   const std::unique_ptr<MomentsEngine> engine = make_moments_engine(options.engine);
   images::PreparedImages source(options.images, options.preparation);
-  const std::size_t total = options.images.size();
+  const std::size_t total = source.count();
   const MomentsSettings settings{
       .rows = source.rows(), .columns = columns_for(options.engine, source), .measure = measure};
 

@@ -172,6 +172,9 @@ READERS = [
     ("rig of parts", "parts.yaml", TEXT, RIG, "rig"),
     ("rig of parts", "parts.yaml", TEXT, f"{PARTS} --tolerance {{m}}/tolerance.yaml --rig {{file}}", "tables"),
     ("tolerance", "tolerance.yaml", TEXT, f"{PARTS} --rig {{m}}/parts.yaml --tolerance {{file}}", "tables"),
+    ("verdict", "verdict.yaml", TEXT, "selfproj verdict show --higher 0.05 {file}", "tables"),
+    ("verdict", "verdict.yaml", TEXT,
+     f"{PARTS} --rig {{m}}/judged.yaml --tolerance {{m}}/tolerance.yaml --verdict {{file}}", "tables"),
     ("calibrated rig", "calibrated/rig.yaml", TEXT, RIG, "rig"),
     ("rig with heights", "tied/rig.yaml", TEXT, RIG, "rig"),
     ("world", "world.yaml", TEXT, "selfproj-sim scene render plane --rig {m}/rig.yaml --count 1 --disturb gloss "

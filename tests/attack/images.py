@@ -158,7 +158,8 @@ def shifted(rows, by):
 
 
 class Images(Part):
-    """`kinds` yields (name, extension, bytes, rows that the image means or nothing, what must happen, options)."""
+    """`kinds` yields (name, extension, bytes, rows that the image means, a tuple of such for pages, or nothing, what must
+    happen, options)."""
 
     def run(self, count):
         kinds = list(self.kinds())
@@ -169,7 +170,7 @@ class Images(Part):
         names = [name for name in NAMES if b"/" not in name and b"\0" not in name]
         for name in names if count >= len(names) ** 2 else self.random.sample(names, 4):
             self.attacker.case("images", f"name {name!r}", self.named, name)
-        for name in ("extra_bytes_in_jpeg", "folders"):
+        for name in ("extra_bytes_in_jpeg", "folders", "pages_for_one_image"):
             self.attacker.case("images", name, getattr(self, name))
 
     def picture(self, bits, channels=1):
@@ -284,7 +285,8 @@ class Images(Part):
                 for turned in range(1, 9):
                     data = tiff([rows], 8, more=[[(274, 3, turned)]], **own)
                     yield f"tiff turned {turned}{how}", "tiff", data, rows, RIGHT, ()
-                yield f"tiff of pages{how}", "tiff", tiff([rows, rows], 8, **own), None, REFUSED, ()
+                pages = (rows, [row[::-1] for row in rows])
+                yield f"tiff of pages{how}", "tiff", tiff(pages, 8, **own), pages, RIGHT, ()
                 small = [row[::4] for row in rows]
                 data = tiff([rows, small], 8, more=[[], [(254, 4, 1)]], **own)
                 yield f"tiff with a preview{how}", "tiff", data, rows, RIGHT, ()
@@ -346,7 +348,8 @@ class Images(Part):
             raise Fault(f"must be {must}: status {outcome.status}, {outcome.err!r}")
         with open(folder / "o.csv", encoding="utf-8", newline="") as table:
             given = [(int(row["m0"]), int(row["m1"])) for row in csv.DictReader(table)]
-        wanted = [(sum(column), sum(i * value for i, value in enumerate(column, 1))) for column in zip(*rows)]
+        wanted = [(sum(column), sum(i * value for i, value in enumerate(column, 1)))
+                  for page in (rows if isinstance(rows, tuple) else (rows,)) for column in zip(*page)]
         if given != wanted:
             raise Fault(f"other pixels: {given[:4]}, not {wanted[:4]}")
 
@@ -395,6 +398,17 @@ class Images(Part):
                 for kind in (b"summary.json", b"report.html"):
                     with open(summary + b"/" + kind, encoding="utf-8") as text:
                         text.read()
+
+    def pages_for_one_image(self):
+        """A TIFF of several pages is refused where each file is one image."""
+        rows = self.picture(8)
+        with self.attacker.scratch() as folder:
+            for name, pages in (("1.tiff", [rows]), ("2.tiff", [rows, rows])):
+                (folder / name).write_bytes(tiff(pages, 8))
+            outcome = self.attacker.attack("selfproj-sim decode --engine model --bits 1 --out o 1.tiff 2.tiff".split(),
+                                           folder)
+            if outcome.status != 2 or "2.tiff" not in outcome.err:
+                raise Fault(f"pages are left out: status {outcome.status}, {outcome.err!r}")
 
     def folders(self):
         """What is no image does not count in a folder; a damaged image does."""

@@ -229,13 +229,16 @@ def registers(version, spec_hash):
 
 
 def make_parts(folder, run):
-    """Packets of parts with edges, a rig that cuts them, and the tolerance that they teach."""
+    """Packets of parts with edges, a rig that cuts them, the tolerance that they teach, and the table of a circuit."""
     rig = re.sub(r"frame_rate_hz: \d+", "frame_rate_hz: 5000", (folder / "rig.yaml").read_text())
     (folder / "parts.yaml").write_text(rig + PARTS)
     (folder / "blocks.tiff").write_bytes(tiff(blocks(6, 0.25), floats=True))
     run("selfproj-sim scene render --height-map blocks.tiff --mm-per-pixel 0.25 --rig parts.yaml --out passing")
     run("selfproj-sim cosim --engine model --frames passing/frame_*.png --rig parts.yaml --packets parts.bin")
     run("selfproj tolerance learn --device file:parts.bin --rig parts.yaml --out tolerance.yaml")
+    (folder / "judged.yaml").write_text((folder / "parts.yaml").read_text().replace("belt: clock", "belt: encoder"))
+    run("selfproj verdict table --rig judged.yaml --tolerance tolerance.yaml --play-across 0.05 --play-along 0.1 "
+        "--start 0 --pitch 1000 --out verdict.yaml")
     (folder / "world.yaml").write_text(WORLD.read_text())
     (folder / "gamma.csv").write_text("grey,light\n0,3\n128,60\n255,250\n")
 

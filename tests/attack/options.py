@@ -14,7 +14,7 @@ VALUES = [
     "/dev/null", "/dev/zero", "/dev/full", "/dev/stdin", "/proc/self/mem", "/no/such/file", "none", "%s%n", "\n",
     "a\nb", "é€", "--", "--help", "-", "*", "?", "ring:", "ring:x/y", "file:", "file:/dev/zero", "file:/", "sim:",
     "udp:", "udp:127.0.0.2:99999", "bar:", "bar:/dev/zero", "bar:/dev/null", "bar:bar.bin+4",
-    "x" * 300, "x" * 5000, "rig.yaml", "frame_1.png", "packets.bin", "heights.tiff", "curve.csv", "a.jpg",
+    "x" * 300, "x" * 5000, "rig.yaml", "frame_1.png", "packets.bin", "heights.tiff", "curve.csv", "verdict.yaml", "a.jpg",
     "reference", "grey", "rtl", "binary", "light-section", "scanner", "stairs-marked", "plane", "true", "1e1", "+5",
     "1_000", "1'000"
 ]
@@ -28,6 +28,9 @@ selfproj rig: {m}/rig.yaml
 selfproj inspect: --device file:{m}/parts.bin --rig {m}/parts.yaml --tolerance {m}/tolerance.yaml --parts p
   --json j.json --out o
 selfproj tolerance learn: --device file:{m}/parts.bin --rig {m}/parts.yaml --out o
+selfproj verdict table: --rig {m}/judged.yaml --tolerance {m}/tolerance.yaml --play-across 0.05 --play-along 0.1
+  --start 0 --pitch 1000 --out o
+selfproj verdict show: {m}/verdict.yaml
 selfproj depth: --rig {m}/scanner.yaml --bits 2 --out o {seen}
 selfproj match: --rig {m}/scanner.yaml --reference {m}/stripes --out o {seen}
 selfproj pattern: --rig {m}/rig.yaml --reference {m}/curve.csv --out o

@@ -83,10 +83,11 @@ selfproj pattern gray --rig {m}/scanner.yaml --out o
 
 def without_good_call(attacker):
     """Commands whose calls do not succeed here. The program's simulated camera does not see what a display shows; the
-    test LiveCapture has one that does. No camera is calibrated here whose belt could be; HiddenRig.laser does both."""
-    cameras = {("selfproj", "capture"), ("selfproj", "scan"), ("selfproj", "measure", "gamma"),
-               ("selfproj", "calibrate", "belt")}
-    return cameras | set([] if attacker.screen else [("selfproj", "project")])
+    test LiveCapture has one that does. No camera is calibrated here whose belt could be; HiddenRig.laser does both. No
+    board replays."""
+    without = {("selfproj", "capture"), ("selfproj", "scan"), ("selfproj", "measure", "gamma"),
+               ("selfproj", "calibrate", "belt"), ("selfproj", "board", "replay")}
+    return without | set([] if attacker.screen else [("selfproj", "project")])
 
 
 class Outputs(Part):

@@ -142,6 +142,19 @@ const std::vector<std::string> kEngines{
 };
 INSTANTIATE_TEST_SUITE_P(Engine, MomentsByEngine, ::testing::ValuesIn(kEngines), EngineName());
 
+TEST_F(MomentsCommand, EachPageOfATiffIsAFrame) {
+  Random random(1);
+  std::vector<cv::Mat> frames;
+  for (int i = 0; i < 3; ++i) {
+    frames.push_back(random_image(random, 5, 8));
+  }
+  ASSERT_TRUE(cv::imwritemulti((folder_ / "a.tiff").string(), std::vector<cv::Mat>(frames.begin(), frames.end() - 1)));
+  save("b.pgm", frames.back());
+  const Outcome outcome = moments({"a.tiff", "b.pgm", "--mode", "grey", "--threshold", "0"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_TRUE(equal_text(table(), expected_csv(frames, model::Mode::grey, 0)));
+}
+
 TEST_P(MomentsByEngine, RandomImagesGiveWhatTheDefinitionGives) {
   for (const std::uint64_t seed : seeds(6)) {
     SCOPED_TRACE(how_to_repeat(seed));
