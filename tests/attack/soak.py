@@ -25,7 +25,8 @@ PATIENCE = 5  # seconds that a good client waits, on a machine that has other wo
 # least of each: in a long round, and in a short one, in which clients are still coming.
 FLAT, SHORT = (8, 8), (50, 40)
 LONG_ROUND = 120  # seconds
-SENT = re.compile(r"(\d+) packets, (?:(\d+) lost in the full ring|\d+ datagrams)")
+STALL = 6  # seconds that a program is held up while a board ends, more than socket and ring hold
+SENT = re.compile(r"(\d+) packets, (?:\d+ lost in the full ring|(\d+) datagrams)")
 
 
 class Line:
@@ -33,7 +34,9 @@ class Line:
 
     def __init__(self):
         self.sent = self.delivered = self.lost = self.parts = 0
-        self.rounds = self.boards_killed = self.hosts_killed = self.exact_rounds = 0
+        self.lost_last = 0  # what boards sent last, for which the receiver's socket had no room: no later number tells it
+        self.pieces = 0  # datagrams of a packet
+        self.rounds = self.boards_killed = self.hosts_killed = self.held_up = self.exact_rounds = 0
         self.growth_mib = 0.0
         self.growth_files = 0
         self.answers = 0
@@ -157,12 +160,22 @@ class Soak(HostileClients):
                 quarter = int(4 * (time.monotonic() - begin) / seconds)
                 now = memory_mib(host.pid), descriptors(host.pid)
                 least[quarter] = tuple(map(min, now, least.get(quarter, now)))
+            held_up = self.wide and chance.random() < 0.3
+            if held_up:
+                host.send_signal(signal.SIGSTOP)
+                time.sleep(STALL)
             if kills and chance.random() < 0.5:
                 self.ended(board, signal.SIGKILL, "a board")
                 killed += 1
             else:
                 out = self.ended(board, chance.choice((signal.SIGINT, signal.SIGTERM)), "a board")
-                sent += int(SENT.search(out)[1])
+                packets, datagrams = SENT.search(out).groups()
+                sent += int(packets)
+                if datagrams and int(packets):
+                    line.pieces = int(datagrams) // int(packets)
+            if held_up:
+                host.send_signal(signal.SIGCONT)
+                line.held_up += 1
         line.boards_killed += killed
         if controller is None:
             raise Fault("the Modbus server never answered")
@@ -277,7 +290,7 @@ class Soak(HostileClients):
                 sent, killed = self.play(
                     line, chance, self.seconds_of_round(), number % 2 == 0,
                     lambda: self.board(folder, "--udp", f"127.0.0.1:{port}", "--from", "127.0.0.2"), host, page, modbus)
-                time.sleep(0.5)  # for what is still on its way
+                dropped = self.drained_socket(port)
                 counters = self.end_of_round(line, folder, number, host)
                 if counters is None:
                     continue
@@ -285,16 +298,38 @@ class Soak(HostileClients):
                 lost = counters["lost_network"]
                 line.delivered += got
                 line.lost += lost
+                # Datagrams that the kernel dropped or the program refused, and no gap in the numbers shows.
+                unseen = dropped - counters["datagrams_lost"] + counters["datagrams_refused"]
+                last = max(0, sent - got - lost)
+                account = (f"{sent} packets sent, {got} delivered, {lost} lost; the socket had no room for {dropped} "
+                           f"datagrams, {counters['datagrams_lost']} of which are told, "
+                           f"{counters['datagrams_refused']} were refused")
+                if last > 0 and last * line.pieces > unseen:
+                    raise Fault(account)
+                line.lost_last += last
                 if killed == 0:
                     line.exact_rounds += 1
                     line.sent += sent
-                    if got + lost != sent:
-                        raise Fault(f"{sent} packets sent, {got} delivered, {lost} lost")
+                    if got + lost + last != sent:
+                        raise Fault(account)
                 else:  # nobody knows how many a board had sent that was killed
-                    line.sent += got + lost
-                    if got + lost < sent:
-                        raise Fault(f"{sent} packets and more sent, {got} delivered, {lost} lost")
+                    line.sent += got + lost + last
         return line
+
+    @staticmethod
+    def drained_socket(port):
+        """Waits until the program has read all that has come. Returns the datagrams for which there was no room."""
+        end = time.monotonic() + 120
+        while True:
+            sockets = [line.split() for line in pathlib.Path("/proc/net/udp").read_text().splitlines()
+                       if f":{port:04X} " in line]
+            if all(one[4].endswith(":00000000") for one in sockets):
+                break
+            if time.monotonic() > end:
+                raise Fault("the program does not read its socket")
+            time.sleep(0.02)
+        time.sleep(0.5)  # for what it has read
+        return sum(int(one[-1]) for one in sockets)
 
     @staticmethod
     def wait_for_port(port, host):
