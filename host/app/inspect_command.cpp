@@ -144,6 +144,12 @@ void print_outcome(const InspectOptions& options, const SectionCounts& work,
   }
 }
 
+// Parts that the region follows may lie beside their place.
+light_section::ReferenceProfile reference_of(const InspectOptions& options, const rig::Rig& rig) {
+  light_section::ReferenceProfile reference = options.section.load_reference(rig, options.receive.device);
+  return options.follow ? light_section::without_walls(rig, std::move(reference)) : reference;
+}
+
 // An inspection while it runs.
 class Run {
  public:
@@ -152,7 +158,7 @@ class Run {
         rig_(options.section.load_rig()),
         folder_(options.out.empty() ? nullptr : std::make_unique<files::OutputFolder>(options.out)),
         json_(options.json.empty() ? nullptr : std::make_unique<files::OutputFile>(options.json)),
-        reference_(options.section.load_reference(rig_, options.receive.device)),
+        reference_(reference_of(options, rig_)),
         profiler_(rig_, reference_),
         section_(rig_, profiler_,
                  options.select.empty() ? std::nullopt : std::optional(images::select_of(options.select))),

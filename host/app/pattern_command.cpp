@@ -11,6 +11,7 @@
 #include <optional>
 #include <string>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 #include "host/app/commands.h"
@@ -49,6 +50,7 @@ struct PatternOptions {
   std::string residual;
   std::string assume;
   std::optional<int> frame;
+  std::optional<double> across_mm;
   int every = 1;
   images::PixelOptions pixels;
   cli::SelectOptions select;
@@ -103,15 +105,31 @@ void add_pattern(files::OutputFolder& folder, const images::FloatImage& pattern)
   folder.append("pattern.png", light_section::encode_pattern_png(pattern));
 }
 
+// The curve of a part that lies so far across, in the direction of increasing columns. Beside it the curve goes on as
+// high as it ends.
+light_section::ReferenceCurve shifted(light_section::ReferenceCurve curve, double mm) {
+  for (double& y : curve.y_mm) {
+    y += mm;
+  }
+  const auto at = mm < 0 ? curve.y_mm.size() : 0;
+  const double y = mm < 0 ? curve.y_mm.back() : curve.y_mm.front();
+  const double z = mm < 0 ? curve.z_mm.back() : curve.z_mm.front();
+  curve.y_mm.insert(curve.y_mm.begin() + static_cast<std::ptrdiff_t>(at), y - mm);
+  curve.z_mm.insert(curve.z_mm.begin() + static_cast<std::ptrdiff_t>(at), z);
+  return curve;
+}
+
 // The shape of the part, and the pattern for it; a laser has none.
 light_section::ReferenceProfile reference_of(const rig::Rig& rig, const PatternOptions& options,
                                              images::FloatImage& pattern) {
   std::error_code error;
-  if (fs::is_directory(options.reference, error)) {  // a reference folder
-    if (options.residual.empty()) {
-      throw UserError("--reference",
-                      options.reference + " is a finished reference; give --residual to take out its residual");
-    }
+  const bool finished = fs::is_directory(options.reference, error);  // a reference folder
+  if (finished && options.residual.empty() && !options.across_mm) {
+    throw UserError("--reference", options.reference +
+                                       " is a finished reference; give --residual to take out its "
+                                       "residual, or --across for a part that lies elsewhere");
+  }
+  if (finished && !options.across_mm) {
     if (!rig.light_plane) {
       pattern = light_section::load_pattern(rig, options.reference);
     }
@@ -122,12 +140,17 @@ light_section::ReferenceProfile reference_of(const rig::Rig& rig, const PatternO
   }
   light_section::ReferenceCurve curve;
   light_section::ReferenceProfile reference;
-  if (options.scan.empty()) {
-    curve = light_section::load_curve(rig, options.reference, options.frame);
-    reference = light_section::reference_of_curve(rig, curve);
-  } else {
-    reference = scanned(rig, options);
+  if (finished || !options.scan.empty()) {
+    reference = finished ? light_section::load_reference(rig, options.reference) : scanned(rig, options);
     curve = light_section::curve_of_reference(rig, reference);
+  } else {
+    curve = light_section::load_curve(rig, options.reference, options.frame);
+  }
+  if (options.across_mm) {
+    curve = shifted(std::move(curve), *options.across_mm);
+  }
+  if (options.across_mm || options.scan.empty()) {
+    reference = light_section::reference_of_curve(rig, curve);
   }
   if (!rig.light_plane) {
     pattern = light_section::draw_pattern(rig, light_section::pattern_of_curve(rig, curve));
@@ -190,6 +213,9 @@ void run_pattern(const PatternOptions& options) {
   rig::Rig rig = rig::load_any_rig(options.rig);
   if (rig.light_plane && (options.line || options.sweep || !options.scan.empty())) {
     throw UserError("--line, --sweep, --scan", "are for a projector, and the rig has a laser");
+  }
+  if (rig.light_plane && options.across_mm) {
+    throw UserError("--across", "is for a projector: the light of a laser is the same wherever a part lies");
   }
   if (!rig.light_plane && options.reference.empty() && options.scan.empty() && !options.line && !options.sweep) {
     throw UserError("--residual", "alone is for a laser; give --reference or --scan");
@@ -313,8 +339,8 @@ void add_source_options(CLI::App& command, PatternOptions& options) {
       command
           .add_option("--reference", options.reference,
                       "Shape of the part: a CSV table y_mm,z_mm of its section, or a TIFF of heights in mm "
-                      "with one column for each camera column. With --residual: a folder that this command "
-                      "wrote.")
+                      "with one column for each camera column. With --residual or --across: a folder that "
+                      "this command wrote.")
           ->type_name("FILE|DIR");
   auto* scan = command
                    .add_option("--scan", options.scan,
@@ -331,6 +357,15 @@ void add_source_options(CLI::App& command, PatternOptions& options) {
   scan->excludes(line)->excludes(sweep);
   line->excludes(sweep);
   cli::begin_group(command, "Refinement");
+  auto* across =
+      command
+          .add_option("--across", options.across_mm,
+                      "Make pattern and reference for the same part where it lies so far across, in the direction of "
+                      "increasing columns.")
+          ->transform(cli::real_number(-1000, 1000))
+          ->type_name("MM")
+          ->excludes(line)
+          ->excludes(sweep);
   command
       .add_option(
           "--residual", options.residual,
@@ -339,7 +374,8 @@ void add_source_options(CLI::App& command, PatternOptions& options) {
           "mean is the reference; nothing else is needed then.")
       ->type_name("DIR")
       ->excludes(line)
-      ->excludes(sweep);
+      ->excludes(sweep)
+      ->excludes(across);
   command.add_option("--frame", options.frame, "Frame of the TIFF of heights to use, from 1.")
       ->transform(cli::whole_number(1, 1'000'000))
       ->type_name("N")

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <memory>
 #include <opencv2/core.hpp>
@@ -610,6 +611,33 @@ ReferenceProfile without_residual(const rig::Rig& rig, const ReferenceProfile& r
   }
   result.measured = selection_of(rig.measure.of_board());
   return result;
+}
+
+ReferenceProfile without_walls(const rig::Rig& rig, ReferenceProfile reference) {
+  expect_columns(rig, reference.valid.size());
+  const MiddleRow middle(rig);
+  const std::vector<double>& light = rig.is_pinholes() ? reference.tan_theta : reference.line;
+  const auto at = [&](int column) {
+    const double z = reference.z_mm[static_cast<std::size_t>(column)];
+    return SectionPoint{z * middle.tan_beta(column), z};
+  };
+  std::vector<int> lit;
+  for (int c = 0; c < reference.columns(); ++c) {
+    if (reference.valid[static_cast<std::size_t>(c)] != 0) {
+      lit.push_back(c);
+    }
+  }
+  for (std::size_t k = 1; k < lit.size(); ++k) {
+    const int left = lit[k - 1];
+    const int right = lit[k];
+    const bool apart = right - left > 1 || !on_one_surface(at(left), at(right));
+    if (apart && light[static_cast<std::size_t>(left)] != light[static_cast<std::size_t>(right)]) {
+      const int first = std::max(0, static_cast<int>(std::ceil(left - kBesideWalls)));
+      const int last = std::min(reference.columns() - 1, static_cast<int>(std::floor(right + kBesideWalls)));
+      std::fill(reference.valid.begin() + first, reference.valid.begin() + last + 1, std::uint8_t{0});
+    }
+  }
+  return reference;
 }
 
 std::vector<double> pattern_of_curve(const rig::Rig& rig, const ReferenceCurve& curve) {

@@ -16,6 +16,7 @@
 
 #include "host/production/placement.h"
 #include "selfproj/images/float_image.h"
+#include "selfproj/light_section/reference.h"
 
 namespace selfproj::production {
 namespace {
@@ -116,7 +117,7 @@ Classifier::Classifier(const rig::Rig& rig, const SectionReference& section, con
     }
   }
   for (const auto& [from, to] : section.walls(widest)) {
-    walls_.emplace_back(from - kBesideWalls * column, to + kBesideWalls * column);
+    walls_.emplace_back(from - light_section::kBesideWalls * column, to + light_section::kBesideWalls * column);
   }
   for (const ToleranceRegion& region : tolerance_.regions) {
     regions_.push_back(region_cells(region, grid_));

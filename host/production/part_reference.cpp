@@ -95,7 +95,7 @@ images::FloatImage without_steep_places(const images::FloatImage& heights, const
   cv::dilate(high, high, square(1));
   cv::Mat steep = (high - low) > 2 * light_section::kSteepest * pitch;
   cv::bitwise_and(steep, there, steep);
-  cv::dilate(steep, steep, square(static_cast<int>(std::ceil(kBesideWalls * pixel_mm(rig) / pitch))));
+  cv::dilate(steep, steep, square(static_cast<int>(std::ceil(light_section::kBesideWalls * pixel_mm(rig) / pitch))));
   images::FloatImage result = heights;
   for (int r = 0; r < result.rows; ++r) {
     for (int c = 0; c < result.columns; ++c) {

@@ -12,10 +12,6 @@
 
 namespace selfproj::production {
 
-// The pattern has a jump at each wall of the reference, and columns beside it see light of both sides. It stays where
-// it is when a part is shifted, and then falls on a surface; so many columns beside it count as without a point.
-inline constexpr double kBesideWalls = 3.5;
-
 // What the reference of the light section is like across the belt: places and heights above the plane, mm, by place.
 // Columns without a reference are left out; `gap` says after which points one was.
 struct SectionReference {

@@ -143,7 +143,8 @@ VerdictTables::VerdictTables(const rig::Rig& rig, const light_section::Reference
   check_tolerance(tolerance, rig, section_, source);
   widest_mm_ = 3 * pixel_mm(rig);
   for (const auto& [from, to] : section_.walls(widest_mm_)) {
-    walls_.emplace_back(from - kBesideWalls * pixel_mm(rig), to + kBesideWalls * pixel_mm(rig));
+    walls_.emplace_back(from - light_section::kBesideWalls * pixel_mm(rig),
+                        to + light_section::kBesideWalls * pixel_mm(rig));
   }
   const light_section::LineRules rules =
       light_section::line_rules(rig.camera, rig.measure, sent_.row_offset, sent_.rows);

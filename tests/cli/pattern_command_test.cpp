@@ -57,6 +57,41 @@ TEST(PatternCommand, MakesAReferenceFolder) {
   EXPECT_EQ(pattern(folder, {"--reference", "plane.csv", "--out", "out"}).status, 0);
 }
 
+// A part that lies elsewhere: as if its section, or a finished reference, had been taken there.
+TEST(PatternCommand, ForAPartThatLiesAcross) {
+  const ScratchFolder folder;
+  write_text(folder / "there.csv", "y_mm,z_mm\n-80,1167\n-30,1167\n10,1147\n20,1147\n20,1167\n80,1167\n");
+  write_text(folder / "here.csv", "y_mm,z_mm\n-82.5,1167\n-32.5,1167\n7.5,1147\n17.5,1147\n17.5,1167\n77.5,1167\n");
+  const auto made = [&](const std::vector<std::string>& arguments, const std::string& out) {
+    std::vector<std::string> all = arguments;
+    all.insert(all.end(), {"--out", out});
+    const Outcome outcome = pattern(folder, all);
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    return light_section::load_reference(rig::load_rig("light-section"), (folder / out).string());
+  };
+  const light_section::ReferenceProfile there = made({"--reference", "there.csv"}, "there");
+  const light_section::ReferenceProfile by_section = made({"--reference", "here.csv", "--across", "2.5"}, "section");
+  EXPECT_EQ(by_section.valid, there.valid);
+  made({"--reference", "here.csv"}, "here");
+  const light_section::ReferenceProfile by_folder = made({"--reference", "here", "--across", "2.5"}, "folder");
+  int compared = 0;
+  for (std::size_t i = 0; i < there.valid.size(); ++i) {
+    if (there.valid[i] != 0) {
+      EXPECT_NEAR(by_section.z_mm[i], there.z_mm[i], 1e-6) << i;  // as many digits as the file has
+      if (by_folder.valid[i] != 0) {
+        // Straight between the columns: the section's corners are cut by up to half a column, 0.12 mm of its slope.
+        EXPECT_NEAR(by_folder.z_mm[i], there.z_mm[i], 0.06) << i;
+        ++compared;
+      }
+    }
+  }
+  EXPECT_GT(compared, there.valid_columns() - 12);  // beside the wall
+  const images::FloatImage pattern_there =
+      light_section::load_pattern(rig::load_rig("light-section"), (folder / "there").string());
+  EXPECT_EQ(light_section::load_pattern(rig::load_rig("light-section"), (folder / "section").string()).values,
+            pattern_there.values);
+}
+
 TEST(PatternCommand, StraightLineAndSweep) {
   const ScratchFolder folder;
   ASSERT_EQ(pattern(folder, {"--line", "255.5", "--out", "line"}).status, 0);
@@ -180,6 +215,8 @@ TEST(PatternCommand, WrongInputIsOneLine) {
   write_text(folder / "images" / "a.pgm", "P2\n2 1\n255\n1 2\n");
   refused({"--scan", "images", "--out", "out"}, "images: has 1 images; a sweep of this rig with --every 1 has 508");
   refused({"--reference", "plane.csv", "--residual", "images", "--out", "out"}, "images/a.pgm: has 1 x 2 pixels");
+  refused({"--reference", "images", "--out", "out"}, "--reference: images is a finished reference; give --residual");
+  refused({"--line", "3", "--across", "1", "--out", "out"}, "");
 }
 
 }  // namespace

@@ -117,6 +117,14 @@ ReferenceProfile reference_of_straight_line(const rig::Rig& rig, double line, st
 ReferenceProfile without_residual(const rig::Rig& rig, const ReferenceProfile& reference,
                                   std::span<const double> centroid);
 
+// The pattern has a jump at each wall of the reference, and columns beside it see light of both sides. It stays where
+// it is when a part is shifted, and then falls on a surface; so many columns beside it count as without a point.
+inline constexpr double kBesideWalls = 3.5;
+
+// The reference for parts that may lie elsewhere: columns within kBesideWalls columns of a wall or gap at which the
+// light changes become invalid.
+ReferenceProfile without_walls(const rig::Rig& rig, ReferenceProfile reference);
+
 // The curve's pattern by (3.9): for each of the rig's projector columns the line of the projector image, from 0 with a
 // fraction, NaN for no light. At a step of the curve a column lights the surface nearest to the camera that both
 // projector and camera see, and nothing if that is a wall. The line then has a gap and a jump, and nothing bridges it.

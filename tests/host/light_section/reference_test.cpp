@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <limits>
@@ -11,7 +12,9 @@
 #include <vector>
 
 #include "host/rig/geometry.h"
+#include "selfproj/rig/calibration.h"
 #include "selfproj/rig/rig.h"
+#include "tests/host/light_section/lens_world.h"
 #include "tests/host/structured_light/pinhole.h"
 #include "tests/support/random_cases.h"
 
@@ -149,6 +152,39 @@ TEST(Reference, StepsShadowsAndGapsAreDark) {
   EXPECT_GT(dark, 40);  // 12 mm of gap and 1 mm of shadow on the other side are 55 columns of 0.236 mm
   EXPECT_LT(dark, 70);
   EXPECT_NEAR(on_block, 40 / 0.226, 3);
+}
+
+// Columns beside walls of a self-projected pattern see light of both sides. A straight line has no walls.
+TEST(Reference, WithoutWallsLeavesOutWhereTheLightJumps) {
+  const rig::Rig pinholes = rig::load_rig("light-section");
+  const rig::Rig lens = rig::rig_of(
+      distorted_calibration(pinholes, {.k1 = 0.05, .k2 = 0, .p1 = 0, .p2 = 0, .turn = {0, 0, 0}, .move = {3, -3, 3}}),
+      pinholes);
+  for (const rig::Rig& rig : {pinholes, lens}) {
+    const double plane = rig.plane_z_mm;
+    const light_section::ReferenceProfile reference =
+        light_section::reference_of_curve(rig, {{-500, 0, 0, 500}, {plane, plane, plane - 9, plane - 9}});
+    const light_section::ReferenceProfile without = light_section::without_walls(rig, reference);
+    int left = 0;  // the last column that sees the plane
+    int right = reference.columns();
+    for (int c = 0; c < reference.columns(); ++c) {
+      const auto i = static_cast<std::size_t>(c);
+      if (reference.valid[i] != 0) {
+        (reference.z_mm[i] > plane - 1 ? left : right) = reference.z_mm[i] > plane - 1 ? c : std::min(right, c);
+      }
+    }
+    EXPECT_GT(left, 100);
+    EXPECT_LE(right - left, 8);
+    for (int c = 0; c < reference.columns(); ++c) {
+      const auto i = static_cast<std::size_t>(c);
+      EXPECT_EQ(without.valid[i] != 0, reference.valid[i] != 0 && (c < left - 3 || c > right + 3)) << c;
+    }
+  }
+  const std::vector<double> middle(static_cast<std::size_t>(pinholes.camera.columns), rig::middle_row(pinholes.camera));
+  light_section::ReferenceProfile straight =
+      light_section::reference_of_straight_line(pinholes, 0.5 * pinholes.projector.lines, middle);
+  straight.valid[200] = 0;
+  EXPECT_EQ(light_section::without_walls(pinholes, straight).valid, straight.valid);
 }
 
 TEST(Reference, OutsideTheProjectorsImageIsInvalid) {
