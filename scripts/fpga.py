@@ -62,6 +62,9 @@ CONFIGURATIONS = [
 # Only in the table of the clocks
 GREY_RUNS = Configuration("grey runs", "moments with the strongest runs and the grey modes; 512 columns, 127 rows",
                           SMALL | {"Grey": "1'b1", "Runs": "1'b1"})
+# Only in the table of the clocks
+VERDICT = Configuration("verdict", "moments, binary, and verdict, one section; 512 columns, 127 rows",
+                        SMALL | {"Verdict": "1'b1", "VerdictLogSections": "0"})
 # Only in the table of the clocks: the largest image that fits into the block RAMs of an LFE5U-85F
 SCANNER = Configuration("scanner",
                         "moments, binary, and Gray decoder with its memory on chip, 4 bits; 512 columns, 384 rows",
@@ -119,7 +122,7 @@ ROUTE_SECONDS = 1200  # a seed that takes longer counts as not routed
 # Part and configuration. Each is placed with the seeds 1, 2, 3, ...: none is left out.
 PLACES = [("iCE40 HX8K", CONFIGURATIONS[0]), ("iCE40 HX8K", CONFIGURATIONS[1]), ("LFE5U-85F-8", CONFIGURATIONS[0]),
           ("LFE5U-85F-8", CONFIGURATIONS[1]), ("LFE5U-85F-8", SCANNER), ("iCE40 HX8K", CONFIGURATIONS[4]),
-          ("LFE5U-85F-8", GREY_RUNS)]
+          ("LFE5U-85F-8", GREY_RUNS), ("LFE5U-85F-8", VERDICT)]
 # Every change of the specification changes these constants, even if it does not concern the circuits. So the circuits
 # are measured with the values of version 1.0.
 FIXED = {"SpecHash": "32'h08691C00", "SpecVersion": "16'h0100"}

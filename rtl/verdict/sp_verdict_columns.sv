@@ -101,7 +101,7 @@ module sp_verdict_columns #(
   logic                        first_q, second_q;  // read the words of the first two groups
   logic                        read;               // read the words of a group
   // Of the group whose words are read next, less s / 4; one before
-  logic signed [PlaceBits-1:0] place_q, place_before;
+  logic signed [PlaceBits-1:0] place_q, before_q;
   logic                        place_in, before_in;    // the table has these groups
   logic                        grey, group_end, break_q;
   logic [1:0]                  turn;       // s modulo 4
@@ -115,22 +115,22 @@ module sp_verdict_columns #(
   always_ff @(posedge clk_i) begin
     {second_q, first_q} <= {first_q, start_i};
     if (start_i) begin
-      half_q  <= 1'b0;
-      left_q  <= groups_i - (ColumnBits - 2)'(1);
-      place_q <= PlaceBits'(0) - {{(PlaceBits - 6){shift_columns_i[7]}}, shift_columns_i[7:2]};
+      half_q   <= 1'b0;
+      left_q   <= groups_i - (ColumnBits - 2)'(1);
+      place_q  <= PlaceBits'(0) - {{(PlaceBits - 6){shift_columns_i[7]}}, shift_columns_i[7:2]};
+      before_q <= ~{{(PlaceBits - 6){shift_columns_i[7]}}, shift_columns_i[7:2]};  // -s / 4 - 1
     end else begin
       if (beat_valid_i) half_q <= grey && !half_q;
       if (beat_valid_i && group_end) left_q <= left_q - (ColumnBits - 2)'(1);
-      if (read) place_q <= place_q + PlaceBits'(1);
+      if (read) {place_q, before_q} <= {place_q + PlaceBits'(1), place_q};
     end
   end
-  assign place_before = place_q - PlaceBits'(1);
-  assign place_in     = place_q >= 0 && place_q < PlaceBits'(Groups);
-  assign before_in    = place_before >= 0 && place_before < PlaceBits'(Groups);
+  assign place_in   = place_q >= 0 && place_q < PlaceBits'(Groups);
+  assign before_in  = before_q >= 0 && before_q < PlaceBits'(Groups);
   assign last_group   = left_q == '0;
 
   logic unused;
-  assign unused = ^{beat_data_i, place_q[PlaceBits-1:GroupBits], place_before[PlaceBits-1:GroupBits]};
+  assign unused = ^{beat_data_i, place_q[PlaceBits-1:GroupBits], before_q[PlaceBits-1:GroupBits]};
 
   // --- Stages 1 to 3 ---
   logic       open_q;         // a frame has begun and is not over
@@ -188,7 +188,7 @@ module sp_verdict_columns #(
     logic [TableBits-1:0] read_at, write_at;
     logic [WordBits-1:0]  word;
     assign wraps = {1'b0, turn} > 3'(lane);
-    assign place  = wraps ? place_before[GroupBits-1:0] : place_q[GroupBits-1:0];
+    assign place  = wraps ? before_q[GroupBits-1:0] : place_q[GroupBits-1:0];
     if (LogSections > 0) begin : gen_sections
       assign read_at  = {bank_i, section_i, turn, place};
       assign write_at = {write_bank_i, write_section_i, 2'(lane) - write_column_i[1:0],
