@@ -75,6 +75,10 @@ std::array<std::uint16_t, kModbusRegisters> modbus_registers(const PartCounts& p
   put_two(values, ModbusRegister::delay_us, not_negative(parts.last_delay_ns) / 1000);
   put_two(values, ModbusRegister::lost, lost);
   put_two(values, ModbusRegister::specks, parts.specks);
+  const bool judged = parts.last_moments && parts.last_moments->frames > 0;
+  put(values, ModbusRegister::moments, !judged ? 0 : parts.last_moments->defect() ? 2 : 1);
+  put_two(values, ModbusRegister::by_moments, parts.by_moments);
+  put_two(values, ModbusRegister::disagree, parts.board_disagrees);
   return values;
 }
 

@@ -30,8 +30,11 @@ enum class ModbusRegister : std::size_t {
   delay_us = 15,     // from its last frame to its result, 2 registers
   lost = 17,         // packets lost so far, 2 registers
   specks = 19,       // objects too short to be a part, 2 registers
+  moments = 21,      // the last part by moments (`inspect --verdict`): 0 not judged, 1 no defect, 2 a defect
+  by_moments = 22,   // parts with a defect by moments so far, 2 registers
+  disagree = 24,     // frames that board and model judged differently so far, 2 registers
 };
-inline constexpr std::size_t kModbusRegisters = 21;
+inline constexpr std::size_t kModbusRegisters = 26;
 
 // The registers' values at the time `now_ns` of the steady clock.
 std::array<std::uint16_t, kModbusRegisters> modbus_registers(const PartCounts& parts, std::uint64_t lost,

@@ -87,6 +87,9 @@ struct PartCounts {
   Verdict last_verdict = Verdict::inconclusive;
   std::uint64_t last_defects = 0;
   double last_depth_mm = 0;  // of its largest defect
+  std::optional<PartMoments> last_moments;
+  std::uint64_t by_moments = 0;       // parts with a defect by moments
+  std::uint64_t board_disagrees = 0;  // frames that board and model judged differently
   std::int64_t last_delay_ns = 0;
   std::int64_t last_ns = 0;  // when its result was there, steady clock
 

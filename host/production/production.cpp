@@ -216,7 +216,7 @@ void Production::classify(const std::optional<CutPart>& part) {
   }
   {
     const std::lock_guard lock(mutex_);
-    if (result.moments && result.verdict != Verdict::inconclusive) {
+    if (result.moments && result.moments->frames > 0 && result.verdict != Verdict::inconclusive) {
       const bool bad = result.verdict == Verdict::bad;
       ++(result.moments->defect() == bad ? moments_.agree : bad ? moments_.less : moments_.more);
     }
@@ -229,6 +229,9 @@ void Production::classify(const std::optional<CutPart>& part) {
     counts_.last_verdict = result.verdict;
     counts_.last_defects = result.defects.size();
     counts_.last_depth_mm = result.defects.empty() ? 0 : result.defects.front().depth_mm;
+    counts_.last_moments = result.moments;
+    counts_.by_moments += result.moments && result.moments->defect() ? 1 : 0;
+    counts_.board_disagrees = verdict_ ? verdict_->board().disagree : 0;
     counts_.last_delay_ns = result.delay_ns;
     counts_.last_ns = now;
     if (part->cut_off) {

@@ -72,6 +72,10 @@ class Made(unittest.TestCase):
         subprocess.run([PROGRAMS / "selfproj", "tolerance", "learn", "--rig", "rig.yaml", "--device",
                         "file:good.packets", "--out", "tolerance.yaml"], cwd=cls.folder, check=True,
                        stdout=subprocess.DEVNULL)
+        # The circuit looks at every other part: twice the counts from part to part.
+        subprocess.run([PROGRAMS / "selfproj", "verdict", "table", "--rig", "rig.yaml", "--tolerance",
+                        "tolerance.yaml", "--start", "0", "--pitch", "6000", "--out", "verdict.yaml"], cwd=cls.folder,
+                       check=True, stdout=subprocess.DEVNULL)
 
     @classmethod
     def tearDownClass(cls):
@@ -173,7 +177,7 @@ class Browser(Made):
         line.stop()
 
     def test_shows_what_the_files_tell(self):
-        line = Line(self.folder, "first", chromium.free_port())
+        line = Line(self.folder, "first", chromium.free_port(), more=["--verdict", "verdict.yaml"])
         self.addCleanup(lambda: line.host.poll() is None and line.stop())
         self.page.open(line.url)
         self.page.wait_for("return document.querySelectorAll('#parts tbody tr').length >= 4", "no parts on the page")
@@ -194,15 +198,19 @@ class Browser(Made):
         figures = self.page.figures()
         self.assertGreater(int(figures["profiles"]), 1000)
         self.assertEqual(figures["lost_ring"], "0")
+        self.assertIn("verdict_parts_with_defect", figures)
+        self.assertEqual(self.page.script("return document.querySelectorAll('#parts th:not([hidden])').length"), 8)
         # The program restarts, and the page finds it again.
         line.stop()
         written = self.parts("first")
         for row in shown:
             part = written[int(row[0]) - 1]
             self.assertEqual(row[1], part["verdict"])
-            self.assertEqual(row[2], str(len(part["defects"])))
+            moments = part["moments"]
+            self.assertEqual(row[2], "–" if moments["frames"] == 0 else "defect" if moments["defect"] else "good")
+            self.assertEqual(row[3], str(len(part["defects"])))
             placed = [round(part["placement"][k], 2) + 0.0 for k in ("length_mm", "across_mm", "turn_deg")]
-            for cell, value in zip(row[4:7], placed):
+            for cell, value in zip(row[5:8], placed):
                 self.assertNotRegex(cell, r"^-0\.0*$")
                 self.assertAlmostEqual(float(cell), value, delta=0.011)  # halves may be rounded either way
         again = Line(self.folder, "again", line.port, rate=150)  # its parts stay few until the page is back
@@ -210,6 +218,8 @@ class Browser(Made):
         self.page.wait_for("const r = document.querySelector('#parts tbody tr td');"
                       "return document.getElementById('connection').textContent === 'connected'"
                       f" && r && Number(r.textContent) < {max(int(r[0]) for r in shown)}", "not connected again")
+        self.assertEqual(self.page.script("return document.querySelectorAll('#parts th:not([hidden])').length"), 7)
+        self.assertEqual(len(self.page.rows("parts")[0]), 7)
         again.stop()
         # No error but that of the time without a program, and nothing from elsewhere.
         self.assertEqual(self.page.errors(), [])

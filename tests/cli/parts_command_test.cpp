@@ -289,10 +289,13 @@ TEST(Modbus, TellsWhatIsThereAndTakesNothing) {
   state.last_depth_mm = -0.3;
   state.last_delay_ns = 4'500'000;
   state.last_ns = 1'000'000'000;
+  state.last_moments = production::PartMoments{.frames = 40, .defect_frames = 3};
+  state.by_moments = 6;
+  state.board_disagrees = 65'537;
   const production::ModbusServer server({.port = 15021},
                                         [&] { return production::modbus_registers(state, 9, 17, 1'250'000'000); });
   const std::array<std::uint16_t, production::kModbusRegisters> expected = {
-      1, 17, 2, 1, 4469, 1, 4464, 0, 3, 0, 2, 0, 250, 2, 65236, 0, 4500, 0, 9, 0, 5};
+      1, 17, 2, 1, 4469, 1, 4464, 0, 3, 0, 2, 0, 250, 2, 65236, 0, 4500, 0, 9, 0, 5, 2, 0, 6, 1, 1};
   const Client client = client_of(15021);
   std::array<std::uint16_t, production::kModbusRegisters> values{};
   ASSERT_EQ(modbus_read_input_registers(client.get(), 0, production::kModbusRegisters, values.data()),
@@ -302,7 +305,7 @@ TEST(Modbus, TellsWhatIsThereAndTakesNothing) {
   EXPECT_EQ(values[0], 2);
   EXPECT_EQ(modbus_write_register(client.get(), 2, 1), -1);
   EXPECT_EQ(errno, EMBXILFUN);
-  EXPECT_EQ(modbus_read_registers(client.get(), 20, 2, values.data()), -1);
+  EXPECT_EQ(modbus_read_registers(client.get(), production::kModbusRegisters - 1, 2, values.data()), -1);
   EXPECT_EQ(errno, EMBXILADD);
 
   // Requests that are none, beside a client that goes on being served.

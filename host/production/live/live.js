@@ -247,9 +247,16 @@
     $('camera-now').hidden = false;
   };
 
+  // What the moments say of a part, as the board's circuit judges them; nothing where no verdict runs.
+  const byMoments = (part) => {
+    const found = part.moments;
+    if (!found) return '';
+    return found.frames === 0 ? '–' : found.defect ? 'defect' : 'good';
+  };
   const row = (cells, kind) => {
     const line = document.createElement('tr');
     cells.forEach((value, i) => {
+      if (value === '') return;
       const cell = document.createElement('td');
       cell.textContent = value;
       if (i === 1 && kind) cell.className = kind.split(' ')[0];
@@ -263,6 +270,9 @@
     depth_images_per_second: 'depth images a second', incomplete: 'incomplete images', parts: 'parts',
     parts_good: 'good', parts_bad: 'bad',
     parts_inconclusive: 'inconclusive', specks: 'too short for a part',
+    verdict_parts_with_defect: 'with a defect by moments', verdict_more: 'by moments alone',
+    verdict_less: 'by heights alone', board_frames: 'frames judged by the board',
+    board_disagrees: 'judged otherwise by the model',
     result_delay_p50_ms: 'result after last frame, median (ms)',
     result_delay_p99_ms: 'result after last frame, 99 % (ms)', delay_p50_us: 'packet to profile, median (µs)',
     delay_p99_us: 'packet to profile, 99 % (µs)', lost_board: 'lost on the board', lost_ring: 'lost in the ring',
@@ -305,10 +315,11 @@
       text($('verdict'), newest.verdict);
       $('verdict').className = newest.verdict;
       text($('reason'), `part ${newest.part}${newest.reason ? `: ${newest.reason}` : ''}`);
+      document.querySelector('#parts .moments').hidden = !newest.moments;
       $('parts').tBodies[0].replaceChildren(...head.parts.map((part) => {
         const placed = part.placement || {};
         const worst = part.defects[0];
-        return row([String(part.part), part.verdict, String(part.defects.length),
+        return row([String(part.part), part.verdict, byMoments(part), String(part.defects.length),
           worst ? number(worst.depth_mm, 2) : '–', number(placed.length_mm, 2), number(placed.across_mm, 2),
           number(placed.turn_deg, 2)], part.verdict);
       }));

@@ -446,7 +446,7 @@ class ModbusServerTest : public ::testing::Test {
 
   static void expect_answer(Peer& controller) {
     const std::string answer = controller.receive(kAnswer);
-    EXPECT_EQ(answer.substr(0, 11), std::string({0, 7, 0, 0, 0, 45, 1, 4, 42, 0x12, 0x34}));
+    EXPECT_EQ(answer.substr(0, 11), std::string({0, 7, 0, 0, 0, 55, 1, 4, 52, 0x12, 0x34}));
     EXPECT_EQ(answer.size(), kAnswer);
   }
 
@@ -496,7 +496,7 @@ TEST_F(ModbusServerTest, RefusesWhatIsNoRequest) {
   EXPECT_EQ(answer_to(request_of(6)), std::string({0, 7, 0, 0, 0, 3, 1, '\x86', 1}));
   EXPECT_EQ(answer_to(request_of(4, 0, 0)), std::string({0, 7, 0, 0, 0, 3, 1, '\x84', 3}));
   EXPECT_EQ(answer_to(request_of(3, 0, 126)), std::string({0, 7, 0, 0, 0, 3, 1, '\x83', 3}));
-  EXPECT_EQ(answer_to(request_of(3, 20, 2)), std::string({0, 7, 0, 0, 0, 3, 1, '\x83', 2}));
+  EXPECT_EQ(answer_to(request_of(3, 25, 2)), std::string({0, 7, 0, 0, 0, 3, 1, '\x83', 2}));
   std::string request = request_of();
   request[2] = 1;  // another protocol
   EXPECT_EQ(answer_to(request), "");
