@@ -147,6 +147,12 @@ light_section::ReferenceProfile reference_of(const rig::Rig& rig, const PatternO
     curve = light_section::load_curve(rig, options.reference, options.frame);
   }
   if (options.across_mm) {
+    const light_section::MiddleRow middle(rig);
+    const double left = rig.plane_z_mm * middle.tan_beta(0) - *options.across_mm;
+    const double right = rig.plane_z_mm * middle.tan_beta(rig.camera.columns - 1) - *options.across_mm;
+    if (std::ranges::none_of(curve.y_mm, [&](double y) { return y > left && y < right; })) {
+      throw UserError("--across", fmt::format("is {} mm: there the camera does not see the part", *options.across_mm));
+    }
     curve = shifted(std::move(curve), *options.across_mm);
   }
   if (options.across_mm || options.scan.empty()) {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "host/app/commands.h"
+#include "host/app/scanner_run.h"
 #include "host/app/section_run.h"
 #include "host/cli/command_line.h"
 #include "host/files/output_file.h"
@@ -40,7 +41,7 @@ constexpr std::array<Sensor, 5> kSensors{{
 struct RowsOptions {
   SectionOptions section;
   std::optional<int> rows;
-  double range_mm = 2;
+  std::optional<double> range_mm;
   double share = 0.98;
   std::optional<double> lit_rows;
   std::optional<double> row_us;
@@ -48,6 +49,8 @@ struct RowsOptions {
   std::optional<double> rate_hz;
   std::string out;
 };
+
+constexpr double kRangeMm = 2;
 
 // The share of a frame's time in which light is collected; the rest resets the pixels.
 constexpr double kExposed = 0.9;
@@ -101,6 +104,7 @@ void run_rows(const RowsOptions& options) {
   if (options.rows) {
     sizes = {*options.rows};
   }
+  const double range_mm = options.range_mm.value_or(kRangeMm);
   std::optional<int> enough;
   std::optional<rig::RigRegion> chosen;
   int threshold = rig.measure.threshold;
@@ -119,10 +123,26 @@ void run_rows(const RowsOptions& options) {
                some ? fmt::format("{:.2f} .. {:+.2f}", choice.range.low_mm, choice.range.high_mm) : "nothing", board,
                wire, 1e6 * exposure_s, shot.threshold,
                std::isfinite(shot.noise_rows) ? fmt::format("{:.4f} mm", shot.noise_rows * mm_per_row) : "too dark");
-    if (!enough && some && choice.both_sides_mm() >= options.range_mm) {
+    if (!enough && some && choice.both_sides_mm() >= range_mm) {
       enough = rows;
     }
     if (options.rows) {
+      if (file && !some) {
+        throw UserError("--rows", fmt::format("is {}: so few measure nothing, because the line and a dark row on both "
+                                              "sides must fit in",
+                                              rows));
+      }
+      if (options.range_mm && choice.both_sides_mm() < *options.range_mm) {
+        note_doubt("--rows",
+                   fmt::format("{} measure {:.2f} mm to both sides in {:.0f} % of the columns, not {} "
+                               "(--range)",
+                               rows, std::max(0.0, choice.both_sides_mm()), 100 * options.share, *options.range_mm));
+      }
+      if (file && rate > wire) {
+        note_doubt("--rate", fmt::format("Gigabit Ethernet carries {:.0f} of {:.0f} frames a second; with `words: "
+                                         "compact` in section measure of the rig packets are shorter",
+                                         wire, rate));
+      }
       threshold = shot.threshold;
       chosen = rig::RigRegion{.row_offset = choice.first_row,
                               .rows = rows,
@@ -134,10 +154,10 @@ void run_rows(const RowsOptions& options) {
   }
   if (!options.rows) {
     fmt::print("\n{}\n", enough ? fmt::format("{} rows measure {:.2f} mm to both sides in {:.0f} % of the columns",
-                                              *enough, options.range_mm, 100 * options.share)
+                                              *enough, range_mm, 100 * options.share)
                                 : fmt::format("no number of rows measures {:.2f} mm to both sides in {:.0f} % of the "
                                               "columns",
-                                              options.range_mm, 100 * options.share));
+                                              range_mm, 100 * options.share));
   }
   const int rows = options.rows.value_or(enough.value_or(rig.camera.rows));
   fmt::print("\nFrames a second of {} rows by sensor\n", rows);
@@ -187,7 +207,7 @@ selfproj rows --rows 20 --rate 50000 --out few.yaml
   command->add_option("--range", options->range_mm, "Height over and under the reference to be measured, mm.")
       ->transform(cli::real_number(0.001, 1000))
       ->type_name("MM")
-      ->capture_default_str();
+      ->default_str(fmt::format("{}", kRangeMm));
   command->add_option("--share", options->share, "Share of the columns in which it is to be measured.")
       ->transform(cli::real_number(0.01, 1))
       ->type_name("SHARE")

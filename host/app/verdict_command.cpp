@@ -109,6 +109,19 @@ void run_table(TableOptions options) {
              facts.found_across_mm, facts.found_along_mm, facts.found_depth_mm, facts.frame_mm);
   fmt::print("noise of a column {:.4f} mm; it makes {:.2g} defects in a good part\n", facts.noise_mm,
              facts.false_alarms);
+  if (std::sqrt(tolerance.min_defect_mm2) > (model::kMaxHistory + 1.5) * facts.frame_mm) {
+    note_doubt(
+        options.tolerance,
+        fmt::format("the circuit looks at the last {} frames, {:.2f} mm of the part: a defect need not be longer, "
+                    "though the smallest one here has {:.2f} mm",
+                    model::kMaxHistory, model::kMaxHistory * facts.frame_mm, std::sqrt(tolerance.min_defect_mm2)));
+  }
+  if (!table.rule.by_encoder && rig.parts->gap_mm > 1.5 * table.rule.dark_frames * facts.frame_mm) {
+    note_doubt(options.section.rig,
+               fmt::format("parts are {} mm apart, and the circuit ends one after {} dark frames, {:.2f} mm: a hole of "
+                           "that length ends it; --start and --pitch do not look at the light",
+                           rig.parts->gap_mm, table.rule.dark_frames, table.rule.dark_frames * facts.frame_mm));
+  }
   if (!facts.finds_defect) {
     note_doubt("--defect " + options.defect, "is smaller than what is found for certain");
   }

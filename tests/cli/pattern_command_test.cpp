@@ -217,6 +217,7 @@ TEST(PatternCommand, WrongInputIsOneLine) {
   refused({"--reference", "plane.csv", "--residual", "images", "--out", "out"}, "images/a.pgm: has 1 x 2 pixels");
   refused({"--reference", "images", "--out", "out"}, "--reference: images is a finished reference; give --residual");
   refused({"--line", "3", "--across", "1", "--out", "out"}, "");
+  refused({"--reference", "plane.csv", "--across", "-500", "--out", "out"}, "--across: is -500 mm: there the camera");
 }
 
 }  // namespace
