@@ -90,7 +90,8 @@ std::string part_picture(const PartResult& result, const PlacedMaps& maps) {
 }
 
 PartFiles::PartFiles(const std::string& folder, std::uint64_t max_folders)
-    : folder_(made_folder(folder)),
+    : existed_(fs::exists(folder)),
+      folder_(made_folder(folder)),
       max_folders_(max_folders),
       lines_(open_new(folder_ / kLines)),
       table_(open_new(folder_ / kTable)) {
@@ -103,6 +104,23 @@ PartFiles::PartFiles(const std::string& folder, std::uint64_t max_folders)
   }
   const files::SignalsHeld held;  // signals are for the main thread
   thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
+}
+
+PartFiles::~PartFiles() {
+  thread_.request_stop();
+  if (thread_.joinable()) {
+    thread_.join();
+  }
+  if (used_) {
+    return;
+  }
+  std::error_code error;  // whatever cannot be removed stays
+  room_.reset();
+  fs::remove(folder_ / kLines, error);
+  fs::remove(folder_ / kTable, error);
+  if (!existed_) {
+    fs::remove(folder_, error);
+  }
 }
 
 void PartFiles::check() const {
@@ -125,6 +143,7 @@ void PartFiles::attempt(const std::function<void()>& write) {
 }
 
 void PartFiles::add(const PartResult& result, const PlacedMaps& maps) {
+  used_ = true;
   attempt([&] { append_line(lines_, folder_ / kLines, files::json_text(part_json(result)) + "\n"); });
   attempt([&] { append_line(table_, folder_ / kTable, part_csv(result)); });
   if (result.verdict == Verdict::good) {
@@ -167,6 +186,7 @@ void PartFiles::run(const std::stop_token& stop) {
 }
 
 void PartFiles::finish(const PartStatistics& statistics) {
+  used_ = true;
   thread_.request_stop();
   thread_.join();
   room_.reset();

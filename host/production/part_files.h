@@ -40,6 +40,8 @@ class PartFiles {
   PartFiles(const std::string& folder, std::uint64_t max_folders);
   PartFiles(const PartFiles&) = delete;
   PartFiles& operator=(const PartFiles&) = delete;
+  // If nothing was added and the production was not finished, nothing stays: the next run needs a new folder.
+  ~PartFiles();
 
   // A file that cannot be written is noted on standard error, the first time, and the production goes on.
   void add(const PartResult& result, const PlacedMaps& maps);
@@ -61,6 +63,8 @@ class PartFiles {
   void write_folder(const Waiting& part) const;
   void attempt(const std::function<void()>& write);
 
+  bool existed_;  // the folder did, and is empty otherwise
+  bool used_ = false;
   std::filesystem::path folder_;
   std::uint64_t max_folders_;
   files::FileDescriptor lines_;

@@ -66,6 +66,18 @@ std::vector<std::string> lines_of(const fs::path& file) {
   return lines;
 }
 
+// A device that cannot be opened leaves no folder behind, so that the command can be given again.
+TEST(PartFiles, NothingStaysOfARunThatNeverBegan) {
+  const ScratchFolder scratch;
+  fs::create_directory(scratch / "empty");
+  for (const char* const name : {"today", "empty"}) {
+    const production::PartFiles files(scratch / name, 10);
+    EXPECT_TRUE(fs::exists(scratch / name / "parts.jsonl"));
+  }
+  EXPECT_EQ(scratch.names(), std::vector<std::string>{"empty"});
+  EXPECT_TRUE(fs::is_empty(scratch / "empty"));
+}
+
 // Lines, rows and folders are whole or are left out, and go on where there is room again. The statistics are there.
 TEST(PartFiles, OnAFullDisk) {
   constexpr rlim_t kSmall = 70'000;
