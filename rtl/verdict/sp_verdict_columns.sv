@@ -7,25 +7,30 @@
 // sections. Column c has the word of column c - s; where there is none it is not judged. s is
 // shift_columns_i, d is -shift_rows_i in 1/128 rows.
 //
-// Each lane of the beat has a memory of its own with all words of the table, sorted by the lane
-// that their column has modulo 4: so no word and no moment has to change its lane, however far
-// columns are shifted.
+// Each lane of the beat has a memory of its own with the whole table, so that a word is written
+// into all four. In lane l, column c has the turn (l - c) modulo 4, which is part of its address:
+// with the shift s the lane reads the words of turn s modulo 4, one after another. So no word and
+// no moment has to change its lane, however far columns are shifted.
 //
-// Input: the payload beats of sp_column_moments or sp_column_runs, in order: four columns in mode
-// binary, two in the grey modes. start_i begins a frame, three clocks or more before its first
-// beat and two or more after the last beat of the frame wraps; bank, section, shifts and mode
-// stand still from then to done_o. break_i ends a frame early, in the clock of its last beat or
-// later. Limits are written at any time to a bank and section that is not in force.
+// Input: the payload beats of sp_column_moments or sp_column_runs, in order, before a division:
+// four columns in mode binary, two in the grey modes. start_i begins a frame, three clocks or more
+// before its first beat, and two or more after the last beat or the break of the frame before.
+// groups_i counts at start_i; bank, section, shifts and mode stand still from then to the frame's
+// last beat. break_i ends a frame before its last group is whole: it comes with or after the last
+// beat that came, and never with start_i. Limits are written at any time to a bank and section
+// that is not in force.
 //
 // Output: groups of four columns, in order, four clocks after their beat, in the grey modes after
 // the second of their two beats. The half of a group that a break cuts off does not leave.
 // done_o comes with the last group of a frame, or five clocks after its break, with whole_o = 0.
 // Nothing overflows: products have all their bits.
 //
-//   beat_valid_i  _/1\___________________
+//   clock         0   1   2   3   4   5
+//   beat_valid_i  /1\____________________
 //   table word    <w>--------------------     read ahead, when beats before it came
-//   products      ---------<p>-----------
-//   group_valid_o _____________/1\_______
+//   products      --------<p>------------
+//   compared      ------------<c>--------
+//   group_valid_o ________________/1\____
 `default_nettype none
 
 module sp_verdict_columns #(
@@ -100,7 +105,8 @@ module sp_verdict_columns #(
   logic [ColumnBits-3:0]       left_q;     // groups to come behind this one
   logic                        first_q, second_q;  // read the words of the first two groups
   logic                        read;               // read the words of a group
-  // Of the group whose words are read next, less s / 4; one before
+  // Of the group whose words are read next, less s / 4, which is rounded down; one before. Two
+  // registers, because a subtraction before the comparisons is slow.
   logic signed [PlaceBits-1:0] place_q, before_q;
   logic                        place_in, before_in;    // the table has these groups
   logic                        grey, group_end, break_q;
