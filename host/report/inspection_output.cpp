@@ -287,6 +287,10 @@ ReportData report_data(const light_section::Inspection& inspection, const Report
   if (const std::string select = images::select_text(first.measure()); !select.empty()) {
     data.subtitle += " · " + select;
   }
+  if (const auto& region = rig.camera.region) {
+    data.subtitle += fmt::format(" · rig's region: {} rows from row {}, {:.0f} fps", region->rows,
+                                 region->row_offset + 1, region->frame_rate_hz);
+  }
   data.height = inspection.height();
   data.difference = inspection.difference();
   data.y = inspection.y();

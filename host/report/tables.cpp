@@ -74,7 +74,8 @@ std::vector<double> ticks(double low, double high, int count) {
 
 std::string tick_text(double value, double step) {
   const int digits = step > 0 ? static_cast<int>(std::ceil(-std::log10(step) - 1e-6)) : 0;
-  return fmt::format("{:.{}f}", value, digits > 0 ? digits : 0);
+  const std::string text = fmt::format("{:.{}f}", value, digits > 0 ? digits : 0);
+  return text.find_first_not_of("-0.") == std::string::npos && text.front() == '-' ? text.substr(1) : text;
 }
 
 std::string moments_csv_header(model::Select select) {

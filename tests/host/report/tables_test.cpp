@@ -77,6 +77,8 @@ TEST(NumberText, Ticks) {
   }
   EXPECT_EQ(report::tick_text(0.5, 0.5), "0.5");
   EXPECT_EQ(report::tick_text(-20, 20), "-20");
+  EXPECT_EQ(report::tick_text(-1e-9, 20), "0");
+  EXPECT_EQ(report::tick_text(-1e-9, 0.01), "0.00");
   EXPECT_EQ(report::tick_text(0.02, 0.01), "0.02");
 }
 
