@@ -178,7 +178,9 @@ Tolerance parse_tolerance(const std::string& yaml, const std::string& source) {
   // The lists that FieldReader has no word for are removed first.
   const YAML::Node regions = root["regions"];
   if (!regions.IsDefined() || !regions.IsSequence() || regions.size() == 0 || regions.size() > kMaxRegions) {
-    throw UserError(source, fmt::format("regions must be a list of 1 to {} regions", kMaxRegions));
+    throw UserError(source,
+                    fmt::format("regions must be a list of 1 to {} regions, as `selfproj tolerance learn` writes them",
+                                kMaxRegions));
   }
   YAML::Node rest(YAML::NodeType::Map);
   for (const auto& entry : root) {

@@ -117,7 +117,8 @@ std::string section_text(const VerdictTable::Section& section) {
 YAML::Node list_of(const YAML::Node& node, const char* key, const std::string& source, std::size_t most) {
   const YAML::Node list = node[key];
   if (!list.IsDefined() || !list.IsSequence() || list.size() > most) {
-    throw UserError(source, fmt::format("{} must be a list of up to {} entries", key, most));
+    throw UserError(
+        source, fmt::format("{} must be a list of up to {} entries, as `selfproj verdict table` writes it", key, most));
   }
   return list;
 }
