@@ -4,9 +4,11 @@
 
 #include <array>
 #include <cstdint>
+#include <vector>
 
 #include "selfproj/model/board.h"
 #include "selfproj/model/generated/selfproj_spec.h"
+#include "selfproj/model/verdict.h"
 
 namespace selfproj::model {
 
@@ -49,6 +51,11 @@ struct RegisterAnswer {
 
   bool operator==(const RegisterAnswer&) const = default;
 };
+
+// What a host writes so that these settings count together from the next frame start on: `hold` is set first, and at
+// the end is as the settings say. Registers that not every build has are left out if they stay as in `before`, the
+// settings that were written last; after reset those are {}. `decodes`: the build has the decoder.
+std::vector<RegisterWrite> setting_writes(const BoardSettings& settings, const BoardSettings& before, bool decodes);
 
 // The model of rtl/board/sp_registers and rtl/verdict/sp_verdict_registers, without their clocks.
 class RegisterFile {

@@ -24,6 +24,7 @@ for_tests=(
   python3-dev python3-venv                   # the Python package, and what comes from PyPI
   python3-markdown-it                        # links and commands of the documents
   yosys iverilog z3                          # synthesis, lint, proofs
+  ghdl-mcode                                 # benches in VHDL
   nextpnr-ice40                              # placement (scripts/fpga.py)
   libgtest-dev libbenchmark-dev              # tests, benchmarks
   libopencv-contrib-dev                      # OpenCV's Gray decoder, for comparisons

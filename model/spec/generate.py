@@ -18,6 +18,7 @@ import hashlib
 import json
 import operator
 import pathlib
+import re
 import sys
 
 import lua_format
@@ -32,6 +33,7 @@ HEADER = HERE.parents[1] / "include" / "selfproj" / "model" / "generated" / "sel
 REGISTERS = HERE / "generated" / "register_table.h"
 DATAGRAM = HERE / "generated" / "datagram_format.h"
 PACKAGE = ROOT / "rtl" / "common" / "sp_spec_pkg.sv"
+VHDL_PACKAGE = ROOT / "rtl" / "common" / "sp_spec_pkg.vhd"
 REGISTERS_RDL = ROOT / "rtl" / "selfproj.rdl"
 DISSECTOR = ROOT / "host" / "driver" / "selfproj.lua"
 TABLES = {
@@ -425,6 +427,22 @@ def sv_package(spec):
     return "\n".join(out) + "\n"
 
 
+def vhdl_package(verilog):
+    """The constants of the SystemVerilog package in VHDL, under the same names."""
+    out = ["-- Generated from model/spec/selfproj.json by model/spec/generate.py; do not edit.",
+           "-- The constants of sp_spec_pkg.sv, for designs and benches in VHDL-2008.", "library ieee;",
+           "use ieee.std_logic_1164.all;", "", "package sp_spec_pkg is", ""]
+    pattern = r"  localparam (?:int|logic \[(\d+):0\]) (\w+) = (?:\d+'([dh]))?(\w+);"
+    for high, name, base, digits in re.findall(pattern, verilog):
+        if not base:
+            out.append(f"  constant {name} : natural := {digits};")
+        else:
+            bits = int(high) + 1
+            value = f"{int(digits, 16 if base == 'h' else 10):0{bits}b}"
+            out.append(f'  constant {name} : std_ulogic_vector({high} downto 0) := "{value}";')
+    return "\n".join([*out, "", "end package;"]) + "\n"
+
+
 def with_table(path, text, name, lines, mark="<!-- {} -->"):
     begin, end = mark.format(f"BEGIN GENERATED {name}"), mark.format(f"END GENERATED {name}")
     if text.count(begin) != 1 or text.count(end) != 1:
@@ -437,6 +455,7 @@ def with_table(path, text, name, lines, mark="<!-- {} -->"):
 def outputs(spec):
     files = {HEADER: cpp_header(spec), REGISTERS: register_table.cpp_register_table(spec),
              DATAGRAM: register_table.cpp_datagram(spec), PACKAGE: sv_package(spec)}
+    files[VHDL_PACKAGE] = vhdl_package(files[PACKAGE])
     files[REGISTERS_RDL] = system_rdl.system_rdl(spec, LINK_BASE)
     for path, names in TABLES.items():
         text = path.read_text(encoding="utf-8")

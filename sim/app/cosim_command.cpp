@@ -192,6 +192,12 @@ void add_output_options(CLI::App& command, CosimOptions& options) {
       ->default_str("the middle one; of recorded images the first ten; with a scanner four");
   command.add_option("--packets", options.packets, "File for the stream of packets, as a device delivers it.")
       ->type_name("FILE");
+  command
+      .add_option(
+          "--vectors", options.vectors,
+          "Folder for what goes into the board and comes out of it, as hexadecimal words for benches in Verilog "
+          "and VHDL.")
+      ->type_name("DIR");
 }
 
 }  // namespace

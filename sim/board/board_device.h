@@ -81,9 +81,7 @@ class BoardDevice {
   void reset() {
     beats_.clear();
     packet_.clear();
-    region_ = 0;
-    compact_ = false;
-    verdict_ = false;
+    settings_ = model::BoardSettings{};
     model_->rst_i = 1;
     model_->bus_rst_i = 1;
     model_->s_axil_awvalid = 0;
@@ -201,45 +199,16 @@ class BoardDevice {
 
   // Writes all settings. They count from the next frame start on. `hold` keeps them together, and stays if they say so.
   void write(const model::BoardSettings& settings) {
-    const std::uint32_t control =
-        (settings.run ? 1U << spec::kRegControlRunLsb : 0U) | (settings.image ? 1U << spec::kRegControlImageLsb : 0U);
-    write(spec::kRegControl, control | 1U << spec::kRegControlHoldLsb);
-    write(spec::kRegSize, static_cast<std::uint32_t>(settings.columns) << spec::kRegSizeColumnsLsb |
-                              static_cast<std::uint32_t>(settings.rows) << spec::kRegSizeRowsLsb);
-    write(spec::kRegMeasure, static_cast<std::uint32_t>(settings.threshold) << spec::kRegMeasureThresholdLsb |
-                                 static_cast<std::uint32_t>(settings.mode) << spec::kRegMeasureModeLsb |
-                                 static_cast<std::uint32_t>(settings.select) << spec::kRegMeasureSelectLsb |
-                                 static_cast<std::uint32_t>(settings.gap) << spec::kRegMeasureGapLsb |
-                                 static_cast<std::uint32_t>(settings.stream) << spec::kRegMeasureStreamLsb);
-    write(spec::kRegWindow, static_cast<std::uint32_t>(settings.window.first) << spec::kRegWindowFirstLsb |
-                                static_cast<std::uint32_t>(settings.window.last) << spec::kRegWindowLastLsb);
-    const std::uint32_t region = static_cast<std::uint32_t>(settings.region_row) << spec::kRegRegionRowLsb |
-                                 static_cast<std::uint32_t>(settings.region_column) << spec::kRegRegionColumnLsb;
-    if (region != region_) {  // 0 after reset, and always in a build without it
-      write(spec::kRegRegion, region);
-      region_ = region;
-    }
-    if (settings.compact != compact_) {  // false after reset, and always in a build without it
-      write(spec::kRegCompact, (settings.compact ? 1U : 0U) << spec::kRegCompactOnLsb);
-      compact_ = settings.compact;
-    }
-    if (settings.verdict || verdict_) {  // false after reset, and always in a build without it
-      write_verdict(settings);
-      verdict_ = settings.verdict;
-    }
-    write(spec::kRegTimeout, static_cast<std::uint32_t>(settings.timeout));
     if (!decodes_) {
       decodes_ = (read(spec::kRegCapability) >> spec::kRegCapabilityCodesLsb & 1U) != 0;
     }
-    if (*decodes_) {
-      write(spec::kRegDecode, static_cast<std::uint32_t>(settings.code_threshold) << spec::kRegDecodeThresholdLsb |
-                                  static_cast<std::uint32_t>(settings.code_bits) << spec::kRegDecodeBitsLsb |
-                                  (settings.codes ? 1U << spec::kRegDecodeCodesLsb : 0U) |
-                                  (settings.median ? 1U << spec::kRegDecodeMedianLsb : 0U));
-    } else if (settings.codes) {
+    if (settings.codes && !*decodes_) {
       throw std::runtime_error("this board has no decoder");
     }
-    write(spec::kRegControl, control | (settings.hold ? 1U << spec::kRegControlHoldLsb : 0U));
+    for (const auto& [address, data] : model::setting_writes(settings, settings_, *decodes_)) {
+      write(address, data);
+    }
+    settings_ = settings;
   }
 
   // Writes limits of a verdict, and a pulse of one count for the ejector, at once.
@@ -250,16 +219,6 @@ class BoardDevice {
     for (const auto& [address, data] : model::limits_writes(bank, sections, spec::kMaxColumns, room)) {
       write(address, data);
     }
-  }
-
-  // Writes the registers of the verdict but the limits and those of the ejector, and switches it on or off.
-  void write_verdict(const model::BoardSettings& settings) {
-    for (const auto& [address, data] : model::verdict_writes(settings.verdict_settings, settings.part_rule)) {
-      write(address, data);
-    }
-    write(spec::kRegVerdictControl,
-          model::verdict_control_word(settings.verdict, settings.verdict_hold, settings.part_rule.by_encoder,
-                                      settings.verdict_packets));
   }
 
   // Video clocks since the last reset.
@@ -450,10 +409,8 @@ class BoardDevice {
   ClockHook clock_hook_;
   BeatHook beat_hook_;
 
-  std::uint32_t region_ = 0;     // in the register, after reset and in a build without it
-  bool compact_ = false;         // likewise
-  bool verdict_ = false;         // likewise
-  std::optional<bool> decodes_;  // whether the build has the decoder; empty until asked
+  model::BoardSettings settings_;  // written since the last reset
+  std::optional<bool> decodes_;    // whether the build has the decoder; empty until asked
   model::RegisterAnswer answer_;
   bool access_done_ = true;
   bool drop_aw_ = false;

@@ -31,6 +31,7 @@
 #include "sim/board/packet_scoreboard.h"
 #include "sim/cosim/cosim_measurement.h"
 #include "sim/cosim/cosim_options.h"
+#include "sim/cosim/vector_files.h"
 #include "sim/platform/platform.h"
 #include "sim/scene/scenes.h"
 
@@ -135,12 +136,12 @@ void compare_counters(CosimResult& result, std::uint64_t misframed) {
 }
 
 // One run. The platform feeds the frames to the board. Each packet that the driver delivers is compared with the model,
-// appended to `stream`, and given to the measurement.
+// appended to `stream`, and given to the vectors and the measurement.
 class Run {
  public:
-  // `stream` and `folder` may be null.
-  Run(CosimMeasurement& measurement, std::string* stream, files::OutputFolder* folder)
-      : measurement_(measurement), stream_(stream), folder_(folder) {}
+  // `stream`, `vectors` and `folder` may be null.
+  Run(CosimMeasurement& measurement, std::string* stream, VectorFiles* vectors, files::OutputFolder* folder)
+      : measurement_(measurement), stream_(stream), vectors_(vectors), folder_(folder) {}
 
   CosimResult operator()(const PlatformOptions& options) {
     FrameSource& source = measurement_.source();
@@ -155,6 +156,9 @@ class Run {
           }
           measurement_.frame(given++, source.picture());
           progress.update(given);
+          if (vectors_ != nullptr) {
+            vectors_->frame(image->view());
+          }
           return image->view();
         },
         [&](std::span<const std::uint8_t> bytes, std::uint64_t /*time_ps*/) { receive(bytes); },
@@ -197,6 +201,9 @@ class Run {
       if (stream_ != nullptr) {
         stream_->append(reinterpret_cast<const char*>(bytes.data()), bytes.size());
       }
+      if (vectors_ != nullptr) {
+        vectors_->packet(packet);
+      }
       measurement_.packet(packet, folder_);
       device_.release();
     }
@@ -204,6 +211,7 @@ class Run {
 
   CosimMeasurement& measurement_;
   std::string* stream_;
+  VectorFiles* vectors_;
   files::OutputFolder* folder_;
   PacketScoreboard scoreboard_;
   driver::SimDevice device_;
@@ -261,7 +269,7 @@ void print_outcome(const CosimOptions& options, const CosimMeasurement& measurem
     fmt::print("{} expected packets did not arrive{}\n", result.lost,
                counted ? ", and the board counted all of them" : "");
   }
-  for (const std::string& written : {options.out, options.packets, options.trace}) {
+  for (const std::string& written : {options.out, options.packets, options.vectors, options.trace}) {
     if (!written.empty()) {
       fmt::print("→ {}\n", written);
     }
@@ -284,6 +292,10 @@ void run_cosim(const CosimOptions& options) {
   }
   const std::unique_ptr<CosimMeasurement> measurement = make_measurement(options);
   const PlatformOptions platform = platform_of(options, *measurement);
+  std::optional<VectorFiles> vectors;
+  if (!options.vectors.empty()) {
+    vectors.emplace(options.vectors, platform);
+  }
   TraceFile trace(options.trace, platform.trace_file);
   if (folder) {
     measurement->choose_pictures();
@@ -291,7 +303,8 @@ void run_cosim(const CosimOptions& options) {
 
   std::string stream;
   const auto start = std::chrono::steady_clock::now();
-  const CosimResult result = Run(*measurement, packets_file ? &stream : nullptr, folder ? &*folder : nullptr)(platform);
+  const CosimResult result = Run(*measurement, packets_file ? &stream : nullptr, vectors ? &*vectors : nullptr,
+                                 folder ? &*folder : nullptr)(platform);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 
   if (folder) {
@@ -300,6 +313,9 @@ void run_cosim(const CosimOptions& options) {
   }
   if (packets_file) {
     packets_file->write(stream);
+  }
+  if (vectors) {
+    vectors->commit();
   }
   trace.commit();
   keep_results(options, *measurement, result);

@@ -33,6 +33,7 @@ struct CosimOptions {
   std::string out = {};                    // folder; empty: only compare
   std::vector<std::size_t> pictures = {};  // frames of the run to show, from 1; empty: a choice
   std::string packets = {};                // file for the stream of packets; empty: none
+  std::string vectors = {};                // folder for the vectors (vector_files.h); empty: none
 
   // For method light_section:
   std::string perturbed_rig = {};  // the rig that takes the images; empty: `rig`

@@ -1,0 +1,109 @@
+#include "sim/cosim/vector_files.h"
+
+#include <fmt/format.h>
+
+#include <cstddef>
+#include <iterator>
+#include <string>
+#include <vector>
+
+#include "model/register_file.h"
+#include "selfproj/model/column_runs.h"
+#include "selfproj/model/generated/selfproj_spec.h"
+#include "selfproj/model/little_endian.h"
+#include "selfproj/model/packet_payload.h"
+#include "selfproj/model/verdict.h"
+
+namespace selfproj::sim {
+namespace {
+
+constexpr const char* kRegisters = "registers.hex";
+constexpr const char* kCamera = "camera.hex";
+constexpr const char* kPackets = "packets.hex";
+constexpr const char* kColumns = "columns.hex";
+
+// Idle clocks after the last write, in which it comes into force.
+constexpr std::uint64_t kAfterWrites = 64;
+
+std::vector<model::RegisterWrite> writes_of(const PlatformOptions& options) {
+  const model::BoardSettings& settings = options.settings;
+  std::vector<model::RegisterWrite> writes;
+  if (!options.limits.empty()) {
+    const auto sections = static_cast<int>(options.limits.size()) + 1;
+    writes = model::limits_writes(settings.verdict_settings.bank, options.limits, spec::kMaxColumns, sections);
+  }
+  if (options.patterns > 1) {
+    writes.push_back({spec::kRegTriggerControl,
+                      1U << spec::kRegTriggerControlOnFrameLsb | static_cast<std::uint32_t>(options.patterns - 1)
+                                                                     << spec::kRegTriggerControlLastPatternLsb});
+  }
+  for (const model::RegisterWrite& write : model::setting_writes(settings, {}, settings.codes)) {
+    writes.push_back(write);
+  }
+  return writes;
+}
+
+}  // namespace
+
+VectorFiles::VectorFiles(const std::string& folder, const PlatformOptions& options)
+    : folder_(folder),
+      timing_(camera_timing(options.settings.rows, options.settings.columns, options.frame_rate_hz,
+                            options.pixel_clock_hz)),
+      idle_(kAfterWrites) {
+  std::string text = "// writes at the AXI4-Lite port: address, data\n";
+  for (const auto& [address, data] : writes_of(options)) {
+    fmt::format_to(std::back_inserter(text), "{:02x}{:08x}\n", address, data);
+  }
+  folder_.append(kRegisters, text);
+  folder_.append(kCamera, "// beats: idle clocks before it, flags (1: frame start, 2: line end), 4 pixels\n");
+  folder_.append(kPackets, "// beats: 1 if the last of a packet, 128 bits of data\n");
+  folder_.append(kColumns, "// columns: m0, m1\n");
+}
+
+void VectorFiles::frame(const model::ImageView& image) {
+  std::string text;
+  const std::uint64_t beats = timing_.beats_a_line();
+  for (int row = 0; row < image.rows; ++row) {
+    const std::uint8_t* pixels = image.pixels + row * image.stride;
+    for (std::uint64_t beat = 0; beat < beats; ++beat) {
+      const unsigned flags = (row == 0 && beat == 0 ? 1U : 0U) | (beat == beats - 1 ? 2U : 0U);
+      fmt::format_to(std::back_inserter(text), "{:08x}{:02x}{:08x}\n", beat == 0 ? idle_ : 0, flags,
+                     model::load_little_endian<std::uint32_t>(pixels + spec::kPixelsPerBeat * beat));
+    }
+    idle_ = timing_.line_clocks - beats;
+  }
+  idle_ += timing_.frame_clocks - static_cast<std::uint64_t>(image.rows) * timing_.line_clocks;
+  folder_.append(kCamera, text);
+}
+
+void VectorFiles::packet(const model::PacketView& packet) {
+  std::string text;
+  const std::span<const std::uint8_t> bytes = packet.bytes();
+  for (std::size_t at = 0; at < bytes.size(); at += spec::kPacketBeatBytes) {
+    fmt::format_to(std::back_inserter(text), "{:02x}{:016x}{:016x}\n",
+                   at + spec::kPacketBeatBytes == bytes.size() ? 1 : 0,
+                   model::load_little_endian<std::uint64_t>(bytes.data() + at + 8),
+                   model::load_little_endian<std::uint64_t>(bytes.data() + at));
+  }
+  folder_.append(kPackets, text);
+
+  const model::PacketHeader& header = packet.header;
+  if (!model::has_columns(header.kind) || packet.payload.empty()) {
+    return;
+  }
+  const model::Measure measure = model::measure_of(header);
+  model::Runs columns;
+  columns.resize(measure.select, header.columns);
+  if (header.kind == spec::kKindCompact) {
+    model::unpack_compact(measure.select, header.columns, packet.payload.data(), columns.view());
+  } else {
+    model::unpack_columns(measure.select, measure.mode, header.columns, packet.payload.data(), columns.view());
+  }
+  text.clear();
+  for (std::size_t i = 0; i < header.columns; ++i) {
+    fmt::format_to(std::back_inserter(text), "{:08x}{:08x}\n", columns.moments.m0[i], columns.moments.m1[i]);
+  }
+  folder_.append(kColumns, text);
+}
+
+}  // namespace selfproj::sim

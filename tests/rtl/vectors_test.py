@@ -1,0 +1,85 @@
+"""The vectors of a co-simulation, played through the circuits in Icarus and to a design in VHDL in GHDL.
+
+    vectors_test.py SELFPROJ-SIM [--vhdl]
+
+Without --vhdl `cosim --vectors` writes what the model computes, and the RTL must send it; --vhdl compares what a
+design behind the board reads (status 77: there is no GHDL). A changed word must be found in both.
+"""
+
+import pathlib
+import shutil
+import subprocess
+import sys
+import tempfile
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "scripts"))
+from lib import rtl_tree  # noqa: E402
+
+EXAMPLE = ROOT / "tests" / "rtl" / "example"
+SKIPPED = 77
+
+
+def run(folder, *words):
+    done = subprocess.run(words, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False)
+    return done.returncode, done.stdout
+
+
+def must(folder, *words):
+    status, out = run(folder, *words)
+    if status:
+        sys.exit(f"{' '.join(map(str, words))}: status {status}\n{out}")
+    return out
+
+
+def change(path, word):
+    """Changes bit 7 of a word, counted from 0: a pixel becomes lit, or a moment another."""
+    lines = path.read_text(encoding="ascii").splitlines(keepends=True)
+    old = lines[word + 1].rstrip()  # behind the comment
+    lines[word + 1] = f"{int(old, 16) ^ 0x80:0{len(old)}x}\n"
+    path.write_text("".join(lines), encoding="ascii")
+
+
+def vectors(folder, program, mode):
+    must(folder, program, "cosim", "--frames", "frames/*.png", "--roi", "64x16+200+40", "--threshold", "60",
+         "--mode", mode, "--engine", "model", "--vectors", mode)
+
+
+def circuits(folder):
+    must(folder, "iverilog", "-g2012", "-o", "vectors", "-s", "vectors_tb",
+         *map(str, rtl_tree.sources_of("sp_board")), str(EXAMPLE / "camera_to_dma.sv"), str(EXAMPLE / "vectors_tb.sv"))
+    return lambda mode: run(folder, "vvp", "-n", "vectors", f"+vectors={mode}")
+
+
+def vhdl(folder):
+    if shutil.which("ghdl") is None:
+        print("skipped: there is no GHDL (scripts/setup.sh tests)")
+        sys.exit(SKIPPED)
+    must(folder, "ghdl", "-a", "--std=08", str(ROOT / "rtl" / "common" / "sp_spec_pkg.vhd"),
+         str(EXAMPLE / "column_reader.vhd"), str(EXAMPLE / "column_reader_tb.vhd"))
+    return lambda mode: run(folder, "ghdl", "--elab-run", "--std=08", "column_reader_tb", f"-gFOLDER={mode}")
+
+
+def main():
+    program, with_vhdl = sys.argv[1], "--vhdl" in sys.argv
+    with tempfile.TemporaryDirectory() as name:
+        folder = pathlib.Path(name)
+        must(folder, program, "scene", "render", "stairs", "--count", "2", "--out", "frames")
+        bench = vhdl(folder) if with_vhdl else circuits(folder)
+        wanted = "128 columns in 2 packets" if with_vhdl else "2 packets"
+        for mode in ("binary", "grey"):
+            vectors(folder, program, mode)
+            status, out = bench(mode)
+            if status or f"{wanted} as expected" not in out:
+                sys.exit(f"{mode}: status {status}\n{out}")
+        for file in ("packets.hex", "columns.hex") if with_vhdl else ("camera.hex",):
+            vectors(folder, program, "binary")
+            change(folder / "binary" / file, 10)
+            status, out = bench("binary")
+            if status == 0:
+                sys.exit(f"a changed word of {file} was not found\n{out}")
+    print("as expected")
+
+
+if __name__ == "__main__":
+    main()
