@@ -86,7 +86,7 @@ class WholeCodes {
     std::vector<std::uint16_t> words(depth.values.size(), 0);
     for (std::size_t i = 0; i < words.size(); ++i) {
       const structured_light::Point3f p = triangulation.point(i, depth.values[i]);
-      const cv::Matx<double, 2, 1> line = matrix_ * cv::Vec4d(p.x, p.y, p.z, 1);
+      const cv::Matx<double, 2, 1> line = matrix_ * cv::Vec4d(cv::Vec4f(p.x, p.y, p.z, 1));
       const double code = line(0) / line(1);
       if (code >= 0 && code < 1 << kGrayBits) {  // not if NaN
         words[i] = static_cast<std::uint16_t>(static_cast<int>(code) | model::GrayDecoder::kMeasurable);

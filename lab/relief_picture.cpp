@@ -99,7 +99,7 @@ class Corners {
     double high_y = -low_x;
     for (int r = 0; r < map.rows; ++r) {
       for (int c = 0; c < map.columns; ++c) {
-        const double value = map.row(r)[c];
+        const auto value = static_cast<double>(map.row(r)[c]);
         seen_.push_back(view(r * pitch.row_mm, c * pitch.column_mm, exaggeration * value));
         if (!std::isnan(value)) {
           low_x = std::min(low_x, seen_.back().x), high_x = std::max(high_x, seen_.back().x);
@@ -140,10 +140,10 @@ std::string relief_png(const images::FloatImage& map, const report::MapScale& sc
   Canvas canvas(corners.height(), kWidth);
   for (int r = 0; r + 1 < map.rows; ++r) {
     for (int c = 0; c + 1 < map.columns; ++c) {
-      const double z = map.row(r)[c];
-      const double right = map.row(r)[c + 1];
-      const double below = map.row(r + 1)[c];
-      const double across = map.row(r + 1)[c + 1];
+      const auto z = static_cast<double>(map.row(r)[c]);
+      const auto right = static_cast<double>(map.row(r)[c + 1]);
+      const auto below = static_cast<double>(map.row(r + 1)[c]);
+      const auto across = static_cast<double>(map.row(r + 1)[c + 1]);
       if (std::isnan(z + right + below + across)) {
         continue;
       }
@@ -172,7 +172,8 @@ std::string strip_png(const std::vector<images::FloatImage>& maps, const report:
     for (int r = 0; r < rows; ++r) {
       for (int c = 0; c < columns; ++c) {
         const float value = maps[i].row(r * step)[c * step];
-        picture(top + r, left + c) = std::isnan(value) ? Pixel(200, 200, 200) : pixel_of(scale, value, 1);
+        picture(top + r, left + c) =
+            std::isnan(value) ? Pixel(200, 200, 200) : pixel_of(scale, static_cast<double>(value), 1);
       }
     }
   }

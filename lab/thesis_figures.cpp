@@ -140,8 +140,8 @@ Mountain::Way measured_frame(const sim::LightSection& setup, const sim::LineRend
   double low = std::numeric_limits<double>::infinity();
   double high = -low;
   for (std::size_t c = 0; c < profile.z.size(); ++c) {
-    way.centroid.push_back(profile.centroid[c]);
-    way.y.push_back(profile.y[c]);
+    way.centroid.push_back(static_cast<double>(profile.centroid[c]));
+    way.y.push_back(static_cast<double>(profile.y[c]));
     way.height.push_back(rig.plane_z_mm - static_cast<double>(profile.z[c]));
     if (profile.validity[c] == static_cast<std::uint8_t>(light_section::Validity::valid)) {
       low = std::min(low, way.centroid.back());
@@ -208,7 +208,7 @@ ThesisFigure pattern_figure(const std::string& number, const std::string& of, co
     double light = 0;
     double moment = 0;
     for (int r = 0; r < pattern.rows; ++r) {
-      const double value = pattern.row(r)[c];
+      const auto value = static_cast<double>(pattern.row(r)[c]);
       light += value;
       moment += r * value;
     }

@@ -51,11 +51,10 @@ void ReplayModel::begin(std::uint16_t session) {
 }
 
 bool ReplayModel::fits(const ReplayHeader& header) const {
-  constexpr int kBeat = spec::kPixelsPerBeat;
-  const bool size = header.columns != 0 && header.columns % kBeat == 0 && header.columns <= size_.columns &&
+  const bool size = header.columns != 0 && header.columns % spec::kPixelsPerBeat == 0 && header.columns <= size_.columns &&
                     header.rows != 0 && header.rows <= size_.rows;
   const std::uint64_t end = std::uint64_t{header.offset} + header.length;
-  return size && header.length != 0 && header.length % kBeat == 0 && header.offset % kBeat == 0 &&
+  return size && header.length != 0 && header.length % spec::kPixelsPerBeat == 0 && header.offset % spec::kPixelsPerBeat == 0 &&
          end <= std::uint64_t{header.columns} * header.rows;
 }
 

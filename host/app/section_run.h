@@ -94,10 +94,9 @@ std::string delay_text(const driver::DurationHistogram& delay);
 // Computes the profiles of packets, and counts what becomes of these.
 class SectionRun {
  public:
-  // Rig and profiler must outlive it. `select` is what the board must have selected; nothing: whatever comes.
-  SectionRun(const rig::Rig& rig, const light_section::DifferentialProfiler& profiler,
-             std::optional<model::Select> select = {})
-      : rig_(rig), profiler_(profiler), select_(select) {}
+  // The profiler must outlive it. `select` is what the board must have selected; nothing: whatever comes.
+  explicit SectionRun(const light_section::DifferentialProfiler& profiler, std::optional<model::Select> select = {})
+      : profiler_(profiler), select_(select) {}
 
   // Computes the newest packet of the device. Returns false if it gives no profile. Throws UserError if the device
   // sends frames of another rig, or measured otherwise than `select` or the reference says, from the first on.
@@ -114,7 +113,6 @@ class SectionRun {
   bool is_usable(const model::PacketView& packet, const std::string& uri);
   void count(const model::PacketHeader& header, const light_section::ProfileView& made, std::int64_t arrival_ns);
 
-  const rig::Rig& rig_;
   const light_section::DifferentialProfiler& profiler_;
   std::optional<model::Select> select_;
   SectionCounts counts_;

@@ -297,7 +297,7 @@ std::string fault_of_scale(const DrawnScale& drawn, double distance_mm, double f
 }
 
 BeltReport belt_report(const Plates& plates, BundleResult& result) {
-  constexpr double kDegrees = 180 / std::numbers::pi;
+  constexpr double kDegreesARadian = 180 / std::numbers::pi;
   Bundle& found = result.bundle;
   const double unit = plates.unit(found.belt);
   const double unit_sd = plates.scale_deviation * result.scale_deviation;
@@ -322,7 +322,7 @@ BeltReport belt_report(const Plates& plates, BundleResult& result) {
   report.way = unit * cv::norm(found.belt.way);
   report.squares = unit;
   report.squares_sd = unit_sd;
-  report.lean_deg_sd = kDegrees * result.lean_deviation;
+  report.lean_deg_sd = kDegreesARadian * result.lean_deviation;
   return report;
 }
 

@@ -115,7 +115,7 @@ Settle measure_settle(Shots& shots, const WhiteAndBlack& levels, const std::stri
 }
 
 ExposureCheck check_exposure(const WhiteAndBlack& levels) {
-  constexpr int kLit = 10;
+  constexpr int kLitAbove = 10;
   constexpr double kMaxSaturated = 0.005;
   constexpr int kShort = 150;
   constexpr double kWanted = 220;
@@ -126,7 +126,7 @@ ExposureCheck check_exposure(const WhiteAndBlack& levels) {
   for (std::size_t i = 0; i < pixels; ++i) {
     const int white = levels.white.pixels[i];
     saturated += white == 255 ? 1 : 0;
-    if (white - levels.black.pixels[i] >= kLit) {
+    if (white - levels.black.pixels[i] >= kLitAbove) {
       ++lit[static_cast<std::size_t>(white)];
       ++lit_count;
     }

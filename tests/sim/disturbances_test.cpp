@@ -350,7 +350,7 @@ TEST(FixedPattern, IsThatOfEmva1288) {
 
 // The number of defects has the mean and the deviation of a binomial distribution.
 TEST(DefectPixels, AreAsManyAsTheirShare) {
-  constexpr double kPixels = 96 * 512;
+  constexpr std::size_t kPixels = 96 * 512;
   double hot = 0;
   double squares = 0;
   constexpr int kCameras = 200;
@@ -358,14 +358,15 @@ TEST(DefectPixels, AreAsManyAsTheirShare) {
     const sim::DefectMap map({.hot = 1e-3, .dead = 5e-4, .min_hot_grey = 100}, kPixels,
                              static_cast<std::uint64_t>(camera));
     hot += static_cast<double>(map.hot());
-    squares += std::pow(static_cast<double>(map.hot()) - 1e-3 * kPixels, 2);
+    squares += std::pow(static_cast<double>(map.hot()) - 1e-3 * static_cast<double>(kPixels), 2);
     std::vector<float> image(kPixels, 8.0F);
     map.apply(2, image);
     EXPECT_EQ(std::count(image.begin(), image.end(), 2.0F), static_cast<std::ptrdiff_t>(map.dead()));
     EXPECT_EQ(std::count_if(image.begin(), image.end(), [](float v) { return v >= 108 && v <= 263; }),
               static_cast<std::ptrdiff_t>(map.hot()));
   }
-  EXPECT_NEAR(hot / kCameras, 1e-3 * kPixels, 5 * std::sqrt(1e-3 * kPixels / kCameras));
+  EXPECT_NEAR(hot / kCameras, 1e-3 * static_cast<double>(kPixels),
+              5 * std::sqrt(1e-3 * static_cast<double>(kPixels) / kCameras));
   EXPECT_NEAR(squares / kCameras / (1e-3 * kPixels), 1, 5 * std::sqrt(2.0 / kCameras));
 }
 
