@@ -93,6 +93,17 @@ double at_least(int hits, int of, double probability) {
 
 double beyond(double distance, double sigma) { return 0.5 * std::erfc(distance / (sigma * std::sqrt(2.0))); }
 
+// Standard deviations by which the mean of `count` values must be beyond a limit, so that all are beyond it 999 times
+// in 1000.
+double deviations_of_all(int count) {
+  constexpr double kMissed = 1e-3;
+  double deviations = 0;
+  while (count * beyond(deviations, 1) > kMissed) {
+    deviations += 0.01;
+  }
+  return deviations;
+}
+
 }  // namespace
 
 int VerdictTable::judged() const {
@@ -661,8 +672,9 @@ VerdictFacts VerdictTables::facts(const VerdictTable& table) const {
   facts.rounding_mm = std::abs(row_mm_) / kParts;
   facts.found_across_mm = (table.settings.width + 1) * std::abs(column_mm_);
   facts.found_along_mm = (table.settings.hits + 1) * frame_mm_;
-  facts.found_depth_mm = 2 * facts.widest_mm;
   facts.noise_mm = noise_rows() * std::abs(row_mm_);
+  facts.found_depth_mm =
+      2 * facts.widest_mm + deviations_of_all(table.settings.width * table.settings.hits) * facts.noise_mm;
   facts.false_alarms = false_alarms(table);
   facts.finds_defect = facts.found_across_mm <= options_.defect_across_mm.value_or(facts.found_across_mm) &&
                        facts.found_along_mm <= options_.defect_along_mm.value_or(facts.found_along_mm);

@@ -79,7 +79,7 @@ struct VerdictFacts {
   double narrowest_mm = 0;     // of all judged columns, half the least and half the greatest band
   double widest_mm = 0;        //
   double rounding_mm = 0;      // limits are further off than the tolerance says by up to this: one part of a row
-  double found_across_mm = 0;  // whatever has this extent and is off by found_depth_mm is found
+  double found_across_mm = 0;  // whatever has this extent and is off by found_depth_mm is found 999 times in 1000
   double found_along_mm = 0;
   double found_depth_mm = 0;
   double noise_mm = 0;       // standard deviation of a column's height by the rig's section `imaging`

@@ -39,6 +39,7 @@
 #include "sim/scene/planted_part.h"
 #include "sim/scene/projected_light.h"
 #include "sim/scene/random.h"
+#include "sim/scene/region.h"
 #include "sim/scene/renderer.h"
 #include "sim/scene/targets.h"
 #include "sim/scene/virtual_capture.h"
@@ -163,16 +164,16 @@ class Line {
 };
 
 rig::Rig rig_of_moving_parts(rig::Rig rig, const ProductionOptions& options) {
-  if (rig.camera.region) {
-    throw UserError("--rig " + options.rig, "has a region (camera.region); the simulated line sends whole images");
-  }
   // The rig is the simulation's truth: nothing of it remains to be measured or corrected.
   rig.sources.reset();
   rig.heights.reset();
   constexpr double kMostExposed = 0.9;  // of the time from frame to frame
   rig.name = "line";
-  rig.camera.frame_rate_hz = options.rate;
-  rig.camera.exposure_s = std::min(rig.camera.exposure_s, kMostExposed / options.rate);
+  // The whole sensor of a camera with a region scans, and is not at work here.
+  double& rate = rig.camera.region ? rig.camera.region->frame_rate_hz : rig.camera.frame_rate_hz;
+  double& exposure = rig.camera.region ? rig.camera.region->exposure_s : rig.camera.exposure_s;
+  rate = options.rate;
+  exposure = std::min(exposure, kMostExposed / options.rate);
   rig.conveyor.speed_mm_per_s = kStep * options.rate;
   rig.parts = rig::RigParts{.cut = rig::PartCut::profile,
                             .by_encoder = options.belt == "encoder",
@@ -313,6 +314,7 @@ class MovingLine final : public Line {
     const auto count =
         static_cast<int>(std::ceil((PlantedPart::kLength + kBefore + kBehind + light_.last - light_.first) / kStep));
     const rig::RigCamera& camera = rig().camera;
+    const rig::RigRegion sent = camera.sent();
     const model::Measure measure = rig().measure.of_board();
     const double counts_per_frame = kStep / rig().conveyor.encoder_mm_per_count;
     std::vector<std::vector<std::vector<std::uint8_t>>> payloads(parts.size());
@@ -321,17 +323,22 @@ class MovingLine final : public Line {
       const auto at = static_cast<std::size_t>(i);
       PerturbedRig actual(rig());
       actual.rig.imaging.seed = parts[at].noise;
+      expose_as_sent(camera, actual.rig);
+      actual.rig.camera.frame_rate_hz = sent.frame_rate_hz;
       const PlantedPart scene(actual.rig, parts[at].pose, parts[at].defects);
       const LineRenderer renderer(actual, scene, pattern_);
-      images::Image image{camera.rows, camera.columns, std::vector<std::uint8_t>(camera.pixels())};
+      std::vector<std::uint8_t> sensor(camera.pixels());
+      images::Image image{sent.rows, sent.columns,
+                          std::vector<std::uint8_t>(static_cast<std::size_t>(sent.rows * sent.columns))};
       model::Runs runs;
-      runs.resize(measure.select, camera.columns);
+      runs.resize(measure.select, sent.columns);
       for (int frame = 0; frame < count; ++frame) {
-        renderer.render(first + frame, std::span(image.pixels));
+        renderer.render(first + frame, std::span(sensor));
+        crop_as_sent<std::uint8_t>(camera, sensor, image.pixels);
         light_section::fast_measure_columns(image.view(), measure, runs.view());
         std::vector<std::uint8_t>& payload =
-            payloads[at].emplace_back(model::moments_payload_bytes(measure.mode, camera.columns));
-        model::pack_columns(measure.select, measure.mode, camera.columns, runs.view(), payload.data());
+            payloads[at].emplace_back(model::moments_payload_bytes(measure.mode, sent.columns));
+        model::pack_columns(measure.select, measure.mode, sent.columns, runs.view(), payload.data());
         if (take_image) {
           const std::lock_guard lock(mutex);
           take_image(at * static_cast<std::size_t>(count) + static_cast<std::size_t>(frame), image);
@@ -344,7 +351,9 @@ class MovingLine final : public Line {
     std::vector<std::uint8_t> packet;
     model::PacketHeader header;
     header.kind = spec::kKindMoments;
-    model::describe_frame(header, camera.rows, camera.columns, measure);
+    model::describe_frame(header, sent.rows, sent.columns, measure);
+    header.region_row = static_cast<std::uint16_t>(camera.region_row());
+    header.region_column = static_cast<std::uint16_t>(camera.region_column());
     for (const auto& of_part : payloads) {
       for (const std::vector<std::uint8_t>& payload : of_part) {
         header.encoder =
@@ -542,7 +551,8 @@ void add_production_command(CLI::App& app) {
        .details =
            "Parts with two treads pass under the camera of a light section, 0.25 mm from frame to frame, each a little "
            "shifted and turned. A bad part has one dent or bump, 2.5 to 5 mm wide and 0.4 to 1 mm deep. With a rig of "
-           "kind scanner the parts are five times larger, and stand still under the stripes of the good part.\n\n"
+           "kind scanner the parts are five times larger, and stand still under the stripes of the good part. A camera "
+           "with a region (`selfproj rows`) sends only that, with the region's exposure.\n\n"
            "The output folder, which must be new, gets\n"
            "- rig.yaml: the rig, with the section `parts`\n"
            "- part/ (of a scanner stripes/): the reference and its patterns, as `selfproj pattern` writes them; of a "

@@ -255,6 +255,36 @@ TEST_F(ProductionCommand, ImagesOfARegionAreMeasured) {
       << wrong.err;
 }
 
+// From whole images to few rows at their rate and light, and to verdicts by heights and by moments: docs/few-rows.md.
+TEST_F(ProductionCommand, FewRowsAreJudged) {
+  ASSERT_EQ(sim({"production", "--good", "1", "--parts", "1", "--out", "whole"}).status, 0);
+  const Outcome rows = host({"rows", "--rig", "whole/rig.yaml", "--reference", "whole/part", "--rows", "24", "--rate",
+                             "40000", "--out", "fast.yaml"});
+  ASSERT_EQ(rows.status, 0) << rows.err;
+  const Outcome made = sim({"production", "--rig", "fast.yaml", "--rate", "40000", "--good", "5", "--parts", "4",
+                            "--bad-every", "2", "--seed", "8", "--out", "line"});
+  ASSERT_EQ(made.status, 0) << made.err;
+  const rig::Rig rig = rig::load_rig((folder_ / "line/rig.yaml").string());
+  EXPECT_EQ(rig.camera.sent().rows, 24);
+  EXPECT_EQ(rig.camera.sent().frame_rate_hz, 40000);
+  EXPECT_LT(rig.camera.sent().exposure_s, 0.3 * rig.camera.exposure_s);
+
+  const Words of = {"--rig", "line/rig.yaml", "--reference", "line/part"};
+  const Outcome learned =
+      host(with({"tolerance", "learn", "--device", "file:line/good.packets", "--out", "tolerance.yaml"}, of));
+  ASSERT_EQ(learned.status, 0) << learned.err;
+  const Outcome table =
+      host(with({"verdict", "table", "--tolerance", "tolerance.yaml", "--defect", "2x2", "--out", "verdict.yaml"}, of));
+  ASSERT_EQ(table.status, 0) << table.err;
+  const Outcome run = host(with({"inspect", "--device", "file:line/run.packets", "--tolerance", "tolerance.yaml",
+                                 "--verdict", "verdict.yaml", "--verdict-placed", "--parts", "judged"},
+                                of));
+  ASSERT_EQ(run.status, 0) << run.err;
+  EXPECT_EQ(agrees("line", "judged", 1, 0.1), 2);
+  EXPECT_NE(run.out.find("by moments 2 of 4 parts have a defect"), std::string::npos) << run.out;
+  EXPECT_NE(run.out.find("as by heights 4, more 0, less 0"), std::string::npos) << run.out;
+}
+
 // Every command that gives millimetres refuses them from a value that was never measured, of either kind of rig, unless
 // it is told to take it.
 TEST_F(ProductionCommand, NothingThatWasNeverMeasuredGivesMillimetres) {

@@ -280,6 +280,11 @@ TEST(VerdictTables, SettingsFollowTheDefect) {
   EXPECT_EQ(usual.hits, 6);
   EXPECT_EQ(usual.history, 6);
   EXPECT_TRUE(usual.above && usual.below);
+  // One of 12 values is beyond 3.77 deviations once in 1000 times.
+  const VerdictTables tables(setup.rig, setup.reference, setup.tolerance, options, "t");
+  const production::VerdictFacts facts = tables.facts(tables.table());
+  EXPECT_GT(facts.noise_mm, 0);
+  EXPECT_NEAR((facts.found_depth_mm - 2 * facts.widest_mm) / facts.noise_mm, 3.77, 0.02);
   options.defect_across_mm = 0.5;
   options.defect_along_mm = 0.5;
   options.look_for = production::TooFar::high;
