@@ -114,8 +114,9 @@ TEST_F(Cosim, MarksShowInTheDifference) {
   ASSERT_EQ(difference.rows, 20);
   ASSERT_EQ(difference.columns, 512);
   const auto share = [](const images::FloatImage& image, double low, double high) {
-    const auto inside = std::count_if(image.values.begin(), image.values.end(),
-                                      [&](float value) { return double{value} > low && double{value} < high; });
+    const auto inside = std::count_if(image.values.begin(), image.values.end(), [&](float value) {
+      return static_cast<double>(value) > low && static_cast<double>(value) < high;
+    });
     return static_cast<double>(inside) / static_cast<double>(image.values.size());
   };
   EXPECT_GT(share(difference, -1.1, -0.9), 0.05);
@@ -191,7 +192,7 @@ TEST_F(Cosim, ResidualTakesOutAWrongRig) {
     std::size_t count = 0;
     for (const float value : images::read_float_tiff(folder_ / "out/difference.tiff").values) {
       if (!std::isnan(value)) {
-        square += double{value} * double{value};
+        square += static_cast<double>(value) * static_cast<double>(value);
         ++count;
       }
     }
@@ -275,7 +276,7 @@ TEST_F(Cosim, RecordedImagesWithARig) {
   const images::FloatImage height = images::read_float_tiff(folder_ / "out/height.tiff");
   ASSERT_EQ(height.columns, 512);
   EXPECT_TRUE(std::all_of(height.values.begin(), height.values.end(),
-                          [](float value) { return std::abs(double{value}) < 0.1; }));
+                          [](float value) { return std::abs(static_cast<double>(value)) < 0.1; }));
 }
 
 // The circuits take groups of four columns, so images of other widths get dark columns at the right.

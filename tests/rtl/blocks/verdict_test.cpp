@@ -28,8 +28,8 @@ constexpr int kVerdictDelay = 15;  // from the last beat of a frame
 constexpr int kBreakDelay = 16;    // from its break
 constexpr int kFirstBeat = 3;      // least clocks from start_o
 
-template <typename Port>
-void set(Port& port, int value) {
+template <typename Port, typename Value>
+void set(Port& port, Value value) {
   port = static_cast<Port>(value);
 }
 
@@ -228,8 +228,8 @@ class VerdictBench {
     dut_->write_bank_i = bank != 0;
     set(dut_->write_section_i, section);
     set(dut_->write_column_i, column);
-    dut_->write_limits_word_i = (static_cast<std::uint64_t>(limits.judged) << 2 * limit_bits) |
-                                (static_cast<std::uint64_t>(limits.high) << limit_bits) | limits.low;
+    set(dut_->write_limits_word_i, (static_cast<std::uint64_t>(limits.judged) << 2 * limit_bits) |
+                                       (static_cast<std::uint64_t>(limits.high) << limit_bits) | limits.low);
     clock();
     dut_->write_limits_i = 0;
   }
