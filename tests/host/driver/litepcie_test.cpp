@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cerrno>
 #include <chrono>
@@ -112,6 +113,40 @@ TEST(LitePcieDevice, TheDmaHasComeRound) {
   reading.read(*device);
   EXPECT_EQ(reading.newest, 314U);
   EXPECT_EQ(device->counters().missing, counters.missing);
+}
+
+// The DMA is in the middle of a buffer, and so many are finished that the reader has not seen: all of them come, or the
+// oldest are lost and counted. None is read while it is written over.
+TEST(LitePcieDevice, BehindByAnyNumberOfBuffers) {
+  constexpr std::size_t kBuffers = 8;
+  constexpr std::size_t kBytes = 1024;
+  constexpr std::uint64_t kPackets = 200;  // 40 buffers
+  const std::vector<std::uint8_t> stream = moments_stream(0, kPackets);
+  for (std::size_t behind = 0; behind <= 2 * kBuffers; ++behind) {
+    for (const std::size_t place : {std::size_t{0}, std::size_t{208}, kBytes / 2, kBytes - 16}) {
+      SCOPED_TRACE(std::to_string(behind) + " buffers and " + std::to_string(place) + " bytes");
+      LitePciePlayer player(kBuffers, kBytes);
+      const std::unique_ptr<driver::Device> device = open(player);
+      const std::span<const std::uint8_t> all(stream);
+      const std::size_t first = behind * kBytes + place;
+      ASSERT_TRUE(player.write(all.first(first)));
+      Reading reading;
+      reading.read(*device);
+      for (std::size_t at = first; at < all.size(); at += kBytes) {  // from here on the reader keeps up
+        ASSERT_TRUE(player.write(all.subspan(at, std::min(kBytes, all.size() - at))));
+        reading.read(*device);
+      }
+      player.fill();
+      reading.read(*device);
+      const driver::Counters counters = device->counters();
+      const bool lost = behind >= kBuffers;
+      EXPECT_EQ(counters.bad, 0U);
+      EXPECT_EQ(counters.read_errors, lost ? 1U : 0U);
+      EXPECT_EQ(counters.missing > 0 || counters.delivered < kPackets, lost);
+      EXPECT_EQ(reading.newest, kPackets - 1);
+      ASSERT_FALSE(HasFailure());
+    }
+  }
 }
 
 TEST(LitePcieDevice, TheDmaComesRoundDuringTheCopy) {

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "host/driver/control.h"
@@ -35,13 +36,15 @@ model::ImageView view(const model::ReplayFrame& frame) {
   return {frame.pixels.data(), frame.rows, frame.columns, frame.columns};
 }
 
-// Every frame arrives once, as it was sent, and in order, whatever the network does.
+// Every frame arrives once, as it was sent, and in order, whatever the network does. Then the board shows again what it
+// showed before.
 TEST(ReplaySender, EveryFrameThroughABadNetwork) {
-  for (const int percent : {0, 10}) {
+  for (const auto& [percent, before] : {std::pair{0, spec::kSourceCamera}, {10, spec::kSourceTestCamera}}) {
     Random random(1);
     ReplayBoard board(kBuild, percent, 7);
     const std::unique_ptr<driver::RegisterPort> port = port_of(board);
     EXPECT_EQ(port->write(spec::kRegControl, 1), driver::Written::applied);
+    driver::set_video_source(*port, before);
     std::vector<model::ReplayFrame> sent;
     for (int session = 0; session < 2; ++session) {
       driver::ReplaySender sender(*port, "127.0.0.3", {.port = board.replay_port()});
@@ -56,7 +59,7 @@ TEST(ReplaySender, EveryFrameThroughABadNetwork) {
     }
     board.stop();
     EXPECT_TRUE(board.frames() == sent);
-    EXPECT_EQ(board.source(), spec::kSourceCamera);
+    EXPECT_EQ(board.source(), before);
     EXPECT_EQ(board.lost() > 10, percent > 0);
   }
 }

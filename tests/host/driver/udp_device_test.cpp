@@ -40,7 +40,7 @@ std::vector<Bytes> cut_up(model::DatagramCutter& cutter, std::uint64_t first, in
   return datagrams;
 }
 
-// Gives the datagrams to the assembler. All packets given must be intact, in order, and given once.
+// Gives the datagrams to the assembler, and two silences. All packets given must be intact, in order, and given once.
 std::vector<std::uint64_t> assemble(driver::DatagramAssembler& assembler, const std::vector<Bytes>& datagrams) {
   std::vector<std::uint64_t> sequences;
   model::PacketView packet;
@@ -57,8 +57,10 @@ std::vector<std::uint64_t> assemble(driver::DatagramAssembler& assembler, const 
     } while (!assembler.add(datagram));
   }
   drain();
-  assembler.flush();
-  drain();
+  for (int silence = 0; silence < 2; ++silence) {
+    assembler.flush();
+    drain();
+  }
   return sequences;
 }
 

@@ -7,6 +7,7 @@
 #include <functional>
 #include <opencv2/core.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "host/light_section/pattern.h"
@@ -16,6 +17,7 @@
 #include "selfproj/light_section/differential_profile.h"
 #include "selfproj/light_section/reference.h"
 #include "selfproj/light_section/reference_file.h"
+#include "selfproj/model/packet.h"
 #include "selfproj/rig/calibration.h"
 #include "selfproj/rig/rig.h"
 #include "tests/host/light_section/lens_world.h"
@@ -309,19 +311,25 @@ TEST(LensSection, RowsEndWhereCurvesCannotBeFitted) {
   }
 }
 
-// A laser that the image's lower rows see at a smaller and smaller angle, and at last run parallel to: the curves are
-// fitted where rows see the belt and what lies about it, and the other rows give no points.
-TEST(LensSection, RowsNearlyParallelToALaserGiveNoPoints) {
+// A laser on the belt in the middle row of 1000, to which the ray that is so many rows below it runs parallel.
+rig::Rig laser_parallel_to(double rows_below) {
   rig::Rig rig = rig::load_any_rig("laser");
   rig.camera.rows = 1000;
   rig.calibration->camera.cy_px = 499.5;
   rig.calibration->camera.k1 = 0;
   rig.belt_pose.reset();
   rig.plane_z_mm = 500;
-  // n · ray = 0, where the ray is parallel to the plane, at 300 rows below the middle.
-  const double slope = 300 / rig.calibration->camera.fy_px;
+  const double slope = rows_below / rig.calibration->camera.fy_px;  // n · ray = 0
   const double length = std::hypot(1, slope);
   rig.light_plane = rig::RigLightPlane{{0, 1 / length, -slope / length}, -slope * rig.plane_z_mm / length};
+  return rig;
+}
+
+// A laser that the image's lower rows see at a smaller and smaller angle, and at last run parallel to: the curves are
+// fitted where rows see the belt and what lies about it, and the other rows give no points.
+TEST(LensSection, RowsNearlyParallelToALaserGiveNoPoints) {
+  const rig::Rig rig = laser_parallel_to(300);
+  const double slope = 300 / rig.calibration->camera.fy_px;
   const light_section::ReferenceProfile reference = light_section::reference_of_plane(rig);
   const light_section::DifferentialProfiler profiler(rig, reference);
   ASSERT_NE(profiler.curves(), nullptr);
@@ -350,6 +358,48 @@ TEST(LensSection, RowsNearlyParallelToALaserGiveNoPoints) {
         ASSERT_NEAR(profile.z[c], z, 0.002) << centroid << " " << c;
       }
     }
+  }
+}
+
+// Frames of a region have points in the same rows of the sensor as whole ones, and no others, at both ends of the
+// range.
+TEST(LensSection, FramesOfARegionHaveTheRangeOfTheSensor) {
+  constexpr std::uint32_t kM0 = 1000;
+  for (const int rows_below : {300, -300}) {
+    const rig::Rig rig = laser_parallel_to(rows_below);
+    const light_section::DifferentialProfiler profiler(rig, light_section::reference_of_plane(rig));
+    const int columns = rig.camera.columns;
+    const auto count = static_cast<std::size_t>(columns);
+    light_section::Profile whole;
+    light_section::Profile few;
+    whole.resize(columns);
+    few.resize(columns);
+    int points = 0;
+    int out_of_range = 0;
+    for (const auto& [offset, rows] : {std::pair{0, 600}, {250, 500}, {400, 600}}) {
+      for (int row = offset + 10; row <= offset + rows - 10; row += 20) {
+        SCOPED_TRACE(::testing::Message() << "row " << row << " of " << rows << " from " << offset << " on");
+        model::Moments moments = moments_of(std::vector<double>(count, row));
+        profiler.profile(moments.view(), whole.view());
+        moments.m0.assign(count, kM0);
+        moments.m1.assign(count, kM0 * static_cast<std::uint32_t>(row - offset));
+        model::PacketHeader header{.kind = spec::kKindMoments};
+        header.region_row = static_cast<std::uint16_t>(offset + 1);
+        header.region_column = 1;
+        model::describe_frame(header, rows, columns, {.mode = model::Mode::grey});
+        std::vector<std::uint8_t> payload(model::columns_payload_bytes(header));
+        model::pack_columns(header, {.moments = moments.view()}, payload.data());
+        ASSERT_TRUE(profiler.profile({.header = header, .payload = payload}, few.view()));
+        ASSERT_EQ(few.validity, whole.validity);
+        for (std::size_t c = 0; c < count; ++c) {
+          const bool valid = few.validity[c] == 0;
+          (valid ? points : out_of_range) += 1;
+          ASSERT_TRUE(!valid || std::abs(few.z[c] - whole.z[c]) < 1e-3F) << c;
+        }
+      }
+    }
+    EXPECT_GT(points, 1000);
+    EXPECT_GT(out_of_range, 1000);
   }
 }
 

@@ -9,9 +9,11 @@
 #include <limits>
 #include <numbers>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include "host/rig/geometry.h"
+#include "selfproj/model/column_runs.h"
 #include "selfproj/rig/calibration.h"
 #include "selfproj/rig/rig.h"
 #include "tests/host/light_section/lens_world.h"
@@ -218,6 +220,42 @@ TEST(Reference, ResidualMovesTheLightPlaneAndNotTheReference) {
   // The plane through the projector and what was seen.
   const double x = 0.25 * 0.01 / 50 * reference.z_mm[8];
   EXPECT_NEAR(corrected.tan_theta[8], (352 - x) / (reference.z_mm[8] - 579), 1e-15);
+}
+
+// Rows of frames count from where the frame begins, those of the reference from the sensor's first row.
+TEST(Reference, FramesCountWhatItsImagesCounted) {
+  using light_section::Selection;
+  const auto unlike = [](const Selection& reference, const Selection& frames, int offset, int rows) {
+    return light_section::unlike_reference(reference, frames, offset, rows);
+  };
+  const Selection all{.select = model::Select::all, .gap = 0, .window = {}};
+  const auto rows = [](int first, int last) {
+    return Selection{.select = model::Select::all, .gap = 0, .window = {first, last}};
+  };
+  EXPECT_EQ(light_section::unlike_reference({}, rows(3, 5), 7, 20), "");
+  // The whole sensor of 96 rows, and the rows 39 to 58 of it
+  for (const auto& [offset, height] : {std::pair{0, 96}, {38, 20}}) {
+    SCOPED_TRACE(offset);
+    EXPECT_EQ(unlike(all, all, offset, height), "");
+    EXPECT_EQ(unlike(rows(41, 50), rows(41 - offset, 50 - offset), offset, height), "");
+    EXPECT_NE(unlike(rows(41, 50), rows(40 - offset, 50 - offset), offset, height), "");
+    EXPECT_NE(unlike(rows(41, 50), rows(41 - offset, 51 - offset), offset, height), "");
+    EXPECT_NE(unlike(rows(41, 50), all, offset, height), "");
+    EXPECT_NE(unlike(all, rows(41 - offset, 50 - offset), offset, height), "");
+    // Rows that the frame has not do not count, and a window may end behind it.
+    EXPECT_EQ(unlike(all, rows(1, height), offset, height), "");
+    EXPECT_EQ(unlike(all, rows(1, height + 9), offset, height), "");
+    EXPECT_EQ(unlike(rows(offset + 1, 96), all, offset, height), "");
+    EXPECT_EQ(unlike(rows(41, 0), rows(41 - offset, 0), offset, height), "");
+    EXPECT_EQ(unlike(rows(41, 0), rows(41 - offset, height), offset, height), "");
+    EXPECT_NE(unlike(rows(41, 0), rows(42 - offset, 0), offset, height), "");
+  }
+  const Selection strongest{.select = model::Select::strongest, .gap = 1, .window = {}};
+  EXPECT_NE(unlike(strongest, all, 0, 96), "");
+  EXPECT_EQ(
+      unlike(rows(41, 50), strongest, 38, 20),
+      "of its columns counted the strongest run, gap 1, rows 39..58; in the images of the reference it was all lit "
+      "pixels, rows 41..50");
 }
 
 TEST(Reference, StraightLine) {

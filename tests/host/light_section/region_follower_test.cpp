@@ -198,6 +198,22 @@ TEST_P(RegionFollower, ACameraThatDoesNotObeyIsFoundOut) {
   }
 }
 
+// A part that moves by chance with the region looks as if the camera did not obey. Now and then that does no harm.
+TEST_P(RegionFollower, APartThatMovesWithTheRegionNowAndThen) {
+  World world(GetParam());
+  double aside = 0;
+  for (int time = 0; time < 6; ++time) {
+    const int before = world.row();
+    const double step = time % 2 == 0 ? 8 : -8;
+    aside += step;
+    ASSERT_EQ(world.show(aside, 1), 1) << time;
+    aside += world.row() - before;
+    ASSERT_EQ(world.show(aside, 1), 1) << time;  // the same rows of the frame as before
+    ASSERT_EQ(world.show(aside, 5), 0) << time;
+    EXPECT_EQ(world.points(), world.columns()) << time;
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Words, RegionFollower, ::testing::Bool(),
                          [](const auto& compact) { return std::string(compact.param ? "Compact" : "Exact"); });
 

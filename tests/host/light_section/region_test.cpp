@@ -6,9 +6,11 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <random>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "host/light_section/line_finder.h"
@@ -251,6 +253,57 @@ TEST(Rows, MoreRowsMeasureMore) {
   }
   const light_section::RowTable::Range none = table.range(0, 20, 1);
   EXPECT_GT(none.low_mm, none.high_mm);
+}
+
+// Lines at each eighth of a row: those within the range are measured, whatever column, those beyond it nowhere are.
+TEST(Rows, TheRangeIsWhatFramesOfTheRegionMeasure) {
+  constexpr std::uint32_t kLit = 6;
+  constexpr int kPerRow = 8;
+  rig::Rig rig = rig::load_rig("light-section");
+  rig.measure.mode = model::Mode::grey_over;
+  const light_section::DifferentialProfiler profiler(rig, light_section::reference_of_plane(rig));
+  const light_section::RowTable table(rig, profiler, kLit);
+  const int columns = rig.camera.columns;
+  const auto count = static_cast<std::size_t>(columns);
+  for (const auto& [first_row, rows] : {std::pair{38, 20}, {44, 10}, {35, 20}, {40, 24}, {0, 96}}) {
+    SCOPED_TRACE(::testing::Message() << rows << " rows from " << first_row);
+    double low = -std::numeric_limits<double>::infinity();  // least height that all columns measure
+    double high = std::numeric_limits<double>::infinity();
+    std::vector<double> lowest(count, high);
+    std::vector<double> highest(count, low);
+    for (int step = kPerRow; step <= kPerRow * rows; ++step) {
+      model::Runs runs;
+      runs.resize(model::Select::all, columns);
+      std::fill(runs.moments.m0.begin(), runs.moments.m0.end(), kPerRow * kLit);
+      std::fill(runs.moments.m1.begin(), runs.moments.m1.end(), static_cast<std::uint32_t>(step) * kLit);
+      std::fill(runs.moments.n.begin(), runs.moments.n.end(), kLit);
+      model::PacketHeader header;
+      header.kind = spec::kKindMoments;
+      header.region_row = static_cast<std::uint16_t>(first_row + 1);
+      header.region_column = 1;
+      model::describe_frame(header, rows, columns, rig.measure.of_board());
+      std::vector<std::uint8_t> payload(model::columns_payload_bytes(header));
+      model::pack_columns(header, runs.view(), payload.data());
+      std::vector<std::uint8_t> packet;
+      model::append_packet(header, payload, 0, packet);
+      const light_section::Profile profile = profile_of(profiler, packet);
+      for (std::size_t i = 0; i < count; ++i) {
+        if (profile.validity[i] == static_cast<std::uint8_t>(Validity::valid)) {
+          const auto height = static_cast<double>(-profile.dz[i]);
+          lowest[i] = std::min(lowest[i], height);
+          highest[i] = std::max(highest[i], height);
+        }
+      }
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+      low = std::max(low, lowest[i]);
+      high = std::min(high, highest[i]);
+    }
+    const light_section::RowTable::Range range = table.range(first_row, rows, 1);
+    const double step_mm = 1.5 * table.mm_per_row() / kPerRow;
+    EXPECT_NEAR(range.low_mm, low, step_mm);
+    EXPECT_NEAR(range.high_mm, high, step_mm);
+  }
 }
 
 // The formula against images with such noise.

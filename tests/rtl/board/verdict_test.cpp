@@ -103,7 +103,8 @@ model::BoardSettings random_settings(Random& random, int columns, std::uint32_t 
   const auto length = static_cast<std::uint32_t>(random.between(1, 60));
   const int rows = random.between(least_rows, least_rows + 9);
   const bool strongest = random.chance(40);
-  return {.image = random.chance(20),
+  return {.hold = random.chance(15),
+          .image = random.chance(20),
           .columns = columns,
           .rows = rows,
           .mode = static_cast<model::Mode>(random.between(0, 2)),
@@ -155,10 +156,15 @@ void play(std::uint64_t seed, int fault_percent, int changes, Seen& seen) {
     }
   }
   board.turn_encoder(random.between(4, 200));
+  int rows = 0;  // in force
   for (int change = 0; change < changes && !::testing::Test::HasFailure(); ++change) {
     board.device().drain(kApart);
-    const model::BoardSettings settings =
+    model::BoardSettings settings =
         random_settings(random, columns, board.device().read(spec::kRegEncoder), fault_percent == 0 ? 4 : 12);
+    // What `hold` keeps is the size of frames too, but not what belongs to verdicts.
+    settings.hold = settings.hold && change > 0;
+    settings.rows = settings.hold ? rows : settings.rows;
+    rows = settings.rows;
     bench.write(settings);
     // While a frame is open the board knows its part already, the model does not.
     if (!board.model().frame_open()) {
