@@ -1,4 +1,5 @@
-// Compares the register file with the specification, register by register: reset values, accepted and refused writes,
+// Compares the register file with the model, and with the specification, register by register: reset values, accepted
+// and refused writes, what is read.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -12,6 +13,7 @@
 #include "Vsp_registers_codes_ports.h"
 #include "Vsp_registers_ports.h"
 #include "Vsp_registers_small_ports.h"
+#include "model/register_file.h"
 #include "selfproj/model/generated/selfproj_spec.h"
 #include "tests/rtl/blocks/clocked.h"
 #include "tests/support/random_cases.h"
@@ -187,6 +189,7 @@ class RegistersBench {
     EXPECT_EQ(registers_->answer_o, 0);
     check_outputs();
     rise();
+    const model::RegisterAnswer written = write ? model_.write(address, data) : model::RegisterAnswer{};
     if (write && good(address, data)) {
       for (const Writable& writable : writables) {
         if (writable.address == address) {
@@ -208,6 +211,12 @@ class RegistersBench {
     rise();
     registers_.settle();
     EXPECT_EQ(registers_->answer_o, 0) << "the answer lasts one clock";
+    if (address < spec::kRegVerdictControl) {
+      const model::RegisterAnswer wanted = write ? written : model_.read(address, of_board(state_));
+      EXPECT_EQ(answer.error, wanted.error) << std::hex << (write ? "write to " : "read ") << address;
+      EXPECT_TRUE(write || wanted.error || answer.data == wanted.data)
+          << std::hex << "read " << address << ": " << answer.data << ", but the model has " << wanted.data;
+    }
     return answer;
   }
 
@@ -338,6 +347,20 @@ class RegistersBench {
   }
 
  private:
+  static model::BoardState of_board(const State& state) {
+    return {.frame_open = state.frame_open,
+            .frames = state.frames,
+            .broken = state.broken,
+            .stray = state.stray,
+            .lost_moments = state.lost_moments,
+            .lost_image = state.lost_image,
+            .lost_codes = state.lost_codes,
+            .abandoned = state.abandoned,
+            .time = state.time,
+            .encoder = state.encoder,
+            .encoder_errors = state.encoder_errors};
+  }
+
   void begin_clock(bool take) {
     registers_->take_i = take || take_after_ == 0;
     --take_after_;
@@ -345,6 +368,9 @@ class RegistersBench {
   }
   void rise() {
     pending_ = pending_ && registers_->take_i == 0;
+    if (registers_->take_i != 0) {
+      model_.taken();
+    }
     registers_.rise();
     held_ = std::max(held_ - 1, 0);
   }
@@ -384,6 +410,17 @@ class RegistersBench {
   }
 
   Clocked<Dut> registers_;
+  model::RegisterFile model_{{.max_columns = kBuild.max_columns,
+                              .max_rows = kBuild.max_rows,
+                              .grey = kBuild.grey,
+                              .image = kBuild.image,
+                              .codes = kBuild.code_bits != 0,
+                              .median = kBuild.code_bits != 0,
+                              .runs = kBuild.runs,
+                              .region = kBuild.region,
+                              .compact = kBuild.compact,
+                              .verdict_log_sections = kBuild.verdict ? 1 : -1,
+                              .code_bits = kBuild.code_bits}};
   State state_;
   std::map<std::uint32_t, std::uint32_t> values_;  // index of a writable register
   bool pending_ = true;                            // the reset values have not been taken over

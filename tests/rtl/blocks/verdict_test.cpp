@@ -218,7 +218,8 @@ class VerdictBench {
 
   void write(int bank, int section, int column) {
     const int middle = model::kRowParts * random_.between(1, kOf.rows);
-    const int band = random_.between(0, 2 * model::kRowParts);
+    const int band =
+        random_.chance(50) ? random_.between(0, 2 * model::kRowParts) : model::kRowParts * random_.between(0, 2);
     const model::ColumnLimits limits = {
         static_cast<std::uint32_t>(std::max(0, middle - band)),
         static_cast<std::uint32_t>(std::min(model::kRowParts * kOf.rows, middle + band)), random_.chance(90)};
@@ -256,6 +257,10 @@ class VerdictBench {
       const int rest = random_.between(0, model::kRowParts - 1);
       m1_[c] = static_cast<std::uint32_t>((static_cast<std::int64_t>(row_parts) * m0 + rest) / model::kRowParts);
       m1_[c] = std::min(m1_[c], static_cast<std::uint32_t>(most * (kOf.rows + 1) / 2));
+      if (random_.chance(20)) {  // in the middle of a row, where many limits are
+        m0_[c] = static_cast<std::uint32_t>(random_.between(1, most / kOf.rows));
+        m1_[c] = m0_[c] * static_cast<std::uint32_t>(random_.between(1, kOf.rows));
+      }
     }
   }
 
