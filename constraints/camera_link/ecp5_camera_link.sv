@@ -4,16 +4,18 @@
 //
 // The edge clocks come from PLLs outside; ecp5_camera_link_pins has them. A link's own clock,
 // divided from its edge clock, has the camera's frequency with Samples = 1, and twice it with 2.
-// Base leaves the ports of Y alone.
+// Base leaves the ports of Y alone, and Base and Medium those of Z.
 `default_nettype none
 
 module ecp5_camera_link #(
-  parameter int Taps = 2,  // 1..4; 4 is Medium, the others Base
+  parameter int Taps = 2,  // 1..3 (Base), 4 (Medium), 8 (Full) or 10 (80 bit)
   parameter int Bits = 8,  // 8; with 1 or 2 taps also 10 or 12
   parameter int Samples = 1,  // of each bit: 1 or 2; two notice lanes out of place
   parameter int LogGood = 8,  // log2 of the right words before a link is locked: 1 or more
   parameter logic [34:0] DelaysX = '0,  // see ecp5_channel_link
-  parameter logic [34:0] DelaysY = '0
+  parameter logic [34:0] DelaysY = '0,
+  parameter logic [34:0] DelaysZ = '0,
+  parameter int Columns = 0  // of a line, with 8 or 10 taps, see sp_camera_link
 ) (
   input  wire logic [4:0]  x_lanes_i,   // data 0 to 3, clock
   input  wire logic        x_eclk_i,    // 3.5 or 7 times the camera's clock
@@ -21,6 +23,9 @@ module ecp5_camera_link #(
   input  wire logic [4:0]  y_lanes_i,
   input  wire logic        y_eclk_i,
   input  wire logic        y_good_i,
+  input  wire logic [4:0]  z_lanes_i,
+  input  wire logic        z_eclk_i,
+  input  wire logic        z_good_i,
 
   input  wire logic        clk_i,
   input  wire logic        rst_i,       // active high, synchronous to clk_i
@@ -31,25 +36,27 @@ module ecp5_camera_link #(
   output logic             overrun_o,
   output logic             lost_o,
   output logic             apart_o,
-  output logic      [1:0]  locked_o     // X, Y; each in its link's clock, and low without it
+  output logic      [2:0]  locked_o     // X, Y, Z; each in its link's clock, and low without it
 );
 
-  logic [1:0]  sclk, locked, valid;
-  logic [55:0] words;
+  localparam int Links = Taps <= 3 ? 1 : Taps == 4 ? 2 : 3;
 
-  for (genvar k = 0; k < 2; k++) begin : gen_link
-    if (k == 0 || Taps == 4) begin : gen_used
+  logic [2:0]  sclk, locked, valid;
+  logic [83:0] words;
+
+  for (genvar k = 0; k < 3; k++) begin : gen_link
+    if (k < Links) begin : gen_used
       logic        good, align, unused;
       logic [2:0]  good_q;
       logic [34:0] samples;
 
-      assign good = k == 0 ? x_good_i : y_good_i;
+      assign good = k == 0 ? x_good_i : k == 1 ? y_good_i : z_good_i;
 
       ecp5_channel_link #(
-        .Delays(k == 0 ? DelaysX : DelaysY)
+        .Delays(k == 0 ? DelaysX : k == 1 ? DelaysY : DelaysZ)
       ) u_link (
-        .lanes_i  (k == 0 ? x_lanes_i : y_lanes_i),
-        .eclk_i   (k == 0 ? x_eclk_i : y_eclk_i),
+        .lanes_i  (k == 0 ? x_lanes_i : k == 1 ? y_lanes_i : z_lanes_i),
+        .eclk_i   (k == 0 ? x_eclk_i : k == 1 ? y_eclk_i : z_eclk_i),
         .rst_i    (!good),
         .align_i  (align),
         .sclk_o   (sclk[k]),
@@ -79,7 +86,8 @@ module ecp5_camera_link #(
       assign locked_o[k] = locked[k] && good_q[2];
     end else begin : gen_unused
       logic unused;
-      assign unused         = ^{y_lanes_i, y_eclk_i, y_good_i, DelaysY};
+      assign unused         = k == 1 ? ^{y_lanes_i, y_eclk_i, y_good_i, DelaysY} :
+                                       ^{z_lanes_i, z_eclk_i, z_good_i, DelaysZ};
       assign sclk[k]        = 1'b0;
       assign locked[k]      = 1'b0;
       assign locked_o[k]    = 1'b0;
@@ -89,8 +97,9 @@ module ecp5_camera_link #(
   end
 
   sp_camera_link #(
-    .Taps(Taps),
-    .Bits(Bits)
+    .Taps   (Taps),
+    .Bits   (Bits),
+    .Columns(Columns)
   ) u_front (
     .x_clk_i   (sclk[0]),
     .x_locked_i(locked[0]),
@@ -100,6 +109,10 @@ module ecp5_camera_link #(
     .y_locked_i(locked[1]),
     .y_valid_i (valid[1]),
     .y_word_i  (words[55:28]),
+    .z_clk_i   (sclk[2]),
+    .z_locked_i(locked[2]),
+    .z_valid_i (valid[2]),
+    .z_word_i  (words[83:56]),
     .clk_i     (clk_i),
     .rst_i     (rst_i),
     .m_valid_o (m_valid_o),

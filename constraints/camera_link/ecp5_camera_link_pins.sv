@@ -7,7 +7,7 @@
 `default_nettype none
 
 module ecp5_camera_link_pins #(
-  parameter int Taps = 3,  // 1..4
+  parameter int Taps = 3,  // 1..4, 8 or 10
   parameter int Samples = 1,  // 1 or 2
   parameter int Divider = 7,  // 7 or 14; with two samples 14
   parameter int Phase = 8 * Divider / (14 * Samples)  // of the samples, in eighths of its period
@@ -16,6 +16,8 @@ module ecp5_camera_link_pins #(
   input  wire logic        x_pll_clk_i,  // the clock lane once more
   input  wire logic [4:0]  y_lanes_i,
   input  wire logic        y_pll_clk_i,
+  input  wire logic [4:0]  z_lanes_i,
+  input  wire logic        z_pll_clk_i,
 
   input  wire logic        clk_i,
   input  wire logic        rst_i,
@@ -34,10 +36,12 @@ module ecp5_camera_link_pins #(
 
   localparam int EdgeDivider = 2 * Divider / (7 * Samples);
 
-  logic [1:0] eclk, good, unused_locked;
+  localparam int Links = Taps <= 3 ? 1 : Taps == 4 ? 2 : 3;
 
-  for (genvar k = 0; k < 2; k++) begin : gen_pll
-    if (k == 0 || Taps == 4) begin : gen_used
+  logic [2:0] eclk, good, unused_locked;
+
+  for (genvar k = 0; k < 3; k++) begin : gen_pll
+    if (k < Links) begin : gen_used
       logic clk, unused_2, unused_3, unused_intlock, unused_refclk, unused_clkintfb;
 
       (* ICP_CURRENT = "12", LPF_RESISTOR = "8" *)
@@ -62,7 +66,7 @@ module ecp5_camera_link_pins #(
         .CLKOS_CPHASE   (EdgeDivider - 1 + Phase / 8),
         .CLKOS_FPHASE   (Phase % 8)
       ) u_pll (
-        .CLKI        (k == 0 ? x_pll_clk_i : y_pll_clk_i),
+        .CLKI        (k == 0 ? x_pll_clk_i : k == 1 ? y_pll_clk_i : z_pll_clk_i),
         .CLKFB       (clk),
         .RST         (1'b0),
         .STDBY       (1'b0),
@@ -87,7 +91,7 @@ module ecp5_camera_link_pins #(
       );
     end else begin : gen_unused
       logic unused;
-      assign unused  = y_pll_clk_i;
+      assign unused  = k == 1 ? y_pll_clk_i : z_pll_clk_i;
       assign eclk[k] = 1'b0;
       assign good[k] = 1'b0;
     end
@@ -103,6 +107,9 @@ module ecp5_camera_link_pins #(
     .y_lanes_i(y_lanes_i),
     .y_eclk_i (eclk[1]),
     .y_good_i (good[1]),
+    .z_lanes_i(z_lanes_i),
+    .z_eclk_i (eclk[2]),
+    .z_good_i (good[2]),
     .clk_i    (clk_i),
     .rst_i    (rst_i),
     .m_valid_o(m_valid_o),

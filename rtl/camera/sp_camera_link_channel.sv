@@ -12,8 +12,16 @@
 // cut_o is high for one clock. The next frame is the first whose beginning comes after locked_i has
 // risen: a word without frame valid must have come before it.
 //
-// With Part = 1 each word is a part of a beat, with all its taps. Overflow, reset: see
-// sp_beat_crossing.
+// With Part = 1 each word is a part of a beat, with all its taps, and above them, with PlaceBits,
+// the number of the word in its line, modulo 2^PlaceBits; words without data valid count.
+//
+// With Eighty the word is one of the 80-bit configuration with ten taps of 8 bits, which has no
+// data valid. X (1): bits 23..0, then 27 and 26 as the two upper ones; line valid: 24, frame valid:
+// 25. Y and Z (2): bits 26..0; line valid: 27. These have no frame valid: every line is taken for a
+// frame. The bits of X, Y and Z in a row are the taps 1 to 10 (Camera Link 2.0, section 4.2, as
+// ClinkFraming.vhd of github.com/slaclab/surf has it).
+//
+// Overflow, reset: see sp_beat_crossing.
 // Latency: a word is one clock of the link before its begins_i, full_i or ending_i there.
 `default_nettype none
 
@@ -21,9 +29,12 @@ module sp_camera_link_channel #(
   parameter int Taps = 3,  // 1, 2 or 3
   parameter int Bits = 8,  // of a pixel: 8; with 1 or 2 taps also 10 or 12
   parameter bit Part = 1'b0,  // 1: a word is a part of a beat; 0: beats of four pixels
+  parameter int Eighty = 0,  // of the 80-bit configuration: 1: X, 2: Y or Z; 0: of another one
+  parameter int PlaceBits = 0,  // of the number of a word in its line, with Part = 1: 0..8
   parameter bit DataValid = 1'b1,  // 0: data valid is taken for high
   parameter int LogDepth = 4,  // log2 of the beats in the FIFO: 1..15
-  parameter int Width = Part ? 8 * Taps : 32  // derived, do not set
+  parameter int Pixels = Eighty == 0 ? 8 * Taps : 25 + Eighty,  // derived, do not set
+  parameter int Width = Part ? Pixels + PlaceBits : 32  // derived, do not set
 ) (
   // Link
   input  wire logic             link_clk_i,
@@ -43,24 +54,43 @@ module sp_camera_link_channel #(
   output logic                  cut_o       // pulse: locked_i has fallen
 );
 
+  if (Eighty < 0 || Eighty > 2) begin : gen_eighty_range
+    eighty_is_not_in_0_to_2 u_error ();
+  end
+  if (Eighty != 0 && !Part) begin : gen_eighty_part
+    eighty_needs_part u_error ();
+  end
+  if (PlaceBits < 0 || PlaceBits > 8 || PlaceBits > 0 && !Part) begin : gen_place_bits
+    place_bits_is_not_in_0_to_8_or_needs_part u_error ();
+  end
+
   logic              frame, line, data;
-  logic [8*Taps-1:0] pixels;
+  logic [Pixels-1:0] pixels;
   logic              low_q;     // the last word was without frame valid
   logic              begins_q, take_q, ending_q, cut_q;
-  logic [8*Taps-1:0] pixels_q;
+  logic [Pixels-1:0] pixels_q;
   logic              full, link_rst;
   logic [Width-1:0]  beat;
 
-  sp_camera_link_taps #(
-    .Taps(Taps),
-    .Bits(Bits)
-  ) u_taps (
-    .word_i  (word_i),
-    .frame_o (frame),
-    .line_o  (line),
-    .data_o  (data),
-    .pixels_o(pixels)
-  );
+  if (Eighty == 1) begin : gen_eighty_x
+    assign {pixels[25:24], frame, line, pixels[23:0]} = word_i;
+    assign data = 1'b1;
+  end else if (Eighty == 2) begin : gen_eighty_yz
+    assign {line, pixels} = word_i;
+    assign frame = line;
+    assign data  = 1'b1;
+  end else begin : gen_ports
+    sp_camera_link_taps #(
+      .Taps(Taps),
+      .Bits(Bits)
+    ) u_taps (
+      .word_i  (word_i),
+      .frame_o (frame),
+      .line_o  (line),
+      .data_o  (data),
+      .pixels_o(pixels)
+    );
+  end
 
   always_ff @(posedge link_clk_i) begin
     if (!locked_i) low_q <= 1'b0;
@@ -76,7 +106,16 @@ module sp_camera_link_channel #(
     logic unused;
     assign unused = link_rst;
     assign full   = take_q;
-    assign beat   = pixels_q;
+    if (PlaceBits > 0) begin : gen_place
+      logic [PlaceBits-1:0] next_q, place_q;  // of the next word in its line, and with pixels_q
+      always_ff @(posedge link_clk_i) begin
+        if (valid_i) next_q <= frame && line ? next_q + 1'b1 : '0;
+        place_q <= next_q;
+      end
+      assign beat = {place_q, pixels_q};
+    end else begin : gen_no_place
+      assign beat = pixels_q;
+    end
   end else begin : gen_whole
     sp_tap_gather #(
       .Taps(Taps)

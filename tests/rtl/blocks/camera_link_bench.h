@@ -1,12 +1,14 @@
 // A Camera Link camera, and what the board must get from it.
 //
 // The tables of the bits have the standard's names: A0 is bit 0 of port A; L, F, D are line, frame and data valid, S is
-// the spare bit.
+// the spare bit. The 80-bit configuration has no ports here, but the bits of its ten taps in a row (Camera Link 2.0,
+// section 4.2; github.com/slaclab/surf, protocols/clink/rtl/ClinkFraming.vhd; the Basler A504k's manual has the same).
 #ifndef SELFPROJ_TESTS_RTL_BLOCKS_CAMERA_LINK_BENCH_H
 #define SELFPROJ_TESTS_RTL_BLOCKS_CAMERA_LINK_BENCH_H
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -26,7 +28,10 @@ struct LinkPins {
   bool line = false;
   bool data = false;
   bool spare = false;
-  std::array<std::uint8_t, 3> ports{};  // A, B, C of X; D, E, F of Y
+  std::array<std::uint8_t, 3> ports{};  // A, B, C of X; D, E, F of Y; G, H of Z
+  enum class Kind : std::uint8_t { ports, eighty_x, eighty_yz } kind = Kind::ports;
+  std::uint32_t flips = 0;   // outputs of the receiver chip that are damaged
+  std::uint32_t eighty = 0;  // the outputs of the receiver chip in the 80-bit configuration, without L and F
 
   [[nodiscard]] bool bit(std::string_view name) const {
     switch (name[0]) {
@@ -44,57 +49,86 @@ struct LinkPins {
   }
 };
 
+constexpr std::array<std::string_view, 28> kOutputs = {"A0", "A1", "A2", "A3", "A4", "A7", "A5", "B0", "B1", "B2",
+                                                       "B6", "B7", "B3", "B4", "B5", "C0", "C6", "C7", "C1", "C2",
+                                                       "C3", "C4", "C5", "S",  "L",  "F",  "D",  "A6"};
+
 // Outputs 0 to 27 of a receiver chip.
 inline std::uint32_t link_word(const LinkPins& pins) {
-  constexpr std::array<std::string_view, 28> kOutputs = {"A0", "A1", "A2", "A3", "A4", "A7", "A5", "B0", "B1", "B2",
-                                                         "B6", "B7", "B3", "B4", "B5", "C0", "C6", "C7", "C1", "C2",
-                                                         "C3", "C4", "C5", "S",  "L",  "F",  "D",  "A6"};
+  const auto line = static_cast<std::uint32_t>(pins.line);
+  switch (pins.kind) {
+    case LinkPins::Kind::eighty_x:
+      return (pins.eighty | line << 24U | static_cast<std::uint32_t>(pins.frame) << 25U) ^ pins.flips;
+    case LinkPins::Kind::eighty_yz:
+      return (pins.eighty | line << 27U) ^ pins.flips;
+    default:
+      break;
+  }
   std::uint32_t word = 0;
   for (std::size_t i = 0; i < kOutputs.size(); ++i) {
     word |= static_cast<std::uint32_t>(pins.bit(kOutputs[i])) << i;
   }
-  return word;
+  return word ^ pins.flips;
 }
 
+constexpr int kLinks = 3;
 constexpr int kLanes = 5;  // four of data, and the clock
 constexpr int kBitsOfLane = 7;
 constexpr int kClockLane = 4;
 
-// Bit `at` (0 is the first in time) of a lane.
-inline bool lane_bit(const LinkPins& pins, int lane, int at) {
-  constexpr std::array<std::array<std::string_view, kBitsOfLane>, kLanes - 1> kOrder = {
-      {{"B0", "A5", "A4", "A3", "A2", "A1", "A0"},
-       {"C1", "C0", "B5", "B4", "B3", "B2", "B1"},
-       {"D", "F", "L", "C5", "C4", "C3", "C2"},
-       {"S", "C7", "C6", "B7", "B6", "A7", "A6"}}};
+// The bits of the lanes in the order of time.
+inline constexpr std::array<std::array<std::string_view, kBitsOfLane>, kLanes - 1> kOrder = {
+    {{"B0", "A5", "A4", "A3", "A2", "A1", "A0"},
+     {"C1", "C0", "B5", "B4", "B3", "B2", "B1"},
+     {"D", "F", "L", "C5", "C4", "C3", "C2"},
+     {"S", "C7", "C6", "B7", "B6", "A7", "A6"}}};
+// As outputs of the receiver chip.
+inline constexpr auto kOutputOf = [] {
+  std::array<std::array<unsigned, kBitsOfLane>, kLanes - 1> outputs{};
+  for (std::size_t of = 0; of < outputs.size(); ++of) {
+    for (std::size_t i = 0; i < kBitsOfLane; ++i) {
+      while (kOutputs[outputs[of][i]] != kOrder[of][i]) {
+        ++outputs[of][i];
+      }
+    }
+  }
+  return outputs;
+}();
+
+// Bit `at` (0 is the first in time) of a lane, of a word.
+inline bool lane_bit(std::uint32_t word, int lane, int at) {
   if (lane == kClockLane) {
     return at < 2 || at > 4;
   }
-  return pins.bit(kOrder[static_cast<std::size_t>(lane)][static_cast<std::size_t>(at)]);
+  return (word >> kOutputOf[static_cast<std::size_t>(lane)][static_cast<std::size_t>(at)] & 1U) != 0;
 }
 
-// A camera with a queue of what it sends: X and Y, clock by clock.
+// A camera with a queue of what it sends: X, Y and Z, clock by clock.
 class LinkCamera {
  public:
   LinkCamera(Random& random, int taps, int bits) : random_(random), taps_(taps), bits_(bits) {}
 
   struct Sent {
-    std::array<LinkPins, 2> links;
+    std::array<LinkPins, kLinks> links;
     std::size_t frame = 0;  // number of the frame to which it belongs, or behind which it lies
     bool pause = false;     // a clock without a word
   };
 
   struct Shape {
     int rows = 1;
-    int columns = 4;               // a multiple of the taps
-    int max_gap = 1;               // of words between two lines
+    int columns = 4;               // where they are no multiple of the taps, others fill the last word of a line
+    int min_gap = 1;               // of words between two lines
+    int max_gap = 1;
     int without_data = 0;          // percent of words of a line without data valid, before each group of pixels
     bool frame_ends_line = false;  // the last line ends with frame valid, while line valid stays
+    int least_words = 0;           // that the frame takes with what lies behind it
+    const std::uint8_t* pixels = nullptr;  // rows x columns, line by line; random ones where there are none
   };
 
   // Queues a frame and at least one word without frame valid behind it. Returns it as the board is to get it.
   Frame send(const Shape& shape) {
     Frame due;
+    const std::size_t before = queue_.size();
     for (int lead = random_.between(0, 3); lead > 0; --lead) {
       push(true, false, random_.chance(50));
     }
@@ -104,8 +138,13 @@ class LinkCamera {
         while (random_.chance(shape.without_data)) {
           push(true, true, false);
         }
-        const std::vector<std::uint32_t> pixels = push(true, true, true);
-        for (int i = 0; i < taps_; ++i) {
+        std::array<int, 10> given{};
+        given.fill(-1);
+        for (int i = 0; shape.pixels != nullptr && i < std::min(taps_, shape.columns - column); ++i) {
+          given[static_cast<std::size_t>(i)] = shape.pixels[row * shape.columns + column + i];
+        }
+        const std::array<std::uint32_t, 10> pixels = push(true, true, true, given);
+        for (int i = 0; i < std::min(taps_, shape.columns - column); ++i) {
           beat = beat >> 8U | pixels[static_cast<std::size_t>(i)] >> static_cast<unsigned>(bits_ - 8) << 24U;
           if ((column + i) % 4 == 3) {
             due.push_back({beat, due.empty(), column + i + 4 >= shape.columns});
@@ -113,9 +152,12 @@ class LinkCamera {
         }
       }
       const bool last = row + 1 == shape.rows;
-      for (int gap = random_.between(1, shape.max_gap); gap > 0; --gap) {
+      for (int gap = random_.between(shape.min_gap, shape.max_gap); gap > 0; --gap) {
         push(!last, last && (shape.frame_ends_line || random_.chance(50)), random_.chance(50));
       }
+    }
+    while (queue_.size() < before + static_cast<std::size_t>(shape.least_words)) {
+      push(false, false, random_.chance(50));
     }
     ++frames_;
     return due;
@@ -125,11 +167,14 @@ class LinkCamera {
   [[nodiscard]] std::size_t frames() const { return frames_; }
 
  private:
-  // One clock with random pixels and random unused bits. Returns the pixels.
-  std::vector<std::uint32_t> push(bool frame, bool line, bool data) {
+  // One clock with these pixels, or random ones where they are negative, and random unused bits. Returns the pixels.
+  std::array<std::uint32_t, 10> push(bool frame, bool line, bool data, const std::array<int, 10>& given = {
+      -1, -1, -1, -1, -1, -1, -1, -1, -1, -1}) {
     Sent sent;
     sent.frame = frames_;
-    for (LinkPins& pins : sent.links) {
+    line = line && (frame || taps_ != 10);  // Y and Z of the 80-bit configuration have no frame valid
+    for (std::size_t link = 0; link < (taps_ > 4 ? 3U : 2U); ++link) {
+      LinkPins& pins = sent.links[link];
       pins.frame = frame;
       pins.line = line;
       pins.data = data;
@@ -137,17 +182,31 @@ class LinkCamera {
       for (std::uint8_t& port : pins.ports) {
         port = static_cast<std::uint8_t>(random_.bits());
       }
+      if (taps_ == 10) {
+        pins.kind = link == 0 ? LinkPins::Kind::eighty_x : LinkPins::Kind::eighty_yz;
+      }
     }
-    std::vector<std::uint32_t> pixels;
+    std::array<std::uint32_t, 10> pixels{};
     for (int tap = 0; tap < taps_; ++tap) {
-      pixels.push_back(static_cast<std::uint32_t>(random_.between(0, (1 << bits_) - 1)));
-      if (bits_ == 8) {
-        sent.links[tap == 3 ? 1 : 0].ports[tap == 3 ? 0 : static_cast<std::size_t>(tap)] =
-            static_cast<std::uint8_t>(pixels.back());
+      const int wanted = given[static_cast<std::size_t>(tap)];
+      const auto pixel = static_cast<std::uint32_t>(wanted >= 0 ? wanted : random_.between(0, (1 << bits_) - 1));
+      pixels[static_cast<std::size_t>(tap)] = pixel;
+      if (taps_ == 10) {
+        for (int bit = 0; bit < 8; ++bit) {  // 26 bits in X, without outputs 24 and 25, then 27 in Y and in Z
+          const int at = 8 * tap + bit;
+          const int link = at < 26 ? 0 : at < 53 ? 1 : 2;
+          const int place = at - std::array<int, kLinks>{0, 26, 53}[static_cast<std::size_t>(link)];
+          const int output = link == 0 && place >= 24 ? place + 2 : place;
+          sent.links[static_cast<std::size_t>(link)].eighty |= (pixel >> static_cast<unsigned>(bit) & 1U)
+                                                               << static_cast<unsigned>(output);
+        }
+      } else if (bits_ == 8) {
+        sent.links[static_cast<std::size_t>(tap / 3)].ports[static_cast<std::size_t>(tap % 3)] =
+            static_cast<std::uint8_t>(pixel);
       } else {  // the lower 8 bits in port A or C, the others in one half of B
         std::array<std::uint8_t, 3>& ports = sent.links[0].ports;
-        ports[tap == 0 ? 0 : 2] = static_cast<std::uint8_t>(pixels.back());
-        const std::uint32_t above = pixels.back() >> 8U;
+        ports[tap == 0 ? 0 : 2] = static_cast<std::uint8_t>(pixel);
+        const std::uint32_t above = pixel >> 8U;
         const std::uint32_t mask = (1U << static_cast<unsigned>(bits_ - 8)) - 1;
         const unsigned at = tap == 0 ? 0 : 4;
         ports[1] = static_cast<std::uint8_t>((ports[1] & ~(mask << at)) | above << at);
@@ -171,6 +230,7 @@ class LinkOutputs {
   [[nodiscard]] int overruns() const { return overruns_; }
   [[nodiscard]] int lost() const { return lost_; }
   [[nodiscard]] int apart() const { return apart_; }
+  void clear_beats() { beats_.clear(); }
   int expect_frames_sent() { return expect_frames(beats_, sent_, may_break_); }
 
  protected:

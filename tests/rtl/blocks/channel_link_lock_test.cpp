@@ -32,7 +32,7 @@ class LockBench {
       : random_(seed), samples_(samples), at_(static_cast<std::int64_t>(seed % 14)) {
     dut_.valid_when({"word_o"}, [this] { return dut_->valid_o != 0; });
     for (std::size_t word = 0; word < 4; ++word) {
-      words_.push_back(random_pins());
+      words_.push_back(random_word());
     }
     dut_->rst_i = 1;
     put_samples();
@@ -110,14 +110,14 @@ class LockBench {
   void set_delay(int clocks) { delay_ = clocks; }
 
  private:
-  LinkPins random_pins() {
+  std::uint32_t random_word() {
     const std::uint64_t bits = random_.bits();
-    return {.frame = (bits & 1U) != 0,
-            .line = (bits & 2U) != 0,
-            .data = (bits & 4U) != 0,
-            .spare = (bits & 8U) != 0,
-            .ports = {static_cast<std::uint8_t>(bits >> 8U), static_cast<std::uint8_t>(bits >> 16U),
-                      static_cast<std::uint8_t>(bits >> 24U)}};
+    return link_word({.frame = (bits & 1U) != 0,
+                      .line = (bits & 2U) != 0,
+                      .data = (bits & 4U) != 0,
+                      .spare = (bits & 8U) != 0,
+                      .ports = {static_cast<std::uint8_t>(bits >> 8U), static_cast<std::uint8_t>(bits >> 16U),
+                                static_cast<std::uint8_t>(bits >> 24U)}});
   }
 
   // Sample `at` of a lane.
@@ -125,7 +125,7 @@ class LockBench {
     const int per_word = kBitsOfLane * samples_;
     at += per_word - shift_[static_cast<std::size_t>(lane)];
     while (at >= static_cast<std::int64_t>(words_.size()) * per_word) {
-      words_.push_back(random_pins());
+      words_.push_back(random_word());
     }
     const auto word = static_cast<std::size_t>(at / per_word);
     return lane_bit(words_[word], lane, static_cast<int>(at % per_word) / samples_);
@@ -147,7 +147,7 @@ class LockBench {
     at_ += 7;
     const int per_word = kBitsOfLane * samples_;
     // Samples of word n begin at (n - 1) x per_word, because sample() adds one word.
-    due_.push_back(at_ % per_word == 0 ? link_word(words_[static_cast<std::size_t>(at_ / per_word)])
+    due_.push_back(at_ % per_word == 0 ? words_[static_cast<std::size_t>(at_ / per_word)]
                                        : std::optional<std::uint32_t>());
     if (due_.size() > kWordLatency + 1) {
       due_.pop_front();
@@ -169,7 +169,7 @@ class LockBench {
   std::int64_t at_;  // the next sample
   int delay_ = 0;
   Clocked<Dut> dut_;
-  std::vector<LinkPins> words_;
+  std::vector<std::uint32_t> words_;
   std::array<int, kLanes> shift_{};
   int spoil_ = -1;
   std::deque<bool> moving_;
