@@ -107,7 +107,7 @@ module sp_beat_pairs #(
       if (late || differ) skip_q <= 1'b1;
       else if (pair) skip_q <= 1'b0;
       if (differ || (valid_i & ~ready_o) == '0) wait_q <= '0;
-      else if (!LineStarts || wait_q != '1) wait_q <= wait_q + 1'b1;
+      else if (wait_q != '1 || Channels == 2 && !LineStarts) wait_q <= wait_q + 1'b1;
       m_valid_o <= pair;
       // While a frame is left out, lines of it that wait for the next one say nothing new.
       apart_o   <= late && !(LineStarts && skip_q && !valid_i[0]) || differ;
