@@ -44,7 +44,7 @@
 //
 // Latency: a beat leaves after the word that completes the next beat, or after the word that ends
 // the line. From that word it takes 2 clocks of the link and 3 to 4 of the board, with Medium one
-// more of the board, and with Full and 80 bit four more, if no other words wait.
+// more of the board, and with Full and 80 bit five more, if no other words wait.
 //
 //   word      0   1   2   3   4   5      Taps = 2
 //   frame    /11111111111111111111111

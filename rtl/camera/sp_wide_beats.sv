@@ -11,15 +11,15 @@
 // beginning of a frame are left out.
 //
 // Rate: a word takes two clocks with 8 pixels, and 2 and 3 in turn with 10. So the FIFO fills while
-// words come faster than that, and holds 2^LogWords words and one more.
+// words come faster than that, and holds 2^LogWords words and two more.
 //
-// Latency: three clocks for the first beat of a word that meets an empty FIFO.
+// Latency: four clocks for the first beat of a word that meets an empty FIFO.
 //
-//   clock      0   1   2   3   4   5   6      Taps = 8
-//   valid_i   /1111111\___________________
-//   data_i    <a  ><b  >------------------   eight pixels each
-//   m_valid_o ____________/111111111111111
-//   m_data_o  ------------<a lo><a hi><b lo   from clock 3 on, one each clock
+//   clock      0   1   2   3   4   5   6   7      Taps = 8
+//   valid_i   /1111111\_______________________
+//   data_i    <a ><b >------------------------   eight pixels each
+//   m_valid_o ________________/111111111111111
+//   m_data_o  ----------------<a0><a1><b0><b1>   a0: the left four of a
 `default_nettype none
 
 module sp_wide_beats #(
@@ -67,8 +67,8 @@ module sp_wide_beats #(
     end
   end
 
-  logic              word_valid, word_ready, word_start, word_end;
-  logic [8*Taps-1:0] word;
+  logic              fifo_valid, fifo_ready, fifo_start, fifo_end;
+  logic [8*Taps-1:0] fifo_word;
 
   sp_fifo #(
     .Width   (8 * Taps + 2),
@@ -79,10 +79,23 @@ module sp_wide_beats #(
     .s_valid_i(offered),
     .s_ready_o(ready),
     .s_data_i ({start_i, end_i, data_i}),
-    .m_valid_o(word_valid),
-    .m_ready_i(word_ready),
-    .m_data_o ({word_start, word_end, word})
+    .m_valid_o(fifo_valid),
+    .m_ready_i(fifo_ready),
+    .m_data_o ({fifo_start, fifo_end, fifo_word})
   );
+
+  // A register of its own, because a block RAM gives its word late in the clock
+  logic              valid_q, start_q, end_q;
+  logic              done;     // the word's last beat leaves
+  logic [8*Taps-1:0] word_q;
+
+  assign fifo_ready = !valid_q || done;
+
+  always_ff @(posedge clk_i) begin
+    if (rst_i) valid_q <= 1'b0;
+    else if (fifo_ready) valid_q <= fifo_valid;
+    if (fifo_ready) {start_q, end_q, word_q} <= {fifo_start, fifo_end, fifo_word};
+  end
 
   // --- Which beats of a word leave ---
   logic [1:0] step_q;   // beats of the word that have left
@@ -90,11 +103,9 @@ module sp_wide_beats #(
   logic       two;
   logic       short;    // the last word of a line of Columns pixels, which is not full
   logic [1:0] last;     // the last step of the word
-  logic       done;     // the word's last beat leaves
 
-  assign two  = two_q && !word_start;
-  assign done = word_valid && step_q == last;
-  assign word_ready = done;
+  assign two   = two_q && !start_q;
+  assign done  = valid_q && step_q == last;
 
   if (Columns % Taps != 0) begin : gen_short
     localparam int Whole = Columns / Taps;                  // words before the short one
@@ -103,14 +114,14 @@ module sp_wide_beats #(
     localparam int CountBits = $clog2(Whole + 2);
     logic [CountBits-1:0] count_q, count;                   // words of the line, Whole + 1 at most
 
-    assign count = word_start ? '0 : count_q;
-    assign short = word_end && count == CountBits'(Whole);
+    assign count = start_q ? '0 : count_q;
+    assign short = end_q && count == CountBits'(Whole);
     assign last  = short ? 2'(Beats - 1) : {two, !two};
 
     always_ff @(posedge clk_i) begin
       if (rst_i) count_q <= '0;
       else if (done) begin
-        if (word_end) count_q <= '0;
+        if (end_q) count_q <= '0;
         else if (count <= CountBits'(Whole)) count_q <= count + 1'b1;
       end
     end
@@ -121,7 +132,7 @@ module sp_wide_beats #(
 
   always_ff @(posedge clk_i) begin
     if (rst_i) step_q <= '0;
-    else if (word_valid) step_q <= done ? '0 : step_q + 1'b1;
+    else if (valid_q) step_q <= done ? '0 : step_q + 1'b1;
   end
 
   // --- The beats ---
@@ -131,7 +142,7 @@ module sp_wide_beats #(
     logic unused;
     assign unused = short;
     assign two_q  = 1'b0;
-    assign beat   = step_q[0] ? word[63:32] : word[31:0];
+    assign beat   = step_q[0] ? word_q[63:32] : word_q[31:0];
   end else begin : gen_ten
     logic [15:0] kept_q;  // the two pixels that wait
     logic        unused;
@@ -139,25 +150,25 @@ module sp_wide_beats #(
 
     always_ff @(posedge clk_i) begin
       if (rst_i) two_q <= 1'b0;
-      else if (done) two_q <= !word_end && !two;
-      if (done) kept_q <= word[79:64];
+      else if (done) two_q <= !end_q && !two;
+      if (done) kept_q <= word_q[79:64];
     end
     always_comb begin
       case ({two, step_q})
-        3'b000: beat = word[31:0];
-        3'b001: beat = word[63:32];
-        3'b100: beat = {word[15:0], kept_q};
-        3'b101: beat = word[47:16];
-        default: beat = word[79:48];
+        3'b000: beat = word_q[31:0];
+        3'b001: beat = word_q[63:32];
+        3'b100: beat = {word_q[15:0], kept_q};
+        3'b101: beat = word_q[47:16];
+        default: beat = word_q[79:48];
       endcase
     end
   end
 
   always_ff @(posedge clk_i) begin
-    m_valid_o <= word_valid && !rst_i;
+    m_valid_o <= valid_q && !rst_i;
     m_data_o  <= beat;
-    m_start_o <= word_start && step_q == '0;
-    m_end_o   <= word_end && step_q == last;
+    m_start_o <= start_q && step_q == '0;
+    m_end_o   <= end_q && step_q == last;
   end
 
 endmodule
