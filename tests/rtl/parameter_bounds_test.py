@@ -48,6 +48,16 @@ BOUNDS = {
     ("sp_test_camera", "Rows"): (["Rows=5", "Rows=1023 FrameClocks=130944"],
                                  ["Rows=4", "Rows=1024 FrameClocks=131072"]),
     ("sp_datagram_cutter", "LogDepth"): (["LogDepth=7", "LogDepth=24"], ["LogDepth=6", "LogDepth=25"]),
+    ("sp_camera_link", "Taps"): (["Taps=1", "Taps=4", "Taps=8", "Taps=10"],
+                                 ["Taps=0", "Taps=5", "Taps=7", "Taps=9", "Taps=11"]),
+    ("sp_camera_link", "Columns"): (["Taps=8 Columns=516", "Taps=10 Columns=512"],
+                                    ["Taps=8 Columns=514", "Taps=10 Columns=65536", "Taps=4 Columns=512"]),
+    ("sp_camera_link_channel", "Eighty"): (["Part=1'b1 Eighty=1", "Part=1'b1 Eighty=2"],
+                                           ["Part=1'b1 Eighty=3", "Eighty=1"]),
+    ("sp_camera_link_channel", "PlaceBits"): (["PlaceBits=0", "Part=1'b1 PlaceBits=8"],
+                                              ["Part=1'b1 PlaceBits=9", "PlaceBits=1"]),
+    ("sp_wide_beats", "Columns"): (["Columns=0", "Columns=4", "Columns=512 Taps=10", "Columns=65532 Taps=10"],
+                                   ["Columns=2", "Columns=511", "Columns=65536"]),
     ("sp_camera_link_taps", "Bits"): (["Bits=8", "Taps=2 Bits=10", "Taps=1 Bits=12"],
                                       ["Bits=10", "Taps=2 Bits=9", "Taps=1 Bits=14"]),
 }
@@ -56,7 +66,8 @@ for same, like in ((("sp_replay_receiver", "MaxColumns"), ("sp_replay", "MaxColu
                    (("sp_camera_link_channel", "Bits"), ("sp_camera_link_taps", "Bits")),
                    (("sp_camera_link", "Bits"), ("sp_camera_link_taps", "Bits"))):
     BOUNDS[same] = BOUNDS[like]
-BOUNDS["sp_camera_link", "Bits"] = (BOUNDS["sp_camera_link", "Bits"][0], ["Taps=3 Bits=10", "Taps=4 Bits=10", "Bits=9"])
+BOUNDS["sp_camera_link", "Bits"] = (BOUNDS["sp_camera_link", "Bits"][0], ["Taps=3 Bits=10", "Taps=4 Bits=10", "Taps=8 Bits=10",
+                                    "Taps=10 Bits=10", "Bits=9"])
 # Rules of sp_packetizer about the specification, not about parameters
 OF_SPECIFICATION = {"the_header_has_not_4_beats_or_the_trailer_not_1", "the_sequence_is_not_known_for_the_first_beat",
                     "the_count_of_lost_packets_is_right_in_beats_1_and_2_only"}

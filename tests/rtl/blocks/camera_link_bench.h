@@ -116,12 +116,12 @@ class LinkCamera {
 
   struct Shape {
     int rows = 1;
-    int columns = 4;               // where they are no multiple of the taps, others fill the last word of a line
-    int min_gap = 1;               // of words between two lines
+    int columns = 4;  // where they are no multiple of the taps, others fill the last word of a line
+    int min_gap = 1;  // of words between two lines
     int max_gap = 1;
-    int without_data = 0;          // percent of words of a line without data valid, before each group of pixels
-    bool frame_ends_line = false;  // the last line ends with frame valid, while line valid stays
-    int least_words = 0;           // that the frame takes with what lies behind it
+    int without_data = 0;                  // percent of words of a line without data valid, before each group of pixels
+    bool frame_ends_line = false;          // the last line ends with frame valid, while line valid stays
+    int least_words = 0;                   // that the frame takes with what lies behind it
     const std::uint8_t* pixels = nullptr;  // rows x columns, line by line; random ones where there are none
   };
 
@@ -168,8 +168,8 @@ class LinkCamera {
 
  private:
   // One clock with these pixels, or random ones where they are negative, and random unused bits. Returns the pixels.
-  std::array<std::uint32_t, 10> push(bool frame, bool line, bool data, const std::array<int, 10>& given = {
-      -1, -1, -1, -1, -1, -1, -1, -1, -1, -1}) {
+  std::array<std::uint32_t, 10> push(bool frame, bool line, bool data,
+                                     const std::array<int, 10>& given = {-1, -1, -1, -1, -1, -1, -1, -1, -1, -1}) {
     Sent sent;
     sent.frame = frames_;
     line = line && (frame || taps_ != 10);  // Y and Z of the 80-bit configuration have no frame valid

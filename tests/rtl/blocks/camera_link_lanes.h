@@ -110,7 +110,9 @@ class LvdsBench : public LinkOutputs {
         step_(bit / samples),
         bit_(bit),
         board_(board),
-        used_(taps <= 3 ? 1 : taps == 4 ? 2 : 3),
+        used_(taps <= 3   ? 1
+              : taps == 4 ? 2
+                          : 3),
         links_{LvdsLanes(random_, 0, bit, 100'000), LvdsLanes(random_, 1, bit, 100'000 + random_.between(0, 7 * 1500)),
                LvdsLanes(random_, 2, bit, 100'000 + random_.between(0, 7 * 1500))} {
     dut_->clk_i = 0;

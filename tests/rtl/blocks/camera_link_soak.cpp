@@ -1,6 +1,6 @@
 // Soak: frames of 96 x 512 pixels at 10,000 frames a second, from the bits of a Camera Link camera's lanes, with skew
-// and jitter, to the packets of the board, which must be those of the model. Three seeds in four are Full, the fourth is
-// 80 bit; in every third seed cables are pulled in one frame of 20.
+// and jitter, to the packets of the board, which must be those of the model. Three seeds in four are Full, the fourth
+// is 80 bit; in every third seed cables are pulled in one frame of 20.
 //
 //     camera_link_soak [FRAMES] [FIRST_SEED]      100,000 frames from seed 1 on by default
 #include <cstdint>

@@ -31,9 +31,9 @@ inline constexpr int kFrameWords = 8500;          // of the camera: 10,003 frame
 inline constexpr double kFramesPerSecond = 10'000;
 
 struct CameraRun {
-  std::uint64_t frames = 0;     // with packets equal to the model's
-  std::uint64_t clocks = 0;     // of the board, for these frames
-  std::uint64_t broken = 0;     // that the board counted
+  std::uint64_t frames = 0;       // with packets equal to the model's
+  std::uint64_t clocks = 0;       // of the board, for these frames
+  std::uint64_t broken = 0;       // that the board counted
   std::uint64_t interrupted = 0;  // frames in which a cable was pulled
 
   // By the clocks of camera and board, of all frames that were sent.
@@ -53,7 +53,8 @@ inline std::vector<std::uint8_t> image_of_a_line(Random& random) {
   for (int column = 0; column < kColumns; ++column) {
     const int row = from + (random.chance(10) ? random.between(-9, 9) : (column * 7 / kColumns));
     for (int off = -2; off <= 2; ++off) {
-      image[static_cast<std::size_t>((row + off) * kColumns + column)] = static_cast<std::uint8_t>(random.between(150, 255));
+      image[static_cast<std::size_t>((row + off) * kColumns + column)] =
+          static_cast<std::uint8_t>(random.between(150, 255));
     }
   }
   return image;
@@ -120,8 +121,8 @@ void play_camera(std::uint64_t seed, int taps, int frames, CameraRun& run, int g
     images.pop_front();
     ++whole;
   });
-  board.write(model::BoardSettings{
-      .columns = kColumns, .rows = kRows, .mode = measure.mode, .threshold = measure.threshold});
+  board.write(
+      model::BoardSettings{.columns = kColumns, .rows = kRows, .mode = measure.mode, .threshold = measure.threshold});
 
   const std::uint64_t begin = board.clock();
   for (int frame = 0; frame < frames && !::testing::Test::HasFailure(); ++frame) {

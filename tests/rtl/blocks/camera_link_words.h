@@ -56,7 +56,8 @@ class CameraLinkBench : public LinkOutputs {
     hand_out();
   }
 
-  // A frame of any shape that the board can take; with several links, one that lasts longer than links wait for each other.
+  // A frame of any shape that the board can take; with several links, one that lasts longer than links wait for each
+  // other.
   void send_any(int without_data = 20) {
     const int taps = taps_;
     send({.rows = random_.between(1, 6),
@@ -116,8 +117,8 @@ class CameraLinkBench : public LinkOutputs {
     std::deque<LinkCamera::Sent> queue;
     std::int64_t next = 0;
     std::size_t late = 0;  // words behind X
-    int unlocked = 4;     // clocks
-    bool missed = false;  // something, since the last word that was not lost
+    int unlocked = 4;      // clocks
+    bool missed = false;   // something, since the last word that was not lost
   };
 
   CData& clock(std::size_t link) { return link == 0 ? dut_->x_clk_i : link == 1 ? dut_->y_clk_i : dut_->z_clk_i; }

@@ -1,5 +1,5 @@
-// Camera Link Full and 80 bit from the bits of the lanes to the packets of the board: a few frames of 96 x 512 pixels at
-// 10,000 frames a second. camera_link_soak plays more.
+// Camera Link Full and 80 bit from the bits of the lanes to the packets of the board: a few frames of 96 x 512 pixels
+// at 10,000 frames a second. camera_link_soak plays more.
 #include <gtest/gtest.h>
 
 #include "Vecp5_camera_link_eighty_ports.h"
