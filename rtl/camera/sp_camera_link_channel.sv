@@ -18,8 +18,8 @@
 // With Eighty the word is one of the 80-bit configuration with ten taps of 8 bits, which has no
 // data valid. X (1): bits 23..0, then 27 and 26 as the two upper ones; line valid: 24, frame valid:
 // 25. Y and Z (2): bits 26..0; line valid: 27. These have no frame valid: every line is taken for a
-// frame. The bits of X, Y and Z in a row are the taps 1 to 10 (Camera Link 2.0, section 4.2, as
-// ClinkFraming.vhd of github.com/slaclab/surf has it).
+// frame. The bits of X, Y and Z in a row are the taps 1 to 10 (Camera Link 2.0, as ClinkFraming.vhd of
+// github.com/slaclab/surf has it).
 //
 // Overflow, reset: see sp_beat_crossing.
 // Latency: a word is one clock of the link before its begins_i, full_i or ending_i there.

@@ -1,8 +1,8 @@
 // A Camera Link camera, and what the board must get from it.
 //
 // The tables of the bits have the standard's names: A0 is bit 0 of port A; L, F, D are line, frame and data valid, S is
-// the spare bit. The 80-bit configuration has no ports here, but the bits of its ten taps in a row (Camera Link 2.0,
-// section 4.2; github.com/slaclab/surf, protocols/clink/rtl/ClinkFraming.vhd; the Basler A504k's manual has the same).
+// the spare bit. The 80-bit configuration has no ports here, but the bits of its ten taps in a row (Camera Link 2.0, as
+// github.com/slaclab/surf has it in protocols/clink/rtl/ClinkFraming.vhd).
 #ifndef SELFPROJ_TESTS_RTL_BLOCKS_CAMERA_LINK_BENCH_H
 #define SELFPROJ_TESTS_RTL_BLOCKS_CAMERA_LINK_BENCH_H
 
