@@ -152,6 +152,7 @@ module sp_beat_pairs #(
     if (m_valid_o) assert (f_place_q == {Channels{f_place_q[PlaceBits-1:0]}});
     if (m_valid_o && (m_start_o || !LineStarts)) assert (f_start_q == {Channels{m_start_o}});
     if (m_valid_o && !m_start_o) assert (f_start_q[Channels-1:1] == '0 || LineStarts && f_first_q);
+    if (m_valid_o && LineStarts && f_first_q) assert (f_start_q[Channels-1:1] == '1);
     // Rule 2: after the channels did not agree, the output goes on with the beginning of a frame.
     assert (f_open_q == !skip_q);
     if (!f_open_q && pair) assert (start_i == '1);

@@ -107,13 +107,13 @@ module sp_wide_beats #(
   assign two   = two_q && !start_q;
   assign done  = valid_q && step_q == last;
 
-  if (Columns % Taps != 0) begin : gen_short
-    localparam int Whole = Columns / Taps;                  // words before the short one
-    localparam int Waiting = Whole * Taps % 4;              // pixels that wait for their beat then
-    localparam int Beats = (Columns % Taps + Waiting) / 4;  // of the short word
-    localparam int CountBits = $clog2(Whole + 2);
-    logic [CountBits-1:0] count_q, count;                   // words of the line, Whole + 1 at most
+  localparam int Whole = Columns / Taps;                  // words before the short one
+  localparam int Waiting = Whole * Taps % 4;              // pixels that wait for their beat then
+  localparam int Beats = (Columns % Taps + Waiting) / 4;  // of the short word
+  localparam int CountBits = $clog2(Whole + 2);
+  logic [CountBits-1:0] count_q, count;                   // words of the line, Whole + 1 at most
 
+  if (Columns % Taps != 0) begin : gen_short
     assign count = start_q ? '0 : count_q;
     assign short = end_q && count == CountBits'(Whole);
     assign last  = short ? 2'(Beats - 1) : {two, !two};
@@ -126,8 +126,12 @@ module sp_wide_beats #(
       end
     end
   end else begin : gen_whole
-    assign short = 1'b0;
-    assign last  = {two, !two};
+    logic unused;
+    assign unused  = ^{count, count_q};
+    assign count_q = '0;
+    assign count   = '0;
+    assign short   = 1'b0;
+    assign last    = {two, !two};
   end
 
   always_ff @(posedge clk_i) begin
@@ -170,6 +174,67 @@ module sp_wide_beats #(
     m_start_o <= start_q && step_q == '0;
     m_end_o   <= end_q && step_q == last;
   end
+
+`ifdef FORMAL
+  logic f_past_q = 1'b0;
+  always_ff @(posedge clk_i) f_past_q <= 1'b1;
+  always_comb if (!f_past_q) assume (rst_i);
+
+  // Of the line of word_q, modulo 64: words before it, and beats that have left
+  logic [5:0]  f_words_q, f_words, f_beats_q, f_beats;
+  logic [15:0] f_before_q;  // the last two pixels of the word before
+  logic [5:0]  f_place;     // in word_q, of the first pixel of the beat; 62: two pixels before it
+  logic [5:0]  f_left;      // pixels of the word behind the beat
+  logic        f_lost_q;    // the rest of the frame is lost
+  assign f_words = start_q ? '0 : f_words_q;
+  assign f_beats = start_q && step_q == '0 ? '0 : f_beats_q;
+  assign f_place = 6'(4) * f_beats - 6'(Taps) * f_words;
+  assign f_left  = 6'(Taps - 4) - f_place;
+  always_ff @(posedge clk_i) begin
+    if (rst_i) {f_words_q, f_beats_q} <= '0;
+    else if (valid_q) begin
+      f_beats_q <= done && end_q ? '0 : f_beats + 1'b1;
+      if (done) f_words_q <= end_q ? '0 : f_words + 1'b1;
+    end
+    if (done) f_before_q <= word_q[8*Taps-1-:16];
+    f_lost_q <= !rst_i && (offered ? !ready : f_lost_q);
+  end
+
+  always_comb if (f_past_q) begin
+    // Rule 1: what has left of a line is all of it, but for the beats of its present word.
+    if (valid_q) assert (f_place == 6'(4) * 6'(step_q) - (two ? 6'd2 : 6'd0));
+    if (valid_q) assert (step_q <= last);
+    if (!valid_q) assert (step_q == '0 && f_beats_q * 6'd4 - f_words_q * 6'(Taps) ==
+                          (two_q ? 6'd62 : 6'd0));
+    assert (count_q <= CountBits'(Whole + 1));
+    if (Columns % Taps != 0 && count_q <= CountBits'(Whole)) assert (f_words_q == 6'(count_q));
+    // Rule 2: each byte of a beat is the pixel of its place.
+    for (int i = 0; i < 4; i++) begin
+      for (int k = 0; k < Taps; k++) begin
+        if (valid_q && 6'(f_place + 6'(i)) == 6'(k)) assert (beat[8*i+:8] == word_q[8*k+:8]);
+      end
+      if (valid_q && 6'(f_place + 6'(i)) == 6'd62) assert (beat[8*i+:8] == f_before_q[7:0]);
+      if (valid_q && 6'(f_place + 6'(i)) == 6'd63) assert (beat[8*i+:8] == f_before_q[15:8]);
+    end
+    // Rule 3: a word goes when fewer than four of its pixels are left, or where the line has its
+    // length; then its last beat has left.
+    if (done && !short) assert (f_left < 6'd4);
+    if (done && end_q && Columns % Taps != 0 && count == CountBits'(Whole)) begin
+      assert (f_place + 6'(Taps) * f_words + 6'd4 == 6'(Columns));
+    end
+    if (short) assert (end_q && count == CountBits'(Whole));
+    // Rule 4: after a loss nothing goes into the FIFO up to the beginning of a frame.
+    if (f_lost_q) assert (!open_q && (!offered || start_i));
+  end
+  always_ff @(posedge clk_i) if (f_past_q) begin
+    cover (done && short);
+    cover (m_valid_o && m_end_o && !m_start_o);
+    cover (overrun_o);
+  end
+  if (Taps == 10) begin : gen_rules_of_ten
+    always_ff @(posedge clk_i) cover (f_past_q && valid_q && two && step_q == 2'd2);
+  end
+`endif
 
 endmodule
 

@@ -52,6 +52,8 @@ BOUNDS = {
                                  ["Taps=0", "Taps=5", "Taps=7", "Taps=9", "Taps=11"]),
     ("sp_camera_link", "Columns"): (["Taps=8 Columns=516", "Taps=10 Columns=512"],
                                     ["Taps=8 Columns=514", "Taps=10 Columns=65536", "Taps=4 Columns=512"]),
+    ("sp_camera_link", "LogWords"): (["Taps=8 LogWords=1", "Taps=10 LogWords=24"],
+                                     ["Taps=8 LogWords=0", "Taps=8 LogWords=25"]),
     ("sp_camera_link_channel", "Eighty"): (["Part=1'b1 Eighty=1", "Part=1'b1 Eighty=2"],
                                            ["Part=1'b1 Eighty=3", "Eighty=1"]),
     ("sp_camera_link_channel", "PlaceBits"): (["PlaceBits=0", "Part=1'b1 PlaceBits=8"],
