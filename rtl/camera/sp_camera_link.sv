@@ -37,8 +37,9 @@
 // overrun_o is high for one clock. Full and 80 bit bring more than that in a line: a line of N
 // words needs 2 N or 2.5 N clocks of the board. What is too much waits in a FIFO of 2^LogWords
 // words, up to a gap between lines or frames. If this FIFO is full, the rest of the frame is
-// dropped, and overrun_o is high for one clock. A link's own FIFO then fills only if its clock is
-// faster than the board's.
+// dropped, and overrun_o is high for one clock. The board's clock must be faster than the links':
+// otherwise their own FIFOs fill, overrun_o tells it, and frames may follow whose links do not
+// belong together.
 //
 // Reset: rst_i alone. The clocks of the links may stop and start at any time.
 //
