@@ -132,6 +132,39 @@ TEST(CameraLinkFull, LinksFasterThanTheBoardAreCounted) {
   }
 }
 
+// A board that is so slow that it takes nothing before a line has ended: the links' FIFOs hold a line of 16 words, and
+// of a longer one as many. Y and Z come some clocks of the board later, so that all links tell their overruns.
+template <typename Dut>
+void expect_places_of_links(int taps) {
+  constexpr int kPlaces = 16;
+  for_cases(4, [&](Random& random, std::uint64_t seed) {
+    CameraLinkBench<Dut> bench(seed, taps, 8, 20'000, random.between(0, 900));
+    int broken = 0;
+    for (int round = 0; round < 12; ++round) {
+      const int words = round % 3 == 0   ? random.between(1, kPlaces - 1)
+                        : round % 3 == 1 ? kPlaces
+                                         : kPlaces + random.between(1, 2);
+      bench.forget();
+      bench.send({.rows = 1, .columns = taps * words});
+      bench.all_may_break();
+      bench.words(1).insert(bench.words(1).begin(), 45, LinkCamera::Sent{});
+      bench.words(2).insert(bench.words(2).begin(), 90, LinkCamera::Sent{});
+      bench.drain(100);
+      EXPECT_EQ(bench.expect_frames_sent(), words > kPlaces ? 1 : 0) << words << " words";
+      EXPECT_EQ(bench.beats().size(), static_cast<std::size_t>(std::min(words, kPlaces) * taps / 4));
+      broken += words > kPlaces ? 1 : 0;
+    }
+    EXPECT_EQ(bench.overruns(), 3 * broken);
+    EXPECT_EQ(bench.lost() + bench.apart(), 0);
+  });
+}
+TEST(CameraLinkFull, TheFifosOfTheLinksHoldAsManyWordsAsTheyHavePlaces) {
+  expect_places_of_links<Vsp_camera_link_full_short>(8);
+}
+TEST(CameraLinkEighty, TheFifosOfTheLinksHoldAsManyWordsAsTheyHavePlaces) {
+  expect_places_of_links<Vsp_camera_link_eighty_short>(10);
+}
+
 // The FIFO of 16 words holds what constraints/camera_link/rate.py says, but for a few words that are on their way.
 template <typename Dut>
 void expect_room_for_what_waits(int taps) {
