@@ -223,7 +223,8 @@ void expect_cuts_of_three(int taps) {
       const int link = random.between(0, 2);
       for (int number = 0; number < kLinks; ++number) {
         if (all || number == link) {
-          bench.lose_lock(number, random.chance(70) ? random.between(1, 60) : random.between(200, 1500));
+          const int most = random.chance(40) ? 4 : 60;  // words for which the others just wait, or more
+          bench.lose_lock(number, random.chance(70) ? random.between(1, most) : random.between(200, 1500));
         }
       }
       ++losses;
