@@ -72,7 +72,8 @@ def main():
     for name, (parameters, megahertz) in CONFIGURATIONS.items():
         chips = int(parameters["Taps"]) > 4
         text = netlist(BEHIND_CHIPS if chips else TOP, parameters)
-        constraints = "".join(line for line in pins.splitlines(True) if not chips or re.search(r"^BLOCK|PORT .clk_i. ", line))
+        constraints = "".join(line for line in pins.splitlines(True)
+                              if not chips or re.search(r"^BLOCK|PORT .clk_i. ", line))
         clock = "clk_i" if chips else "pll_clk_i"
         constraints += "".join(f'FREQUENCY PORT "{link}_{clock}" {megahertz} MHZ;\n' for link in "xyz")
         reached = []

@@ -49,8 +49,8 @@ def main():
     of_line, of_frame = waiting(at.taps, ratio, at.columns, at.rows, at.gap)
     room = 1 << at.log_words
     fits = max(of_line, of_frame) <= room
-    print(f"a line: {words} words, and {at.gap} between two; from {max(math.ceil(at.columns / 4 / ratio - words), 1)} on "
-          "nothing is left from line to line")
+    enough = max(math.ceil(at.columns / 4 / ratio - words), 1)
+    print(f"a line: {words} words, and {at.gap} between two; from {enough} on nothing is left from line to line")
     print(f"words that wait: {math.ceil(of_line)} of one line, {math.ceil(of_frame)} at the end of a frame; room for "
           f"{room}{'' if fits else ': TOO FEW, frames are cut off'}")
     print(f"frames a second: {at.camera_mhz * 1e6 / (at.rows * (words + at.gap)):,.0f} by the camera's words, "

@@ -68,8 +68,8 @@ for same, like in ((("sp_replay_receiver", "MaxColumns"), ("sp_replay", "MaxColu
                    (("sp_camera_link_channel", "Bits"), ("sp_camera_link_taps", "Bits")),
                    (("sp_camera_link", "Bits"), ("sp_camera_link_taps", "Bits"))):
     BOUNDS[same] = BOUNDS[like]
-BOUNDS["sp_camera_link", "Bits"] = (BOUNDS["sp_camera_link", "Bits"][0], ["Taps=3 Bits=10", "Taps=4 Bits=10", "Taps=8 Bits=10",
-                                    "Taps=10 Bits=10", "Bits=9"])
+BOUNDS["sp_camera_link", "Bits"] = (BOUNDS["sp_camera_link", "Bits"][0], [
+    "Taps=3 Bits=10", "Taps=4 Bits=10", "Taps=8 Bits=10", "Taps=10 Bits=10", "Bits=9"])
 # Rules of sp_packetizer about the specification, not about parameters
 OF_SPECIFICATION = {"the_header_has_not_4_beats_or_the_trailer_not_1", "the_sequence_is_not_known_for_the_first_beat",
                     "the_count_of_lost_packets_is_right_in_beats_1_and_2_only"}
