@@ -106,7 +106,7 @@ std::string csv_of_plots(const std::vector<report::ReportPlot>& plots) {
 
 report::ReportPicture map_picture(const std::string& title, const images::FloatImage& map,
                                   const report::MapScale& scale, const report::MapPitch& pitch) {
-  return {title, report::labelled_map_png(map, scale, pitch, title), ""};
+  return report::shown_map(title, map, scale, pitch);
 }
 
 // --- chapter 3: light section ---

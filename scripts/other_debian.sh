@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # other_debian.sh [--record | --when]: runs both commands of the README, the demo and the quick tests, on the other
-# release of Debian: in a chroot of Debian 13 on Debian 12, and of 12 on 13. It needs root and debootstrap; where these
+# release of Debian: in a chroot of Debian 13 on Debian 12, and of 12 on 13. Then it makes the Python wheel there and runs
+# the notebooks from it, unless their packages cannot be had from PyPI, as one line then says. It needs root and debootstrap; where these
 # or the packages cannot be had, it says so in one line and exits with status 77. A line says when a run last passed here,
 # and at which commit.
 #
@@ -110,6 +111,10 @@ for command in scripts/demo.sh scripts/test.sh; do
   name=$(basename "$command" .sh)
   times+=("$name/seconds=$SECONDS")
 done
+echo "Debian $number: the notebooks from a wheel"
+SECONDS=0
+in_chroot "python3 -B tests/outside/python/run.py --notebooks build/quick" || (($? == 77))
+times+=("notebooks/seconds=$SECONDS")
 printf '%s\n%s at %s\n' "$state" "$(date +%F)" "$(git rev-parse --short HEAD)$(git diff --quiet HEAD || echo ' and changes')" \
   >"$passed"
 last

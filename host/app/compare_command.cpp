@@ -84,7 +84,8 @@ Comparison compare_maps(const CompareOptions& options, files::OutputFolder& fold
   result.pictures.push_back(
       {"Difference, B less A (mm)",
        report::labelled_map_png(difference, report::difference_scale(difference), {1, 1}, "difference (mm)"),
-       "Red: B is greater. Grey: one of them has no value."});
+       "Red: B is greater. Grey: one of them has no value. Bars are in cells.",
+       report::ReportMap{difference, report::difference_scale(difference), {1, 1}}});
   folder.append("difference.tiff", images::encode_float_tiff("difference.tiff", difference));
   folder.append("difference.png", result.pictures.front().png);
   return result;

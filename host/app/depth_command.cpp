@@ -235,7 +235,8 @@ void run_depth(const DepthOptions& options) {
             ? structured_light::fit_plane(*run.triangulation, depth)
             : structured_light::fit_plane(*run.triangulation, depth, region_of_text(options.plane_region, depth));
   }
-  report::write_depth(run, report, folder);
+  const report::ReportPicture picture = report::write_depth(run, report, folder);
+  folder.append("report.html", report::depth_page(run, report, picture));
   folder.commit();
   fmt::print("{}", report::depth_text(run, report, folder.name()));
   if (receiver) {

@@ -13,6 +13,7 @@
 #include "host/cli/command_line.h"
 #include "host/files/output_folder.h"
 #include "host/images/image_files.h"
+#include "host/report/facts.h"
 #include "selfproj/driver/counters.h"
 #include "selfproj/driver/image_assembler.h"
 #include "selfproj/files/user_error.h"
@@ -93,8 +94,8 @@ void run_images(const ImagesOptions& options) {
   }
   files.commit();
   fmt::print("{} → {}; {}\n", text(), options.out,
-             driver::counters_text(receiver.counters(), {&driver::Counters::lost_board, &driver::Counters::lost_ring,
-                                                         &driver::Counters::lost_network, &driver::Counters::bad}));
+             report::losses_text(receiver.counters(), {&driver::Counters::lost_board, &driver::Counters::lost_ring,
+                                                       &driver::Counters::lost_network, &driver::Counters::bad}));
   receiver.check(files.incomplete());
 }
 

@@ -70,6 +70,7 @@ struct InspectOptions {
   [[nodiscard]] const std::string& source() const {
     return receive.device.empty() ? images.images.front() : receive.device;
   }
+  [[nodiscard]] std::string reference_name() const { return section.reference_name(receive.device, images.images); }
 };
 
 // The counts of the inspection, then those of the driver, if there is one.
@@ -111,7 +112,7 @@ void write_outputs(const InspectOptions& options, const light_section::Inspectio
                       is_time);
   const bool device = !options.receive.device.empty();
   parts.settings = {{device ? "device" : "images", device ? "device" : "images", options.source()},
-                    {"reference", "reference", options.section.reference_name(options.receive.device)}};
+                    {"reference", "reference", options.reference_name()}};
   if (device) {
     parts.settings.push_back({"wait", "waiting", options.receive.wait});
   }
@@ -127,9 +128,11 @@ void print_outcome(const InspectOptions& options, const SectionCounts& work,
                    const std::optional<driver::Counters>& counters,
                    const std::optional<light_section::Inspection>& inspection) {
   if (counters) {
-    fmt::print("{} profiles, {:.0f} frames/s, {}, {}, {}\n", work.profiles, work.rate(), losses_text(*counters),
-               driver::counters_text(*counters, {&driver::Counters::resynchronized, &driver::Counters::repeated,
-                                                 &driver::Counters::restarts}),
+    using driver::Counters;
+    fmt::print("{} profiles, {:.0f} frames/s, {}\n{}\n", work.profiles, work.rate(),
+               report::losses_text(
+                   *counters, {&Counters::lost_board, &Counters::lost_ring, &Counters::lost_network, &Counters::missing,
+                               &Counters::bad, &Counters::resynchronized, &Counters::repeated, &Counters::restarts}),
                delay_text(work.delay));
   } else {
     const auto columns = static_cast<double>(std::accumulate(work.columns.begin(), work.columns.end(), 0ULL));
@@ -141,12 +144,15 @@ void print_outcome(const InspectOptions& options, const SectionCounts& work,
                inspection->frames_not_kept() > 0 ? fmt::format(" (of {}, --keep {})", work.profiles, options.keep)
                                                  : std::string(),
                inspection->frames() > 0 ? options.out : "nothing written");
+    const std::string reference = options.reference_name();
+    fmt::print("reference: {}\n", reference == "plane" ? "the empty plane under a straight line" : reference);
   }
 }
 
 // Parts that the region follows may lie beside their place.
 light_section::ReferenceProfile reference_of(const InspectOptions& options, const rig::Rig& rig) {
-  light_section::ReferenceProfile reference = options.section.load_reference(rig, options.receive.device);
+  light_section::ReferenceProfile reference =
+      options.section.load_reference(rig, options.receive.device, options.images.images);
   return options.follow ? light_section::without_walls(rig, std::move(reference)) : reference;
 }
 

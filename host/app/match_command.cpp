@@ -113,7 +113,9 @@ void match_device(const MatchCommand& options) {
   stream.scanner().explain(states);
   report.all_shares.push_back({pair, structured_light::count_states(states)});
   report.counts = counts();
-  report::write_match(run.rig(), stream.table(), stream.scanner(), report, folder);
+  const report::MatchPictures pictures =
+      report::write_match(run.rig(), stream.table(), stream.scanner(), report, folder);
+  folder.append("report.html", report::match_page(report, stream.table(), stream.scanner(), pictures));
   folder.commit();
   list.commit();
   fmt::print("{}{}", report::match_text(stream.table(), report, folder.name()),
@@ -145,6 +147,7 @@ void run_match(const MatchCommand& options) {
   files::OutputFolder folder(options.out);
   DepthList list(options.list);
   const MatchResult result = run.measure(images, folder, &list);
+  folder.append("report.html", result.page);
   refuse_contradiction("IMAGE", result.contradiction, options.unchecked);
   folder.commit();
   list.commit();

@@ -211,12 +211,6 @@ void add_production_options(CLI::App& command, production::ProductionOptions& op
   }
 }
 
-std::string losses_text(const driver::Counters& counters) {
-  return driver::counters_text(
-      counters, {&driver::Counters::lost_board, &driver::Counters::lost_ring, &driver::Counters::lost_network,
-                 &driver::Counters::missing, &driver::Counters::bad});
-}
-
 Receiver::~Receiver() {
   if (control_ != nullptr && !ran_) {
     try {
@@ -268,7 +262,7 @@ void Receiver::run(const Handlers& handlers) {
         static_cast<double>(done_ - shown) * 1e9 / static_cast<double>(std::max<std::int64_t>(1, now - shown_ns));
     if (line.visible()) {
       const std::string status = handlers.status ? handlers.status() : std::string();
-      line.show(fmt::format("{} {}, {:.0f}/s, {}{}{}", done_, options_.things, rate, losses_text(counters()),
+      line.show(fmt::format("{} {}, {:.0f}/s, {}{}{}", done_, options_.things, rate, report::losses_text(counters()),
                             status.empty() ? "" : ", ", status));
     }
     if (handlers.report) {

@@ -109,9 +109,6 @@ class Receiver {
   std::optional<driver::Counters> ended_;
 };
 
-// The counters of the driver that are shown while packets come.
-std::string losses_text(const driver::Counters& counters);
-
 }  // namespace selfproj::app
 
 #endif  // SELFPROJ_HOST_APP_RECEIVE_H

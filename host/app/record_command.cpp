@@ -14,7 +14,9 @@
 #include "host/cli/command_line.h"
 #include "host/files/input_file.h"
 #include "host/files/output_file.h"
+#include "host/report/facts.h"
 #include "selfproj/files/user_error.h"
+#include "selfproj/light_section/reference_file.h"
 #include "selfproj/model/packet.h"
 
 namespace selfproj::app {
@@ -44,7 +46,7 @@ std::string reference_text(const std::string& folder_or_file) {
 void run_record(const RecordOptions& options) {
   const files::OutputFile file(options.out);
   const std::string reference = reference_text(options.reference);
-  const std::string beside = reference_file_of(options.out);
+  const std::string beside = light_section::reference_file_of(options.out);
   std::error_code unused;
   if (reference.empty() && std::filesystem::exists(beside, unused)) {
     throw UserError("--out " + options.out, beside +
@@ -82,7 +84,7 @@ void run_record(const RecordOptions& options) {
   if (reference_file) {
     reference_file->write(reference);
   }
-  fmt::print("{} packets, {} bytes → {}; {}\n", packets, bytes, options.out, losses_text(receiver.counters()));
+  fmt::print("{} packets, {} bytes → {}; {}\n", packets, bytes, options.out, report::losses_text(receiver.counters()));
   receiver.check();
 }
 

@@ -122,15 +122,15 @@ std::string scan_by_gray_codes(const ScanOptions& options, files::OutputFolder& 
   note_doubt(options.capture.camera, run.contradiction.empty() ? run.doubt : run.contradiction);
   const report::DepthReport report{
       .setup = setup, .device = {}, .images = captured.images.size(), .cloud = {}, .comparison = {}, .plane = {}};
-  const std::string picture = report::write_depth(run, report, folder);
+  report::ReportPicture picture = report::write_depth(run, report, folder);
+  picture.title = "Depth";
+  picture.note = structured_light::share_text(run.shares, structured_light::PointState::valid);
   write_capture(options, captured, folder);
   report::ReportPage page = page_of(options, captured.record);
   page.highlights = {
       {"valid", "pixels with a depth", static_cast<std::int64_t>(run.shares.of(structured_light::PointState::valid))},
       {"median_residual_px", "median distance of the two codes' rays", run.median_residual_px, "px"}};
-  page.pictures.insert(
-      page.pictures.begin(),
-      {"Depth", picture, structured_light::share_text(run.shares, structured_light::PointState::valid)});
+  page.pictures.insert(page.pictures.begin(), picture);
   report::ReportTable shares{.title = "Pixels", .header = {"state", "pixels"}, .rows = {}};
   for (int i = 0; i < structured_light::kPointStates; ++i) {
     const auto state = static_cast<structured_light::PointState>(i);
@@ -161,8 +161,7 @@ std::string scan_self_projected(const ScanOptions& options, files::OutputFolder&
   write_capture(options, captured, folder);
   report::ReportPage page = page_of(options, captured.record);
   page.settings.push_back({"reference", "reference", match.reference});
-  page.pictures.insert(page.pictures.begin(), {{"Difference from the reference", result.pictures.difference, ""},
-                                               {"Depth", result.pictures.depth, ""}});
+  page.pictures.insert(page.pictures.begin(), {result.pictures.difference, result.pictures.depth});
   folder.append("report.html", report::page_html(page));
   return result.text;
 }

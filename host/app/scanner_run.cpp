@@ -232,6 +232,7 @@ MatchResult MatchRun::measure(images::ImageSequence& images, files::OutputFolder
   all.depth_images = all.all_shares.size();
   report::MatchPictures pictures = report::write_match(rig_, table, scanner, all, folder);
   return {.text = report::match_text(table, all, folder.name()),
+          .page = report::match_page(all, table, scanner, pictures),
           .pictures = std::move(pictures),
           .contradiction = std::move(contradiction)};
 }

@@ -84,6 +84,7 @@ class DepthList {
 // What a run gives besides its files.
 struct MatchResult {
   std::string text;                // for the terminal, one line
+  std::string page;                // report.html of `selfproj match`
   report::MatchPictures pictures;  // of the newest depth image, which are among the files
   std::string contradiction;       // between the images (sequence_check.h): the first; empty: none
 };

@@ -8,10 +8,12 @@
 #include <string>
 #include <string_view>
 #include <system_error>
+#include <vector>
 
 #include "host/cli/command_line.h"
 #include "host/driver/clock.h"
 #include "host/images/frame_options.h"
+#include "host/images/image_files.h"
 #include "host/production/part_result.h"
 #include "selfproj/files/user_error.h"
 #include "selfproj/light_section/reference.h"
@@ -37,27 +39,32 @@ rig::Rig SectionOptions::load_rig() const {
 
 namespace {
 
-// The file of reference_file_of beside this device, if it is a recording and there is one; else empty.
-std::string reference_beside(const std::string& device) {
+// The file with the reference beside a recording or images, if there is one; else empty.
+std::string reference_beside(const std::string& device, const std::vector<std::string>& images) {
   constexpr std::string_view kFile = "file:";
+  std::string file;
+  if (device.starts_with(kFile)) {
+    file = light_section::reference_file_of(device.substr(kFile.size()));
+  } else if (!images.empty()) {
+    const std::string first = images::files_of_patterns("--images", images).front();
+    file = (std::filesystem::path(first).parent_path() / images::kReferenceFile).string();
+  }
   std::error_code unused;
-  const std::string file = device.starts_with(kFile) ? reference_file_of(device.substr(kFile.size())) : std::string();
   return std::filesystem::is_regular_file(file, unused) ? file : std::string();
 }
 
 }  // namespace
 
-std::string reference_file_of(const std::string& recording) { return recording + ".reference.csv"; }
-
-light_section::ReferenceProfile SectionOptions::load_reference(const rig::Rig& loaded,
-                                                               const std::string& device) const {
-  const std::string beside = reference_beside(device);
+light_section::ReferenceProfile SectionOptions::load_reference(const rig::Rig& loaded, const std::string& device,
+                                                               const std::vector<std::string>& images) const {
+  const std::string beside = reference_beside(device, images);
   if (reference.empty()) {
     return beside.empty() ? light_section::reference_of_plane(loaded)
                           : selfproj::light_section::load_reference(loaded, beside);
   }
   light_section::ReferenceProfile chosen = selfproj::light_section::load_reference(loaded, reference);
-  if (!beside.empty() &&
+  // That of images may be better than the one of their pattern: without its residual.
+  if (!beside.empty() && images.empty() &&
       light_section::reference_csv(loaded, chosen) !=
           light_section::reference_csv(loaded, selfproj::light_section::load_reference(loaded, beside))) {
     throw UserError("--reference " + reference,
@@ -66,8 +73,8 @@ light_section::ReferenceProfile SectionOptions::load_reference(const rig::Rig& l
   return chosen;
 }
 
-std::string SectionOptions::reference_name(const std::string& device) const {
-  const std::string beside = reference_beside(device);
+std::string SectionOptions::reference_name(const std::string& device, const std::vector<std::string>& images) const {
+  const std::string beside = reference_beside(device, images);
   return !reference.empty() ? reference : !beside.empty() ? beside : "plane";
 }
 
@@ -91,7 +98,7 @@ void add_section_options(CLI::App& command, SectionOptions& options) {
       .add_option("--reference", options.reference,
                   "Folder that `selfproj pattern` wrote for the good part whose pattern is projected.")
       ->type_name("DIR")
-      ->default_str("the one beside a recording (FILE.reference.csv), or the empty plane");
+      ->default_str("the one beside a recording (FILE.reference.csv) or images (reference.csv), or the empty plane");
   command
       .add_option("--pixel-clock-hz", options.pixel_clock_hz,
                   "Pixel clock of the board in Hz, which its time stamps count.")

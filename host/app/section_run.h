@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "host/driver/clock.h"
 #include "selfproj/driver/device.h"
@@ -30,16 +31,15 @@ struct SectionOptions {
   [[nodiscard]] rig::Rig load_rig() const;
 
   // The reference of the folder, or the rig's empty table or conveyor. Beside a recording, the device "file:PATH", may
-  // lie the one under which it was taken (reference_beside): it is the default, and no other is taken. Throws
-  // UserError.
-  [[nodiscard]] light_section::ReferenceProfile load_reference(const rig::Rig& loaded, const std::string& device) const;
+  // lie the one under which it was taken (reference_file_of), and in the folder of images as reference.csv: it is the
+  // default, and with a recording no other is taken. Throws UserError.
+  [[nodiscard]] light_section::ReferenceProfile load_reference(const rig::Rig& loaded, const std::string& device,
+                                                               const std::vector<std::string>& images = {}) const;
 
   // Its name, for reports.
-  [[nodiscard]] std::string reference_name(const std::string& device) const;
+  [[nodiscard]] std::string reference_name(const std::string& device,
+                                           const std::vector<std::string>& images = {}) const;
 };
-
-// The file beside a recording that holds the reference under whose pattern it was taken: PATH.reference.csv.
-std::string reference_file_of(const std::string& recording);
 
 // Adds --rig, --assume, --reference and --pixel-clock-hz.
 void add_section_options(CLI::App& command, SectionOptions& options);

@@ -62,11 +62,10 @@ void write_tolerance(const LearnCommandOptions& options, const rig::Rig& rig, co
   }
   out.write(fmt::format("# learned from {} good parts on rig {}\n", learner.parts() - left_out.size(), rig.name) +
             production::to_yaml(tolerance));
-  fmt::print("{} good parts{}, {} specks; {:.3f} mm long, {:.3f} mm wide, {} regions → {}\n",
-             learner.parts() - left_out.size(),
+  fmt::print("{} good parts{}{}; {:.3f} mm long, {:.3f} mm wide, {} regions → {}\n", learner.parts() - left_out.size(),
              learner.not_kept() > 0 ? fmt::format(" (and {} that are not kept)", learner.not_kept()) : std::string(),
-             specks, tolerance.length_mm, tolerance.right_mm - tolerance.left_mm, tolerance.regions.size(),
-             options.out);
+             specks > 0 ? fmt::format(", {} things too short to be a part", specks) : std::string(),
+             tolerance.length_mm, tolerance.right_mm - tolerance.left_mm, tolerance.regions.size(), options.out);
   for (const production::ToleranceRegion& region : tolerance.regions) {
     fmt::print("  {}: {:+.3f} to {:+.3f} mm, {:.2f} % may be missing\n", region.name, region.low_mm, region.high_mm,
                100 * region.max_missing);
@@ -125,7 +124,8 @@ void learn_depth(const LearnCommandOptions& options) {
 void learn_section(const LearnCommandOptions& options) {
   const rig::Rig rig = options.section.load_rig();
   const files::OutputFile out(options.out);
-  const light_section::ReferenceProfile reference = options.section.load_reference(rig, options.receive.device);
+  const light_section::ReferenceProfile reference =
+      options.section.load_reference(rig, options.receive.device, options.images.images);
   const light_section::DifferentialProfiler profiler(rig, reference);
   production::Learner learner(
       rig, production::section_of(rig, reference, profiler),

@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <cmath>
 #include <cstddef>
 #include <cstdio>
 #include <string>
@@ -30,7 +31,22 @@ void StatusLine::show(const std::string& text) {
 }
 
 Progress::Progress(std::string what, std::size_t total)
-    : what_(std::move(what)), total_(total), next_(steady_clock::now() + kInterval) {}
+    : what_(std::move(what)), total_(total), begin_(steady_clock::now()), next_(begin_ + kInterval) {}
+
+std::string time_left(std::chrono::duration<double> so_far, std::size_t done, std::size_t total) {
+  constexpr double kFirst = 2;
+  const double seconds = so_far.count() * static_cast<double>(total - done) / static_cast<double>(done);
+  if (so_far.count() < kFirst || seconds < 1) {
+    return "";
+  }
+  const auto text = [](double number, const char* unit) {
+    return ", " + std::to_string(std::lround(number)) + unit + " left";
+  };
+  constexpr double kMinute = 60;
+  return seconds < 2 * kMinute             ? text(seconds, " s")
+         : seconds < 2 * kMinute * kMinute ? text(seconds / kMinute, " min")
+                                           : text(seconds / kMinute / kMinute, " h");
+}
 
 void Progress::update(std::size_t done, const std::string& note) {
   if (!line_.visible() || steady_clock::now() < next_) {
@@ -38,6 +54,7 @@ void Progress::update(std::size_t done, const std::string& note) {
   }
   next_ = steady_clock::now() + kInterval;
   line_.show(what_ + " " + std::to_string(done) + (total_ > 0 ? " of " + std::to_string(total_) : "") +
+             (done > 0 && done < total_ ? time_left(steady_clock::now() - begin_, done, total_) : "") +
              (note.empty() ? "" : ": " + note));
 }
 

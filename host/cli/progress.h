@@ -25,7 +25,7 @@ class StatusLine {
   bool shown_ = false;
 };
 
-// Counts up, "frame 120 of 1400". If the total is 0 (unknown), it says "frame 120".
+// Counts up, "frame 120 of 1400, 2 min left". If the total is 0 (unknown), it says "frame 120".
 class Progress {
  public:
   Progress(std::string what, std::size_t total);
@@ -37,8 +37,13 @@ class Progress {
   std::string what_;
   std::size_t total_;
   StatusLine line_;
+  std::chrono::steady_clock::time_point begin_;
   std::chrono::steady_clock::time_point next_;
 };
+
+// How long the rest takes if it goes on as so far, ", 2 min left"; empty in the first seconds, when nobody can know,
+// and for less than a second. 0 < done < total.
+std::string time_left(std::chrono::duration<double> so_far, std::size_t done, std::size_t total);
 
 }  // namespace selfproj::cli
 

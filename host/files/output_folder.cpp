@@ -172,6 +172,7 @@ OutputFolder::OutputFolder(const std::string& name) : name_(name), target_(name)
       throw UserError(name_, error.message());
     }
     static_cast<void>(writable_parent(name_, target_));
+    note_output(name_, target_);  // no output may be a file of that name
     return;
   }
   target_ = fs::canonical(target_, error);

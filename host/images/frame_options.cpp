@@ -94,6 +94,10 @@ PixelRule PixelOptions::rule() const {
   if (shift && (*shift < 0 || *shift > kMaxShift)) {
     throw std::invalid_argument(fmt::format("shift: must be in 0..{}", kMaxShift));
   }
+  const std::vector<std::string> names = channel_names();
+  if (!channel.empty() && std::find(names.begin(), names.end(), channel) == names.end()) {
+    throw std::invalid_argument(fmt::format("channel: is '{}'; must be one of {}", channel, fmt::join(names, ", ")));
+  }
   return {channel_of(channel), shift};
 }
 

@@ -279,7 +279,7 @@ std::vector<std::string> files_of_folder(const std::string& folder) {
   std::vector<std::string> others;
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
     const std::string name = entry->path().filename().string();
-    if (!name.starts_with('.') && name != "capture.json") {
+    if (!name.starts_with('.') && name != "capture.json" && name != kReferenceFile) {
       (is_image(entry->path()) ? files : others).push_back(entry->path().string());
     }
   }

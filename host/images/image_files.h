@@ -67,6 +67,10 @@ void check_image_file(const std::string& file);
 // Whether the file has an image of several channels. Throws UserError if it has none.
 bool is_colour_image(const std::string& file);
 
+// What may lie in a folder of images that is none: the reference of a light section under whose pattern they were
+// taken.
+inline constexpr const char* kReferenceFile = "reference.csv";
+
 // How the pixels of a file become one channel of 8 bits.
 struct PixelRule {
   std::optional<Channel> channel = std::nullopt;

@@ -337,6 +337,8 @@ ReferenceProfile load_reference(const rig::Rig& rig, const std::string& folder_o
   return parse_reference_csv(rig, files::read_text(file, files::kMostTableBytes), file);
 }
 
+std::string reference_file_of(const std::string& recording) { return recording + ".reference.csv"; }
+
 images::FloatImage load_pattern(const rig::Rig& rig, const std::string& folder) {
   const std::string file = (fs::path(folder) / "pattern.tiff").string();
   images::FloatImage pattern = images::read_float_tiff(file);

@@ -1,10 +1,14 @@
 #include "host/production/endpoint.h"
 
+#include <arpa/inet.h>
+#include <ifaddrs.h>
+#include <net/if.h>
 #include <netdb.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstddef>
 #include <cstdint>
@@ -66,6 +70,29 @@ bool Endpoint::is_loopback() const {
 }
 
 std::string Endpoint::host() const { return address.find(':') == std::string::npos ? address : "[" + address + "]"; }
+
+std::string Endpoint::host_to_open() const {
+  if (address != "0.0.0.0" && address != "::") {
+    return host();
+  }
+  std::string found = "127.0.0.1";
+  ifaddrs* all = nullptr;
+  if (getifaddrs(&all) != 0) {
+    return found;
+  }
+  for (const ifaddrs* one = all; one != nullptr; one = one->ifa_next) {
+    const bool usable = one->ifa_addr != nullptr && one->ifa_addr->sa_family == AF_INET &&
+                        (one->ifa_flags & IFF_UP) != 0 && (one->ifa_flags & IFF_LOOPBACK) == 0;
+    std::array<char, INET_ADDRSTRLEN> text{};
+    if (usable && inet_ntop(AF_INET, &reinterpret_cast<const sockaddr_in*>(one->ifa_addr)->sin_addr, text.data(),
+                            text.size()) != nullptr) {
+      found = text.data();
+      break;
+    }
+  }
+  freeifaddrs(all);
+  return found;
+}
 
 Endpoint endpoint_of_text(const std::string& option, const std::string& text) {
   Endpoint result;

@@ -32,6 +32,9 @@ struct Endpoint {
   [[nodiscard]] bool is_loopback() const;
   // The address as it stands in a URL, and with the port.
   [[nodiscard]] std::string host() const;
+  // The address that a browser can open: of 0.0.0.0 and [::], which stand for all of this machine, the first one by
+  // which others reach it, or 127.0.0.1 if there is none.
+  [[nodiscard]] std::string host_to_open() const;
   [[nodiscard]] std::string text() const { return host() + ":" + std::to_string(port); }
 };
 

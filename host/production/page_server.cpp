@@ -425,7 +425,7 @@ std::string page_token(const Endpoint& endpoint) {
 }
 
 std::string page_url(const Endpoint& endpoint, const std::string& token) {
-  return fmt::format("http://{}/{}", endpoint.text(), token.empty() ? "" : "?token=" + token);
+  return fmt::format("http://{}:{}/{}", endpoint.host_to_open(), endpoint.port, token.empty() ? "" : "?token=" + token);
 }
 
 PageServer::File PageServer::fixed(const std::string& path, const std::string& type, std::string text) {

@@ -161,6 +161,10 @@ std::string to_yaml(const Tolerance& tolerance) {
     writer.end();
   }
   std::string text = writer.yaml() + "regions:\n";
+  if (std::any_of(tolerance.section_mm.begin(), tolerance.section_mm.end(), [](double mm) { return std::isnan(mm); })) {
+    text.insert(text.find("section:"),
+                fmt::format("# Of heights_mm, {} stands for a place where the reference is not known.\n", kNoSection));
+  }
   for (const ToleranceRegion& region : tolerance.regions) {
     rig::FieldWriter one;
     visit_region(region, one);

@@ -53,7 +53,7 @@ std::string depth_png(const images::FloatImage& depth) {
   return images::encode_png16(depth.rows, depth.columns, units);
 }
 
-std::string depth_picture(const structured_light::Triangulation& triangulation, const images::FloatImage& depth,
+ReportPicture shown_depth(const structured_light::Triangulation& triangulation, const images::FloatImage& depth,
                           const std::string& title) {
   const float z = median_depth(depth);
   const auto columns = static_cast<std::size_t>(depth.columns);
@@ -65,7 +65,12 @@ std::string depth_picture(const structured_light::Triangulation& triangulation, 
   const double right = columns > 1 ? distance(middle, triangulation.point(at + 1, z)) : 1;
   const bool rows_are_x = triangulation.rows_are_x();
   const MapPitch pitch{down, right, rows_are_x ? 'x' : 'y', rows_are_x ? 'y' : 'x'};
-  return labelled_map_png(depth, height_scale(depth), pitch, title);
+  return shown_map(title, depth, height_scale(depth), pitch);
+}
+
+std::string depth_picture(const structured_light::Triangulation& triangulation, const images::FloatImage& depth,
+                          const std::string& title) {
+  return shown_depth(triangulation, depth, title).png;
 }
 
 std::vector<structured_light::Point3f> points_of(const structured_light::Triangulation& triangulation,
@@ -79,15 +84,23 @@ std::vector<structured_light::Point3f> points_of(const structured_light::Triangu
   return points;
 }
 
-std::string cloud_ply(const structured_light::Triangulation& triangulation, const images::FloatImage& depth) {
-  const std::vector<structured_light::Point3f> points = points_of(triangulation, depth);
+std::string cloud_ply(const structured_light::Triangulation& triangulation, const images::FloatImage& depth,
+                      const structured_light::LightOfPixels* light) {
   const MapScale scale = height_scale(depth);
-  structured_light::PlyText ply(points.size());
-  for (const structured_light::Point3f& point : points) {
+  structured_light::PlyText ply(depth.values.size(), light != nullptr);
+  for (std::size_t i = 0; i < depth.values.size(); ++i) {
+    if (std::isnan(depth.values[i])) {
+      continue;
+    }
+    const structured_light::Point3f point = triangulation.point(i, depth.values[i]);
     const Colour colour = colour_at(scale.map, (static_cast<double>(point.z) - scale.low) / (scale.high - scale.low));
-    ply.add(point, colour.red, colour.green, colour.blue);
+    ply.add(point, colour.red, colour.green, colour.blue, light != nullptr ? light->intensity[i] : 0.0F,
+            light != nullptr ? light->contrast[i] : 0.0F);
   }
-  return ply.file("millimetres, colour by z");
+  return ply.file(light != nullptr
+                      ? "millimetres, colour by z; intensity: grey value under light; quality: contrast of "
+                        "the finest pattern, in grey values"
+                      : "millimetres, colour by z");
 }
 
 std::string shares_csv(const std::vector<structured_light::OfImage<structured_light::DepthShares>>& shares) {
@@ -222,20 +235,19 @@ nlohmann::ordered_json device_json(const std::string& uri, const structured_ligh
 }
 
 std::string losses_of(const structured_light::DeviceCounts& counts) {
-  return driver::counters_text(counts.counters,
-                               {&driver::Counters::lost_board, &driver::Counters::lost_ring,
-                                &driver::Counters::lost_network, &driver::Counters::missing, &driver::Counters::bad}) +
-         fmt::format(", incomplete images {}", counts.incomplete);
+  return losses_text(counts.counters) +
+         (counts.incomplete > 0 ? fmt::format(", incomplete images {}", counts.incomplete) : std::string());
 }
 
-std::string write_depth(const structured_light::DepthRun& run, const DepthReport& report, files::OutputFolder& folder) {
+ReportPicture write_depth(const structured_light::DepthRun& run, const DepthReport& report,
+                          files::OutputFolder& folder) {
   const std::string title =
       fmt::format("depth z, {} of {} pixels", run.shares.of(structured_light::PointState::valid), run.shares.total());
   folder.append("depth.tiff", images::encode_float_tiff("depth.tiff", run.depth));
   folder.append("depth.png", depth_png(run.depth));
-  std::string picture = depth_picture(*run.triangulation, run.depth, title);
-  folder.append("depth_colour.png", picture);
-  folder.append("cloud.ply", cloud_ply(*run.triangulation, run.depth));
+  ReportPicture picture = shown_depth(*run.triangulation, run.depth, title);
+  folder.append("depth_colour.png", picture.png);
+  folder.append("cloud.ply", cloud_ply(*run.triangulation, run.depth, run.light ? &*run.light : nullptr));
   folder.append("shares.csv", shares_csv(run.all_shares));
   if (!run.moved.empty()) {
     folder.append("moved.csv", moved_csv(run.moved));
@@ -245,6 +257,80 @@ std::string write_depth(const structured_light::DepthRun& run, const DepthReport
   }
   folder.append("summary.json", summary(run, report));
   return picture;
+}
+
+namespace {
+
+ReportTable shares_table(const structured_light::DepthShares& shares) {
+  ReportTable table{.title = "Pixels of the newest depth image", .header = {"state", "pixels", "%"}, .rows = {}};
+  for (int i = 0; i < structured_light::kPointStates; ++i) {
+    const auto state = static_cast<structured_light::PointState>(i);
+    table.rows.push_back({structured_light::name_of(state), std::to_string(shares.of(state)),
+                          fmt::format("{:.1f}", 100.0 * static_cast<double>(shares.of(state)) /
+                                                    static_cast<double>(std::max<std::int64_t>(shares.total(), 1)))});
+  }
+  return table;
+}
+
+// What the pages of depth images share: pixels with a depth, and from where to where it goes.
+std::vector<Fact> depth_highlights(const structured_light::DepthShares& shares, const images::FloatImage& depth,
+                                   std::size_t images) {
+  std::vector<Fact> facts = {
+      {"depth_images", "depth images", static_cast<std::int64_t>(images)},
+      {"valid", "pixels with a depth",
+       fmt::format("{:.1f}", 100 * static_cast<double>(shares.of(structured_light::PointState::valid)) /
+                                 static_cast<double>(std::max<std::int64_t>(shares.total(), 1))),
+       "%"}};
+  std::vector<float> z;
+  std::copy_if(depth.values.begin(), depth.values.end(), std::back_inserter(z),
+               [](float value) { return !std::isnan(value); });
+  if (!z.empty()) {
+    const auto [low, high] = std::minmax_element(z.begin(), z.end());
+    facts.push_back({"z", "z", fmt::format("{:.1f} … {:.1f}", *low, *high), "mm"});
+  }
+  return facts;
+}
+
+}  // namespace
+
+std::string depth_page(const structured_light::DepthRun& run, const DepthReport& report, const ReportPicture& picture) {
+  ReportPage page;
+  page.title = "Depth image";
+  const structured_light::DepthGeometry& geometry = report.setup.geometry;
+  page.subtitle =
+      fmt::format("{} · {} bits · {}", geometry.rig.empty() ? geometry.calibration : "rig " + geometry.rig,
+                  geometry.bits, report.device.empty() ? fmt::format("{} images", report.images) : report.device);
+  page.highlights = depth_highlights(run.shares, run.depth, run.depth_images);
+  if (report.plane && std::isfinite(report.plane->rms)) {
+    page.highlights.push_back({"plane_rms_mm", "distance from the plane, RMS", report.plane->rms, "mm"});
+  }
+  if (report.comparison) {
+    page.highlights.push_back(
+        {"median_mm", "median distance from " + report.cloud, report.comparison->median_mm, "mm"});
+  }
+  page.pictures = {picture};
+  page.tables = {shares_table(run.shares)};
+  page.settings = {
+      {"threshold", "threshold of a pair's difference", static_cast<std::int64_t>(report.setup.scanner.threshold)},
+      {"median", "median of 3 × 3", std::string(report.setup.scanner.median ? "yes" : "no")}};
+  return page_html(page);
+}
+
+std::string match_page(const MatchReport& report, const structured_light::MatchTable& table,
+                       const structured_light::SelfScanner& scanner, const MatchPictures& pictures) {
+  ReportPage page;
+  page.title = "Depth by self-projected stripes";
+  page.subtitle = fmt::format("rig {} · reference {} · {} bits", report.rig, report.reference, report.bits);
+  page.highlights = depth_highlights(report.all_shares.back().value, scanner.depth(), report.depth_images);
+  page.pictures = {pictures.difference, pictures.depth};
+  page.tables = {shares_table(report.all_shares.back().value)};
+  page.counters = report.line;
+  page.settings = {
+      {"e", "cells below the reference that are searched (e)", static_cast<std::int64_t>(report.settings.e)},
+      {"threshold", "threshold of a pair's difference", static_cast<std::int64_t>(report.threshold)},
+      {"missing", "codes without a match", fmt::format("{:.2f}", 100 * table.missing()), "%"},
+      {"doubled", "codes with several candidates", fmt::format("{:.2f}", 100 * table.doubled()), "%"}};
+  return page_html(page);
 }
 
 std::string depth_text(const structured_light::DepthRun& run, const DepthReport& report, const std::string& folder) {
@@ -321,14 +407,14 @@ MatchPictures write_match(const rig::Rig& rig, const structured_light::MatchTabl
   const double pitch = rig.plane_z_mm * rig.camera.pixel_pitch_mm / rig.camera.focal_length_mm;
   const images::FloatImage& depth = scanner.depth();
   const images::FloatImage& difference = scanner.difference();
-  MatchPictures pictures{.depth = depth_picture(scanner.triangulation(), depth, "depth z"),
-                         .difference = labelled_map_png(difference, difference_scale(difference), {pitch, pitch},
-                                                        "difference from the reference, mm")};
+  MatchPictures pictures{.depth = shown_depth(scanner.triangulation(), depth, "depth z"),
+                         .difference = shown_map("difference from the reference, mm", difference,
+                                                 difference_scale(difference), {pitch, pitch})};
   folder.append("depth.tiff", images::encode_float_tiff("depth.tiff", depth));
   folder.append("depth.png", depth_png(depth));
-  folder.append("depth_colour.png", pictures.depth);
+  folder.append("depth_colour.png", pictures.depth.png);
   folder.append("difference.tiff", images::encode_float_tiff("difference.tiff", difference));
-  folder.append("difference.png", pictures.difference);
+  folder.append("difference.png", pictures.difference.png);
   folder.append("cloud.ply", cloud_ply(scanner.triangulation(), depth));
   folder.append("shares.csv", shares_csv(report.all_shares));
   folder.append("summary.json", summary(table, report));

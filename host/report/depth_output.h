@@ -10,6 +10,7 @@
 
 #include "host/files/output_folder.h"
 #include "host/report/facts.h"
+#include "host/report/report.h"
 #include "host/structured_light/depth_run.h"
 #include "host/structured_light/match_table.h"
 #include "host/structured_light/plane_fit.h"
@@ -32,10 +33,12 @@ std::string depth_png(const images::FloatImage& depth);
 std::string depth_picture(const structured_light::Triangulation& triangulation, const images::FloatImage& depth,
                           const std::string& title);
 
-// The points that have a depth, in the order of the pixels; and the same as PLY in the colours of the picture.
+// The points that have a depth, in the order of the pixels; and the same as PLY in the colours of the picture, with
+// what light the pixels got as intensity and quality, if that is given.
 std::vector<structured_light::Point3f> points_of(const structured_light::Triangulation& triangulation,
                                                  const images::FloatImage& depth);
-std::string cloud_ply(const structured_light::Triangulation& triangulation, const images::FloatImage& depth);
+std::string cloud_ply(const structured_light::Triangulation& triangulation, const images::FloatImage& depth,
+                      const structured_light::LightOfPixels* light = nullptr);
 
 // One line for each depth image: pair,valid,not_measurable,...
 std::string shares_csv(const std::vector<structured_light::OfImage<structured_light::DepthShares>>& shares);
@@ -55,8 +58,12 @@ struct DepthReport {
 };
 
 // Writes pictures, cloud, tables and summary of the run, without the single depth images, and returns the picture of
-// the newest one in colours, as PNG. Does not commit the folder. Throws UserError as OutputFolder does.
-std::string write_depth(const structured_light::DepthRun& run, const DepthReport& report, files::OutputFolder& folder);
+// the newest one in colours. Does not commit the folder. Throws UserError as OutputFolder does.
+ReportPicture write_depth(const structured_light::DepthRun& run, const DepthReport& report,
+                          files::OutputFolder& folder);
+
+// The page of `selfproj depth` with that picture.
+std::string depth_page(const structured_light::DepthRun& run, const DepthReport& report, const ReportPicture& picture);
 
 // The same for the terminal: one line each on the depth images, on the comparison and on the plane. `folder` is where
 // the files are.
@@ -78,10 +85,10 @@ struct MatchReport {
   std::vector<Fact> line = {};  // what was counted of the parts of a running line
 };
 
-// The newest depth image and its difference from the reference in colours, as PNG.
+// The newest depth image and its difference from the reference in colours.
 struct MatchPictures {
-  std::string depth;
-  std::string difference;
+  ReportPicture depth;
+  ReportPicture difference;
 };
 
 // Writes pictures, cloud, tables and summary of the scanner's newest depth image, and returns the pictures. Does not
@@ -89,6 +96,10 @@ struct MatchPictures {
 MatchPictures write_match(const rig::Rig& rig, const structured_light::MatchTable& table,
                           const structured_light::SelfScanner& scanner, const MatchReport& report,
                           files::OutputFolder& folder);
+
+// The page of `selfproj match` with these pictures.
+std::string match_page(const MatchReport& report, const structured_light::MatchTable& table,
+                       const structured_light::SelfScanner& scanner, const MatchPictures& pictures);
 
 // The same for the terminal, in one line. `folder` is where the files are.
 std::string match_text(const structured_light::MatchTable& table, const MatchReport& report, const std::string& folder);

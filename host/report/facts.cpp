@@ -36,4 +36,15 @@ std::vector<Fact> counter_facts(const driver::Counters& counters) {
   return facts;
 }
 
+std::string losses_text(const driver::Counters& counters,
+                        std::initializer_list<std::uint64_t driver::Counters::*> which) {
+  std::string text;
+  for (std::uint64_t driver::Counters::*const counter : which) {
+    if (counters.*counter > 0) {
+      text += (text.empty() ? "" : ", ") + driver::counters_text(counters, {counter});
+    }
+  }
+  return text.empty() ? "nothing lost" : text;
+}
+
 }  // namespace selfproj::report

@@ -206,9 +206,12 @@ void write_cloud(const light_section::Inspection& inspection, files::OutputFolde
   cloud.append(
       fmt::format("ply\nformat binary_little_endian 1.0\n"
                   "comment millimetres; x carried back by the belt; difference positive towards the camera\n"
+                  "comment intensity: mean grey value of the line's lit pixels; quality: M0, the light of the line, in "
+                  "proportion to which the variance of its place falls\n"
                   "element vertex {}\n"
                   "property float x\nproperty float y\nproperty float z\nproperty float difference\n"
-                  "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n",
+                  "property uchar red\nproperty uchar green\nproperty uchar blue\n"
+                  "property float intensity\nproperty float quality\nend_header\n",
                   points));
   const std::vector<double> belt = inspection.belt_mm();
   std::size_t at = 0;
@@ -218,7 +221,7 @@ void write_cloud(const light_section::Inspection& inspection, files::OutputFolde
         continue;
       }
       const double difference = -static_cast<double>(values.dz[at]);
-      char* to = append_float(cloud.room(19), static_cast<float>(static_cast<double>(values.x[at]) - travel));
+      char* to = append_float(cloud.room(27), static_cast<float>(static_cast<double>(values.x[at]) - travel));
       to = append_float(to, values.y[at]);
       to = append_float(to, values.z[at]);
       to = append_float(to, static_cast<float>(difference));
@@ -226,7 +229,9 @@ void write_cloud(const light_section::Inspection& inspection, files::OutputFolde
       for (const std::uint8_t part : {colour.red, colour.green, colour.blue}) {
         *to++ = static_cast<char>(part);
       }
-      cloud.end(to);
+      const auto light = static_cast<float>(values.m0[at]);
+      to = append_float(to, values.n[at] > 0 ? light / static_cast<float>(values.n[at]) : 0.0F);
+      cloud.end(append_float(to, light));
     }
   }
   cloud.flush();

@@ -270,10 +270,11 @@ void add_map(std::string& html, std::string_view title, std::string_view explana
   const double share = std::min(100.0, 100 * along_x / height);
   fmt::format_to(to,
                  "<i class=\"upright\" style=\"left:-10px;bottom:0;height:{:.2f}%\"></i>"
-                 "<span style=\"left:-50px;top:{:.2f}%\">x {} {}</span></div>",
-                 share, 100 - share / 2, tick_text(along_x, along_x), known ? "mm" : "frames");
-  fmt::format_to(to, "<div class=\"bars\"><span class=\"bar\" style=\"width:{:.2f}%\"><i></i>y {}&nbsp;mm</span></div>",
-                 100 * along_y / width, tick_text(along_y, along_y));
+                 "<span style=\"left:-50px;top:{:.2f}%\">{} {} {}</span></div>",
+                 share, 100 - share / 2, pitch.row_axis, tick_text(along_x, along_x), known ? "mm" : "frames");
+  fmt::format_to(to,
+                 "<div class=\"bars\"><span class=\"bar\" style=\"width:{:.2f}%\"><i></i>{} {}&nbsp;mm</span></div>",
+                 100 * along_y / width, pitch.column_axis, tick_text(along_y, along_y));
   html += "<div class=\"ramp\"><div class=\"colours\" style=\"background:linear-gradient(90deg";
   constexpr int kStops = 16;
   for (int i = 0; i <= kStops; ++i) {

@@ -21,9 +21,10 @@ namespace {
 
 enum class Along : std::uint8_t { rows, columns };
 
-// The row (or column) of the map with the greatest mean square of the differences. Only full rows count, and columns
-// that have at least nine tenths of their values in them. Rows near the first and the last full one are left out,
-// because the part's ends are there. -1 if there is none.
+// The row (or column) of the map amid the greatest mean squares of the differences: it and those beside it have them,
+// so that it is not the edge of a part. Only full rows count, and columns that have at least nine tenths of their
+// values in them. Rows near the first and the last full one are left out, because the part's ends are there. -1 if
+// there is none.
 int most_different(const images::FloatImage& difference, Along along) {
   const auto count = static_cast<std::size_t>(along == Along::rows ? difference.rows : difference.columns);
   std::vector<double> squares(count, 0.0);
@@ -42,15 +43,27 @@ int most_different(const images::FloatImage& difference, Along along) {
     }
   }
   const int fullest = *std::max_element(entries.begin(), entries.end());
+  std::vector<double> means(count, -1.0);  // of those that count
+  for (std::size_t i = 0; i < count; ++i) {
+    if (entries[i] > 0 && 10 * entries[i] >= 9 * fullest) {
+      means[i] = squares[i] / entries[i];
+    }
+  }
+  const std::size_t beside = std::min<std::size_t>(3, count / 20);
+  const auto least_around = [&](std::size_t i) {
+    const auto at = means.begin() + static_cast<std::ptrdiff_t>(i);
+    return *std::min_element(at - static_cast<std::ptrdiff_t>(beside), at + static_cast<std::ptrdiff_t>(beside) + 1);
+  };
   int best = -1;
   double most = -1;
-  for (std::size_t i = 0; i < count; ++i) {
-    if (entries[i] > 0 && 10 * entries[i] >= 9 * fullest && squares[i] / entries[i] > most) {
-      most = squares[i] / entries[i];
+  for (std::size_t i = beside; i + beside < count; ++i) {
+    if (const double least = least_around(i); least > most) {
+      most = least;
       best = static_cast<int>(i);
     }
   }
-  return best;
+  const auto largest = std::max_element(means.begin(), means.end());
+  return best >= 0 ? best : *largest >= 0 ? static_cast<int>(largest - means.begin()) : -1;
 }
 
 // Height over y of one frame, measured and of the reference. The reference's height is the measured one less the
@@ -130,6 +143,11 @@ std::vector<std::string> line_row(const CameraPicture& camera) {
 
 }  // namespace
 
+ReportPicture shown_map(const std::string& title, const images::FloatImage& map, const MapScale& scale,
+                        const MapPitch& pitch, const std::string& note) {
+  return {title, labelled_map_png(map, scale, pitch, title), note, ReportMap{map, scale, pitch}};
+}
+
 std::string page_html(const ReportPage& page) {
   std::string html;
   add_head(html, page.title, page.subtitle, page.highlights);
@@ -138,6 +156,10 @@ std::string page_html(const ReportPage& page) {
   }
   html += "<section class=\"two\">";
   for (const ReportPicture& shown : page.pictures) {
+    if (shown.map) {
+      add_map(html, escaped(shown.title), escaped(shown.note), shown.map->values, shown.map->scale, shown.map->pitch);
+      continue;
+    }
     fmt::format_to(std::back_inserter(html), "<div class=\"card\"><h2>{}</h2><div class=\"camera\">{}</div>",
                    escaped(shown.title), picture_html(shown.png, shown.title));
     fmt::format_to(std::back_inserter(html), "<p class=\"dim small\" style=\"margin-top:8px\">{}</p></div>\n",

@@ -40,11 +40,23 @@ struct ReportData {
   MapPitch pitch;
 };
 
+// A map as a page draws it: its labels are text of the page, which stays readable at any width.
+struct ReportMap {
+  images::FloatImage values;
+  MapScale scale;
+  MapPitch pitch;
+};
+
 struct ReportPicture {
   std::string title;
   std::string png;
-  std::string note;  // printed below it
+  std::string note;                   // printed below it
+  std::optional<ReportMap> map = {};  // shown by a page instead of the PNG
 };
+
+// A map as a picture: labelled_map_png for a file, and the map itself for a page.
+ReportPicture shown_map(const std::string& title, const images::FloatImage& map, const MapScale& scale,
+                        const MapPitch& pitch, const std::string& note = {});
 
 // A page of plots, pictures and tables, in this order.
 struct ReportPage {

@@ -102,6 +102,16 @@ class AxisDecoder {
   std::size_t next_ = 0;
 };
 
+LightOfPixels light_of_pair(const std::array<images::Image, 2>& pair) {
+  LightOfPixels light;
+  for (std::size_t i = 0; i < pair[0].pixels.size(); ++i) {
+    const auto [dark, bright] = std::minmax(pair[0].pixels[i], pair[1].pixels[i]);
+    light.intensity.push_back(bright);
+    light.contrast.push_back(static_cast<float>(bright - dark));
+  }
+  return light;
+}
+
 }  // namespace
 
 DepthRun depth_of_images(const DepthSetup& setup, images::ImageSequence& images, const OnDepth& on_depth,
@@ -143,6 +153,7 @@ DepthRun depth_of_images(const DepthSetup& setup, images::ImageSequence& images,
   finish(scanner, run);
   if (run.depth_images > 0) {
     run.doubt = doubt_of(triangulation, scanner.codes().data());
+    run.light = light_of_pair(pair);
   }
   return run;
 }
@@ -174,6 +185,9 @@ DepthRun depth_of_both_axes(const DepthSetup& setup, images::ImageSequence& imag
                   residuals.end());
   if (!residuals.empty()) {
     run.median_residual_px = static_cast<double>(files::median_of(std::move(residuals)));
+  }
+  if (images.count() >= 2) {
+    run.light = light_of_pair({images.read(images.count() - 2), images.read(images.count() - 1)});
   }
   run.triangulation = std::move(triangulation);
   return run;

@@ -43,6 +43,12 @@ struct DeviceCounts {
   std::uint64_t incomplete = 0;  // images or code images with lines missing
 };
 
+// What light each pixel got, in grey values: under light, and the difference of the two images of the finest pattern,
+// which is how sure its last bit is.
+struct LightOfPixels {
+  std::vector<float> intensity, contrast;
+};
+
 struct DepthRun {
   std::unique_ptr<Triangulation> triangulation;
   std::size_t depth_images = 0;
@@ -55,6 +61,7 @@ struct DepthRun {
   std::vector<OfImage<Foreground>> moved;
   std::optional<images::FloatImage> moved_depth;
   double median_residual_px = std::numeric_limits<double>::quiet_NaN();  // both axes: over the pixels with a depth
+  std::optional<LightOfPixels> light;                                    // of the newest pair of recorded images
   std::optional<DeviceCounts> device;
   // Between images, options and geometry (sequence_check.h): the first; empty: none. Of a device the newest one's.
   std::string contradiction;

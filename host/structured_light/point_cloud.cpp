@@ -185,7 +185,8 @@ void vertices_of_text(const std::string& file, const std::string& bytes, const P
 
 }  // namespace
 
-void PlyText::add(const Point3f& point, std::uint8_t red, std::uint8_t green, std::uint8_t blue) {
+void PlyText::add(const Point3f& point, std::uint8_t red, std::uint8_t green, std::uint8_t blue, float intensity,
+                  float quality) {
   std::array<std::uint8_t, kBytes> vertex{};
   std::uint8_t* at = vertex.data();
   for (const float value : {point.x, point.y, point.z}) {
@@ -194,14 +195,20 @@ void PlyText::add(const Point3f& point, std::uint8_t red, std::uint8_t green, st
   }
   std::copy_n(std::array{red, green, blue}.begin(), 3, at);
   vertices_.append(vertex.begin(), vertex.end());
+  if (measured_) {
+    std::array<std::uint8_t, 2 * sizeof(float)> more{};
+    model::store_little_endian(more.data(), std::bit_cast<std::uint32_t>(intensity));
+    model::store_little_endian(more.data() + sizeof(float), std::bit_cast<std::uint32_t>(quality));
+    vertices_.append(more.begin(), more.end());
+  }
   ++count_;
 }
 
 std::string PlyText::file(const std::string& comment) const {
   return "ply\nformat binary_little_endian 1.0\ncomment " + comment + "\nelement vertex " + std::to_string(count_) +
          "\nproperty float x\nproperty float y\nproperty float z\n"
-         "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n" +
-         vertices_;
+         "property uchar red\nproperty uchar green\nproperty uchar blue\n" +
+         (measured_ ? "property float intensity\nproperty float quality\n" : "") + "end_header\n" + vertices_;
 }
 
 std::vector<Point3f> read_ply(const std::string& file) {

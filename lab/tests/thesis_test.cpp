@@ -9,6 +9,7 @@
 #include <fstream>
 #include <iterator>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <regex>
 #include <set>
 #include <stdexcept>
@@ -62,6 +63,36 @@ TEST(ThesisPage, NamesTheFiguresThatAreMadeAndNoOthers) {
   }
   const std::vector<std::string> made = lab::ThesisFigures::numbers();
   EXPECT_EQ(named, std::set<std::string>(made.begin(), made.end()));
+}
+
+// Each command of the programs has its minutes, and those that were measured are commands of the page.
+TEST(ThesisPage, SaysTheMinutesOfEachCommand) {
+  int rows = 0;
+  for (const lab::ThesisTable& table : lab::tables_of_page(page())) {
+    const auto column = [&](const char* name) {
+      return static_cast<std::size_t>(std::find(table.header.begin(), table.header.end(), name) - table.header.begin());
+    };
+    if (column("minutes") == table.header.size()) {
+      continue;
+    }
+    for (const lab::ThesisRow& row : table.rows) {
+      const std::string& made = row.cells.at(column("made by"));
+      const std::string& minutes = row.cells.at(column("minutes"));
+      std::size_t commands = 0;
+      for (std::size_t at = made.find("selfproj"); at != std::string::npos; at = made.find("selfproj", at + 1)) {
+        ++commands;
+      }
+      const auto commas = static_cast<std::size_t>(std::count(minutes.begin(), minutes.end(), ','));
+      EXPECT_EQ(minutes == "–" ? 0 : commas + 1, commands) << row.cells.front() << ": " << made << ": " << minutes;
+      rows += commands > 0 ? 1 : 0;
+    }
+  }
+  EXPECT_GT(rows, 25);
+  std::ifstream file(SELFPROJ_SOURCE_DIR "/lab/results/thesis_times.json");
+  const std::string text = page();
+  for (const auto& [name, measured] : nlohmann::json::parse(file).at("results").items()) {
+    EXPECT_NE(text.find("`" + measured.at("command").get<std::string>()), std::string::npos) << name;
+  }
 }
 
 TEST(ThesisPage, IsReadAsPlainText) {

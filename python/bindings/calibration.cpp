@@ -25,6 +25,7 @@
 #include "python/bindings/arrays.h"
 #include "python/bindings/chessboards.h"
 #include "python/bindings/images_input.h"
+#include "selfproj/model/gray_decoder.h"
 #include "selfproj/rig/calibration_file.h"
 
 namespace selfproj::python {
@@ -40,6 +41,9 @@ struct CaptureResult {
 
 CaptureResult decode(const ImagesArgument& images, const Size& projector, int threshold, int contrast,
                      const std::string& channel, std::optional<int> shift) {
+  constexpr int kMaxSide = 1 << model::GrayDecoder::kMaxBits;
+  require(projector.first >= 1 && projector.second >= 1 && projector.first <= kMaxSide && projector.second <= kMaxSide,
+          "projector: its columns and rows must be in 1..4096");
   const structured_light::GraySequence sequence(projector.first, projector.second);
   require(threshold >= 0 && threshold <= 255 && contrast >= 0 && contrast <= 255,
           "threshold, contrast: must be in 0..255");

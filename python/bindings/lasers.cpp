@@ -1,19 +1,26 @@
-// Of selfproj.calibration: a camera alone, and the plane of a laser.
+// Of selfproj.calibration: a camera alone, the plane of a laser, and the belt before them.
 #include <nanobind/stl/array.h>
+#include <nanobind/stl/map.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
+#include <algorithm>
 #include <cstddef>
+#include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
+#include "host/calibration/belt.h"
 #include "host/calibration/laser_plane.h"
 #include "host/images/image_files.h"
+#include "host/production/height_map.h"
 #include "python/bindings/arrays.h"
 #include "python/bindings/chessboards.h"
 #include "python/bindings/images_input.h"
@@ -75,8 +82,142 @@ LaserResult laser_of(const CameraResult& camera, const ImagesArgument& images, i
             "images: their size is not that of the camera's images");
     calibration::CameraReport report = *camera.report;
     report.settings.threshold = threshold;
-    return LaserResult{camera, calibration::laser_plane(report, lines)};
+    try {
+      return LaserResult{camera, calibration::laser_plane(report, lines)};
+    } catch (const UserError& error) {
+      const std::string text = error.what();
+      constexpr std::string_view kOption = "--laser: ";  // the images of the command
+      throw UserError("images", text.starts_with(kOption) ? text.substr(kOption.size()) : text);
+    }
   });
+}
+
+// One value for each image, ascending, or none.
+void check_values(const std::vector<double>& values, std::size_t images, const char* text) {
+  require(values.empty() || (values.size() == images &&
+                             std::adjacent_find(values.begin(), values.end(), std::greater_equal<>()) == values.end()),
+          text);
+}
+
+// The images of an argument, each as large as those of the rig's camera.
+template <typename Take>
+void for_each_image(const rig::Rig& rig, const GivenImages& given, const Take& take) {
+  images::ImageSequence sequence = given.sequence();
+  for (std::size_t i = 0; i < given.count(); ++i) {
+    const images::Image image = sequence.read(i);
+    if (image.rows != rig.camera.rows || image.columns != rig.camera.columns) {
+      throw UserError(given.names()[i], "has not the size of the rig's camera");
+    }
+    take(i, image);
+  }
+}
+
+calibration::BeltCalibration belt_of(const rig::Rig& rig, const ImagesArgument& images, const Size& corners,
+                                     double square_mm, double thickness_mm, const std::vector<double>& moves,
+                                     const std::vector<double>& counts, const std::vector<double>& seconds,
+                                     const std::optional<ImagesArgument>& laser, std::vector<double> heights,
+                                     int threshold, double scale_tolerance, double height_tolerance,
+                                     const std::string& channel, std::optional<int> shift) {
+  require(rig.kind == rig::RigKind::light_section, "rig: must be of kind light-section");
+  require(!rig.heights, "rig: has corrected heights, which hold for its belt_pose; find the belt before them");
+  require(!laser || rig.light_plane, "laser: is for a rig with a laser; fit_heights is for a projector");
+  require(thickness_mm >= 0 && scale_tolerance > 0 && height_tolerance > 0,
+          "scale_tolerance, height_tolerance_mm: must be above 0, thickness_mm 0 or more");
+  require(threshold >= 0 && threshold <= 255, "threshold: must be in 0..255");
+  const GivenImages given(images, {channel, shift});
+  require(given.count() >= 2, "images: the chessboard is needed at two or more places of the belt");
+  check_values(moves, given.count(), "moves_mm: one for each image is needed, in ascending order");
+  check_values(counts, given.count(), "counts: one for each image is needed, in ascending order");
+  check_values(seconds, given.count(), "seconds: one for each image is needed, in ascending order");
+  std::optional<GivenImages> of_laser;
+  if (laser) {
+    of_laser.emplace(*laser, images::PixelOptions{channel, shift});
+    heights = heights.empty() && of_laser->count() == 1 ? std::vector<double>{0} : heights;
+  }
+  require(heights.size() == (of_laser ? of_laser->count() : 0) && (heights.empty() || heights.front() == 0),
+          "heights_mm: one for each image of the laser is needed, ascending from 0, that of the empty belt");
+  check_values(heights, heights.size(), "heights_mm: must be in ascending order");
+  calibration::BeltSettings settings;
+  settings.chessboard = chessboard_of(corners, square_mm);
+  settings.thickness_mm = thickness_mm;
+  settings.moves_mm = moves;
+  settings.counts = counts;
+  settings.seconds = seconds;
+  settings.scale_tolerance = scale_tolerance;
+  settings.height_tolerance = height_tolerance;
+  return without_gil([&] {
+    std::vector<calibration::BoardImage> boards;
+    for_each_image(rig, given, [&](std::size_t i, const images::Image& image) {
+      boards.push_back(calibration::observe_board(given.names()[i], image, settings.chessboard));
+    });
+    std::vector<calibration::LineAtHeight> lines;
+    if (of_laser) {
+      for_each_image(rig, *of_laser, [&](std::size_t i, const images::Image& image) {
+        lines.push_back({of_laser->names()[i], heights[i], calibration::line_centres(image, threshold)});
+      });
+    }
+    calibration::BeltCalibration belt = calibration::calibrate_belt(rig, boards, lines, settings);
+    if (!belt.rig.parts) {
+      belt.rig.parts = production::usual_parts(belt.rig, !counts.empty() || seconds.empty());
+    }
+    return belt;
+  });
+}
+
+using NamedFigures = std::map<std::string, double>;
+
+void bind_belt(nb::module_& module) {
+  using calibration::BeltCalibration;
+  nb::class_<BeltCalibration>(module, "BeltResult", "How a belt lies before a calibrated camera, and how it moves.")
+      .def_prop_ro(
+          "rig", [](const BeltCalibration& self) { return self.rig; },
+          "The rig with its belt, and with a section `parts` if it had none.")
+      .def_prop_ro(
+          "along_mm",
+          [](const BeltCalibration& self) {
+            std::vector<double> along;
+            for (const calibration::BeltPlace& place : self.places) {
+              along.push_back(place.along_mm);
+            }
+            return along;
+          },
+          "How far the chessboard has moved since the first image, at each of them.")
+      .def_ro("rms_px", &BeltCalibration::rms_px, "Of the corners.")
+      .def_ro("distance_sd_mm", &BeltCalibration::distance_sd_mm, "Standard deviation of plane_z_mm.")
+      .def_ro("normal_sd_deg", &BeltCalibration::normal_sd_deg, "Of the belt's normal.")
+      .def_ro("direction_sd_deg", &BeltCalibration::direction_sd_deg, "Of the way that it moves.")
+      .def_ro("max_uneven_mm", &BeltCalibration::spread_mm,
+              "Greatest distance of a place from an even way by moves_mm, counts or seconds.")
+      .def_ro("zero_before_mm", &BeltCalibration::zero_mm, "What the laser saw of the belt before it became 0.")
+      .def_prop_ro(
+          "heights",
+          [](const BeltCalibration& self) {
+            std::vector<NamedFigures> heights;
+            for (const BeltCalibration::Height& height : self.heights) {
+              heights.push_back({{"height_mm", height.height_mm},
+                                 {"mean_mm", height.mean_mm},
+                                 {"rms_mm", height.rms_mm},
+                                 {"points", static_cast<double>(height.points)}});
+            }
+            return heights;
+          },
+          "Of each image of the laser, measured by the new rig: height_mm, mean_mm, rms_mm, points.")
+      .def("__repr__", [](const BeltCalibration& self) {
+        return "BeltResult(places=" + std::to_string(self.places.size()) +
+               ", plane_z_mm=" + std::to_string(self.rig.plane_z_mm) + ")";
+      });
+  const calibration::BeltSettings usual;
+  module.def(
+      "calibrate_belt", &belt_of, nb::arg("rig"), nb::arg("images").noconvert(), nb::arg("corners"),
+      nb::arg("square_mm"), nb::arg("thickness_mm") = 0.0, nb::arg("moves_mm") = std::vector<double>{},
+      nb::arg("counts") = std::vector<double>{}, nb::arg("seconds") = std::vector<double>{},
+      nb::arg("laser").noconvert() = nb::none(), nb::arg("heights_mm") = std::vector<double>{},
+      nb::arg("threshold") = 40, nb::arg("scale_tolerance") = usual.scale_tolerance,
+      nb::arg("height_tolerance_mm") = usual.height_tolerance, nb::arg("channel") = "", nb::arg("shift") = nb::none(),
+      "Finds the belt of a rig whose lens is known, as `selfproj calibrate belt`: images of a chessboard flat on\n"
+      "it at two or more places, in their order, with the places (moves_mm), the encoder's counts or the times\n"
+      "(seconds) there. laser: images of the laser's line at heights_mm, the first on the empty belt, which\n"
+      "becomes height 0. InputError if the images do not determine the belt, or contradict what is said.");
 }
 
 }  // namespace
@@ -135,6 +276,7 @@ void bind_lasers(nb::module_& module) {
              nb::arg("channel") = "", nb::arg("shift") = nb::none(),
              "The plane of a laser from its line on the chessboard: one image of each pose of the camera's images, in\n"
              "the same order. threshold: the line is brighter. InputError if the line is found on fewer than three.");
+  bind_belt(module);
 }
 
 }  // namespace selfproj::python

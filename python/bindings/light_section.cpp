@@ -104,9 +104,18 @@ void bind_rig(nb::module_& module) {
       .def("__setstate__",
            [](rig::Rig& rig, const std::string& yaml) { new (&rig) rig::Rig(rig::parse_rig(yaml, "a pickled rig")); });
   module.def(
-      "load_rig", [](const Path& name_or_file) { return rig::load_any_rig(name_or_file.string()); },
-      nb::arg("name_or_file"),
-      "A built-in rig (light-section, scanner, laser), or that of a YAML file. InputError with file, line and reason.");
+      "load_rig",
+      [](const Path& name_or_file, const std::string& assume) {
+        rig::Rig rig = rig::load_any_rig(name_or_file.string());
+        if (!assume.empty()) {
+          rig::assume(rig, assume, "assume");
+        }
+        return rig;
+      },
+      nb::arg("name_or_file"), nb::arg("assume") = "",
+      "A built-in rig (light-section, scanner, laser), or that of a YAML file. InputError with file, line and reason.\n"
+      "assume: what is taken from the drawing though no calibration measured it: camera, light, belt, speed, encoder,\n"
+      "with commas between them.");
 }
 
 void bind_profiles(nb::module_& module) {

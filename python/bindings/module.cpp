@@ -2,17 +2,74 @@
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <exception>
 #include <optional>
+#include <regex>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "host/files/text.h"
 #include "host/images/image_files.h"
 #include "python/bindings/arrays.h"
 #include "selfproj/files/user_error.h"
 #include "selfproj/model/generated/selfproj_spec.h"
+
+namespace {
+
+// The text of an error as Python says it: options of the commands by the names of the arguments here. What is between
+// backticks is a command, and stays.
+std::string in_python(const std::string& text) {
+  static const std::vector<std::pair<std::regex, std::string>> changes = [] {
+    std::vector<std::pair<std::regex, std::string>> made;
+    const auto change = [&](const std::string& from, const std::string& to) {
+      made.emplace_back("(^|[ (,;])" + from + "(?![\\w./-])", "$1" + to);
+    };
+    change("--assume (\\w+)", "assume='$2' to load_rig");
+    change("--select strongest, measure\\.runs", "measure.runs");
+    for (const char* name : {"shift", "bits", "row-bits", "lines", "row-lines", "every", "e"}) {
+      std::string argument = name;
+      std::replace(argument.begin(), argument.end(), '-', '_');
+      change(std::string("--") + name + " (\\d+)", argument + "=$2");
+      change(std::string("--") + name, argument);
+    }
+    for (const auto& [option, argument] : {std::pair{"rig", "rig"},
+                                           {"calibration", "calibration"},
+                                           {"channel", "channel"},
+                                           {"projector", "projector"},
+                                           {"chessboard", "corners"},
+                                           {"square", "square_mm"},
+                                           {"thickness", "thickness_mm"},
+                                           {"moves", "moves_mm"},
+                                           {"counts", "counts"},
+                                           {"seconds", "seconds"},
+                                           {"laser", "laser"},
+                                           {"laser-threshold", "threshold"},
+                                           {"heights", "heights_mm"},
+                                           {"steps", "steps_mm"},
+                                           {"scale-tolerance", "scale_tolerance"},
+                                           {"threshold", "threshold"}}) {
+      change(std::string("--") + option, argument);
+    }
+    return made;
+  }();
+  std::string said;
+  for (std::size_t begin = 0; begin < text.size();) {
+    const std::size_t quote = std::min(text.find('`', begin), text.size());
+    std::string plain = text.substr(begin, quote - begin);
+    for (const auto& [from, to] : changes) {
+      plain = std::regex_replace(plain, from, to);
+    }
+    const std::size_t end = std::min(text.find('`', quote + 1), text.size() - 1) + 1;
+    said += plain + (quote < text.size() ? text.substr(quote, end - quote) : "");
+    begin = quote < text.size() ? end : text.size();
+  }
+  return said;
+}
+
+}  // namespace
 
 NB_MODULE(_core, module) {
   using namespace selfproj::python;
@@ -25,7 +82,9 @@ NB_MODULE(_core, module) {
     try {
       std::rethrow_exception(thrown);
     } catch (const selfproj::UserError& error) {
-      PyErr_SetString(input_error.ptr(), selfproj::files::shown(error.what()).c_str());
+      PyErr_SetString(input_error.ptr(), selfproj::files::shown(in_python(error.what())).c_str());
+    } catch (const selfproj::CheckFailed& error) {
+      PyErr_SetString(input_error.ptr(), selfproj::files::shown(in_python(error.what())).c_str());
     }
   });
   nb::module_::import_("atexit").attr("register")(nb::cpp_function(&WithoutGil::end_of_python));

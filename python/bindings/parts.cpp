@@ -1,15 +1,20 @@
 // selfproj.parts: parts cut out of what is measured, tolerances, verdicts.
+#include <nanobind/stl/array.h>
 #include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/unique_ptr.h>
 #include <nanobind/stl/variant.h>
 #include <nanobind/stl/vector.h>
 
+#include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <iterator>
 #include <memory>
 #include <new>
 #include <nlohmann/json.hpp>
@@ -150,6 +155,79 @@ struct Judged {
   production::PlacedMaps maps;
 };
 
+// Pickled as their numbers.
+using DefectState = std::tuple<std::string, std::array<double, 6>>;
+using RegionState = std::tuple<std::string, std::array<double, 4>>;
+
+DefectState state_of_defect(const production::Defect& d) {
+  return {d.region, {d.along_mm, d.across_mm, d.size_along_mm, d.size_across_mm, d.area_mm2, d.depth_mm}};
+}
+
+production::Defect defect_of(const DefectState& state) {
+  const auto& [region, n] = state;
+  return {region, n[0], n[1], n[2], n[3], n[4], n[5]};
+}
+
+using PlacementState = std::tuple<std::array<double, 5>, std::optional<double>, std::optional<double>, std::string>;
+
+// A map without cells is None.
+nb::object state_of_map(const images::FloatImage& map) {
+  return map.values.empty() ? nb::none() : nb::cast(array_of_image(map));
+}
+
+images::FloatImage map_of(const nb::handle& state) {
+  return state.is_none() ? images::FloatImage() : float_image_of(nb::cast<FloatArray>(state));
+}
+
+nb::tuple state_of_result(const Judged& self) {
+  const PartResult& r = self.result;
+  std::vector<DefectState> defects;
+  std::transform(r.defects.begin(), r.defects.end(), std::back_inserter(defects), state_of_defect);
+  std::vector<RegionState> regions;
+  for (const production::RegionFigures& f : r.regions) {
+    regions.emplace_back(f.name, std::array{f.missing, f.mean_mm, f.lowest_mm, f.highest_mm});
+  }
+  std::optional<PlacementState> placement;
+  if (r.placement) {
+    const production::Placement& p = *r.placement;
+    placement = {{p.along_mm, p.offset_mm, p.turn_rad, p.across_mm, p.residual_mm}, p.length_mm, p.width_mm, p.edges};
+  }
+  const production::MapGrid& g = self.maps.grid;
+  return nb::make_tuple(std::vector<std::uint64_t>{r.number, static_cast<std::uint64_t>(r.verdict), r.first_frame,
+                                                   r.last_frame, r.frames, r.missing_frames},
+                        r.reason, defects, regions, placement,
+                        std::vector<double>{r.begin_mm, r.length_mm, g.pitch_mm, g.along_mm, g.across_mm},
+                        std::pair(g.rows, g.columns), state_of_map(self.maps.height),
+                        state_of_map(self.maps.difference));
+}
+
+void set_result(Judged& self, const nb::tuple& state) {
+  require(state.size() == 9, "state: is none of a PartResult");
+  const auto counts = nb::cast<std::vector<std::uint64_t>>(state[0]);
+  const auto numbers = nb::cast<std::vector<double>>(state[5]);
+  require(counts.size() == 6 && counts[1] < production::kVerdictNames.size() && numbers.size() == 5,
+          "state: is none of a PartResult");
+  Judged judged;
+  PartResult& r = judged.result;
+  r.number = counts[0], r.verdict = static_cast<production::Verdict>(counts[1]);
+  r.first_frame = counts[2], r.last_frame = counts[3], r.frames = counts[4], r.missing_frames = counts[5];
+  r.reason = nb::cast<std::string>(state[1]);
+  for (const DefectState& defect : nb::cast<std::vector<DefectState>>(state[2])) {
+    r.defects.push_back(defect_of(defect));
+  }
+  for (const auto& [name, n] : nb::cast<std::vector<RegionState>>(state[3])) {
+    r.regions.push_back({name, n[0], n[1], n[2], n[3]});
+  }
+  if (const auto placement = nb::cast<std::optional<PlacementState>>(state[4])) {
+    const auto& [n, length, width, edges] = *placement;
+    r.placement = {n[0], n[1], n[2], n[3], n[4], length, width, edges};
+  }
+  r.begin_mm = numbers[0], r.length_mm = numbers[1];
+  const auto sides = nb::cast<std::pair<int, int>>(state[6]);
+  judged.maps = {{sides.first, sides.second, numbers[2], numbers[3], numbers[4]}, map_of(state[7]), map_of(state[8])};
+  new (&self) Judged(std::move(judged));
+}
+
 // Places and classifies parts; any number of threads may use it at once.
 class Judge {
  public:
@@ -263,7 +341,7 @@ void bind_tolerance(nb::module_& module) {
           [](const Tolerance& self, const Path& file) {
             files::OutputFile(file.string()).write(production::to_yaml(self));
           },
-          nb::arg("file"), "Writes the file that --tolerance takes.")
+          nb::arg("file"), "Writes the file that `selfproj inspect --tolerance` takes.")
       .def("__repr__",
            [](const Tolerance& self) { return "Tolerance(" + std::to_string(self.regions.size()) + " regions)"; })
       .def("__getstate__", [](const Tolerance& self) { return production::to_yaml(self); })
@@ -289,9 +367,14 @@ void bind_results(nb::module_& module) {
       .def_ro("size_across_mm", &production::Defect::size_across_mm)
       .def_ro("area_mm2", &production::Defect::area_mm2)
       .def_ro("depth_mm", &production::Defect::depth_mm, "From the middle of the band; less than 0 is too low.")
-      .def("__repr__", [](const production::Defect& self) {
-        return "Defect('" + self.region + "', area_mm2=" + std::to_string(self.area_mm2) +
-               ", depth_mm=" + std::to_string(self.depth_mm) + ")";
+      .def("__repr__",
+           [](const production::Defect& self) {
+             return "Defect('" + self.region + "', area_mm2=" + std::to_string(self.area_mm2) +
+                    ", depth_mm=" + std::to_string(self.depth_mm) + ")";
+           })
+      .def("__getstate__", &state_of_defect)
+      .def("__setstate__", [](production::Defect& self, const DefectState& state) {
+        new (&self) production::Defect(defect_of(state));
       });
   nb::class_<Judged>(module, "PartResult", "The verdict on a part.")
       .def_prop_ro(
@@ -312,10 +395,13 @@ void bind_results(nb::module_& module) {
       .def(
           "json", [](const Judged& self) { return files::json_text(production::part_json(self.result), 2); },
           "As parts.jsonl has it (docs/parts.md).")
-      .def("__repr__", [](const Judged& self) {
-        return std::string("PartResult('") + production::verdict_name(self.result.verdict) + "', " +
-               std::to_string(self.result.defects.size()) + " defects)";
-      });
+      .def("__repr__",
+           [](const Judged& self) {
+             return std::string("PartResult('") + production::verdict_name(self.result.verdict) + "', " +
+                    std::to_string(self.result.defects.size()) + " defects)";
+           })
+      .def("__getstate__", &state_of_result)
+      .def("__setstate__", &set_result);
   nb::class_<Judge>(module, "Classifier",
                     "Places parts on the reference and compares them with a tolerance; any number of threads may use\n"
                     "it at once.")

@@ -244,11 +244,12 @@ LevelFigures figures_of(const light_section::HeightLevel& level) {
 
 light_section::HeightFit fit_sweeps(const rig::Rig& rig, const std::vector<ImagesArgument>& sweeps,
                                     const std::vector<double>& heights, const std::vector<double>& steps, int every,
-                                    double tolerance, double flatness, const std::string& channel,
-                                    std::optional<int> shift) {
+                                    double tolerance, double flatness, std::optional<double> scale_tolerance,
+                                    const std::string& channel, std::optional<int> shift) {
   require(heights.empty() != steps.empty(), "heights_mm, steps_mm: give one of them");
   require(heights.empty() || heights.size() == sweeps.size(), "heights_mm: one is needed for each sweep");
-  require(tolerance > 0 && flatness > 0, "tolerance_mm, flatness_mm: must be above 0");
+  require(tolerance > 0 && flatness > 0 && scale_tolerance.value_or(1) > 0,
+          "tolerance_mm, flatness_mm, scale_tolerance: must be above 0");
   const std::vector<int> lines = lines_of_sweep(rig, every);
   std::vector<GivenImages> given;
   for (const ImagesArgument& sweep : sweeps) {
@@ -269,6 +270,7 @@ light_section::HeightFit fit_sweeps(const rig::Rig& rig, const std::vector<Image
     settings.steps_mm = steps;
     settings.tolerance_mm = tolerance;
     settings.flatness_mm = flatness;
+    settings.scale_tolerance = scale_tolerance;
     return light_section::fit_heights(rig, positions, settings);
   });
 }
@@ -297,8 +299,8 @@ void bind_heights(nb::module_& module) {
   module.def(
       "fit_heights", &fit_sweeps, nb::arg("rig"), nb::arg("sweeps").noconvert(),
       nb::arg("heights_mm") = std::vector<double>{}, nb::arg("steps_mm") = std::vector<double>{}, nb::arg("every") = 4,
-      nb::arg("tolerance_mm") = 0.005, nb::arg("flatness_mm") = 0.01, nb::arg("channel") = "",
-      nb::arg("shift") = nb::none(),
+      nb::arg("tolerance_mm") = 0.005, nb::arg("flatness_mm") = 0.01, nb::arg("scale_tolerance") = nb::none(),
+      nb::arg("channel") = "", nb::arg("shift") = nb::none(),
       "Ties heights to known ones, as `selfproj calibrate heights`: a sweep (images as reference_of_sweep takes\n"
       "them) over a flat plate at each of three or more heights_mm; or sweeps over a block with treads of\n"
       "steps_mm. InputError or ValueError if they do not suffice.");

@@ -298,7 +298,7 @@ void bind_stripe_reference(nb::module_& module) {
               folder.commit();
             });
           },
-          nb::arg("folder"), "Writes the folder that `selfproj match` takes as --reference.")
+          nb::arg("folder"), "Writes the folder that `selfproj match --reference` takes.")
       .def("__repr__",
            [](const StripeReference& self) {
              return "StripeReference('" + self.rig.name + "', bits=" + std::to_string(self.reference.stripes.bits) +

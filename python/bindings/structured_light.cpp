@@ -117,10 +117,13 @@ class Depths {
   std::unique_ptr<structured_light::Triangulation> triangulation_;
 };
 
-// What a folder of images gave.
+// What a folder of images gave. One that was pickled has its points instead of `depths`.
 struct Scan {
   std::shared_ptr<Depths> depths;
   Out<float> depth;
+  std::optional<Out<float>> kept;
+
+  [[nodiscard]] Out<float> points() const { return kept ? *kept : depths->points(Depth(depth)); }
 };
 
 Scan scan(const ImagesArgument& images, const Path& rig, const Path& calibration, int bits, int row_bits, int threshold,
@@ -154,7 +157,7 @@ Scan scan(const ImagesArgument& images, const Path& rig, const Path& calibration
   if (!unchecked && !run.contradiction.empty()) {
     throw UserError("images", run.contradiction);
   }
-  return {std::make_shared<Depths>(std::move(run.triangulation)), array_of_image(std::move(run.depth))};
+  return {std::make_shared<Depths>(std::move(run.triangulation)), array_of_image(std::move(run.depth)), {}};
 }
 
 void save_ply(const Path& file, const In<float, nb::shape<-1, 3>, nb::c_contig>& points,
@@ -240,11 +243,19 @@ void bind_structured_light(nb::module_& module) {
       nb::arg("rig"), nb::arg("bits"), "For codes of `bits` bits along the lines of the rig's projector.");
   nb::class_<Scan>(module, "Scan", "A depth image, and how its points follow from it.")
       .def_ro("depth", &Scan::depth, nb::rv_policy::reference, "z in mm, float32, NaN where there is none.")
-      .def_prop_ro("triangulation", [](const Scan& self) { return self.depths; })
-      .def(
-          "points", [](const Scan& self) { return self.depths->points(Depth(self.depth)); },
-          "The points x, y, z in mm, float32, (n, 3).")
-      .def("__repr__", [](const Scan& self) { return shape_text("Scan", sides_of(self.depth)); });
+      .def_prop_ro(
+          "triangulation", [](const Scan& self) { return self.depths; }, "None for a scan that was pickled.")
+      .def("points", &Scan::points, nb::rv_policy::reference, "The points x, y, z in mm, float32, (n, 3).")
+      .def("__repr__", [](const Scan& self) { return shape_text("Scan", sides_of(self.depth)); })
+      .def("__getstate__",
+           [](const Scan& self) {
+             return nb::make_tuple(nb::cast(self.depth, nb::rv_policy::reference),
+                                   nb::cast(self.points(), nb::rv_policy::reference));
+           })
+      .def("__setstate__", [](Scan& self, const nb::tuple& state) {
+        require(state.size() == 2, "state: is none of a Scan");
+        new (&self) Scan{nullptr, nb::cast<Out<float>>(state[0]), nb::cast<Out<float>>(state[1])};
+      });
   module.def(
       "scan", &scan, nb::arg("images").noconvert(), nb::arg("rig") = "", nb::arg("calibration") = "", nb::arg("bits"),
       nb::arg("row_bits") = 0, nb::arg("threshold") = 5, nb::arg("median") = false, nb::arg("strict") = false,

@@ -6,13 +6,15 @@ plain images (docs/calibration.md).
 
     camera = selfproj.calibration.calibrate_camera(boards, corners=(9, 7), square_mm=21)
     rig = selfproj.calibration.laser_plane(camera, lines).rig(drawn)
+    belt = selfproj.calibration.calibrate_belt(rig, belt_images, corners=(9, 7), square_mm=21, counts=counts)
 """
 
 from . import pictures as _pictures
-from ._core.calibration import (Calibration, CameraResult, Capture, LaserPlane, Result, calibrate, calibrate_camera,
-                                decode_capture, find_chessboard, laser_plane, read_calibration)
+from ._core.calibration import (BeltResult, Calibration, CameraResult, Capture, LaserPlane, Result, calibrate,
+                                calibrate_belt, calibrate_camera, decode_capture, find_chessboard, laser_plane,
+                                read_calibration)
 
-__all__ = ["Calibration", "CameraResult", "Capture", "LaserPlane", "Result", "calibrate", "calibrate_camera",
-           "decode_capture", "find_chessboard", "laser_plane", "read_calibration"]
+__all__ = ["BeltResult", "Calibration", "CameraResult", "Capture", "LaserPlane", "Result", "calibrate",
+           "calibrate_belt", "calibrate_camera", "decode_capture", "find_chessboard", "laser_plane", "read_calibration"]
 
 _pictures.shows(Capture, lambda capture: [_pictures.image_html(capture.mean, "mean of all images")])

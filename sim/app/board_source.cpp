@@ -6,16 +6,20 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <string>
+#include <system_error>
 #include <utility>
 
 #include "host/cli/command_line.h"
 #include "host/cli/progress.h"
+#include "host/files/notes.h"
 #include "host/images/frame_options.h"
 #include "host/images/image_files.h"
 #include "host/images/image_sequence.h"
 #include "selfproj/driver/counters.h"
 #include "selfproj/files/user_error.h"
+#include "selfproj/light_section/reference_file.h"
 #include "selfproj/model/board.h"
 #include "selfproj/model/column_runs.h"
 #include "selfproj/model/gray_decoder.h"
@@ -116,6 +120,12 @@ PacketRecording read_source(const BoardSource& options, std::uint64_t frames) {
   }
   driver::Counters counters;
   PacketRecording recording = read_recording(options.replay, counters);
+  const std::string reference = light_section::reference_file_of(options.replay);
+  std::error_code unused;
+  if (std::filesystem::exists(reference, unused)) {
+    files::note(fmt::format("{}: was taken under the reference {}; name it to `selfproj inspect --reference`",
+                            options.replay, reference));
+  }
   if (counters.bad + counters.missing + counters.bytes_discarded > 0) {
     fmt::print(stderr, "selfproj-sim: {}: {} bad packets and {} missing frames in the recording are left out\n",
                options.replay, counters.bad, counters.missing);

@@ -190,7 +190,11 @@ void add_output_options(CLI::App& command, CosimOptions& options) {
       ->transform(cli::whole_number(1, kLastFrame))
       ->type_name("K")
       ->default_str("the middle one; of recorded images the first ten; with a scanner four");
-  command.add_option("--packets", options.packets, "File for the stream of packets, as a device delivers it.")
+  command
+      .add_option(
+          "--packets", options.packets,
+          "File for the stream of packets, as a device delivers it. The reference of a light section, under whose "
+          "pattern the frames are taken, is written beside it as FILE.reference.csv.")
       ->type_name("FILE");
   command
       .add_option(

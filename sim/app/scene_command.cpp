@@ -14,12 +14,14 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <system_error>
 #include <tuple>
 #include <utility>
 #include <vector>
 
 #include "host/cli/command_line.h"
 #include "host/cli/progress.h"
+#include "host/files/input_file.h"
 #include "host/files/output_file.h"
 #include "host/files/output_folder.h"
 #include "host/images/image_files.h"
@@ -109,6 +111,17 @@ rig::Rig rig_of(const SceneOptions& options) {
 }
 
 // Light 0..1 from a file: 32-bit TIFF as it is, 8-bit images with 255 for full light.
+// The text of the reference that lies beside the pattern of a light section, as `selfproj pattern` writes both; empty
+// where there is none.
+std::string reference_of_pattern(const SceneOptions& options) {
+  if (options.patterns.size() != 1) {
+    return "";
+  }
+  const std::string file = (fs::path(options.patterns.front()).parent_path() / images::kReferenceFile).string();
+  std::error_code unused;
+  return fs::is_regular_file(file, unused) ? files::read_input(file, files::kMostTableBytes) : "";
+}
+
 images::FloatImage read_pattern(const std::string& file, const rig::Rig& rig) {
   images::FloatImage pattern;
   const std::string extension = fs::path(file).extension().string();
@@ -254,6 +267,9 @@ void render(const SceneOptions& options) {
   if (!maker.pattern.values.empty() && options.patterns.empty()) {
     out.append(kPatternFile, images::encode_float_tiff(kPatternFile, maker.pattern));
   }
+  if (const std::string reference = reference_of_pattern(options); !reference.empty()) {
+    out.append(images::kReferenceFile, reference);
+  }
   images::FloatImage truth(options.truth.empty() ? 0 : count * maker.truth_rows, rig.camera.columns);
   {
     cli::Progress progress("frame", static_cast<std::size_t>(count));
@@ -389,7 +405,9 @@ void add_render(CLI::App& scene) {
        .details = "The output folder gets frame_00001.png and so on, and pattern.tiff with the straight line "
                   "that is shown without --pattern. "
                   "Frames of another run in the folder are an error. With a scanner the first frame that is rendered "
-                  "shows the first pattern, and there is no pattern.tiff.",
+                  "shows the first pattern, and there is no pattern.tiff. With the --pattern of a reference "
+                  "folder (`selfproj pattern`) the folder gets its reference.csv, too, by which `selfproj inspect` "
+                  "measures the frames.",
        .examples = R"(
 # 4 frames of stairs that pass under the camera, with the true heights.
 selfproj-sim scene render stairs --first 700 --count 4 --truth frames/truth.tiff --out frames

@@ -27,6 +27,7 @@
 #include "host/report/facts.h"
 #include "host/report/report.h"
 #include "selfproj/files/user_error.h"
+#include "selfproj/light_section/reference_file.h"
 #include "selfproj/model/packet.h"
 #include "sim/board/packet_scoreboard.h"
 #include "sim/cosim/cosim_measurement.h"
@@ -93,6 +94,24 @@ class TraceFile {
   std::optional<files::RemovedAtEnd> part_;
   std::optional<files::RemovedAtEnd> hierarchy_;
 };
+
+// The file beside the packets for the reference under whose pattern they are taken; null where that is not known. Throws
+// UserError if one lies there that would go with these packets.
+std::unique_ptr<files::OutputFile> reference_file_of(const CosimOptions& options, const CosimMeasurement& measurement) {
+  if (options.packets.empty()) {
+    return nullptr;
+  }
+  const std::string beside = light_section::reference_file_of(options.packets);
+  std::error_code unused;
+  if (!measurement.reference().empty()) {
+    return std::make_unique<files::OutputFile>(beside);
+  }
+  if (fs::exists(beside, unused)) {
+    throw UserError("--packets " + options.packets,
+                    beside + " lies beside it and would go with these packets; give another name");
+  }
+  return nullptr;
+}
 
 PlatformOptions platform_of(const CosimOptions& options, CosimMeasurement& measurement) {
   PlatformOptions platform = measurement.platform();
@@ -291,6 +310,7 @@ void run_cosim(const CosimOptions& options) {
     folder.emplace(options.out);
   }
   const std::unique_ptr<CosimMeasurement> measurement = make_measurement(options);
+  const std::unique_ptr<files::OutputFile> reference_file = reference_file_of(options, *measurement);
   const PlatformOptions platform = platform_of(options, *measurement);
   std::optional<VectorFiles> vectors;
   if (!options.vectors.empty()) {
@@ -316,6 +336,9 @@ void run_cosim(const CosimOptions& options) {
   }
   if (vectors) {
     vectors->commit();
+  }
+  if (reference_file) {
+    reference_file->write(measurement->reference());
   }
   trace.commit();
   keep_results(options, *measurement, result);

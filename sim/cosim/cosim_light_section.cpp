@@ -25,6 +25,7 @@
 #include "selfproj/light_section/differential_profile.h"
 #include "selfproj/light_section/inspection.h"
 #include "selfproj/light_section/reference.h"
+#include "selfproj/light_section/reference_file.h"
 #include "selfproj/model/packet.h"
 #include "selfproj/rig/rig.h"
 #include "sim/cosim/cosim_measurement.h"
@@ -47,6 +48,7 @@ struct Setup {
   std::unique_ptr<FrameSource> source;
   int image_columns = 0;                                          // of the frames without padding; 0: there is none
   std::unique_ptr<light_section::DifferentialProfiler> profiler;  // null without a geometry
+  std::string reference;  // the text of reference.csv; empty for recorded images
   std::vector<report::Fact> facts;
 };
 
@@ -162,6 +164,7 @@ Setup scene_setup(const CosimOptions& options, const SceneInfo& info) {
       },
       sent.rows, sent.columns, options.first - 1, count);
   setup.profiler = std::make_unique<light_section::DifferentialProfiler>(rig, reference);
+  setup.reference = light_section::reference_csv(rig, reference);
   setup.facts = scene_facts(options, info, rig, reference);
   return setup;
 }
@@ -242,6 +245,7 @@ class LightSectionCosim final : public CosimMeasurement {
   }
 
   FrameSource& source() override { return *setup_.source; }
+  [[nodiscard]] std::string reference() const override { return setup_.reference; }
 
   [[nodiscard]] PlatformOptions platform() const override {
     const rig::Rig& rig = setup_.rig;

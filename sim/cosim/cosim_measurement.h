@@ -145,6 +145,9 @@ class CosimMeasurement {
   // Called after the last packet: adds to the result what this measurement compared and what did not match.
   virtual void compare(CosimResult& /*result*/) const {}
 
+  // The text of the reference.csv under whose pattern the frames are taken; empty where there is none.
+  [[nodiscard]] virtual std::string reference() const { return {}; }
+
   // Its own counters, shown before those of board and driver; and its settings.
   [[nodiscard]] virtual std::vector<report::Fact> counters(const CosimResult& /*result*/) const { return {}; }
   [[nodiscard]] virtual std::vector<report::Fact> settings() const = 0;

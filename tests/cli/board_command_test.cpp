@@ -260,7 +260,8 @@ TEST_F(Board, TimeStampsOfAnotherPixelClock) {
     EXPECT_EQ(outcome.status, 0) << outcome.err;
     const std::string cloud = read_text(folder_ / "results" / "cloud.ply");
     const std::size_t points = cloud.find("end_header\n") + std::strlen("end_header\n");
-    constexpr std::size_t kPointBytes = 4 * sizeof(float) + 3;  // x y z difference, red green blue
+    // x y z difference, red green blue, intensity quality
+    constexpr std::size_t kPointBytes = 6 * sizeof(float) + 3;
     const std::size_t frame = (cloud.size() - points) / 5;      // bytes: all five have the same points
     EXPECT_EQ(frame % kPointBytes, 0U);
     const auto x_at = [&](std::size_t at) {

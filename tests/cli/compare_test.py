@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Tests `selfproj compare`, the suggestions after a typing error, and the completion in bash.
+"""Tests `selfproj compare`, references beside recordings, pages and clouds of depth images, the suggestions after a
+typing error, and the completion in bash.
 
     compare_test.py PROGRAMS
 
@@ -8,7 +9,11 @@ PROGRAMS is the folder of selfproj and selfproj-sim.
 
 import json
 import math
+import os
 import pathlib
+import re
+import socket
+import struct
 import subprocess
 import sys
 import tempfile
@@ -99,6 +104,100 @@ class Compare(Case):
             self.assertFalse((self.folder / "out").exists())
 
 
+class References(Case):
+    """Heights are measured by the reference under whose pattern packets and images were taken, and that is said."""
+
+    def must(self, program, *words):
+        status, text, errors = self.run_program(program, *words)
+        self.assertEqual(status, 0, errors)
+        return text
+
+    def record(self):
+        self.must("selfproj-sim", "cosim", "--engine", "model", "--scene", "stairs-marked", "--first", 700, "--count", 3,
+                  "--out", "part", "--packets", "part.packets")
+
+    def compared(self, folder):
+        return self.run_program("selfproj", "compare", "--check", 0.001, "--out", "compared", "part/height.tiff",
+                                folder + "/height.tiff")[0]
+
+    def test_packets_of_a_co_simulation(self):
+        self.record()
+        text = self.must("selfproj", "inspect", "--device", "file:part.packets", "--out", "good")
+        self.assertIn("\nreference: part.packets.reference.csv\n", text)
+        self.assertIn(" frames/s, nothing lost\n", text)
+        self.assertLess(max(map(len, text.splitlines())), 100)
+        self.assertEqual(self.compared("good"), 0)
+        (self.folder / "part.packets.reference.csv").rename(self.folder / "elsewhere.csv")
+        text = self.must("selfproj", "inspect", "--device", "file:part.packets", "--out", "plane")
+        self.assertIn("\nreference: the empty plane under a straight line\n", text)
+        self.assertEqual(self.compared("plane"), 1)
+        (self.folder / "codes.packets.reference.csv").write_text("of another run", encoding="utf-8")
+        status, _, errors = self.run_program("selfproj-sim", "cosim", "--engine", "model", "--scene", "fist", "--count",
+                                             16, "--packets", "codes.packets")
+        self.assertEqual(status, 2)
+        self.assertIn("codes.packets.reference.csv lies beside it", errors)
+
+    def test_images_under_a_pattern(self):
+        (self.folder / "box.csv").write_text("y_mm,z_mm\n-55,1167\n-25,1167\n-25,1137\n25,1137\n25,1167\n55,1167\n",
+                                             encoding="ascii")
+        self.must("selfproj", "pattern", "--reference", "box.csv", "--out", "box")
+        self.must("selfproj-sim", "scene", "render", "stairs", "--first", 700, "--count", 2, "--pattern",
+                  "box/pattern.tiff", "--out", "seen")
+        self.assertEqual((self.folder / "seen/reference.csv").read_bytes(),
+                         (self.folder / "box/reference.csv").read_bytes())
+        text = self.must("selfproj", "inspect", "--images", "seen", "--out", "inspected")
+        self.assertIn("\nreference: seen/reference.csv\n", text)
+        self.must("selfproj", "inspect", "--images", "seen/frame_00700.png", "--reference", "box", "--out", "inspected")
+        self.must("selfproj-sim", "scene", "render", "mountain", "--first", 700, "--count", 1, "--truth", "m.tiff",
+                  "--out", "mountain")
+        self.must("selfproj", "pattern", "--reference", "m.tiff", "--out", "other")
+        # Another one may be the same without its residual.
+        text = self.must("selfproj", "inspect", "--images", "seen", "--reference", "other", "--out", "other2")
+        self.assertIn("\nreference: other\n", text)
+
+    def test_outputs_of_one_name_are_refused_before_anything_is_written(self):
+        self.record()
+        status, text, errors = self.run_program("selfproj", "inspect", "--device", "file:part.packets", "--out", "r",
+                                                "--json", "r")
+        self.assertEqual((status, text), (2, ""))
+        self.assertIn("r: is already an output of this command", errors)
+        self.assertFalse((self.folder / "r").exists())
+
+    def test_the_address_of_a_live_page_can_be_opened(self):
+        self.record()
+        with socket.socket() as probe:
+            probe.bind(("127.0.0.1", 0))
+            port = probe.getsockname()[1]
+        errors = self.run_program("selfproj", "inspect", "--device", "file:part.packets", "--live",
+                                  f"0.0.0.0:{port}")[2]
+        address = re.search(rf"live page: http://([\d.]+):{port}/\?token=", errors)
+        self.assertTrue(address, errors)
+        self.assertNotEqual(address[1], "0.0.0.0")
+        with socket.socket() as here:  # an address of this machine
+            here.bind((address[1], 0))
+
+
+class Depth(Case):
+    def test_page_and_cloud(self):
+        for words in (("selfproj-sim", "scene", "render", "desk", "--bits", 4, "--count", 8, "--out", "desk"),
+                      ("selfproj", "depth", "--rig", "scanner", "--bits", 4, "--out", "depth", "desk"),
+                      ("selfproj", "compare", "--check", 0.001, "--out", "same", "depth/cloud.ply", "depth/cloud.ply")):
+            status, _, errors = self.run_program(*words)
+            self.assertEqual(status, 0, errors)
+        page = (self.folder / "depth/report.html").read_text(encoding="utf-8")
+        for text in ("Depth image", "pixels with a depth", "not_measurable", "data:image/png"):
+            self.assertIn(text, page)
+        head, _, body = (self.folder / "depth/cloud.ply").read_bytes().partition(b"end_header\n")
+        self.assertTrue(head.endswith(b"property float intensity\nproperty float quality\n"), head)
+        points = list(struct.iter_unpack("<3f3B2f", body))
+        self.assertEqual(len(points), int(re.search(rb"element vertex (\d+)", head)[1]))
+        self.assertGreater(len(points), 1000)
+        for *_, intensity, quality in points:
+            self.assertTrue(0 <= quality <= intensity <= 255, (intensity, quality))
+        # The decoder allows one pair that differs by less than the threshold of 5.
+        self.assertLess(sum(point[-1] < 5 for point in points), 0.2 * len(points))
+
+
 class CommandLine(Case):
     def test_suggestions(self):
         for line, suggested in (("dpeth", "depth"), ("inspct", "inspect"), ("depth --treshold 5", "--threshold"),
@@ -113,6 +212,21 @@ class CommandLine(Case):
         for program in ("selfproj", "selfproj-sim"):
             self.assertRegex(self.run_program(program, "--version")[1],
                              rf"^{program} \d+\.\d+(\.\d+)*, specification \d+\.\d+, hash 0x[0-9A-F]{{8}}\n$")
+
+    def test_long_work_says_how_long_it_takes(self):
+        terminal, end = os.openpty()
+        self.addCleanup(os.close, terminal)
+        with subprocess.Popen([programs / "selfproj-sim", "scene", "render", "stairs", "--count", "100000", "--threads",
+                               "1", "--out", "long"], cwd=self.folder, stdout=subprocess.DEVNULL, stderr=end) as run:
+            os.close(end)
+            seen = b""
+            try:
+                while b" left" not in seen and len(seen) < 100_000:
+                    seen += os.read(terminal, 4096)
+            finally:
+                run.terminate()
+        self.assertRegex(seen, rb"frame \d+ of 100000, \d+ (s|min|h) left")
+        self.assertEqual(list(self.folder.iterdir()), [])
 
     def test_help_has_a_heading_for_each_job(self):
         text = self.run_program("selfproj", "--help")[1]

@@ -9,6 +9,9 @@ one after another, each by bash -eu, in one folder. The folder contains only rtl
 PROGRAMS; PROGRAMS is also on the PATH. For every command line, run or not, it checks that the options of our programs
 stand in their --help, that ctest finds tests by its -R and -L, and that the test of `run by` exists. The lines of a
 block `text` under the comment `output` must be among those that the block run last has printed.
+
+Of the pages of PICTURED it also looks at what their commands have made: no map may be without values, and no picture of
+one colour.
 """
 
 import functools
@@ -20,13 +23,53 @@ import subprocess
 import sys
 import tempfile
 import time
+import zlib
 
 import documents
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "docs/site"))
+for folder in ("docs/site", "lab/scripts"):
+    sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / folder))
 import commands  # noqa: E402
+import float_tiff  # noqa: E402
 
 LONGEST = 600  # limit in seconds for one block; on an idle machine all blocks together take less than 60
+PICTURED = ("docs/getting-started.md",)
+LEAST_VALUES = 0.3  # share of a map's values that are there
+LEAST_PICTURES = 10  # fewer would mean that the check looks at nothing
+
+
+def is_plain(path):
+    """Whether a PNG, not interlaced, has pixels of one value alone."""
+    data, at, packed = path.read_bytes(), 8, b""
+    while at < len(data):
+        size, kind = int.from_bytes(data[at:at + 4], "big"), data[at + 4:at + 8]
+        packed += data[at + 8:at + 8 + size] if kind == b"IDAT" else b""
+        at += 12 + size
+    rows = int.from_bytes(data[20:24], "big")
+    pixel = {0: 1, 2: 3, 3: 1, 4: 2, 6: 4}[data[25]] * data[24] // 8  # bytes, by kind and depth
+    raw = zlib.decompress(packed)
+    step = len(raw) // rows
+    # Filters write differences. Of one value alone, all rows after the first differ by nothing, or repeat it.
+    later = [raw[i * step + 1:(i + 1) * step] for i in range(1, rows)]
+    return len(set(later)) <= 1 and all(row[pixel:] in (row[:-pixel], bytes(len(row) - pixel)) for row in later[:1])
+
+
+def empty_pictures(folder):
+    """Yields the maps without values and the plain pictures in a folder, and whether there were too few to judge."""
+    maps = [path for path in sorted(folder.rglob("*.tiff")) if path.stem.split("_")[0] in
+            ("height", "difference", "depth", "centroid") and "build" not in path.relative_to(folder).parts]
+    for path in maps:
+        rows = float_tiff.read(path)
+        share = sum(value == value for row in rows for value in row) / sum(map(len, rows))
+        if share < LEAST_VALUES:
+            yield f"{path.relative_to(folder)}: {share:.1%} of its values are there"
+    pictures = [path for path in sorted(folder.rglob("*.png")) if "build" not in path.relative_to(folder).parts]
+    for path in pictures:
+        if is_plain(path):
+            yield f"{path.relative_to(folder)}: is of one colour"
+    if len(maps) + len(pictures) < LEAST_PICTURES:
+        yield f"only {len(maps)} maps and {len(pictures)} pictures"
+    print(f"{len(maps)} maps and {len(pictures)} pictures looked at")
 
 
 class Checker:
@@ -175,6 +218,9 @@ class Checker:
                 if done.returncode != 0:
                     yield f"{page.name}:{block.line}: exit status {done.returncode} of\n{text}{done.stdout}"
                     return
+            if page.name in PICTURED:
+                for fault in empty_pictures(pathlib.Path(folder)):
+                    yield f"{page.name}: {fault}"
 
 
 def problems(root, build, programs, names=()):

@@ -21,6 +21,8 @@
 //   pattern.tiff    the pattern, 32-bit floating point, projector lines x columns, 0..1
 //   pattern.png     the same in 8 bits, for projectors
 //   preview.png     pattern and profile to look at
+//
+// A recording of packets may have its reference beside it: reference_file_of.
 #ifndef SELFPROJ_LIGHT_SECTION_REFERENCE_FILE_H
 #define SELFPROJ_LIGHT_SECTION_REFERENCE_FILE_H
 
@@ -53,6 +55,10 @@ ReferenceProfile parse_reference_csv(const rig::Rig& rig, const std::string& tex
 
 // The reference from a reference folder, or from its reference.csv. Throws UserError as above.
 ReferenceProfile load_reference(const rig::Rig& rig, const std::string& folder_or_file);
+
+// The file beside a recording of packets that holds the reference under whose pattern it was taken:
+// PATH.reference.csv.
+std::string reference_file_of(const std::string& recording);
 
 // The pattern of a reference folder. Throws UserError if its size is not that of the rig's projector, or a value is not
 // in 0..1.

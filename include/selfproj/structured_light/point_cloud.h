@@ -12,19 +12,24 @@
 
 namespace selfproj::structured_light {
 
-// Builds a binary little-endian PLY file: x, y, z as 32-bit floats in mm; red, green, blue as bytes.
+// Builds a binary little-endian PLY file: x, y, z as 32-bit floats in mm; red, green, blue as bytes; with `measured`
+// also intensity and quality as 32-bit floats.
 class PlyText {
  public:
   // Reserves room for this many points.
-  explicit PlyText(std::size_t points) { vertices_.reserve(points * kBytes); }
+  explicit PlyText(std::size_t points, bool measured = false) : measured_(measured) {
+    vertices_.reserve(points * kBytes);
+  }
 
-  void add(const Point3f& point, std::uint8_t red, std::uint8_t green, std::uint8_t blue);
+  void add(const Point3f& point, std::uint8_t red, std::uint8_t green, std::uint8_t blue, float intensity = 0,
+           float quality = 0);
 
   // The whole file; `comment`, one line, says what it is.
   [[nodiscard]] std::string file(const std::string& comment) const;
 
  private:
   static constexpr std::size_t kBytes = 15;
+  bool measured_;
   std::size_t count_ = 0;
   std::string vertices_;
 };

@@ -179,7 +179,7 @@ TEST_F(WrittenInspection, CloudIsCarriedBackByTheBelt) {
   EXPECT_EQ(ply.rfind("ply\nformat binary_little_endian 1.0\n", 0), 0U);
   const std::size_t points = kFrames * (kColumns - 1);
   EXPECT_NE(ply.find("element vertex " + std::to_string(points) + "\n"), std::string::npos);
-  ASSERT_EQ(ply.size(), header + points * 19);
+  ASSERT_EQ(ply.size(), header + points * 27);
   std::size_t at = header;
   for (int i = 0; i < kFrames; ++i) {
     const Sample s = sample(i);
@@ -187,11 +187,13 @@ TEST_F(WrittenInspection, CloudIsCarriedBackByTheBelt) {
       if (s.profile.validity[c] != 0) {
         continue;
       }
-      std::array<float, 4> point{};
-      for (std::size_t k = 0; k < 4; ++k) {
+      std::array<float, 6> point{};
+      for (std::size_t k = 0; k < 6; ++k) {
         std::uint32_t bits = 0;
         for (std::size_t byte = 0; byte < 4; ++byte) {
-          bits |= static_cast<std::uint32_t>(static_cast<std::uint8_t>(ply[at + 4 * k + byte])) << (8 * byte);
+          // three bytes of colour before the last two
+          bits |= static_cast<std::uint32_t>(static_cast<std::uint8_t>(ply[at + 4 * k + (k < 4 ? 0 : 3) + byte]))
+                  << (8 * byte);
         }
         point.at(k) = std::bit_cast<float>(bits);
       }
@@ -199,7 +201,10 @@ TEST_F(WrittenInspection, CloudIsCarriedBackByTheBelt) {
       EXPECT_EQ(point[1], s.profile.y[c]);
       EXPECT_EQ(point[2], s.profile.z[c]);
       EXPECT_EQ(point[3], -s.profile.dz[c]);
-      at += 19;
+      const auto light = static_cast<float>(s.moments.m0[c]);
+      EXPECT_EQ(point[4], s.moments.n[c] > 0 ? light / static_cast<float>(s.moments.n[c]) : 0);
+      EXPECT_EQ(point[5], light);
+      at += 27;
     }
   }
 }

@@ -47,7 +47,7 @@ def cloud(folder):
     """The points of the cloud that `selfproj inspect` wrote: x, y, z of each, as the bits of its floats."""
     text = (folder / "cloud.ply").read_bytes()
     data = text[text.index(b"end_header\n") + 11:]
-    kind = numpy.dtype([("xyz", "<u4", 3), ("rest", "u1", 7)])
+    kind = numpy.dtype([("xyz", "<u4", 3), ("rest", "u1", 15)])
     return numpy.frombuffer(data, kind)["xyz"]
 
 

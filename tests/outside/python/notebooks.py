@@ -1,6 +1,7 @@
 """Runs the notebooks of python/notebooks: their cells one after another, in one namespace, by plain Python.
 
-    notebooks.py NAME...     runs them in a folder of their own, and says how long each took
+    notebooks.py NAME...     runs them in a folder of their own, and says how long each took; exit status 1 where one took
+                             more than a minute of processor time
 """
 
 import contextlib
@@ -11,6 +12,7 @@ import sys
 import tempfile
 import time
 
+MOST_SECONDS = 60
 FOLDER = pathlib.Path(__file__).resolve().parents[3] / "python" / "notebooks"
 
 
@@ -48,6 +50,10 @@ def _inside(folder):
 if __name__ == "__main__":
     for word in sys.argv[1:]:
         with tempfile.TemporaryDirectory() as made:
-            begin = time.monotonic()
+            begin, core = time.monotonic(), time.process_time()
             run(word, made)
-            print(f"{word}: {time.monotonic() - begin:.1f} s")
+            core = time.process_time() - core
+            print(f"{word}: {time.monotonic() - begin:.1f} s, {core:.1f} s of a processor core, Python "
+                  f"{sys.version_info.major}.{sys.version_info.minor}", flush=True)
+            if core > MOST_SECONDS:
+                sys.exit(f"{word}: takes more than {MOST_SECONDS} s")

@@ -2,8 +2,9 @@
 """Installs the Python package into an environment of its own, and runs its tests and the examples of the documents.
 
     run.py BUILD PROGRAMS
+    run.py --notebooks BUILD      only the notebooks, from a wheel of the build in an environment with NumPy alone
 
-nanobind, scikit-build-core and NumPy come from PyPI, into build/wheel-tools, build/python-tests and build/python-user of
+nanobind, scikit-build-core, plyfile and NumPy come from PyPI, into build/wheel-tools, build/python-tests and build/python-user of
 the project. Where PyPI is not reached it says that it was skipped, and its exit status is 77. SELFPROJ_SEED draws other
 cases.
 """
@@ -40,7 +41,19 @@ def run_examples(variables, programs):
     return f"not written: {missing}" if missing else ""
 
 
+def run_notebooks():
+    """Returns whether all of them run."""
+    print("notebooks, by plain Python and not by Jupyter:", flush=True)
+    return subprocess.run([environment.USER.python, pathlib.Path(__file__).with_name("notebooks.py"), "production",
+                           "research", "fpga"], check=False).returncode == 0
+
+
 def main():
+    if sys.argv[1] == "--notebooks":
+        wrong = environment.install(pathlib.Path(sys.argv[2]).resolve(), environment.USER)
+        if wrong:
+            print(wrong)
+        return 77 if wrong.startswith("skipped:") else 1 if wrong or not run_notebooks() else 0
     build, programs = (pathlib.Path(word).resolve() for word in sys.argv[1:])
     variables = environment.variables(build, programs)
     wrong = environment.install(build, environment.PACKAGE, environment.USER)
@@ -50,9 +63,7 @@ def main():
     tests = pathlib.Path(__file__).with_name("test_package.py")
     if subprocess.run([environment.PACKAGE.python, tests], env=variables, check=False).returncode:
         return 1
-    print("notebooks, by plain Python and not by Jupyter:", flush=True)
-    if subprocess.run([environment.USER.python, tests.with_name("notebooks.py"), "research", "fpga"],
-                      check=False).returncode:
+    if not run_notebooks():
         return 1
     wrong = run_examples(variables, programs)
     print(wrong)

@@ -8,16 +8,19 @@ import json
 import os
 import pathlib
 import pickle
+import struct
 import subprocess
 import sys
 import tempfile
 import threading
 import unittest
+import zlib
 
 import c_interface as c
 import notebooks
 import numpy
 import pictures
+import plyfile
 import selfproj
 from selfproj import (calibration, cameras, driver, light_section, model, packets, parts, structured_light)
 from selfproj import pictures as selfproj_pictures
@@ -238,6 +241,12 @@ class StructuredLight(Case):
         same(scan.depth, light_section.load_tiff(str(out / "depth.tiff")))
         points = structured_light.load_ply(str(out / "cloud.ply"))
         same(scan.points(), points)
+        vertices = plyfile.PlyData.read(out / "cloud.ply")["vertex"]  # by a reader that is not ours
+        same(numpy.stack([vertices[axis] for axis in "xyz"], 1), points)
+        last = [selfproj.read_image(file) for file in sorted(recorded.iterdir())[-2:]]
+        seen = numpy.isfinite(scan.depth)
+        same(vertices["intensity"], numpy.maximum(*last)[seen].astype("float32"))
+        same(vertices["quality"], abs(last[0].astype("float32") - last[1])[seen])
         files = sorted(recorded.iterdir())
         images = [selfproj.read_image(file) for file in files]
         for given in (recorded, files, images, numpy.stack(images), numpy.stack(images)[:, ::-1][:, ::-1]):
@@ -260,6 +269,10 @@ class StructuredLight(Case):
         colours = self.pixels(*points.shape)
         structured_light.save_ply(str(out / "again.ply"), points, colours)
         same(structured_light.load_ply(str(out / "again.ply")), points)
+        again = pickle.loads(pickle.dumps(scan))
+        same(again.points(), points)
+        same(pickle.loads(pickle.dumps(again)).depth, scan.depth)
+        self.assertIsNone(again.triangulation)
 
 
 class Stripes(Case):
@@ -355,6 +368,8 @@ class References(Case):
         self.assertEqual([level["height_mm"] for level in fit.levels], [0, 10, 20])
         with self.assertRaisesRegex(ValueError, "one is needed for each line"):
             light_section.reference_of_sweep(rig, sweeps[0][1:], every)
+        with self.assertRaisesRegex(selfproj.InputError, r"\(scale_tolerance\): all are likely wrong"):
+            light_section.fit_heights(rig, sweeps, heights_mm=[0, 10, 20], every=every, scale_tolerance=1e-6)
 
 
 class Calibration(Case):
@@ -371,6 +386,42 @@ class Calibration(Case):
         self.assertIn("light_plane", laser.rig(light_section.load_rig("light-section")).to_yaml())
         with self.assertRaisesRegex(ValueError, "one of each pose"):
             calibration.laser_plane(camera, lines[1:])
+
+    def test_a_laser_and_its_belt_equal_those_of_the_commands(self):
+        box = self.folder / "box"
+        run(SIMULATION, "production", "--rig", "laser", "--belt", "clock", "--rate", "50", "--good", "1", "--parts",
+            "1", "--images", "--out", box)
+        corners, held = ("--chessboard", "9x6", "--square", "6"), box / "held"
+        run(SELFPROJ, "calibrate", "camera", *corners, "--out", self.folder / "camera", held / "boards", "--laser",
+            held / "lines")
+        camera = calibration.calibrate_camera(held / "boards", corners=(9, 6), square_mm=6)
+        laser = calibration.laser_plane(camera, held / "lines")
+        drawn = light_section.load_rig("light-section")
+        rig = light_section.load_rig(self.folder / "camera/rig.yaml")
+        self.assertEqual(laser.rig(drawn).to_yaml(), rig.to_yaml())
+        with self.assertRaisesRegex(selfproj.InputError, "the drawing's and never measured.*assume='belt' to load_rig"):
+            light_section.Profiler(rig)
+        light_section.Profiler(light_section.load_rig(self.folder / "camera/rig.yaml", assume="belt"))
+
+        boards, seconds = sorted((box / "carried/boards").iterdir()), [0, 0.64, 1.28, 1.92]
+        lines, heights = [box / name / "image_00.png" for name in ("empty", "block")], [0, 20]
+        run(SELFPROJ, "calibrate", "belt", "--rig", self.folder / "camera/rig.yaml", *corners, "--seconds",
+            ",".join(map(str, seconds)), "--laser", *lines, "--heights", "0,20", "--out", self.folder / "line", *boards)
+        arrays = [[selfproj.read_image(file) for file in files] for files in (boards, lines)]
+        for images, light in ((boards, lines), (numpy.stack(arrays[0]), arrays[1])):
+            belt = calibration.calibrate_belt(rig, images, corners=(9, 6), square_mm=6, seconds=seconds, laser=light,
+                                              heights_mm=heights)
+            self.assertEqual(belt.rig.to_yaml(), light_section.load_rig(self.folder / "line/rig.yaml").to_yaml())
+        report = json.loads((self.folder / "line/report.json").read_text("utf-8"))
+        self.assertEqual([round(value, 9) for value in belt.along_mm],
+                         [round(place["along_mm"], 9) for place in report["places"]])
+        self.assertEqual([level["height_mm"] for level in belt.heights], heights)
+        for words, name in (({"square_mm": 12, "moves_mm": [0, 5, 10, 15]}, "moves_mm.*square_mm is wrong"),
+                            ({"moves_mm": [0, 5]}, "moves_mm: one for each image"),
+                            ({"laser": lines}, "heights_mm: one for each image of the laser"),
+                            ({"laser": lines, "heights_mm": [0, 40]}, "or thickness_mm, right")):
+            with self.assertRaisesRegex(ValueError, name):
+                calibration.calibrate_belt(rig, boards, corners=(9, 6), **{"square_mm": 6, **words})
 
     def test_equals_that_of_calibrate(self):
         folders = pictures.write_chessboard_poses(self.folder, structured_light.GraySequence(96, 80))
@@ -473,6 +524,13 @@ class Notebooks(Case):
         self.assertEqual(by_heights["defects"], [])
         for thing in (part, names["results"][1]):
             self.assertIn("data:image/png;base64,", thing._repr_html_())
+        for result in names["results"]:
+            again = pickle.loads(pickle.dumps(result))
+            self.assertEqual((again.json(), again.pitch_mm, repr(again)), (result.json(), result.pitch_mm, repr(result)))
+            same(again.heights, result.heights)
+            same(again.difference, result.difference)
+        self.assertEqual(repr(pickle.loads(pickle.dumps(names["results"][1].defects))),
+                         repr(names["results"][1].defects))
 
 
 class Refusals(Case):
@@ -521,6 +579,52 @@ class Refusals(Case):
                                (selfproj.read_image, "/no/such/file"), (calibration.read_calibration, "/no/such/file")):
             with self.assertRaisesRegex(selfproj.InputError, name.removeprefix("file:")):
                 function(name)
+
+
+class Messages(Case):
+    """Errors name the arguments of Python, not the options of the commands."""
+
+    def test_arguments_are_named(self):
+        names = ("grey.pgm", "colour.ppm", "deep.png", "white.pgm")
+        grey, colour, deep, white = (self.folder / name for name in names)
+        grey.write_bytes(b"P5 8 4 255\n" + bytes(32))
+        colour.write_bytes(b"P6 8 4 255\n" + bytes(96))
+        white.write_bytes(b"P5 8 4 4095\n" + b"\x0f\xff" * 32)
+        write_png16(deep, numpy.full((4, 8), 40000, "uint16"))
+        scanner = light_section.load_rig("scanner")
+        plain = numpy.zeros((16, 512, 512), "uint8")
+        calls = [
+            (lambda: selfproj.read_image(colour), "choose a channel with channel red"),
+            (lambda: selfproj.read_image(grey, channel="red"), "channel red needs a colour image"),
+            (lambda: selfproj.read_image(grey, shift=4), "shift goes only with"),
+            (lambda: selfproj.read_image(deep), "shift=4 takes values of 12"),
+            (lambda: selfproj.read_image(white, shift=2), "with shift=2 values up to"),
+            (lambda: structured_light.scan(plain[:, :, :64], rig="scanner", bits=8), "^rig scanner: is for images of"),
+            (lambda: structured_light.stripes_of_scan(scanner, plain), "^images: "),
+            (lambda: calibration.decode_capture(plain, projector=(20000, 8)), "^projector: "),
+            (lambda: calibration.decode_capture(plain, projector=(9000, 8)), "^projector: "),
+            (lambda: selfproj.read_image(grey, channel="purple"), "^channel: .*red"),
+            (lambda: selfproj.read_image(white, shift=99), "shift"),
+            (lambda: light_section.load_rig("laser", assume="wheels"), "^assume"),
+        ]
+        for call, text in calls:
+            with self.assertRaisesRegex(ValueError, text, msg=text) as raised:
+                call()
+            self.assertNotIn("--", str(raised.exception))
+
+    def test_names_of_files_stay(self):
+        name = self.folder / "a --rig.png"
+        with self.assertRaisesRegex(selfproj.InputError, "a --rig.png"):
+            selfproj.read_image(name)
+
+
+def write_png16(file, values):
+    """A grey PNG of 16 bits."""
+    def chunk(kind, data):
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+    rows = b"".join(b"\0" + row.astype(">u2").tobytes() for row in values)
+    file.write_bytes(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", *values.shape[::-1], 16, 0, 0, 0, 0)) +
+                     chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))
 
 
 class Data(Case):
