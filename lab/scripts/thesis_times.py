@@ -2,10 +2,10 @@
 """thesis_times.py [--programs DIR] [--record] [NAME...]: runs the commands of docs/thesis.md one after another, or those
 named, and prints how many minutes of one processor core each took.
 
-NAME is the number of a figure (3.9), an experiment (A1), a co-simulation (cosim_fist), rig or accuracy. Figures are made each by a
-process of its own, as its row says; experiments and co-simulations are those whose results the page shows, by the very
-command that their files in results/ and lab/results/ name. With --record the times go to lab/results/thesis_times.json,
-each with date and commit; others that stand there stay. Standard library only.
+NAME is the number of a figure (3.9), an experiment (A1), a co-simulation (cosim_fist), rig or accuracy. Figures are
+made each by a process of its own, as its row says; experiments and co-simulations are those whose results the page
+shows, by the very command that their files in results/ and lab/results/ name. With --record the times go to
+lab/results/thesis_times.json, each with date and commit; others that stand there stay. Standard library only.
 """
 
 import argparse

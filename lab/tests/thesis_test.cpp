@@ -65,7 +65,7 @@ TEST(ThesisPage, NamesTheFiguresThatAreMadeAndNoOthers) {
   EXPECT_EQ(named, std::set<std::string>(made.begin(), made.end()));
 }
 
-// Each command of the programs has its minutes, and those that were measured are commands of the page.
+// The commands of a row have their minutes, one by one, and those that were measured are commands of the page.
 TEST(ThesisPage, SaysTheMinutesOfEachCommand) {
   int rows = 0;
   for (const lab::ThesisTable& table : lab::tables_of_page(page())) {
@@ -83,8 +83,10 @@ TEST(ThesisPage, SaysTheMinutesOfEachCommand) {
         ++commands;
       }
       const auto commas = static_cast<std::size_t>(std::count(minutes.begin(), minutes.end(), ','));
-      EXPECT_EQ(minutes == "–" ? 0 : commas + 1, commands) << row.cells.front() << ": " << made << ": " << minutes;
-      rows += commands > 0 ? 1 : 0;
+      if (minutes != "–") {  // not measured
+        EXPECT_EQ(commas + 1, commands) << row.cells.front() << ": " << made << ": " << minutes;
+        ++rows;
+      }
     }
   }
   EXPECT_GT(rows, 25);
