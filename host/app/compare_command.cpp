@@ -237,10 +237,10 @@ void add_compare_command(CLI::App& app) {
            "- difference.tiff and difference.png of maps, in colours; of clouds distance.ply, B in colours\n"
            "- histogram.csv; summary.json with percentiles; report.html with all of them",
        .examples = R"(
-# The stairs with and without carved marks, by their true heights.
-selfproj-sim scene render stairs --first 700 --count 3 --truth good.tiff --out good
-selfproj-sim scene render stairs-marked --first 700 --count 3 --truth marked.tiff --out marked
-selfproj compare --out compared good.tiff marked.tiff
+# The stairs with and without carved marks, as they are measured.
+selfproj-sim cosim --engine model --scene stairs --first 690 --count 20 --out good
+selfproj-sim cosim --engine model --scene stairs-marked --first 690 --count 20 --out marked
+selfproj compare --out compared good/height.tiff marked/height.tiff
 
 # A scan against a cloud of the owner's, at most 1 mm away (needs your files)
 selfproj compare --check 1 --out compared theirs.ply depth/cloud.ply
