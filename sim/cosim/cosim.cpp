@@ -95,8 +95,8 @@ class TraceFile {
   std::optional<files::RemovedAtEnd> hierarchy_;
 };
 
-// The file beside the packets for the reference under whose pattern they are taken; null where that is not known. Throws
-// UserError if one lies there that would go with these packets.
+// The file beside the packets for the reference under whose pattern they are taken; null where that is not known.
+// Throws UserError if one lies there that would go with these packets.
 std::unique_ptr<files::OutputFile> reference_file_of(const CosimOptions& options, const CosimMeasurement& measurement) {
   if (options.packets.empty()) {
     return nullptr;

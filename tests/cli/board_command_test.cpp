@@ -262,7 +262,7 @@ TEST_F(Board, TimeStampsOfAnotherPixelClock) {
     const std::size_t points = cloud.find("end_header\n") + std::strlen("end_header\n");
     // x y z difference, red green blue, intensity quality
     constexpr std::size_t kPointBytes = 6 * sizeof(float) + 3;
-    const std::size_t frame = (cloud.size() - points) / 5;      // bytes: all five have the same points
+    const std::size_t frame = (cloud.size() - points) / 5;  // bytes: all five have the same points
     EXPECT_EQ(frame % kPointBytes, 0U);
     const auto x_at = [&](std::size_t at) {
       float x = 0;
