@@ -62,11 +62,20 @@ BOUNDS = {
                                    ["Columns=2", "Columns=511", "Columns=65536"]),
     ("sp_camera_link_taps", "Bits"): (["Bits=8", "Taps=2 Bits=10", "Taps=1 Bits=12"],
                                       ["Bits=10", "Taps=2 Bits=9", "Taps=1 Bits=14"]),
+    ("sp_lvds_flags", "Columns"): (["Columns=1 Burst=1", "Columns=4096"], ["Columns=0", "Columns=4097 Burst=1"]),
+    ("sp_lvds_flags", "Burst"): (["Burst=1", "Columns=4096 Burst=4096"], ["Burst=0", "Burst=48"]),
+    ("sp_lvds_columns", "Columns"): (["Columns=16", "Columns=4096"], ["Columns=0", "Columns=24", "Columns=4112"]),
+    ("sp_lvds_sensor", "Columns"): (["Columns=16 Burst=16", "Columns=4096"],
+                                    ["Columns=0", "Columns=24 Burst=24", "Columns=4112 Burst=16"]),
+    ("sp_lvds_sensor", "Checked"): (["Codes=1'b1 Checked=1'b1"], ["Checked=1'b1", "Codes=1'b1 Bits=8 Checked=1'b1"]),
+    ("sp_lvds_sensor", "Bits"): (["Bits=10", "Bits=12", "Codes=1'b1 Bits=8", "Codes=1'b1 Bits=10"],
+                                 ["Bits=8", "Bits=13", "Codes=1'b1 Bits=12"]),
 }
 for same, like in ((("sp_replay_receiver", "MaxColumns"), ("sp_replay", "MaxColumns")),
                    (("sp_link", "LogDepth"), ("sp_datagram_cutter", "LogDepth")),
                    (("sp_camera_link_channel", "Bits"), ("sp_camera_link_taps", "Bits")),
-                   (("sp_camera_link", "Bits"), ("sp_camera_link_taps", "Bits"))):
+                   (("sp_camera_link", "Bits"), ("sp_camera_link_taps", "Bits")),
+                   (("sp_lvds_sensor", "Burst"), ("sp_lvds_flags", "Burst"))):
     BOUNDS[same] = BOUNDS[like]
 BOUNDS["sp_camera_link", "Bits"] = (BOUNDS["sp_camera_link", "Bits"][0], [
     "Taps=3 Bits=10", "Taps=4 Bits=10", "Taps=8 Bits=10", "Taps=10 Bits=10", "Bits=9"])

@@ -1,0 +1,402 @@
+// Tests the front end for serial LVDS sensors from the bits of the lanes on: skew, jitter, any place where the
+// deserializer cuts its words, damaged words, cables that are pulled, and lanes that are dead.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <vector>
+
+#include "Vsp_lvds_cmv2000_ports.h"
+#include "Vsp_lvds_codes_ports.h"
+#include "Vsp_lvds_codes_two_ports.h"
+#include "Vsp_lvds_sensor_four_ports.h"
+#include "Vsp_lvds_sensor_one_ports.h"
+#include "Vsp_lvds_sensor_ports.h"
+#include "tests/rtl/blocks/lvds_bench.h"
+#include "tests/rtl/blocks/lvds_reference.h"
+#include "tests/support/random_cases.h"
+
+namespace selfproj::test {
+namespace {
+
+constexpr LvdsFormat kSixteen = {.taps = 16};
+constexpr LvdsFormat kFour = {.lanes = 4, .bits = 12, .msb_first = true, .columns = 16, .burst = 8};
+constexpr LvdsFormat kOne = {.lanes = 1, .columns = 24, .burst = 24, .taps = 12};
+constexpr LvdsFormat kCodes = {.lanes = 4, .codes = true, .msb_first = true, .taps = 24};
+constexpr LvdsFormat kCodesTwo = {.lanes = 2, .bits = 8, .codes = true, .msb_first = true};
+
+// Words for the training of all lanes at all taps, with some to spare
+int training_words(const LvdsFormat& format) { return (format.lanes + 1) * (format.taps + 3) * 400 + 3000; }
+
+// Lanes that are early or late by up to 1.2 bits, and edges that come up to a quarter of a bit early or late. Without
+// taps, all of it stays within half a bit.
+template <typename Dut>
+void disturb(LvdsBench<Dut>& bench, const LvdsFormat& format) {
+  for (std::size_t lane = 0; lane <= static_cast<std::size_t>(format.lanes); ++lane) {
+    const int most = format.taps > 1 ? 1200 : 240;
+    bench.skew[lane] = bench.random().between(-most, most);
+    bench.jitter[lane] = bench.random().between(0, 240);
+  }
+}
+
+// Frames of random sizes, with any gaps, clocks, skews and places.
+template <typename Dut>
+void expect_every_beat(const LvdsFormat& format, int cases) {
+  for_cases(cases, [&](Random& random, std::uint64_t seed) {
+    // The board takes what comes: a word of all lanes gives at most lanes / 4 beats.
+    const int word = 1000 * std::max(format.lanes, 4) / 4;
+    LvdsBench<Dut> bench(seed, format, word, random.between(300, 990));
+    disturb(bench, format);
+    bench.valid_percent = random.chance(50) ? 100 : random.between(40, 90);
+    ASSERT_TRUE(bench.wait_aligned(training_words(format)));
+    EXPECT_EQ(bench.failed(), 0U);
+    for (int frame = 0; frame < 8; ++frame) {
+      bench.send(random.between(1, 6), random.between(2, 12), random.chance(50) ? 1 : 9, random.between(3, 60));
+    }
+    bench.drain();
+    EXPECT_EQ(bench.expect_frames_sent(), 0);
+    EXPECT_EQ(bench.overruns() + bench.cuts() + bench.losses(), 0);
+    EXPECT_EQ(bench.damaged(), 0U);
+  });
+}
+TEST(LvdsSensor, SixteenLanes) { expect_every_beat<Vsp_lvds_sensor>(kSixteen, 6); }
+TEST(LvdsSensor, FourLanesOfTwelveBits) { expect_every_beat<Vsp_lvds_sensor_four>(kFour, 10); }
+TEST(LvdsSensor, OneLane) { expect_every_beat<Vsp_lvds_sensor_one>(kOne, 10); }
+TEST(LvdsSensor, Codes) { expect_every_beat<Vsp_lvds_codes>(kCodes, 10); }
+TEST(LvdsSensor, CodesOfEightBitsOnTwoLanes) { expect_every_beat<Vsp_lvds_codes_two>(kCodesTwo, 10); }
+
+// Wherever the deserializer cuts its words, and with lanes up to three bits from the control lane.
+template <typename Dut>
+void expect_every_place(const LvdsFormat& format) {
+  for_cases(format.bits, [&](Random& random, std::uint64_t seed) {
+    LvdsBench<Dut> bench(seed, format, 1000, 990);
+    bench.set_place(static_cast<int>(seed) - 1);
+    for (std::size_t lane = 0; lane < static_cast<std::size_t>(format.lanes); ++lane) {
+      bench.skew[lane] = kLvdsTicks * random.between(-3, 3);
+    }
+    ASSERT_TRUE(bench.wait_aligned(training_words(format)));
+    bench.send(3, 6, 3, 20);
+    bench.send(2, 5, 3, 20);
+    bench.drain();
+    EXPECT_EQ(bench.expect_frames_sent(), 0);
+    EXPECT_EQ(bench.damaged(), 0U);
+  });
+}
+TEST(LvdsSensor, AnyPlaceOfTwelve) { expect_every_place<Vsp_lvds_sensor_four>(kFour); }
+TEST(LvdsSensor, AnyPlaceOfTenWithTaps) { expect_every_place<Vsp_lvds_sensor_one>(kOne); }
+TEST(LvdsSensor, AnyPlaceOfEight) { expect_every_place<Vsp_lvds_codes_two>(kCodesTwo); }
+
+// Each lane's tap puts the edges as far from the samples as its steps allow.
+TEST(LvdsSensor, TapsInTheMiddleOfTheBits) {
+  for_cases(6, [&](std::uint64_t seed) {
+    LvdsBench<Vsp_lvds_codes> bench(seed, kCodes, 1000, 990);
+    disturb(bench, kCodes);
+    ASSERT_TRUE(bench.wait_aligned(training_words(kCodes)));
+    for (int lane = 0; lane <= kCodes.lanes; ++lane) {
+      const int edge = bench.skew[static_cast<std::size_t>(lane)] + bench.tap(lane) * bench.tap_ticks;
+      const int from_sample = std::abs(((edge - kLvdsTicks / 2) % kLvdsTicks + kLvdsTicks) % kLvdsTicks);
+      EXPECT_GE(std::min(from_sample, kLvdsTicks - from_sample), 330) << "lane " << lane << ", tap " << bench.tap(lane);
+    }
+  });
+}
+
+// The rates of the mission by the clocks' ratios: words of 48 MHz (480 Mbit/s), the board's 151.2 MHz. `gap`: words
+// between the frames, as the exposure needs them.
+template <typename Dut>
+void expect_rate(const LvdsFormat& format, int rows, int gap, double frames_a_second) {
+  constexpr int kWord = 20833;  // ps
+  constexpr int kBoard = 6614;
+  LvdsBench<Dut> bench(1, format, kWord, kBoard);
+  disturb(bench, format);
+  ASSERT_TRUE(bench.wait_aligned(training_words(format)));
+  constexpr int kFrames = 5;
+  for (int frame = 0; frame < kFrames; ++frame) {
+    bench.send(rows, 0, 1, gap);
+  }
+  const double seconds = static_cast<double>(bench.frames().queue().size()) / kFrames * kWord * 1e-12;
+  EXPECT_GE(1 / seconds, frames_a_second);
+  bench.set_beats_waiting(20000);
+  bench.drain();
+  EXPECT_EQ(bench.expect_frames_sent(), 0);
+  EXPECT_EQ(bench.overruns() + bench.cuts() + bench.losses(), 0);
+}
+TEST(LvdsSensor, TenThousandFramesOf96Rows) { expect_rate<Vsp_lvds_sensor>(kSixteen, 96, 1300, 10'000); }
+TEST(LvdsSensor, FiftyThousandFramesOf20Rows) { expect_rate<Vsp_lvds_sensor>(kSixteen, 20, 264, 50'000); }
+// A CMV2000: 2,048 columns, 129 words a row, 12 rows between frames, the FIFO that docs/cameras.md says
+TEST(LvdsSensor, Cmv2000With25Rows) {
+  expect_rate<Vsp_lvds_cmv2000>({.columns = 128, .burst = 128}, 25, 12 * 129, 10'000);
+}
+
+// One word in a hundred has a wrong bit: each word in which this can be noticed is counted, its frame cut off, and
+// every other frame is whole.
+template <typename Dut>
+void expect_damage_counted(const LvdsFormat& format, int cases) {
+  int cut = 0;
+  int whole = 0;
+  for_cases(cases, [&](Random& random, std::uint64_t seed) {
+    const int word = 1000 * std::max(format.lanes, 4) / 4;
+    LvdsBench<Dut> bench(seed, format, word, 700);
+    ASSERT_TRUE(bench.wait_aligned(training_words(format)));
+    bench.words_in(40);
+    std::vector<LvdsWord> words;
+    bench.record = &words;
+    bench.damage_percent = 1;
+    for (int frame = 0; frame < 60; ++frame) {
+      bench.send(random.between(1, 8), 0, random.chance(50) ? 1 : 5, random.between(4, 3 * format.columns));
+    }
+    bench.drain();
+    bench.damage_percent = 0;
+    bench.words_in(20);
+    const LvdsExpected expected = LvdsFlagsReference(format).of(words);
+    const int lost = expect_frames(bench.beats(), expected.frames, expected.may_break);
+    EXPECT_GT(expected.damaged, 10U);
+    EXPECT_EQ(bench.damaged(), expected.damaged & 0xFFFFU);
+    EXPECT_EQ(bench.cuts(), expected.cuts);
+    EXPECT_EQ(bench.losses(), 0);
+    EXPECT_TRUE(bench.aligned());
+    cut += lost;
+    whole += static_cast<int>(expected.frames.size()) - lost;
+  });
+  if (runs_all_cases()) {
+    EXPECT_GT(cut, 5 * cases);
+    EXPECT_GT(whole, 10 * cases);
+  }
+}
+TEST(LvdsSensor, DamagedWordsAreCounted) { expect_damage_counted<Vsp_lvds_sensor>(kSixteen, 3); }
+TEST(LvdsSensor, DamagedWordsAreCountedInBursts) { expect_damage_counted<Vsp_lvds_sensor_four>(kFour, 10); }
+
+// With codes: every frame comes whole or ends early, and no more are broken than words were damaged.
+TEST(LvdsSensor, DamagedCodesBreakTheirFrameOnly) {
+  int broken = 0;
+  for_cases(6, [&](Random& random, std::uint64_t seed) {
+    LvdsBench<Vsp_lvds_codes> bench(seed, kCodes, 1000, 700);
+    ASSERT_TRUE(bench.wait_aligned(training_words(kCodes)));
+    bench.words_in(40);
+    int hit = 0;
+    for (int frame = 0; frame < 40; ++frame) {
+      const std::size_t before = bench.frames().queue().size();
+      bench.send(random.between(2, 4), random.between(2, 8), 4, random.between(6, 60));
+      if (random.chance(40)) {
+        // One bit of one control word of the frame, behind its black lines
+        auto& queue = bench.frames().queue();
+        std::size_t at = before;
+        while (queue[at].control != 0x2AA) {
+          ++at;
+        }
+        LvdsWord& word = queue[at + static_cast<std::size_t>(random.between(1, 2 * 2 + 2))];
+        word.control ^= 1U << static_cast<unsigned>(random.between(0, 9));
+        bench.may_break().back() = true;
+        ++hit;
+      }
+    }
+    bench.drain();
+    broken += bench.expect_frames_sent();
+    EXPECT_LE(static_cast<int>(bench.damaged()), hit);
+    EXPECT_EQ(bench.losses(), 0);
+  });
+  if (runs_all_cases()) {
+    EXPECT_GT(broken, 40);
+  }
+}
+
+// With codes and check words: each line with a wrong pixel is counted, and no frame is broken.
+TEST(LvdsSensor, WrongPixelsAreCountedByTheCheckWords) {
+  for_cases(6, [&](Random& random, std::uint64_t seed) {
+    LvdsBench<Vsp_lvds_codes> bench(seed, kCodes, 1000, 700);
+    ASSERT_TRUE(bench.wait_aligned(training_words(kCodes)));
+    bench.words_in(40);
+    unsigned hit = 0;
+    for (int frame = 0; frame < 40; ++frame) {
+      const std::size_t before = bench.frames().queue().size();
+      bench.send(1, random.between(2, 8), 4, random.between(6, 60));
+      auto& queue = bench.frames().queue();
+      std::size_t first = before;
+      while (queue[first].control != 0x2AA) {
+        ++first;
+      }
+      std::size_t check = first;
+      while (queue[check].control != 0x059) {
+        ++check;
+      }
+      if (random.chance(40)) {
+        // One bit of a pixel, of those that go on, or of the check word
+        const auto at = static_cast<std::size_t>(random.between(0, static_cast<int>(check - first)));
+        const auto lane = static_cast<std::size_t>(random.between(0, kCodes.lanes - 1));
+        queue[first + at].data[lane] ^= 1U << static_cast<unsigned>(random.between(0, 9));
+        bench.sent().back() = bench.frames().line_of(first, check);
+        ++hit;
+      }
+    }
+    bench.drain();
+    EXPECT_EQ(bench.expect_frames_sent(), 0);
+    EXPECT_EQ(bench.damaged(), hit);
+    EXPECT_EQ(bench.cuts() + bench.losses(), 0);
+  });
+}
+
+// The cable is pulled within frames, and put back: the deserializer then cuts its words anywhere. Frames that begin
+// after all lanes are aligned are whole. Flags of exposure and overhead stand in the gaps.
+template <typename Dut>
+void expect_cable_put_back(const LvdsFormat& format, int gap) {
+  int broken = 0;
+  int whole = 0;
+  for_cases(8, [&](Random& random, std::uint64_t seed) {
+    const int word = 1000 * std::max(format.lanes, 4) / 4;
+    LvdsBench<Dut> bench(seed, format, word, 700);
+    disturb(bench, format);
+    ASSERT_TRUE(bench.wait_aligned(training_words(format)));
+    // With 0x20 alone, the words of a gap have two turns that look like the idle word.
+    constexpr std::array<unsigned, 4> kFlags = {0x00, 0x60, 0x20, 0x20};
+    bench.frames().set_flags(kFlags[seed % kFlags.size()]);
+    bench.watch();
+    for (int round = 0; round < 3; ++round) {
+      for (int frame = 0; frame < 40; ++frame) {
+        bench.send(random.between(4, 8), random.between(4, 8), 2, gap);
+      }
+      bench.words_in(random.between(300, 900));
+      bench.pulled = true;
+      bench.words_in(random.between(20, 2000));
+      bench.pulled = false;
+      bench.set_place(random.between(0, format.bits - 1));
+      ASSERT_TRUE(bench.wait_aligned(static_cast<int>(bench.frames().queue().size()))) << "never aligned again";
+      bench.drain();
+      EXPECT_FALSE(bench.may_break().back()) << "not aligned when the last frame came";
+    }
+    const int lost = bench.expect_frames_sent();
+    broken += lost;
+    whole += static_cast<int>(bench.sent().size()) - lost;
+    EXPECT_GE(bench.losses(), 3);
+  });
+  if (runs_all_cases()) {
+    EXPECT_GT(broken, 12);
+    EXPECT_GT(whole, 100);
+  }
+}
+TEST(LvdsSensor, TheCableIsPulledAndPutBack) { expect_cable_put_back<Vsp_lvds_sensor>(kSixteen, 200); }
+TEST(LvdsSensor, TheCableIsPulledAndPutBackWithBursts) { expect_cable_put_back<Vsp_lvds_sensor_four>(kFour, 120); }
+TEST(LvdsSensor, TheCableIsPulledAndPutBackWithCodes) { expect_cable_put_back<Vsp_lvds_codes>(kCodes, 120); }
+
+// A single data lane goes dead within frames: it is lost and told, and frames come again when it is back.
+TEST(LvdsSensor, ALaneThatGoesDeadIsLost) {
+  for_cases(8, [&](Random& random, std::uint64_t seed) {
+    LvdsBench<Vsp_lvds_sensor_four> bench(seed, kFour, 1000, 700);
+    ASSERT_TRUE(bench.wait_aligned(training_words(kFour)));
+    for (int frame = 0; frame < 60; ++frame) {
+      bench.send(random.between(3, 6), 0, 2, 120);
+    }
+    bench.words_in(random.between(300, 900));
+    const auto lane = static_cast<std::size_t>(random.between(0, kFour.lanes - 1));
+    bench.dead[lane] = true;
+    bench.words_in(4000);
+    EXPECT_FALSE(bench.aligned());
+    EXPECT_EQ(bench.losses(), 1);
+    EXPECT_EQ(bench.failed(), 1U << lane);
+    bench.dead[lane] = false;
+    ASSERT_TRUE(bench.wait_aligned(4000));
+    EXPECT_EQ(bench.failed(), 0U);
+    bench.drain();
+    bench.forget();
+    for (int frame = 0; frame < 3; ++frame) {
+      bench.send(random.between(3, 6), 0, 2, 120);
+    }
+    bench.drain();
+    EXPECT_EQ(bench.expect_frames_sent(), 0);
+  });
+}
+
+// The sensor's clock stops within a frame, and the deserializer cuts its words elsewhere afterwards.
+TEST(LvdsSensor, TheClockStopsAndStarts) {
+  for_cases(6, [&](Random& random, std::uint64_t seed) {
+    LvdsBench<Vsp_lvds_sensor_four> bench(seed, kFour, 1000, 700);
+    ASSERT_TRUE(bench.wait_aligned(training_words(kFour)));
+    for (int frame = 0; frame < 40; ++frame) {
+      bench.send(random.between(3, 6), 0, 2, 120);
+    }
+    bench.words_in(random.between(300, 900));
+    bench.stopped = true;
+    bench.board_clocks(random.between(1, 500));
+    bench.stopped = false;
+    const int turn = random.between(1, kFour.bits - 1);
+    bench.watch();
+    bench.set_place((turn + static_cast<int>(seed)) % kFour.bits);
+    bench.pulled = true;  // while the words come to the new place
+    bench.words_in(1);
+    bench.pulled = false;
+    bench.words_in(60);
+    ASSERT_TRUE(bench.wait_aligned(static_cast<int>(bench.frames().queue().size())));
+    bench.drain();
+    EXPECT_LT(bench.expect_frames_sent(), 20);
+  });
+}
+
+// A lane that is dead: it is told, no beat comes, and the other lanes are aligned. When it lives again, frames come.
+TEST(LvdsSensor, ALaneThatNeverTrainsIsTold) {
+  for_cases(6, [&](Random& random, std::uint64_t seed) {
+    LvdsBench<Vsp_lvds_codes> bench(seed, kCodes, 1000, 700);
+    disturb(bench, kCodes);
+    const auto lane = static_cast<std::size_t>(random.between(0, kCodes.lanes));
+    bench.dead[lane] = true;
+    EXPECT_FALSE(bench.wait_aligned(2 * training_words(kCodes)));
+    EXPECT_EQ(bench.failed(), 1U << lane);
+    bench.send(4, 4, 2, 20);
+    bench.drain();
+    EXPECT_TRUE(bench.beats().empty());
+    bench.may_break().back() = true;
+    bench.dead[lane] = false;
+    ASSERT_TRUE(bench.wait_aligned(2 * training_words(kCodes)));
+    EXPECT_EQ(bench.failed(), 0U);
+    bench.send(4, 4, 2, 20);
+    bench.drain();
+    EXPECT_EQ(bench.expect_frames_sent(), 1);
+  });
+}
+
+// A board that is too slow: each frame comes whole, or it is the beginning of one, and counted.
+TEST(LvdsSensor, AFrameThatIsTooFastIsCutOffAndCounted) {
+  int cut = 0;
+  int whole = 0;
+  for_cases(3, [&](Random& random, std::uint64_t seed) {
+    LvdsBench<Vsp_lvds_sensor> bench(seed, kSixteen, 1000, 1000);
+    ASSERT_TRUE(bench.wait_aligned(training_words(kSixteen)));
+    for (int frame = 0; frame < 30; ++frame) {
+      bench.send(random.between(2, 60), 0, 1, random.between(4, 1500));
+      bench.may_break().back() = true;
+    }
+    bench.set_beats_waiting(8000);
+    bench.drain();
+    const int lost = bench.expect_frames_sent();
+    EXPECT_EQ(bench.overruns(), lost);
+    EXPECT_EQ(bench.cuts() + bench.losses(), 0);
+    cut += lost;
+    whole += static_cast<int>(bench.sent().size()) - lost;
+  });
+  if (runs_all_cases()) {
+    EXPECT_GT(cut, 10);
+    EXPECT_GT(whole, 10);
+  }
+}
+
+// A reset within a frame: everything is trained anew, and the next frame is the first.
+TEST(LvdsSensor, AfterAResetTheNextFrameIsTheFirst) {
+  for_cases(6, [&](Random& random, std::uint64_t seed) {
+    LvdsBench<Vsp_lvds_sensor_one> bench(seed, kOne, 1000, 700);
+    disturb(bench, kOne);
+    ASSERT_TRUE(bench.wait_aligned(training_words(kOne)));
+    bench.send(5, 0, 2, 40);
+    bench.may_break().back() = true;
+    bench.words_in(random.between(1, 100));
+    bench.reset();
+    bench.drain();
+    ASSERT_TRUE(bench.wait_aligned(training_words(kOne)));
+    bench.send(5, 0, 2, 40);
+    bench.drain();
+    EXPECT_EQ(bench.expect_frames_sent(), 1);
+    EXPECT_EQ(bench.cuts() + bench.losses() + bench.overruns(), 0);
+  });
+}
+
+}  // namespace
+}  // namespace selfproj::test
