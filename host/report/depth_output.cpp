@@ -267,7 +267,7 @@ ReportTable shares_table(const structured_light::DepthShares& shares) {
     const auto state = static_cast<structured_light::PointState>(i);
     table.rows.push_back({structured_light::name_of(state), std::to_string(shares.of(state)),
                           fmt::format("{:.1f}", 100.0 * static_cast<double>(shares.of(state)) /
-                                                    static_cast<double>(std::max<std::int64_t>(shares.total(), 1)))});
+                                                    static_cast<double>(std::max<std::size_t>(shares.total(), 1)))});
   }
   return table;
 }
@@ -279,7 +279,7 @@ std::vector<Fact> depth_highlights(const structured_light::DepthShares& shares, 
       {"depth_images", "depth images", static_cast<std::int64_t>(images)},
       {"valid", "pixels with a depth",
        fmt::format("{:.1f}", 100 * static_cast<double>(shares.of(structured_light::PointState::valid)) /
-                                 static_cast<double>(std::max<std::int64_t>(shares.total(), 1))),
+                                 static_cast<double>(std::max<std::size_t>(shares.total(), 1))),
        "%"}};
   std::vector<float> z;
   std::copy_if(depth.values.begin(), depth.values.end(), std::back_inserter(z),
