@@ -51,11 +51,11 @@ void ReplayModel::begin(std::uint16_t session) {
 }
 
 bool ReplayModel::fits(const ReplayHeader& header) const {
-  const bool size = header.columns != 0 && header.columns % spec::kPixelsPerBeat == 0 && header.columns <= size_.columns &&
-                    header.rows != 0 && header.rows <= size_.rows;
+  const bool size = header.columns != 0 && header.columns % spec::kPixelsPerBeat == 0 &&
+                    header.columns <= size_.columns && header.rows != 0 && header.rows <= size_.rows;
   const std::uint64_t end = std::uint64_t{header.offset} + header.length;
-  return size && header.length != 0 && header.length % spec::kPixelsPerBeat == 0 && header.offset % spec::kPixelsPerBeat == 0 &&
-         end <= std::uint64_t{header.columns} * header.rows;
+  return size && header.length != 0 && header.length % spec::kPixelsPerBeat == 0 &&
+         header.offset % spec::kPixelsPerBeat == 0 && end <= std::uint64_t{header.columns} * header.rows;
 }
 
 std::optional<ReplayFrame> ReplayModel::datagram(const Datagram& datagram) {
