@@ -14,7 +14,7 @@
 #include "host/cli/command_line.h"
 #include "host/files/input_file.h"
 #include "host/files/output_file.h"
-#include "host/report/facts.h"
+#include "selfproj/driver/counters.h"
 #include "selfproj/files/user_error.h"
 #include "selfproj/light_section/reference_file.h"
 #include "selfproj/model/packet.h"
@@ -84,7 +84,11 @@ void run_record(const RecordOptions& options) {
   if (reference_file) {
     reference_file->write(reference);
   }
-  fmt::print("{} packets, {} bytes → {}; {}\n", packets, bytes, options.out, report::losses_text(receiver.counters()));
+  // Also those that are 0: scripts read this line.
+  fmt::print("{} packets, {} bytes → {}; {}\n", packets, bytes, options.out,
+             driver::counters_text(receiver.counters(), {&driver::Counters::lost_board, &driver::Counters::lost_ring,
+                                                         &driver::Counters::lost_network, &driver::Counters::missing,
+                                                         &driver::Counters::bad}));
   receiver.check();
 }
 
