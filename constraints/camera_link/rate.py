@@ -11,7 +11,8 @@ sp_wide_beats:
     of one line             n - (B / F) n / (C / 4) n
     at the end of a frame   R n - (B / F) (R (n + G) - G) / (C / 4) n
 
-Neither may be more than the 2^L words of the FIFO, or the frame is cut off and counted. The exit status is then 1.
+Neither may be more than the 2^L words of the FIFO less four that are on their way, or the frame may be cut off, which
+is counted. The exit status is then 1.
 Nothing is left from line to line with G of (C / 4) F / B - n or more. No more frames come in a second than
 F / (R (n + G)) by the camera's words, and B / (R C / 4) by the board's beats, before what the camera needs between two
 frames. Standard library only.
@@ -20,6 +21,9 @@ frames. Standard library only.
 import argparse
 import math
 import sys
+
+
+ON_THEIR_WAY = 4  # words; CameraLinkFull.TheFifoHoldsWhatTheFormulaSays leaves out cases that are closer than that
 
 
 def waiting(taps, ratio, columns, rows, gap):
@@ -47,7 +51,7 @@ def main():
     words = -(-at.columns // at.taps)
     ratio = at.board_mhz / at.camera_mhz
     of_line, of_frame = waiting(at.taps, ratio, at.columns, at.rows, at.gap)
-    room = 1 << at.log_words
+    room = (1 << at.log_words) - ON_THEIR_WAY
     fits = max(of_line, of_frame) <= room
     enough = max(math.ceil(at.columns / 4 / ratio - words), 1)
     print(f"a line: {words} words, and {at.gap} between two; from {enough} on nothing is left from line to line")

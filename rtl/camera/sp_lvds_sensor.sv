@@ -1,5 +1,5 @@
 // Front end for image sensors with serial LVDS outputs: data lanes, and a control lane that says what
-// they carry (CMV2000, CMV4000; PYTHON).
+// they carry (CMV2000; PYTHON).
 //
 //   the deserializer's words ─▶ sp_lvds_lane, each lane ─▶ sp_lvds_flags or sp_lvds_codes
 //          ▲ delays                │                              │
@@ -13,7 +13,7 @@
 //
 // Two kinds of sensors:
 //
-//   Codes = 0  CMV2000, CMV4000 and the like: the control lane has flags (sp_lvds_flags), each lane
+//   Codes = 0  CMV2000 and the like: the control lane has flags (sp_lvds_flags), each lane
 //              carries Columns neighbouring columns (sp_lvds_columns)
 //   Codes = 1  PYTHON and the like: the control lane has codes (sp_lvds_codes), the lanes carry
 //              kernels of two words (sp_lvds_kernels); Columns and Burst are not used
@@ -31,7 +31,7 @@
 // PYTHON family, with Checked = 1: a check word that is not that of its line counts as a damaged word.
 // It comes when the line has left, and does not cut off the frame.
 //
-// Loss: a lane is lost after about seven wrong words in a row, or as many more wrong than a quarter of
+// Loss: a lane is lost after about seven wrong words in a row, or as many more wrong than a fifth of
 // the right ones (a data lane: of those where the training word must be). lost_o is high for one clock,
 // the frame is cut off, and sp_lvds_training aligns the lane again. aligned_o is low meanwhile. A lane
 // that does not train has its bit in failed_o. If the sensor's clock stops within a frame, the frame

@@ -7,8 +7,8 @@
 // left out, so that it stays longer than Columns; a shorter one stays shorter.
 //
 // Overflow: a word for which the FIFO has no room is lost with the rest of its frame, and overrun_o
-// is high for one clock. Nothing else leaves before the next frame begins. Words before the first
-// beginning of a frame are left out.
+// is high for one clock. What waits in the FIFO then still leaves, and nothing else before the next
+// frame begins. Words before the first beginning of a frame are left out.
 //
 // Rate: a word takes two clocks with 8 pixels, and 2 and 3 in turn with 10. So the FIFO fills while
 // words come faster than that, and holds 2^LogWords words and two more.

@@ -2,8 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <bit>
+#include <cmath>
 #include <cstddef>
 #include <iterator>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -19,6 +23,7 @@ namespace {
 
 constexpr const char* kRegisters = "registers.hex";
 constexpr const char* kCamera = "camera.hex";
+constexpr const char* kEncoder = "encoder.hex";
 constexpr const char* kPackets = "packets.hex";
 constexpr const char* kColumns = "columns.hex";
 
@@ -29,8 +34,8 @@ std::vector<model::RegisterWrite> writes_of(const PlatformOptions& options) {
   const model::BoardSettings& settings = options.settings;
   std::vector<model::RegisterWrite> writes;
   if (!options.limits.empty()) {
-    const auto sections = static_cast<int>(options.limits.size()) + 1;
-    writes = model::limits_writes(settings.verdict_settings.bank, options.limits, spec::kMaxColumns, sections);
+    const auto sections = static_cast<int>(std::bit_ceil(options.limits.size()));
+    writes = model::limits_writes(settings.verdict_settings.bank, options.limits, settings.columns, sections);
   }
   if (options.patterns > 1) {
     writes.push_back({spec::kRegTriggerControl,
@@ -49,6 +54,7 @@ VectorFiles::VectorFiles(const std::string& folder, const PlatformOptions& optio
     : folder_(folder),
       timing_(camera_timing(options.settings.rows, options.settings.columns, options.frame_rate_hz,
                             options.pixel_clock_hz)),
+      clocks_a_step_(options.encoder_steps_per_s > 0 ? options.pixel_clock_hz / options.encoder_steps_per_s : 0),
       idle_(kAfterWrites) {
   std::string text = "// writes at the AXI4-Lite port: address, data\n";
   for (const auto& [address, data] : writes_of(options)) {
@@ -56,6 +62,7 @@ VectorFiles::VectorFiles(const std::string& folder, const PlatformOptions& optio
   }
   folder_.append(kRegisters, text);
   folder_.append(kCamera, "// beats: idle clocks before it, flags (1: frame start, 2: line end), 4 pixels\n");
+  folder_.append(kEncoder, "// changes of the pins: clocks after the first beat, levels (1: a, 2: b)\n");
   folder_.append(kPackets, "// beats: 1 if the last of a packet, 128 bits of data\n");
   folder_.append(kColumns, "// columns: m0, m1\n");
 }
@@ -73,7 +80,29 @@ void VectorFiles::frame(const model::ImageView& image) {
     idle_ = timing_.line_clocks - beats;
   }
   idle_ += timing_.frame_clocks - static_cast<std::uint64_t>(image.rows) * timing_.line_clocks;
+  // Where 32 bits do not hold a pause, a shorter one changes only time stamps.
+  idle_ = std::min<std::uint64_t>(idle_, std::numeric_limits<std::uint32_t>::max());
   folder_.append(kCamera, text);
+  ++frames_;
+}
+
+// As Conveyor turns it.
+void VectorFiles::commit() {
+  std::string text;
+  const std::uint64_t end =
+      std::min<std::uint64_t>(frames_ * timing_.frame_clocks, std::numeric_limits<std::uint32_t>::max());
+  for (std::uint64_t step = 1; clocks_a_step_ > 0; ++step) {
+    const auto clock = static_cast<std::uint64_t>(std::llround(static_cast<double>(step) * clocks_a_step_));
+    if (clock >= end) {
+      break;
+    }
+    const auto phase = static_cast<unsigned>(step & 3U);
+    const unsigned a = phase == 1 || phase == 2 ? 1U : 0U;
+    const unsigned b = phase == 2 || phase == 3 ? 2U : 0U;
+    fmt::format_to(std::back_inserter(text), "{:08x}{:02x}\n", clock, a | b);
+  }
+  folder_.append(kEncoder, text);
+  folder_.commit();
 }
 
 void VectorFiles::packet(const model::PacketView& packet) {

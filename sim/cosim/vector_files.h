@@ -21,11 +21,14 @@ namespace selfproj::sim {
 //     camera.hex     idle (8), flags (2), pixels (8)     beats of the camera. idle: pixel clocks without a beat before
 //                                                        it. flags: 1 for the first beat of a frame, and 2 for the
 //                                                        last of a line. pixels: four, the leftmost in the low byte
+//     encoder.hex    clock (8), levels (2)               changes of the encoder's pins. clock: pixel clocks after the
+//                                                        first beat of all. levels: a + 2 b. Both are low before
 //     packets.hex    last (2), data (32)                 beats of the packets. last: 1 for the last beat of a packet
 //     columns.hex    m0 (8), m1 (8)                      columns of the packets that have any, in their order, as
 //                                                        unpack_columns and unpack_compact give them
 //
-// The board takes the registers before the first beat.
+// The board takes the registers before the first beat. Limits of a verdict are for a build with as many columns as the
+// frames, and as many sections as the table takes, rounded up to a power of two.
 class VectorFiles {
  public:
   // Throws UserError if the folder cannot be written to.
@@ -36,12 +39,14 @@ class VectorFiles {
   void packet(const model::PacketView& packet);
 
   // The folder is there from now on. Throws UserError.
-  void commit() { folder_.commit(); }
+  void commit();
 
  private:
   files::OutputFolder folder_;
   CameraTiming timing_;
-  std::uint64_t idle_;  // before the next line
+  double clocks_a_step_;  // of the encoder; 0: it stands still
+  std::uint64_t idle_;    // before the next line
+  std::uint64_t frames_ = 0;
 };
 
 }  // namespace selfproj::sim

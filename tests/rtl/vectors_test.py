@@ -40,15 +40,20 @@ def change(path, word):
     path.write_text("".join(lines), encoding="ascii")
 
 
-def vectors(folder, program, mode):
-    must(folder, program, "cosim", "--frames", "frames/*.png", "--roi", "64x16+200+40", "--threshold", "60",
-         "--mode", mode, "--engine", "model", "--vectors", mode)
+# Recorded images, in mode binary; and a scene in mode grey-over, with an encoder that turns
+RUNS = {"images": ["--frames", "frames/*.png", "--roi", "64x16+200+40", "--threshold", "60"],
+        "scene": ["--scene", "stairs", "--first", "500", "--count", "2", "--mode", "grey-over"]}
+COLUMNS = {"images": 128, "scene": 1024}
+
+
+def vectors(folder, program, run):
+    must(folder, program, "cosim", *RUNS[run], "--engine", "model", "--vectors", run)
 
 
 def circuits(folder):
     must(folder, "iverilog", "-g2012", "-o", "vectors", "-s", "vectors_tb",
          *map(str, rtl_tree.sources_of("sp_board")), str(EXAMPLE / "camera_to_dma.sv"), str(EXAMPLE / "vectors_tb.sv"))
-    return lambda mode: run(folder, "vvp", "-n", "vectors", f"+vectors={mode}")
+    return lambda name: run(folder, "vvp", "-n", "vectors", f"+vectors={name}")
 
 
 def vhdl(folder):
@@ -57,7 +62,7 @@ def vhdl(folder):
         sys.exit(SKIPPED)
     must(folder, "ghdl", "-a", "--std=08", str(ROOT / "rtl" / "common" / "sp_spec_pkg.vhd"),
          str(EXAMPLE / "column_reader.vhd"), str(EXAMPLE / "column_reader_tb.vhd"))
-    return lambda mode: run(folder, "ghdl", "--elab-run", "--std=08", "column_reader_tb", f"-gFOLDER={mode}")
+    return lambda name: run(folder, "ghdl", "--elab-run", "--std=08", "column_reader_tb", f"-gFOLDER={name}")
 
 
 def main():
@@ -66,16 +71,16 @@ def main():
         folder = pathlib.Path(name)
         must(folder, program, "scene", "render", "stairs", "--count", "2", "--out", "frames")
         bench = vhdl(folder) if with_vhdl else circuits(folder)
-        wanted = "128 columns in 2 packets" if with_vhdl else "2 packets"
-        for mode in ("binary", "grey"):
-            vectors(folder, program, mode)
-            status, out = bench(mode)
+        for name, columns in COLUMNS.items():
+            vectors(folder, program, name)
+            status, out = bench(name)
+            wanted = f"{columns} columns in 2 packets" if with_vhdl else "2 packets"
             if status or f"{wanted} as expected" not in out:
-                sys.exit(f"{mode}: status {status}\n{out}")
+                sys.exit(f"{name}: status {status}\n{out}")
         for file in ("packets.hex", "columns.hex") if with_vhdl else ("camera.hex",):
-            vectors(folder, program, "binary")
-            change(folder / "binary" / file, 10)
-            status, out = bench("binary")
+            vectors(folder, program, "images")
+            change(folder / "images" / file, 10)
+            status, out = bench("images")
             if status == 0:
                 sys.exit(f"a changed word of {file} was not found\n{out}")
     print("as expected")

@@ -19,6 +19,7 @@ module vectors_tb;
   logic         wvalid = 1'b0, bvalid;
   logic [7:0]   address = '0;
   logic [31:0]  wdata = '0;
+  logic [1:0]   encoder = 2'b00;  // {b, a}
   logic [1:0]   bresp;
 
   always #3.307 pixel_clk = !pixel_clk;  // 151.2 MHz
@@ -35,7 +36,7 @@ module vectors_tb;
     .camera_pixels_i     (pixels),
     .camera_frame_start_i(frame_start),
     .camera_line_end_i   (line_end),
-    .encoder_i           (2'b00),
+    .encoder_i           (encoder),
     .projector_trigger_o (unused_triggers[0]),
     .camera_trigger_o    (unused_triggers[1]),
     .ejector_o           (unused_ejector),
@@ -72,15 +73,18 @@ module vectors_tb;
     if (opened == 0 || $fgets(comment, opened) == 0) $fatal(1, "cannot read %s/%s", folder, name);
   endfunction
 
-  int           registers_file, camera_file, packets_file;
+  int           registers_file, camera_file, encoder_file, packets_file;
   logic [39:0]  register_word;  // address, data
   logic [71:0]  beat_word;      // idle clocks, flags, pixels
+  logic [39:0]  encoder_word;   // clock, levels
   logic [135:0] packet_word;    // last, data
+  int           now = -1;       // pixel clocks after the first beat
 
   initial begin
     if (!$value$plusargs("vectors=%s", folder)) $fatal(1, "+vectors=DIR is missing");
     registers_file = opened("registers.hex");
     camera_file    = opened("camera.hex");
+    encoder_file   = opened("encoder.hex");
     packets_file   = opened("packets.hex");
     #500 reset = 1'b0;
     #500;
@@ -109,6 +113,22 @@ module vectors_tb;
     if ($fscanf(packets_file, "%h", packet_word) == 1) $fatal(1, "packets are missing");
     $display("%0d packets as expected", packets);
     $finish;
+  end
+
+  // The encoder's pins change with the beats, at the other edge.
+  logic turns;
+  always @(negedge pixel_clk) begin
+    #0;  // behind valid
+    if (now < 0 && valid) begin
+      now   = 0;
+      turns = $fscanf(encoder_file, "%h", encoder_word) == 1;
+    end else if (now >= 0) begin
+      now++;
+    end
+    while (now >= 0 && turns && encoder_word[39:8] == now) begin
+      encoder = encoder_word[1:0];
+      turns   = $fscanf(encoder_file, "%h", encoder_word) == 1;
+    end
   end
 
   // Bits of the header and of the trailer that are compared
