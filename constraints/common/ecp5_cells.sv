@@ -1,5 +1,5 @@
-// Cells of the ECP5 that LiteEth's PHY and the deserializer for Camera Link use, as far as a
-// simulation without delays needs them.
+// Cells of the ECP5 that LiteEth's PHY and the deserializers for Camera Link and LVDS sensors use, as
+// far as a simulation without delays needs them.
 `default_nettype none
 
 // verilator lint_off DECLFILENAME
@@ -64,7 +64,7 @@ module TRELLIS_IO #(
   assign O = B;
 endmodule
 
-// --- The deserializer's, as Lattice's technical note FPGA-TN-02035 describes them; that each rise
+// --- The deserializers', as Lattice's technical note FPGA-TN-02035 describes them; that each rise
 // of ALIGNWD moves the words by two samples is from there, too ---
 
 module ECLKSYNCB (
@@ -75,7 +75,7 @@ module ECLKSYNCB (
   assign ECLKO = ECLKI && !STOP;
 endmodule
 
-// Only by 3.5: seven edges of CLKI a period. After a rise of ALIGNWD it pauses for two edges.
+// By 3.5, seven edges of CLKI a period, or by 2, four. After a rise of ALIGNWD it pauses for two edges.
 module CLKDIVF #(
   parameter DIV = "3.5",
   parameter GSR = "DISABLED"
@@ -85,6 +85,7 @@ module CLKDIVF #(
   input  wire logic ALIGNWD,
   output logic      CDIVX
 );
+  localparam logic [2:0] Edges = DIV == "2.0" ? 3'd4 : 3'd7;
   logic [2:0] edge_q;
   logic [1:0] pause_q;
   logic       align_q;
@@ -99,8 +100,8 @@ module CLKDIVF #(
       if (ALIGNWD && !align_q) pause_q <= 2'd2;
       else if (pause_q != '0) pause_q <= pause_q - 1'b1;
       if (pause_q == '0) begin
-        edge_q <= edge_q == 3'd6 ? '0 : edge_q + 1'b1;
-        CDIVX  <= edge_q < 3'd3;
+        edge_q <= edge_q == Edges - 1'b1 ? '0 : edge_q + 1'b1;
+        CDIVX  <= edge_q < Edges >> 1;
       end
     end
   end
@@ -126,6 +127,41 @@ module IDDR71B #(
   logic [6:0] shift_q;
   always @(posedge ECLK or negedge ECLK) shift_q <= {D, shift_q[6:1]};
   always_ff @(posedge SCLK) {Q6, Q5, Q4, Q3, Q2, Q1, Q0} <= shift_q;
+endmodule
+
+// The tap changes with the fall of MOVE, but delays nothing.
+module DELAYF #(
+  parameter DEL_MODE = "",
+  parameter DEL_VALUE = 0
+) (
+  input  wire logic A,
+  input  wire logic LOADN,
+  input  wire logic MOVE,
+  input  wire logic DIRECTION,
+  output logic      Z,
+  output logic      CFLAG
+);
+  assign Z     = A;
+  assign CFLAG = 1'b0;
+endmodule
+
+// The four samples before a rise of SCLK, the last one taken by the edge of ECLK that raises it
+module IDDRX2F #(
+  parameter GSR = "ENABLED"
+) (
+  input  wire logic D,
+  input  wire logic SCLK,
+  input  wire logic ECLK,
+  input  wire logic RST,
+  input  wire logic ALIGNWD,
+  output logic      Q0,
+  output logic      Q1,
+  output logic      Q2,
+  output logic      Q3
+);
+  logic [3:0] shift_q;
+  always @(posedge ECLK or negedge ECLK) shift_q <= {D, shift_q[3:1]};
+  always_ff @(posedge SCLK) {Q3, Q2, Q1, Q0} <= shift_q;
 endmodule
 
 `default_nettype wire
