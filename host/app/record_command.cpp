@@ -14,6 +14,7 @@
 #include "host/cli/command_line.h"
 #include "host/files/input_file.h"
 #include "host/files/output_file.h"
+#include "host/report/facts.h"
 #include "selfproj/driver/counters.h"
 #include "selfproj/files/user_error.h"
 #include "selfproj/light_section/reference_file.h"
@@ -86,9 +87,7 @@ void run_record(const RecordOptions& options) {
   }
   // Also those that are 0: scripts read this line.
   fmt::print("{} packets, {} bytes → {}; {}\n", packets, bytes, options.out,
-             driver::counters_text(receiver.counters(), {&driver::Counters::lost_board, &driver::Counters::lost_ring,
-                                                         &driver::Counters::lost_network, &driver::Counters::missing,
-                                                         &driver::Counters::bad}));
+             driver::counters_text(receiver.counters(), report::kLosses));
   receiver.check();
 }
 

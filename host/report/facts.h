@@ -32,11 +32,14 @@ std::int64_t fact_number(std::uint64_t value);
 Fact counter_fact(std::uint64_t driver::Counters::*counter, std::uint64_t value);
 std::vector<Fact> counter_facts(const driver::Counters& counters);
 
+// What may be lost or go wrong with packets of any kind.
+inline constexpr std::initializer_list<std::uint64_t driver::Counters::*> kLosses = {
+    &driver::Counters::lost_board, &driver::Counters::lost_ring, &driver::Counters::lost_network,
+    &driver::Counters::missing, &driver::Counters::bad};
+
 // What was lost or went wrong, for a terminal: those of these counters that are not 0, or "nothing lost".
 std::string losses_text(const driver::Counters& counters,
-                        std::initializer_list<std::uint64_t driver::Counters::*> which = {
-                            &driver::Counters::lost_board, &driver::Counters::lost_ring,
-                            &driver::Counters::lost_network, &driver::Counters::missing, &driver::Counters::bad});
+                        std::initializer_list<std::uint64_t driver::Counters::*> which = kLosses);
 
 // A table. The first column names the subject of the row. Cells are plain text.
 struct ReportTable {

@@ -86,7 +86,7 @@ void VectorFiles::frame(const model::ImageView& image) {
   ++frames_;
 }
 
-// As Conveyor turns it.
+// The encoder's clocks are those of Conveyor.
 void VectorFiles::commit() {
   std::string text;
   const std::uint64_t end =
@@ -96,10 +96,8 @@ void VectorFiles::commit() {
     if (clock >= end) {
       break;
     }
-    const auto phase = static_cast<unsigned>(step & 3U);
-    const unsigned a = phase == 1 || phase == 2 ? 1U : 0U;
-    const unsigned b = phase == 2 || phase == 3 ? 2U : 0U;
-    fmt::format_to(std::back_inserter(text), "{:08x}{:02x}\n", clock, a | b);
+    const EncoderLevels levels = levels_of_step(step);
+    fmt::format_to(std::back_inserter(text), "{:08x}{:02x}\n", clock, (levels.a ? 1 : 0) + (levels.b ? 2 : 0));
   }
   folder_.append(kEncoder, text);
   folder_.commit();

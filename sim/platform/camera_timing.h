@@ -1,4 +1,4 @@
-// When the camera's lines and frames are on the wire, in pixel clocks.
+// When the camera's lines and frames are on the wire, in pixel clocks; and what the encoder's pins show.
 #ifndef SELFPROJ_SIM_PLATFORM_CAMERA_TIMING_H
 #define SELFPROJ_SIM_PLATFORM_CAMERA_TIMING_H
 
@@ -30,6 +30,16 @@ struct CameraTiming {
 // clocks a line), frames follow as fast as these allow. Rows and columns must suit the board; rate > 0.
 CameraTiming camera_timing(int rows, int columns, double frame_rate_hz,
                            double pixel_clock_hz = model::kDefaultPixelClockHz, std::uint64_t blank = 4);
+
+// The levels of an encoder's pins after so many steps forward, in which A leads B.
+struct EncoderLevels {
+  bool a = false;
+  bool b = false;
+};
+constexpr EncoderLevels levels_of_step(std::uint64_t step) {
+  const std::uint64_t phase = step & 3U;
+  return {.a = phase == 1 || phase == 2, .b = phase == 2 || phase == 3};
+}
 
 }  // namespace selfproj::sim
 

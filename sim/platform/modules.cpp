@@ -115,10 +115,9 @@ void Conveyor::turn() {
         if (local.need_sync()) {
           local.sync();
         }
-        // Forward means that A leads B.
-        const auto phase = static_cast<unsigned>(step & 3U);
+        const EncoderLevels levels = levels_of_step(step);
         for (int i = 0; i < encoder.size(); ++i) {
-          encoder[i]->encoder(clock, phase == 1 || phase == 2, phase == 2 || phase == 3);
+          encoder[i]->encoder(clock, levels.a, levels.b);
         }
       }
     }
