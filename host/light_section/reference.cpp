@@ -38,18 +38,6 @@ struct SectionJoin {
   bool wall;
 };
 
-std::vector<SectionJoin> joins_of(const ReferenceCurve& curve) {
-  std::vector<SectionJoin> joins;
-  for (std::size_t i = 0; i + 1 < curve.y_mm.size(); ++i) {
-    const SectionPoint a{curve.y_mm[i], curve.z_mm[i]};
-    const SectionPoint b{curve.y_mm[i + 1], curve.z_mm[i + 1]};
-    if (std::isfinite(a.y) && std::isfinite(a.z) && std::isfinite(b.y) && std::isfinite(b.z)) {
-      joins.push_back({a, b, std::abs(b.z - a.z) > kSteepest * std::abs(b.y - a.y)});
-    }
-  }
-  return joins;
-}
-
 // Where the join meets the straight line p y + q z = r, if it does.
 bool crossing(const SectionJoin& join, double p, double q, double r, SectionPoint& at) {
   const double a = p * join.a.y + q * join.a.z - r;
@@ -62,18 +50,73 @@ bool crossing(const SectionJoin& join, double p, double q, double r, SectionPoin
   return true;
 }
 
-// Whether a part of the curve lies between the viewpoint and the point, seen along x.
-bool hidden(const std::vector<SectionJoin>& joins, const SectionPoint& viewpoint, const SectionPoint& point) {
-  const double depth = point.z - viewpoint.z;
-  const double side = point.y - viewpoint.y;
-  for (const SectionJoin& join : joins) {
-    SectionPoint at{};
-    if (crossing(join, depth, -side, depth * viewpoint.y - side * viewpoint.z, at) && at.z > viewpoint.z &&
-        at.z < point.z - kTouch) {
-      return true;
+// The joins of a curve. A curve of a scene has tens of thousands, so groups of neighbours have bounds: a straight line
+// that does not meet these meets no join of the group.
+class SectionJoins {
+ public:
+  explicit SectionJoins(const ReferenceCurve& curve);
+
+  // Calls visit(join, point), in the order of the curve, where a join meets p y + q z = r, until it returns false.
+  template <class Visit>
+  void cross(double p, double q, double r, Visit visit) const {
+    for (std::size_t group = 0; group < bounds_.size(); ++group) {
+      const Bounds& b = bounds_[group];
+      if (p * (p > 0 ? b.high.y : b.low.y) + q * (q > 0 ? b.high.z : b.low.z) - r < 0 ||
+          p * (p > 0 ? b.low.y : b.high.y) + q * (q > 0 ? b.low.z : b.high.z) - r > 0) {
+        continue;
+      }
+      const std::size_t end = std::min(joins_.size(), (group + 1) * kGroup);
+      for (std::size_t i = group * kGroup; i < end; ++i) {
+        SectionPoint at{};
+        if (crossing(joins_[i], p, q, r, at) && !visit(joins_[i], at)) {
+          return;
+        }
+      }
     }
   }
-  return false;
+
+ private:
+  static constexpr std::size_t kGroup = 64;
+
+  struct Bounds {
+    SectionPoint low, high;
+  };
+
+  std::vector<SectionJoin> joins_;
+  std::vector<Bounds> bounds_;
+};
+
+SectionJoins::SectionJoins(const ReferenceCurve& curve) {
+  for (std::size_t i = 0; i + 1 < curve.y_mm.size(); ++i) {
+    const SectionPoint a{curve.y_mm[i], curve.z_mm[i]};
+    const SectionPoint b{curve.y_mm[i + 1], curve.z_mm[i + 1]};
+    if (std::isfinite(a.y) && std::isfinite(a.z) && std::isfinite(b.y) && std::isfinite(b.z)) {
+      joins_.push_back({a, b, std::abs(b.z - a.z) > kSteepest * std::abs(b.y - a.y)});
+    }
+  }
+  for (std::size_t i = 0; i < joins_.size(); ++i) {
+    const auto& [a, b, wall] = joins_[i];
+    const SectionPoint low{std::min(a.y, b.y), std::min(a.z, b.z)};
+    const SectionPoint high{std::max(a.y, b.y), std::max(a.z, b.z)};
+    if (i % kGroup == 0) {
+      bounds_.push_back({low, high});
+    }
+    Bounds& all = bounds_.back();
+    all.low = {std::min(all.low.y, low.y), std::min(all.low.z, low.z)};
+    all.high = {std::max(all.high.y, high.y), std::max(all.high.z, high.z)};
+  }
+}
+
+// Whether a part of the curve lies between the viewpoint and the point, seen along x.
+bool hidden(const SectionJoins& joins, const SectionPoint& viewpoint, const SectionPoint& point) {
+  const double depth = point.z - viewpoint.z;
+  const double side = point.y - viewpoint.y;
+  bool found = false;
+  joins.cross(depth, -side, depth * viewpoint.y - side * viewpoint.z, [&](const SectionJoin&, SectionPoint at) {
+    found = at.z > viewpoint.z && at.z < point.z - kTouch;
+    return !found;
+  });
+  return found;
 }
 
 // What a camera column sees of the section: the nearest join with y = z tan β, and where. If a surface ends at a wall,
@@ -82,18 +125,16 @@ struct SectionSight {
   const SectionJoin* join = nullptr;
   SectionPoint at{0, std::numeric_limits<double>::infinity()};
 };
-SectionSight sight_along(const std::vector<SectionJoin>& joins, double tan_beta) {
+SectionSight sight_along(const SectionJoins& joins, double tan_beta) {
   SectionSight sight;
-  for (const SectionJoin& join : joins) {
-    SectionPoint at{};
-    if (crossing(join, 1, -tan_beta, 0, at) && at.z > 0) {
-      const bool nearer = at.z < sight.at.z - kTouch;
-      const bool better = sight.join != nullptr && sight.join->wall && !join.wall && at.z < sight.at.z + kTouch;
-      if (nearer || better) {
-        sight = {&join, at};
-      }
+  joins.cross(1, -tan_beta, 0, [&](const SectionJoin& join, SectionPoint at) {
+    const bool nearer = at.z < sight.at.z - kTouch;
+    const bool better = sight.join != nullptr && sight.join->wall && !join.wall && at.z < sight.at.z + kTouch;
+    if (at.z > 0 && (nearer || better)) {
+      sight = {&join, at};
     }
-  }
+    return true;
+  });
   return sight;
 }
 
@@ -118,7 +159,7 @@ struct Sample {
 
 class Section {
  public:
-  Section(const rig::Rig& rig, const ReferenceCurve& curve) : optics_(rig), joins_(joins_of(curve)) {
+  Section(const rig::Rig& rig, const ReferenceCurve& curve) : optics_(rig), joins_(curve) {
     if (optics_.has_projector()) {
       const cv::Vec3d centre = optics_.projector_centre();
       projector_ = {centre[1], centre[2]};
@@ -154,7 +195,7 @@ class Section {
 
  private:
   rig::RigOptics optics_;
-  std::vector<SectionJoin> joins_;
+  SectionJoins joins_;
   SectionPoint projector_{};
 };
 
@@ -380,7 +421,7 @@ double z_per_line(const rig::Rig& rig, double tan_theta) {
 }
 
 // Whether the projector lights the point of the curve.
-bool is_lit(const rig::Rig& rig, const std::vector<SectionJoin>& joins, const SectionPoint& point) {
+bool is_lit(const rig::Rig& rig, const SectionJoins& joins, const SectionPoint& point) {
   if (point.z <= rig.projector.z_mm || rig::projector_depth(rig.projector, point.z) <= 0) {
     return false;
   }
@@ -498,7 +539,7 @@ ReferenceProfile reference_of_curve(const rig::Rig& rig, const ReferenceCurve& c
   if (!rig.is_pinholes()) {
     return lens_reference_of_curve(rig, curve);
   }
-  const std::vector<SectionJoin> joins = joins_of(curve);
+  const SectionJoins joins(curve);
   ReferenceProfile reference;
   reference.resize(rig.camera.columns);
   for (std::size_t i = 0; i < reference.valid.size(); ++i) {
@@ -645,7 +686,7 @@ std::vector<double> pattern_of_curve(const rig::Rig& rig, const ReferenceCurve& 
     return lens_pattern_of_curve(rig, curve);
   }
   const rig::RigProjector& projector = rig.projector;
-  const std::vector<SectionJoin> joins = joins_of(curve);
+  const SectionJoins joins(curve);
   std::vector<double> lines(static_cast<std::size_t>(projector.columns), rig::kUnknown);
   for (std::size_t i = 0; i < lines.size(); ++i) {
     const double yp =
@@ -654,14 +695,13 @@ std::vector<double> pattern_of_curve(const rig::Rig& rig, const ReferenceCurve& 
     const double slope = yp * std::cos(projector.tilt_rad);
     const double level = yp * rig::projector_depth(projector, 0);
     double nearest = std::numeric_limits<double>::infinity();
-    for (const SectionJoin& join : joins) {
-      SectionPoint at{};
-      if (!join.wall && crossing(join, projector.focal_length_mm, -slope, level, at) && at.z < nearest &&
-          is_lit(rig, joins, at) && !hidden(joins, {0, 0}, at)) {
+    joins.cross(projector.focal_length_mm, -slope, level, [&](const SectionJoin& join, SectionPoint at) {
+      if (!join.wall && at.z < nearest && is_lit(rig, joins, at) && !hidden(joins, {0, 0}, at)) {
         nearest = at.z;
         lines[i] = rig::line_on_middle(projector, at.z);
       }
-    }
+      return true;
+    });
   }
   return lines;
 }

@@ -104,7 +104,7 @@ cv::Mat1b region_cells(const ToleranceRegion& region, const MapGrid& grid) {
 
 Classifier::Classifier(const rig::Rig& rig, const SectionReference& section, const Tolerance& tolerance,
                        const std::string& source)
-    : above_(rig.parts.value().above_mm), tolerance_(tolerance) {
+    : rule_(rig.parts.value()), tolerance_(tolerance) {
   check_tolerance(tolerance, rig, section, source);
   grid_ = placed_grid(rig.parts->grid_mm, tolerance.length_mm, tolerance.left_mm, tolerance.right_mm);
   const double column = pixel_mm(rig);
@@ -147,7 +147,7 @@ void Classifier::place(const CutPart& part, PartResult& result) const {
     result.placement.emplace();
     return;
   }
-  result.placement = place_by_edges(edges_of(part.cells, above_), tolerance_.outline());
+  result.placement = place_by_edges(edges_of(part.cells, rule_), tolerance_.outline());
   if (!result.placement) {
     make_inconclusive(result, "no edges by which it could be placed");
     return;

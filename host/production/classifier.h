@@ -56,7 +56,7 @@ class Classifier {
   [[nodiscard]] HeightCells without_walls(HeightCells cells) const;
   void find_defects(const PlacedMaps& maps, PartResult& result) const;
 
-  double above_ = 0;
+  rig::RigParts rule_;
   Tolerance tolerance_;
   MapGrid grid_;
   images::FloatImage reference_;                  // heights, NaN where there is none

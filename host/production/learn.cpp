@@ -116,7 +116,7 @@ Tolerance Learner::outline(const std::string& source, Reasons& reasons) const {
   std::vector<std::optional<double>> widths;
   std::vector<double> middles;
   for (const CutPart& part : parts_) {
-    const EdgeLines edges = edges_of(part.cells, rig_.parts->above_mm);
+    const EdgeLines edges = edges_of(part.cells, *rig_.parts);
     const auto placed = place_by_edges(edges, {});
     lengths.push_back(placed ? placed->length_mm : std::nullopt);
     widths.push_back(placed ? placed->width_mm : std::nullopt);
@@ -141,14 +141,25 @@ Tolerance Learner::outline(const std::string& source, Reasons& reasons) const {
     }
   }
   if (length.count() < kMinGoodParts) {
-    throw UserError(source, fmt::format("{} of {} parts have a leading and a trailing edge; at least {} are needed",
-                                        length.count(), parts_.size(), kMinGoodParts));
+    std::string why;
+    for (std::size_t i = 0; i < parts_.size() && why.empty(); ++i) {
+      if (!lengths[i] || !reasons[i].empty()) {
+        why =
+            fmt::format("; part {}: {}", i + 1, lengths[i] ? reasons[i] : "one of them is not there, or not straight");
+      }
+    }
+    throw UserError(source,
+                    fmt::format("{} of {} parts can be used by their leading and trailing edges; at least {} are "
+                                "needed{}",
+                                length.count(), parts_.size(), kMinGoodParts, why));
   }
   Tolerance tolerance;
   tolerance.length_mm = length.mean();
   const auto [left, right] = section_edges(section_, rig_.parts->above_mm);
   if (width.count() >= kMinGoodParts) {
-    const double at = left && right ? 0.5 * (*left + *right) : middle.mean();
+    // If a side is hidden where a part passes, its edges are not those of the reference, and parts lie as seen.
+    const bool as_reference = left && right && std::abs(*right - *left - width.mean()) <= kCells * rig_.parts->grid_mm;
+    const double at = as_reference ? 0.5 * (*left + *right) : middle.mean();
     tolerance.left_mm = at - 0.5 * width.mean();
     tolerance.right_mm = at + 0.5 * width.mean();
   } else if (!section_.across_mm.empty()) {

@@ -31,16 +31,17 @@ struct Place {
 };
 
 // A mask of the largest connected thing that is higher than above_mm: nonzero inside.
-cv::Mat1b largest_thing(const HeightCells& cells, double above_mm) {
+cv::Mat1b largest_thing(const HeightCells& cells, const rig::RigParts& rule) {
   cv::Mat1b mask(cells.grid.rows, cells.grid.columns, std::uint8_t{0});
   for (int r = 0; r < mask.rows; ++r) {
     for (int c = 0; c < mask.cols; ++c) {
-      mask(r, c) = static_cast<double>(cells.height.row(r)[c]) > above_mm ? UINT8_MAX : 0;
+      mask(r, c) = static_cast<double>(cells.height.row(r)[c]) > rule.above_mm ? UINT8_MAX : 0;
     }
   }
-  // Cells inside the part that no light reached must not split it.
+  // Cells inside the part that no light reached must not split it: those of single points, and the shadow of a wall.
+  const int joins = std::max(5, 2 * static_cast<int>(std::ceil(0.5 * rule.gap_mm / cells.grid.pitch_mm)) + 1);
   cv::Mat1b joined;
-  cv::morphologyEx(mask, joined, cv::MORPH_CLOSE, cv::Mat1b(5, 5, std::uint8_t{1}));
+  cv::morphologyEx(mask, joined, cv::MORPH_CLOSE, cv::Mat1b(joins, joins, std::uint8_t{1}));
   cv::Mat1i labels;
   cv::Mat1i figures;
   cv::Mat1d middles;
@@ -225,12 +226,12 @@ Shift shift_of(std::optional<double> low, std::optional<double> high, std::optio
 
 }  // namespace
 
-EdgeLines edges_of(const HeightCells& cells, double above_mm) {
+EdgeLines edges_of(const HeightCells& cells, const rig::RigParts& rule) {
   EdgeLines edges;
   if (cells.grid.rows == 0) {
     return edges;
   }
-  const cv::Mat1b thing = largest_thing(cells, above_mm);
+  const cv::Mat1b thing = largest_thing(cells, rule);
   for (std::size_t i = 0; i < kEdges; ++i) {
     edges[i] = edge_line(cells, thing, static_cast<Edge>(i));
   }

@@ -10,6 +10,7 @@
 
 #include "host/production/height_map.h"
 #include "selfproj/images/float_image.h"
+#include "selfproj/rig/rig.h"
 
 namespace selfproj::production {
 
@@ -30,12 +31,13 @@ struct EdgeLine {
 
 using EdgeLines = std::array<std::optional<EdgeLine>, kEdges>;
 
-// The edges of the largest thing that is higher than above_mm. Each is a straight line through the places where it
+// The edges of the largest thing that is higher than above_mm of `rule`. Places without light, such as the shadow of a
+// wall, do not split it if they are less than gap_mm wide. Each is a straight line through the places where it
 // begins or ends in a row or column of cells, located to a fraction of a cell from the cells' weights; places far off
 // the line (a chipped corner) do not count. A side edge at the border of the view is missing, and so is any edge with
 // fewer than kMinPlaces places.
 inline constexpr std::size_t kMinPlaces = 8;
-EdgeLines edges_of(const HeightCells& cells, double above_mm);
+EdgeLines edges_of(const HeightCells& cells, const rig::RigParts& rule);
 
 // The outline of a good part. A value is missing if it is not known, for example because the part is wider than the
 // view.

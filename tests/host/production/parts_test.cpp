@@ -159,6 +159,24 @@ TEST(Parts, LostFramesAndRestartsAreTold) {
   EXPECT_NEAR(cut.parts[0].length_mm, 35.3, 0.2);
 }
 
+// A wall between two halves of a part hides a strip along it, here one of 2 mm. It is one part while the strip is
+// narrower than gap_mm.
+TEST(Parts, AShadowDoesNotSplitThem) {
+  const auto height = [](double /*v*/, double w) { return std::abs(w) < 1 ? kNone : w < 0 ? 12.0 : 20.0; };
+  for (const double gap : {3.0, 1.0}) {
+    Cut cut(rig_with_parts());
+    MadeBelt belt(cut.cutter.rig(), 7);
+    belt.pass(cut, {.length = 30, .height = height});
+    belt.bare(cut, 5);
+    ASSERT_EQ(cut.parts.size(), 1U);
+    rig::RigParts rule = *cut.cutter.rig().parts;
+    rule.gap_mm = gap;
+    const auto placed = production::place_by_edges(production::edges_of(cut.parts[0].cells, rule), {30.0, -20.0, 20.0});
+    ASSERT_TRUE(placed);
+    EXPECT_EQ(placed->width_mm && std::abs(*placed->width_mm - 40) < 0.3, gap > 2) << gap;
+  }
+}
+
 TEST(Parts, ArePlacedByTheirEdges) {
   const production::Outline outline{30.0, -20.0, 20.0};
   for (const double turn : {-3.0, -0.4, 0.0, 1.5}) {
@@ -173,7 +191,8 @@ TEST(Parts, ArePlacedByTheirEdges) {
       belt.pass(cut, {.length = 30, .height = height, .across = across, .turn_deg = turn});
       belt.bare(cut, 5);
       ASSERT_EQ(cut.parts.size(), 1U);
-      const auto placed = production::place_by_edges(production::edges_of(cut.parts[0].cells, 5), outline);
+      const auto placed =
+          production::place_by_edges(production::edges_of(cut.parts[0].cells, *cut.cutter.rig().parts), outline);
       ASSERT_TRUE(placed);
       EXPECT_EQ(placed->edges, "leading trailing left right");
       // A side edge that is turned by less than a camera column over its length looks straight.
@@ -328,6 +347,32 @@ TEST_F(Classified, ToleranceIsReadBackAndItsFaultsAreNamed) {
             }).find("t.yaml: is for another part: at "),
             std::string::npos);
   EXPECT_EQ(error_of([&] { learned(rig_, 3, 1); }), "good: 3 good parts came; at least 5 are needed");
+}
+
+// A side that light or camera never reaches where parts pass is not where the reference has it.
+TEST(Parts, AHiddenSideIsLearned) {
+  const rig::Rig rig = rig_with_parts();
+  production::Learner learner(rig, box_section(rig), {});
+  Cut cut(rig);
+  MadeBelt belt(rig, 7);
+  for (const double across : {-0.5, -0.3, 0.0, 0.2, 0.4, 0.5}) {
+    const auto height = [](double, double w) { return w > 15 ? kNone : 20.0; };
+    belt.pass(cut, {.length = 30, .height = height, .across = across, .noise = 0.03});
+  }
+  belt.bare(cut, 5);
+  ASSERT_EQ(cut.parts.size(), 6U);
+  for (const production::CutPart& part : cut.parts) {
+    learner.add(production::CutPart(part));
+  }
+  const production::Tolerance tolerance = learner.learn("good");
+  EXPECT_NEAR(tolerance.left_mm, -20, 0.3);
+  EXPECT_NEAR(tolerance.right_mm, 15, 0.3);
+  production::PlacedMaps maps;
+  const production::Classifier classifier(rig, box_section(rig), tolerance, "t.yaml");
+  for (const production::CutPart& part : cut.parts) {
+    const production::PartResult result = classifier.classify(part, maps);
+    EXPECT_EQ(result.verdict, production::Verdict::good) << result.reason;
+  }
 }
 
 // Eleven good parts, and one that is not whole, first or last.
