@@ -20,8 +20,9 @@
 namespace selfproj::production {
 namespace {
 
-constexpr double kSectionStep = 5;    // mm
-constexpr double kMinResidual = 0.1;  // mm
+constexpr double kSectionStep = 5;         // mm
+constexpr double kMinResidual = 0.1;       // mm, and at least
+constexpr double kMinResidualCells = 0.4;  // cells of the map
 constexpr double kMinMissing = 0.005;
 // Of one good part beside the others, in any case.
 constexpr double kMostMissing = 0.05;
@@ -29,12 +30,13 @@ constexpr double kMostOff = 0.2;  // mm
 
 double widest_of(const rig::Rig& rig) { return 3 * pixel_mm(rig); }
 
+// The spread of few parts is known badly, and may be larger by this factor.
+double factor_of_few(std::size_t parts) { return 1 + 3 / static_cast<double>(parts); }
+
 // Notes the parts whose value is not as that of the others. `floor`: a value may be so far from the median in any case.
-// The spread of few parts is known badly, and may be larger.
 void leave_out(const std::vector<std::optional<double>>& values, double spreads, double floor, const char* what,
                std::vector<std::string>& reasons) {
   constexpr double kPerMedian = 1.4826;  // standard deviations for a median distance of 1
-  constexpr double kFew = 3;
   std::vector<double> known;
   for (std::size_t i = 0; i < values.size(); ++i) {
     if (values[i] && reasons[i].empty()) {
@@ -49,7 +51,7 @@ void leave_out(const std::vector<std::optional<double>>& values, double spreads,
   for (const double value : known) {
     off.push_back(std::abs(value - middle));
   }
-  const double times = spreads * (1 + kFew / static_cast<double>(known.size()));
+  const double times = spreads * factor_of_few(known.size());
   const double most = std::max(floor, times * kPerMedian * files::median_of(off));
   for (std::size_t i = 0; i < values.size(); ++i) {
     if (values[i] && reasons[i].empty() && std::abs(*values[i] - middle) > most) {
@@ -335,7 +337,7 @@ Tolerance Learner::learn(const std::string& source, std::vector<std::string>* le
                     odd == reasons.end() ? "" : fmt::format("; of part {}, {}", odd - reasons.begin() + 1, *odd)));
   }
   const auto far = [&](const RunningFigures& figures, double least) {
-    return std::max(least, options_.spreads * figures.spread());
+    return std::max(least, options_.spreads * factor_of_few(figures.count()) * figures.spread());
   };
   for (std::size_t i = 0; i < seen.size(); ++i) {
     ToleranceRegion& region = tolerance.regions[i];
@@ -348,7 +350,8 @@ Tolerance Learner::learn(const std::string& source, std::vector<std::string>* le
     region.high_mm = files::rounded(std::max(high, low + kLeastBand), 4);
     region.max_missing = files::rounded(std::min(1.0, seen[i].missing.mean() + far(seen[i].missing, kMinMissing)), 4);
   }
-  tolerance.max_residual_mm = files::rounded(residual.mean() + far(residual, kMinResidual), 3);
+  const double least_residual = std::max(kMinResidual, kMinResidualCells * rig_.parts->grid_mm);
+  tolerance.max_residual_mm = files::rounded(residual.mean() + far(residual, least_residual), 3);
   const auto round_mm = [&](double& mm) { mm = files::rounded(mm, 3); };
   round_mm(tolerance.length_mm);
   round_mm(tolerance.left_mm);
