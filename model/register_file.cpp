@@ -317,31 +317,41 @@ BoardSettings RegisterFile::settings() const {
   };
 }
 
-std::vector<RegisterWrite> setting_writes(const BoardSettings& settings, const BoardSettings& before, bool decodes) {
+std::vector<RegisterWrite> setting_words(const BoardSettings& settings) {
   const auto bit = [](bool set, int lsb) { return static_cast<std::uint32_t>(set ? 1U : 0U) << lsb; };
   const auto number = [](int value, int lsb) { return static_cast<std::uint32_t>(value) << lsb; };
-  const auto region = [&](const BoardSettings& of) {
-    return number(of.region_row, spec::kRegRegionRowLsb) | number(of.region_column, spec::kRegRegionColumnLsb);
-  };
+  return {{spec::kRegSize,
+           number(settings.columns, spec::kRegSizeColumnsLsb) | number(settings.rows, spec::kRegSizeRowsLsb)},
+          {spec::kRegMeasure, number(settings.threshold, spec::kRegMeasureThresholdLsb) |
+                                  number(static_cast<int>(settings.mode), spec::kRegMeasureModeLsb) |
+                                  number(static_cast<int>(settings.select), spec::kRegMeasureSelectLsb) |
+                                  number(settings.gap, spec::kRegMeasureGapLsb) |
+                                  number(settings.stream, spec::kRegMeasureStreamLsb)},
+          {spec::kRegWindow, number(settings.window.first, spec::kRegWindowFirstLsb) |
+                                 number(settings.window.last, spec::kRegWindowLastLsb)},
+          {spec::kRegTimeout, number(settings.timeout, spec::kRegTimeoutClocksLsb)},
+          {spec::kRegRegion, number(settings.region_row, spec::kRegRegionRowLsb) |
+                                 number(settings.region_column, spec::kRegRegionColumnLsb)},
+          {spec::kRegCompact, bit(settings.compact, spec::kRegCompactOnLsb)},
+          {spec::kRegDecode, number(settings.code_threshold, spec::kRegDecodeThresholdLsb) |
+                                 number(settings.code_bits, spec::kRegDecodeBitsLsb) |
+                                 bit(settings.codes, spec::kRegDecodeCodesLsb) |
+                                 bit(settings.median, spec::kRegDecodeMedianLsb)}};
+}
+
+std::vector<RegisterWrite> setting_writes(const BoardSettings& settings, const BoardSettings& before, bool decodes) {
+  const auto bit = [](bool set, int lsb) { return static_cast<std::uint32_t>(set ? 1U : 0U) << lsb; };
   const std::uint32_t control =
       bit(settings.run, spec::kRegControlRunLsb) | bit(settings.image, spec::kRegControlImageLsb);
-  std::vector<RegisterWrite> writes{
-      {spec::kRegControl, control | bit(true, spec::kRegControlHoldLsb)},
-      {spec::kRegSize,
-       number(settings.columns, spec::kRegSizeColumnsLsb) | number(settings.rows, spec::kRegSizeRowsLsb)},
-      {spec::kRegMeasure, number(settings.threshold, spec::kRegMeasureThresholdLsb) |
-                              number(static_cast<int>(settings.mode), spec::kRegMeasureModeLsb) |
-                              number(static_cast<int>(settings.select), spec::kRegMeasureSelectLsb) |
-                              number(settings.gap, spec::kRegMeasureGapLsb) |
-                              number(settings.stream, spec::kRegMeasureStreamLsb)},
-      {spec::kRegWindow,
-       number(settings.window.first, spec::kRegWindowFirstLsb) | number(settings.window.last, spec::kRegWindowLastLsb)},
-      {spec::kRegTimeout, number(settings.timeout, spec::kRegTimeoutClocksLsb)}};
-  if (region(settings) != region(before)) {
-    writes.push_back({spec::kRegRegion, region(settings)});
-  }
-  if (settings.compact != before.compact) {
-    writes.push_back({spec::kRegCompact, bit(settings.compact, spec::kRegCompactOnLsb)});
+  std::vector<RegisterWrite> writes{{spec::kRegControl, control | bit(true, spec::kRegControlHoldLsb)}};
+  const std::vector<RegisterWrite> words = setting_words(settings);
+  const std::vector<RegisterWrite> words_before = setting_words(before);
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    const std::uint32_t address = words[i].address;
+    const bool in_some = address == spec::kRegRegion || address == spec::kRegCompact;
+    if (address == spec::kRegDecode ? decodes : !in_some || words[i].data != words_before[i].data) {
+      writes.push_back(words[i]);
+    }
   }
   if (settings.verdict || before.verdict) {
     const std::vector<RegisterWrite> verdict = verdict_writes(settings.verdict_settings, settings.part_rule);
@@ -349,12 +359,6 @@ std::vector<RegisterWrite> setting_writes(const BoardSettings& settings, const B
     writes.push_back(
         {spec::kRegVerdictControl, verdict_control_word(settings.verdict, settings.verdict_hold,
                                                         settings.part_rule.by_encoder, settings.verdict_packets)});
-  }
-  if (decodes) {
-    writes.push_back({spec::kRegDecode, number(settings.code_threshold, spec::kRegDecodeThresholdLsb) |
-                                            number(settings.code_bits, spec::kRegDecodeBitsLsb) |
-                                            bit(settings.codes, spec::kRegDecodeCodesLsb) |
-                                            bit(settings.median, spec::kRegDecodeMedianLsb)});
   }
   writes.push_back({spec::kRegControl, control | bit(settings.hold, spec::kRegControlHoldLsb)});
   return writes;

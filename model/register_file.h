@@ -52,6 +52,9 @@ struct RegisterAnswer {
   bool operator==(const RegisterAnswer&) const = default;
 };
 
+// The words of size, measure, window, timeout, region, compact and decode, in this order.
+std::vector<RegisterWrite> setting_words(const BoardSettings& settings);
+
 // What a host writes so that these settings count together from the next frame start on: `hold` is set first, and at
 // the end is as the settings say. Registers that not every build has are left out if they stay as in `before`, the
 // settings that were written last; after reset those are {}. `decodes`: the build has the decoder.

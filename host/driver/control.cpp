@@ -15,6 +15,7 @@
 #include "host/driver/etherbone.h"
 #include "host/driver/litepcie.h"
 #include "host/driver/register_port.h"
+#include "model/register_file.h"
 #include "selfproj/files/user_error.h"
 
 namespace selfproj::driver {
@@ -186,48 +187,31 @@ void Control::write_together(std::vector<std::pair<RegisterPart, std::uint32_t>>
 
 void Control::set(const model::BoardSettings& settings) {
   const auto bit = [](bool set, int lsb) { return static_cast<std::uint32_t>(set ? 1U : 0U) << lsb; };
-  const auto number = [](int value, int lsb) { return static_cast<std::uint32_t>(value) << lsb; };
-  if (settings.codes && !build_.codes) {
-    throw UserError(uri(), "this board has no Gray-code decoder");
-  }
+  const auto need_in_build = [&](bool wanted, bool there, const char* what) {
+    if (wanted && !there) {
+      throw UserError(uri(), std::string("this board ") + what);
+    }
+  };
+  need_in_build(settings.codes, build_.codes, "has no Gray-code decoder");
+  need_in_build(settings.region_row != 0 || settings.region_column != 0, build_.region,
+                "has no register for the region of the sensor");
+  need_in_build(settings.compact, build_.compact, "has no compact columns");
+  need_in_build(settings.verdict, build_.verdict_log_sections >= 0, "gives no verdicts");
   const std::uint32_t control =
       bit(settings.run, spec::kRegControlRunLsb) | bit(settings.image, spec::kRegControlImageLsb);
   write_word(at(spec::kRegControl), control | 1U << spec::kRegControlHoldLsb);
-  write_word(at(spec::kRegSize),
-             number(settings.columns, spec::kRegSizeColumnsLsb) | number(settings.rows, spec::kRegSizeRowsLsb));
-  write_word(at(spec::kRegMeasure), number(settings.threshold, spec::kRegMeasureThresholdLsb) |
-                                        number(static_cast<int>(settings.mode), spec::kRegMeasureModeLsb) |
-                                        number(static_cast<int>(settings.select), spec::kRegMeasureSelectLsb) |
-                                        number(settings.gap, spec::kRegMeasureGapLsb) |
-                                        number(settings.stream, spec::kRegMeasureStreamLsb));
-  const std::uint32_t window =
-      number(settings.window.first, spec::kRegWindowFirstLsb) | number(settings.window.last, spec::kRegWindowLastLsb);
-  if (port_->word(spec::kRegWindow) != window) {
-    write_word(at(spec::kRegWindow), window);
-  }
-  const std::uint32_t region =
-      number(settings.region_row, spec::kRegRegionRowLsb) | number(settings.region_column, spec::kRegRegionColumnLsb);
-  if (build_.region) {
-    write_word(at(spec::kRegRegion), region);
-  } else if (region != 0) {
-    throw UserError(uri(), "this board has no register for the region of the sensor");
-  }
-  if (build_.compact) {
-    write_word(at(spec::kRegCompact), bit(settings.compact, spec::kRegCompactOnLsb));
-  } else if (settings.compact) {
-    throw UserError(uri(), "this board has no compact columns");
-  }
-  write_word(at(spec::kRegTimeout), number(settings.timeout, spec::kRegTimeoutClocksLsb));
-  if (build_.codes) {
-    write_word(at(spec::kRegDecode), number(settings.code_threshold, spec::kRegDecodeThresholdLsb) |
-                                         number(settings.code_bits, spec::kRegDecodeBitsLsb) |
-                                         bit(settings.codes, spec::kRegDecodeCodesLsb) |
-                                         bit(settings.median, spec::kRegDecodeMedianLsb));
+  for (const auto& [address, data] : model::setting_words(settings)) {
+    const bool there = address == spec::kRegWindow   ? port_->word(spec::kRegWindow) != data  // not in boards of before
+                       : address == spec::kRegRegion ? build_.region
+                       : address == spec::kRegCompact ? build_.compact
+                       : address == spec::kRegDecode  ? build_.codes
+                                                      : true;
+    if (there) {
+      write_word(at(address), data);
+    }
   }
   if (build_.verdict_log_sections >= 0) {
     set_verdict(settings);
-  } else if (settings.verdict) {
-    throw UserError(uri(), "this board gives no verdicts");
   }
   write_word(at(spec::kRegControl), control | bit(settings.hold, spec::kRegControlHoldLsb));
 }
