@@ -5,9 +5,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <limits>
 
 #include "model/cpu_clones.h"
 #include "selfproj/model/generated/selfproj_spec.h"
+#include "selfproj/model/little_endian.h"
 
 namespace selfproj::light_section {
 
@@ -15,152 +17,214 @@ namespace selfproj::light_section {
 
 namespace {
 
-// How the sums are computed. With the running sum S(ξ) = Σ_{k <= ξ} w(k) of a column of R rows, a weight w(k) is in S
-// from row k to row R. It thus enters the sum of all S exactly R + 1 - k times:
+// How the sums are computed. With the running sum S(ξ) = Σ_{k <= ξ} w(k) of a column of L rows, a weight w(k) is in S
+// from row k to row L. It thus enters the sum P of all S exactly L + 1 - k times:
 //
-//     Σ_ξ S(ξ) = Σ_k (R + 1 - k) w(k) = (R + 1) M0 - M1        so        M1 = (R + 1) M0 - Σ_ξ S(ξ)
+//     P = Σ_ξ S(ξ) = Σ_k (L + 1 - k) w(k) = (L + 1) M0 - M1        so        M1 = (L + 1) M0 - P
 //
-// This needs additions only. The rows are cut into blocks of L <= kBlockRows rows. Within a block the running sum s
-// starts from 0 again. With B = M0 of all rows above the block, S = B + s, and the block contributes
+// This needs additions only: S += w and P += S for each row. The rows are cut into blocks of L <= kBlockRows rows. A
+// block below `above` other rows adds S to M0 and (above + L + 1) S - P to M1.
 //
-//     Σ S = L B + P,        P = Σ s,        s += w and P += s for each row
-//
-// P is at most w_max · L (L + 1) / 2. With L <= 22 this is 253 for w = 1 and 64,515 for w = 255. So sums of 8 bits are
-// enough in mode binary, and sums of 16 bits in the grey modes; one AVX-512 instruction adds 64 or 32 columns. The sums
-// are widened once for each block.
+// P is at most w_max · L (L + 1) / 2. With L <= 22 this is 253 for w = 1 and 64,515 for w = 255. So lanes as wide as a
+// pixel are enough in mode binary, and lanes twice as wide in the grey modes. The sums are widened once for each block.
+// (With pixels of 16 bits the same holds for L <= 361.)
+using Pixel = std::uint8_t;
+using Wide = std::uint16_t;  // twice as wide
 constexpr int kBlockRows = 22;
-static_assert(kBlockRows * (kBlockRows + 1) / 2 <= 255, "the prefix sums of a block must fit in 8 bits");
-static_assert(255 * kBlockRows * (kBlockRows + 1) / 2 <= 65535, "and those of grey weights in 16 bits");
-// In mode binary the contribution L B + P of a block and M0 itself have 16 bits.
-static_assert(kBlockRows * spec::kMaxRows + 255 <= 65535, "the share of a block must fit in 16 bits");
+static_assert(kBlockRows * (kBlockRows + 1) / 2 <= std::numeric_limits<Pixel>::max());
+static_assert(std::numeric_limits<Pixel>::max() * kBlockRows * (kBlockRows + 1) / 2 <=
+              std::numeric_limits<Wide>::max());
+static_assert(sizeof(Wide) == 2 * sizeof(Pixel));
 
-// Columns that are processed at a time. The sums of such a strip stay in the first-level cache.
-constexpr int kStripColumns = 512;
+// How memory is read. A strip is as wide as a cache line. So the sums of a block stay in registers: 2 of the 32
+// registers of AVX-512 in mode binary and 5 in the grey modes, 10 of the 16 of AVX2. The block of one strip is followed
+// by the same rows of the next strip. A band of kBandStrips strips is as wide as the usual image, whose rows follow one
+// another in memory; wider images are read band after band. Each pixel is read once.
+//
+// Memory answers late, and these loops do not load far enough ahead by themselves: so they reach 25 % of the speed at
+// which one core can read it in one stream. Therefore each cache line is asked for, into the second-level cache, kAhead
+// rows before it is needed. It is asked for several times, because a processor may drop such a request while too many
+// are under way: in mode binary one request reaches 63 %, two 77 % and three 87 %, and in the grey modes 78, 87 and
+// 92 % (an EPYC of Zen 4). In cache, where nobody needs them, they cost a fifth of the speed in mode binary. Frames
+// mostly follow one another, so the requests run on below the last row into the next frame. They are hints, which read
+// nothing and never fault.
+constexpr int kStripColumns = 64;
+constexpr int kNarrowColumns = 16;  // of a strip in an image narrower than that
+constexpr int kBandStrips = 8;
+constexpr std::array kAhead = {48, 32, 16};
 
-template <typename T>
-using Strip = std::array<T, kStripColumns>;
+[[gnu::always_inline]] inline void prefetch_below(const Pixel* pixels, std::ptrdiff_t stride) {
+  constexpr int kSecondLevel = 2;
+  for (const int rows : kAhead) {
+    __builtin_prefetch(pixels + rows * stride, 0, kSecondLevel);
+  }
+}
 
-struct StripSums {
-  alignas(64) Strip<std::uint32_t> m0;
-  alignas(64) Strip<std::uint32_t> m1;
-  alignas(64) Strip<std::uint32_t> n;
+inline Pixel narrow(int value) { return static_cast<Pixel>(value); }
+inline Wide widen(int value) { return static_cast<Wide>(value); }
+
+// Some rows of a strip, and the number of rows above them.
+struct Block {
+  const Pixel* pixels;
+  std::ptrdiff_t stride;
+  int above;
+  int rows;
 };
 
-inline std::uint8_t narrow8(int value) { return static_cast<std::uint8_t>(value); }
-inline std::uint16_t narrow16(int value) { return static_cast<std::uint16_t>(value); }
+// The sums of a strip in mode binary. M0 and the share of a block in M1 fit in 16 bits.
+template <int Columns>
+struct BinarySums {
+  static constexpr int kColumns = Columns;
+  alignas(64) std::array<std::uint16_t, Columns> m0{};
+  alignas(64) std::array<std::uint32_t, Columns> m1{};
+};
+static_assert(kBlockRows * spec::kMaxRows <= std::numeric_limits<std::uint16_t>::max());
 
-// Prefetches a row a little before it is needed. The processor's own prefetch follows one row well, but stops at the
-// end of a page and pauses while the sums are widened.
-[[gnu::always_inline]] inline void prefetch_row(const model::ImageView& strip, int columns, int row) {
-  constexpr int kAhead = 8;
-  constexpr int kCacheLine = 64;
-  if (row + kAhead < strip.rows) {
-    const std::uint8_t* pixels = strip.pixels + (row + kAhead) * strip.stride;
-    for (int i = 0; i < columns; i += kCacheLine) {
-      __builtin_prefetch(pixels + i);
+// Adds a block in mode binary. Three operations a vector of pixels.
+template <int Columns>
+[[gnu::always_inline]] inline void add_block(const Block& block, Pixel threshold, Pixel /*offset*/,
+                                             BinarySums<Columns>& out) {
+  alignas(64) std::array<Pixel, Columns> sum{};     // S
+  alignas(64) std::array<Pixel, Columns> prefix{};  // P
+  alignas(64) std::array<std::uint16_t, Columns> share;
+  const Pixel* pixels = block.pixels;
+  for (int row = 0; row < block.rows; ++row, pixels += block.stride) {
+    prefetch_below(pixels, block.stride);
+    for (int i = 0; i < Columns; ++i) {
+      sum[i] = narrow(sum[i] + (pixels[i] > threshold ? 1 : 0));
+      prefix[i] = narrow(prefix[i] + sum[i]);
     }
+  }
+  const auto factor = static_cast<std::uint16_t>(block.above + block.rows + 1);
+  for (int i = 0; i < Columns; ++i) {
+    share[i] = static_cast<std::uint16_t>(factor * sum[i] - prefix[i]);
+    out.m0[i] = static_cast<std::uint16_t>(out.m0[i] + sum[i]);
+  }
+  for (int i = 0; i < Columns; ++i) {
+    out.m1[i] += share[i];
   }
 }
 
-// The moments of at most kStripColumns columns in mode binary; does not touch n.
+template <int Columns>
+[[gnu::always_inline]] inline void write(const BinarySums<Columns>& sums, const model::MomentsView& out) {
+  std::copy_n(sums.m0.data(), Columns, out.m0);
+  std::copy_n(sums.m1.data(), Columns, out.m1);
+  std::copy_n(sums.m0.data(), Columns, out.n);
+}
+
+// The sums of a strip in a grey mode. M0 and M1 have the even columns first and then the odd ones.
+template <int Columns>
+struct GreySums {
+  static constexpr int kColumns = Columns;
+  alignas(64) std::array<std::uint32_t, Columns> m0{};
+  alignas(64) std::array<std::uint32_t, Columns> m1{};
+  alignas(64) std::array<std::uint16_t, Columns> n{};
+};
+
+// Adds a block in a grey mode: a lit pixel weighs its value less `offset`, which is at most the threshold.
 //
-// `columns` is strip.columns. If it is a constant, the compiler keeps the sums of a block in registers, which is twice
-// as fast. Below there is therefore one copy for a full strip and one for any other.
-[[gnu::always_inline]] inline void add_up_binary(const model::ImageView& strip, int columns, std::uint8_t threshold,
-                                                 StripSums& out) {
-  alignas(64) Strip<std::uint8_t> sum;          // s
-  alignas(64) Strip<std::uint8_t> prefix;       // P
-  alignas(64) Strip<std::uint16_t> share;       // L B + P
-  alignas(64) Strip<std::uint16_t> m0{};        // B
-  alignas(64) Strip<std::uint32_t> all_sums{};  // Σ S
-  for (int above = 0; above < strip.rows; above += kBlockRows) {
-    const int rows = std::min(kBlockRows, strip.rows - above);
-    sum.fill(0);
-    prefix.fill(0);
-    for (int row = above; row < above + rows; ++row) {
-      prefetch_row(strip, columns, row);
-      const std::uint8_t* pixels = strip.pixels + row * strip.stride;
-      for (int i = 0; i < columns; ++i) {
-        sum[i] = narrow8(sum[i] + (pixels[i] > threshold ? 1 : 0));
-        prefix[i] = narrow8(prefix[i] + sum[i]);
-      }
+// Two neighbouring weights are one word: the even column's plus 2^8 times the odd one's. The sum of such words, and the
+// sum of the odd columns alone, give that of the even columns modulo 2^16; so only one of the two must be widened, by a
+// shift. Eight operations a vector of pixels.
+template <int Columns>
+[[gnu::always_inline]] inline void add_block(const Block& block, Pixel threshold, Pixel offset,
+                                             GreySums<Columns>& out) {
+  constexpr int kPairs = Columns / 2;
+  constexpr int kPixelBits = 8 * sizeof(Pixel);
+  alignas(64) std::array<Pixel, Columns> weight;   // w
+  alignas(64) std::array<Pixel, Columns> count{};  // lit pixels
+  alignas(64) std::array<Wide, kPairs> sum{};      // S of both
+  alignas(64) std::array<Wide, kPairs> sum_odd{};  // S of the odd columns
+  alignas(64) std::array<Wide, kPairs> prefix{};   // P likewise
+  alignas(64) std::array<Wide, kPairs> prefix_odd{};
+  const Pixel* pixels = block.pixels;
+  for (int row = 0; row < block.rows; ++row, pixels += block.stride) {
+    prefetch_below(pixels, block.stride);
+    for (int i = 0; i < Columns; ++i) {
+      const Pixel pixel = pixels[i];
+      count[i] = narrow(count[i] + (pixel > threshold ? 1 : 0));
+      weight[i] = pixel > threshold ? narrow(pixel - offset) : narrow(0);
     }
-    const std::uint16_t factor = narrow16(rows);
-    for (int i = 0; i < columns; ++i) {
-      share[i] = narrow16(factor * m0[i] + prefix[i]);
-      m0[i] = narrow16(m0[i] + sum[i]);
-    }
-    for (int i = 0; i < columns; ++i) {
-      all_sums[i] += share[i];
-    }
-  }
-  const auto factor = static_cast<std::uint32_t>(strip.rows + 1);
-  for (int i = 0; i < columns; ++i) {
-    out.m0[i] = m0[i];
-    out.m1[i] = factor * m0[i] - all_sums[i];
-  }
-}
-
-// The moments of at most kStripColumns columns in a grey mode: a lit pixel weighs its value less `offset`, which is at
-// most the threshold. Loops that mix sums of 8 and 16 bits do not vectorize well, so there is one loop for each width.
-[[gnu::always_inline]] inline void add_up_grey(const model::ImageView& strip, int columns, std::uint8_t threshold,
-                                               std::uint8_t offset, StripSums& out) {
-  alignas(64) Strip<std::uint8_t> weight;       // w
-  alignas(64) Strip<std::uint8_t> count;        // lit pixels in the block
-  alignas(64) Strip<std::uint16_t> sum;         // s
-  alignas(64) Strip<std::uint16_t> prefix;      // P
-  alignas(64) Strip<std::uint32_t> m0{};        // B
-  alignas(64) Strip<std::uint32_t> all_sums{};  // Σ S
-  alignas(64) Strip<std::uint16_t> n{};
-  for (int above = 0; above < strip.rows; above += kBlockRows) {
-    const int rows = std::min(kBlockRows, strip.rows - above);
-    count.fill(0);
-    sum.fill(0);
-    prefix.fill(0);
-    for (int row = above; row < above + rows; ++row) {
-      prefetch_row(strip, columns, row);
-      const std::uint8_t* pixels = strip.pixels + row * strip.stride;
-      for (int i = 0; i < columns; ++i) {
-        const std::uint8_t pixel = pixels[i];
-        count[i] = narrow8(count[i] + (pixel > threshold ? 1 : 0));
-        weight[i] = pixel > threshold ? narrow8(pixel - offset) : narrow8(0);
-      }
-      for (int i = 0; i < columns; ++i) {
-        sum[i] = narrow16(sum[i] + weight[i]);
-        prefix[i] = narrow16(prefix[i] + sum[i]);
-      }
-    }
-    const auto factor = static_cast<std::uint32_t>(rows);
-    for (int i = 0; i < columns; ++i) {
-      all_sums[i] += factor * m0[i] + prefix[i];
-      m0[i] += sum[i];
-    }
-    for (int i = 0; i < columns; ++i) {
-      n[i] = narrow16(n[i] + count[i]);
+    for (int i = 0; i < kPairs; ++i) {
+      const Wide pair = model::load_little_endian<Wide>(&weight[2 * i]);
+      sum[i] = widen(sum[i] + pair);
+      sum_odd[i] = widen(sum_odd[i] + (pair >> kPixelBits));
+      prefix[i] = widen(prefix[i] + sum[i]);
+      prefix_odd[i] = widen(prefix_odd[i] + sum_odd[i]);
     }
   }
-  const auto factor = static_cast<std::uint32_t>(strip.rows + 1);
-  for (int i = 0; i < columns; ++i) {
-    out.m0[i] = m0[i];
-    out.m1[i] = factor * m0[i] - all_sums[i];
-    out.n[i] = n[i];
+  const auto factor = static_cast<std::uint32_t>(block.above + block.rows + 1);
+  for (int i = 0; i < kPairs; ++i) {
+    const Wide sum_even = widen(sum[i] - (sum_odd[i] << kPixelBits));
+    const Wide prefix_even = widen(prefix[i] - (prefix_odd[i] << kPixelBits));
+    out.m0[i] += sum_even;
+    out.m1[i] += factor * sum_even - prefix_even;
+  }
+  for (int i = 0; i < kPairs; ++i) {
+    out.m0[kPairs + i] += sum_odd[i];
+    out.m1[kPairs + i] += factor * sum_odd[i] - prefix_odd[i];
+  }
+  for (int i = 0; i < Columns; ++i) {
+    out.n[i] = static_cast<std::uint16_t>(out.n[i] + count[i]);
   }
 }
 
-SELFPROJ_CLONES void strip_binary(const model::ImageView& strip, std::uint8_t threshold, StripSums& out) {
-  if (strip.columns == kStripColumns) {
-    add_up_binary(strip, kStripColumns, threshold, out);
+template <int Columns>
+[[gnu::always_inline]] inline void write(const GreySums<Columns>& sums, const model::MomentsView& out) {
+  constexpr int kPairs = Columns / 2;
+  for (int i = 0; i < kPairs; ++i) {
+    out.m0[2 * i] = sums.m0[i];
+    out.m0[2 * i + 1] = sums.m0[kPairs + i];
+  }
+  for (int i = 0; i < kPairs; ++i) {
+    out.m1[2 * i] = sums.m1[i];
+    out.m1[2 * i + 1] = sums.m1[kPairs + i];
+  }
+  std::copy_n(sums.n.data(), Columns, out.n);
+}
+
+model::MomentsView from_column(const model::MomentsView& view, int first) {
+  return {view.m0 + first, view.m1 + first, view.n + first};
+}
+
+// The moments of an image of at least Sums::kColumns columns. Where its width is no multiple of that, the last strip
+// overlaps the one before it, and both give the same results.
+template <typename Sums>
+[[gnu::always_inline]] inline void add_up(const model::ImageView& image, Pixel threshold, Pixel offset,
+                                          const model::MomentsView& out) {
+  constexpr int kColumns = Sums::kColumns;
+  const int strips = (image.columns + kColumns - 1) / kColumns;
+  const auto first_column = [&](int strip) { return std::min(strip * kColumns, image.columns - kColumns); };
+  for (int band = 0; band < strips; band += kBandStrips) {
+    const int count = std::min(kBandStrips, strips - band);
+    std::array<Sums, kBandStrips> sums{};
+    for (int above = 0; above < image.rows; above += kBlockRows) {
+      const int rows = std::min(kBlockRows, image.rows - above);
+      for (int i = 0; i < count; ++i) {
+        const Pixel* pixels = image.pixels + above * image.stride + first_column(band + i);
+        add_block({pixels, image.stride, above, rows}, threshold, offset, sums[i]);
+      }
+    }
+    for (int i = 0; i < count; ++i) {
+      write(sums[i], from_column(out, first_column(band + i)));
+    }
+  }
+}
+
+SELFPROJ_CLONES void add_up_binary(const model::ImageView& image, Pixel threshold, const model::MomentsView& out) {
+  if (image.columns >= kStripColumns) {
+    add_up<BinarySums<kStripColumns>>(image, threshold, 0, out);
   } else {
-    add_up_binary(strip, strip.columns, threshold, out);
+    add_up<BinarySums<kNarrowColumns>>(image, threshold, 0, out);
   }
 }
 
-SELFPROJ_CLONES void strip_grey(const model::ImageView& strip, std::uint8_t threshold, std::uint8_t offset,
-                                StripSums& out) {
-  if (strip.columns == kStripColumns) {
-    add_up_grey(strip, kStripColumns, threshold, offset, out);
+SELFPROJ_CLONES void add_up_grey(const model::ImageView& image, Pixel threshold, Pixel offset,
+                                 const model::MomentsView& out) {
+  if (image.columns >= kStripColumns) {
+    add_up<GreySums<kStripColumns>>(image, threshold, offset, out);
   } else {
-    add_up_grey(strip, strip.columns, threshold, offset, out);
+    add_up<GreySums<kNarrowColumns>>(image, threshold, offset, out);
   }
 }
 
@@ -169,20 +233,12 @@ SELFPROJ_CLONES void strip_grey(const model::ImageView& strip, std::uint8_t thre
 void fast_column_moments(const model::ImageView& image, model::Mode mode, int threshold,
                          const model::MomentsView& out) {
   model::check_column_moments(image, mode, threshold, out);
-  const std::uint8_t level = narrow8(threshold);
-  for (int first = 0; first < image.columns; first += kStripColumns) {
-    const int columns = std::min(kStripColumns, image.columns - first);
-    const model::ImageView strip = {image.pixels + first, image.rows, columns, image.stride};
-    StripSums sums;  // filled below as far as it is read
-    if (mode == model::Mode::binary) {
-      strip_binary(strip, level, sums);
-      std::copy_n(sums.m0.data(), columns, out.n + first);
-    } else {
-      strip_grey(strip, level, mode == model::Mode::grey_over ? level : narrow8(0), sums);
-      std::copy_n(sums.n.data(), columns, out.n + first);
-    }
-    std::copy_n(sums.m0.data(), columns, out.m0 + first);
-    std::copy_n(sums.m1.data(), columns, out.m1 + first);
+  if (image.columns < kNarrowColumns) {
+    model::column_moments(image, mode, threshold, out);
+  } else if (mode == model::Mode::binary) {
+    add_up_binary(image, narrow(threshold), out);
+  } else {
+    add_up_grey(image, narrow(threshold), narrow(mode == model::Mode::grey_over ? threshold : 0), out);
   }
 }
 
@@ -219,6 +275,9 @@ template <int Gap>
 
 // Counts the runs of at most kRunColumns columns: 0, 1, or 2 where there are two or more. `columns` is strip.columns;
 // if it is a constant, the loops need no remainder.
+//
+// Reads the image a second time, after the moments, strip after strip and some rows of a strip at once. An image that
+// fits in the second-level cache comes from there, so nothing is asked for ahead.
 template <int Gap>
 [[gnu::always_inline]] inline void count_strip(const model::ImageView& strip, int columns, std::uint8_t threshold,
                                                RunStrip& count) {
@@ -298,9 +357,7 @@ int next_several(const std::uint8_t* runs, int from, int columns) {
 }
 
 model::RunsView from_column(const model::RunsView& view, int first) {
-  return {{view.moments.m0 + first, view.moments.m1 + first, view.moments.n + first},
-          view.runs + first,
-          view.second + first};
+  return {from_column(view.moments, first), view.runs + first, view.second + first};
 }
 
 }  // namespace

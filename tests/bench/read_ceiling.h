@@ -117,8 +117,11 @@ inline void add_read_ceiling(std::span<const std::uint8_t> bytes) {
 
 // Prints and returns the bytes per second from a collector of "bytes_per_second".
 inline double read_ceiling(const Collector& collector) {
-  const double ceiling = std::max(collector.median("read/one_stream"), collector.median("read/four_streams"));
-  std::printf("\nread ceiling: %.2f GB/s (one thread, from memory; medians)\n", ceiling * 1e-9);
+  const double one = collector.median("read/one_stream");
+  const double four = collector.median("read/four_streams");
+  const double ceiling = std::max(one, four);
+  std::printf("\nread ceiling: %.2f GB/s (one thread, from memory; medians; one stream %.2f, four %.2f)\n",
+              ceiling * 1e-9, one * 1e-9, four * 1e-9);
   return ceiling;
 }
 

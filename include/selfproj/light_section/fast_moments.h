@@ -9,8 +9,8 @@
 namespace selfproj::light_section {
 
 // Writes the same moments as column_moments for the same arguments, and throws whenever that throws. Reads the image
-// once. Fastest if image.columns is a multiple of 512. Allocates nothing and keeps no state, so any number of threads
-// may call it at once.
+// once. Fast for images of at least 64 columns. Allocates nothing and keeps no state, so any number of threads may call
+// it at once.
 void fast_column_moments(const model::ImageView& image, model::Mode mode, int threshold, const model::MomentsView& out);
 
 // Writes the same as column_runs for the same arguments, and throws whenever that throws. Allocates nothing and keeps

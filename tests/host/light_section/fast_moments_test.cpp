@@ -4,6 +4,11 @@
 
 #include <gtest/gtest.h>
 
+#if defined(__linux__)
+#include <sys/mman.h>
+#include <unistd.h>
+#endif
+
 #include <algorithm>
 #include <array>
 #include <cstddef>
@@ -68,8 +73,9 @@ model::ImageView view_of(const std::vector<std::uint8_t>& pixels, int rows, int 
 
 std::size_t area(int rows, int columns) { return static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns); }
 
-// Sizes around the widths of vectors and of strips, and around the height of a block.
-constexpr std::array kColumnEdges = {1, 2, 3, 4, 5, 15, 16, 17, 31, 32, 33, 63, 64, 65, 508, 511, 512, 513, 1024, 1028};
+// Sizes around the widths of vectors, of strips and of bands of strips, and around the height of a block.
+constexpr std::array kColumnEdges = {1,  2,  3,  4,   5,   15,  16,  17,  18,  31,  32,   33,
+                                     63, 64, 65, 127, 128, 129, 508, 511, 512, 513, 1024, 1028};
 constexpr std::array kRowEdges = {1, 2, 7, 8, 9, 21, 22, 23, 43, 44, 45, 96, 127, 128, 255, 256};
 
 TEST_F(FastMoments, EqualImagesOfEverySize) {
@@ -134,6 +140,25 @@ TEST_F(FastMoments, LargestSums) {
   }
 }
 
+// Neighbouring columns as different as can be: the grey modes add two of them as one word.
+TEST_F(FastMoments, BrightColumnsBesideDarkOnes) {
+  for (const int first_bright : {0, 1}) {
+    for (const int columns : {16, 33, 64, 131}) {
+      std::vector<std::uint8_t> pixels(area(spec::kMaxRows, columns), 0);
+      for (int row = 0; row < spec::kMaxRows; ++row) {
+        for (int column = first_bright; column < columns; column += 2) {
+          pixels[area(row, columns) + static_cast<std::size_t>(column)] = 255;
+        }
+      }
+      for (const model::Mode mode : kModes) {
+        for (const int threshold : {0, 1, 254}) {
+          expect_right(view_of(pixels, spec::kMaxRows, columns), mode, threshold);
+        }
+      }
+    }
+  }
+}
+
 TEST_F(FastMoments, StridesAndAlignments) {
   constexpr int kRows = 25;
   Random random(1);
@@ -160,6 +185,30 @@ TEST_F(FastMoments, ReadsNothingBeyondTheImage) {
     }
   }
 }
+
+#if defined(__linux__)
+// The image fills memory between two pages that cannot be read: a read beyond it ends the program, a prefetch does not.
+TEST_F(FastMoments, BetweenPagesThatCannotBeRead) {
+  const auto page = static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
+  const std::size_t bytes = 16 * page;
+  void* const memory = mmap(nullptr, bytes + 2 * page, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  ASSERT_NE(memory, MAP_FAILED);
+  std::uint8_t* const first = static_cast<std::uint8_t*>(memory) + page;
+  ASSERT_EQ(mprotect(first, bytes, PROT_READ | PROT_WRITE), 0);
+  const std::vector<std::uint8_t> pixels = Random(1).bytes(bytes);
+  std::copy(pixels.begin(), pixels.end(), first);
+  for (const int columns : {1, 16, 21, 64, 100, 512, 700, 2048}) {
+    const int rows = static_cast<int>(bytes) / columns > 60 ? 60 : static_cast<int>(bytes) / columns;
+    const std::size_t image = area(rows, columns);
+    for (const model::Mode mode : kModes) {
+      expect_right({first, rows, columns, columns}, mode, 128);
+      expect_right({first + bytes - image, rows, columns, columns}, mode, 128);
+      expect_right({first + (rows - 1) * columns, rows, columns, -columns}, mode, 128);  // upside down
+    }
+  }
+  munmap(memory, bytes + 2 * page);
+}
+#endif
 
 TEST_F(FastMoments, RandomImages) {
   for (const std::uint64_t seed : seeds(300)) {
