@@ -230,6 +230,25 @@ class Busy {
   bool busy_ = false;  // read and written with the GIL
 };
 
+// Pickling (and copying) of an object that is in the midst of something is a TypeError with the reason.
+template <typename Class>
+void refuse_pickling(Class& bound, const char* reason) {
+  bound.def("__reduce__", [reason](const nb::handle& self) -> nb::object {
+    const std::string name = nb::cast<std::string>(nb::getattr(self.type(), "__name__"));
+    throw nb::type_error((name + ": cannot be pickled or copied: it " + reason).c_str());
+  });
+}
+
+// An array of an object as it goes into its pickle.
+template <typename Array>
+nb::object pickled(const Array& array) {
+  return nb::cast(array, nb::rv_policy::reference);
+}
+
+// Names, which may be in any encoding.
+inline nb::bytes pickled_name(const std::string& name) { return nb::bytes(name.data(), name.size()); }
+inline std::string name_of(const nb::bytes& pickled) { return {pickled.c_str(), pickled.size()}; }
+
 // The parts of the module.
 void bind_model(nb::module_& module);
 void bind_packets(nb::module_& module);

@@ -1,15 +1,19 @@
 // selfproj.calibration: captures of a chessboard under Gray codes, and the calibration that follows from them.
+#include <nanobind/stl/array.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <new>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <type_traits>
 #include <utility>
 #include <variant>
@@ -79,12 +83,23 @@ std::optional<Out<double>> find_corners(const In<std::uint8_t>& array, const Siz
   return places;
 }
 
+// What Python sees of a report.
 struct Result {
-  calibration::CalibrationReport report;
-  [[nodiscard]] rig::CalibrationRms rms() const {
-    return {report.bundle.camera_rms, report.bundle.projector_rms, report.bundle.rms};
-  }
+  rig::Calibration calibration;
+  rig::CalibrationRms rms;
+  std::string refusal;  // empty: it may be used
+  std::vector<std::string> warnings;
+  std::string json, text;
 };
+
+Result result_of(const calibration::CalibrationReport& report) {
+  return {report.calibration,
+          {report.bundle.camera_rms, report.bundle.projector_rms, report.bundle.rms},
+          report.model.refusal,
+          report.warnings,
+          calibration::report_json(report),
+          files::shown(calibration::report_text(report))};
+}
 
 Result calibrate_captures(const std::vector<const CaptureResult*>& captures, const Size& corners, double square_mm,
                           const Size& projector, int camera_distortion, int projector_distortion, bool unchecked) {
@@ -110,7 +125,7 @@ Result calibrate_captures(const std::vector<const CaptureResult*>& captures, con
         pose.reason = capture->capture.contradiction;
       }
     }
-    return Result{calibration::calibrate(std::move(poses), settings)};
+    return result_of(calibration::calibrate(std::move(poses), settings));
   });
 }
 
@@ -150,14 +165,13 @@ void set_calibration(rig::Calibration& self, const std::vector<double>& numbers)
 
 // A capture as its arrays.
 nb::tuple state_of_capture(const CaptureResult& self) {
-  const auto array = [](const auto& values) { return nb::cast(values, nb::rv_policy::reference); };
-  return nb::make_tuple(nb::bytes(self.name.data(), self.name.size()), array(self.projector_column),
-                        array(self.projector_row), array(self.mean), self.capture.lit, self.capture.contradiction);
+  return nb::make_tuple(pickled_name(self.name), pickled(self.projector_column), pickled(self.projector_row),
+                        pickled(self.mean), self.capture.lit, self.capture.contradiction);
 }
 
 void set_capture(CaptureResult& self, const nb::tuple& state) {
   require(state.size() == 6, "state: is none of a Capture");
-  const auto name = nb::cast<nb::bytes>(state[0]);
+  std::string name = name_of(nb::cast<nb::bytes>(state[0]));
   auto column = nb::cast<Out<std::int16_t>>(state[1]);
   auto row = nb::cast<Out<std::int16_t>>(state[2]);
   auto mean = nb::cast<Out<std::uint8_t>>(state[3]);
@@ -172,9 +186,11 @@ void set_capture(CaptureResult& self, const nb::tuple& state) {
   capture.projector_column.assign(column.data(), column.data() + column.size());
   capture.projector_row.assign(row.data(), row.data() + row.size());
   capture.mean = {capture.rows, capture.columns, {mean.data(), mean.data() + mean.size()}};
-  new (&self) CaptureResult{
-      std::move(capture), {name.c_str(), name.size()}, std::move(column), std::move(row), std::move(mean)};
+  new (&self) CaptureResult{std::move(capture), std::move(name), std::move(column), std::move(row), std::move(mean)};
 }
+
+using ResultState = std::tuple<rig::Calibration, std::array<double, 3>, std::string, std::vector<std::string>,
+                               std::string, std::string>;
 
 void bind_result(nb::module_& module) {
   nb::class_<rig::Calibration>(module, "Calibration",
@@ -216,26 +232,33 @@ void bind_result(nb::module_& module) {
       .def("__getstate__", &state_of_calibration)
       .def("__setstate__", &set_calibration);
   nb::class_<Result>(module, "Result", "What the least squares found.")
-      .def_prop_ro("calibration", [](const Result& self) { return self.report.calibration; })
+      .def_prop_ro("calibration", [](const Result& self) { return self.calibration; })
+      .def_ro("refusal", &Result::refusal, "Why the result must not be used; empty if it may.")
+      .def_prop_ro("warnings", [](const Result& self) { return self.warnings; })
       .def_prop_ro(
-          "refusal", [](const Result& self) { return self.report.model.refusal; },
-          "Why the result must not be used; empty if it may.")
-      .def_prop_ro("warnings", [](const Result& self) { return self.report.warnings; })
-      .def_prop_ro(
-          "rms_px", [](const Result& self) { return self.report.bundle.rms; }, "Of all residuals.")
+          "rms_px", [](const Result& self) { return self.rms.stereo; }, "Of all residuals.")
       .def(
-          "json", [](const Result& self) { return calibration::report_json(self.report); },
+          "json", [](const Result& self) { return self.json; },
           "All findings with standard deviations, as `selfproj calibrate` writes them.")
-      .def("__str__", [](const Result& self) { return files::shown(calibration::report_text(self.report)); })
-      .def("__repr__",
-           [](const Result& self) { return "Result(rms_px=" + std::to_string(self.report.bundle.rms) + ")"; })
+      .def("__str__", [](const Result& self) { return self.text; })
+      .def("__repr__", [](const Result& self) { return "Result(rms_px=" + std::to_string(self.rms.stereo) + ")"; })
       .def(
           "save",
           [](const Result& self, const Path& file) {
-            require(self.report.model.refusal.empty(), "the result must not be used; see refusal");
-            files::OutputFile(file.string()).write(rig::calibration_yaml(self.report.calibration, self.rms()));
+            require(self.refusal.empty(), "the result must not be used; see refusal");
+            files::OutputFile(file.string()).write(rig::calibration_yaml(self.calibration, self.rms));
           },
-          nb::arg("file"), "Writes OpenCV's YAML, whole or not at all.");
+          nb::arg("file"), "Writes OpenCV's YAML, whole or not at all.")
+      .def("__getstate__",
+           [](const Result& self) -> ResultState {
+             return {self.calibration, {self.rms.camera, self.rms.projector, self.rms.stereo},
+                     self.refusal,     self.warnings,
+                     self.json,        self.text};
+           })
+      .def("__setstate__", [](Result& self, const ResultState& state) {
+        const auto& [calibration, rms, refusal, warnings, json, text] = state;
+        new (&self) Result{calibration, {rms[0], rms[1], rms[2]}, refusal, warnings, json, text};
+      });
 }
 
 }  // namespace

@@ -15,6 +15,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -33,6 +34,8 @@ struct TakenImage {
   std::int64_t time_ns = 0;
   bool complete = false;
 };
+
+using CameraImageState = std::tuple<Out<std::uint8_t>, std::uint64_t, std::int64_t, bool>;
 
 // A camera, for one thread at a time.
 class CameraHandle {
@@ -119,9 +122,18 @@ void bind_cameras(nb::module_& module) {
       .def_ro("number", &TakenImage::number, "The camera's own number, from 0 at the first image after start().")
       .def_ro("time_ns", &TakenImage::time_ns, "The camera's clock when it took the image.")
       .def_ro("complete", &TakenImage::complete, "Otherwise parts are missing, and the pixels mean nothing.")
-      .def("__repr__", [](const TakenImage& self) { return shape_text("CameraImage", sides_of(self.pixels)); });
-  nb::class_<CameraHandle>(module, "Camera", "A camera, for one thread at a time.")
-      .def("start", &CameraHandle::start, "Begins to take images; counts from 0 again.")
+      .def("__repr__", [](const TakenImage& self) { return shape_text("CameraImage", sides_of(self.pixels)); })
+      .def("__getstate__",
+           [](const TakenImage& self) {
+             return nb::make_tuple(pickled(self.pixels), self.number, self.time_ns, self.complete);
+           })
+      .def("__setstate__", [](TakenImage& self, const CameraImageState& state) {
+        const auto& [pixels, number, time_ns, complete] = state;
+        new (&self) TakenImage{pixels, number, time_ns, complete};
+      });
+  auto camera = nb::class_<CameraHandle>(module, "Camera", "A camera, for one thread at a time.");
+  refuse_pickling(camera, "holds an open camera; pickle its images, or its uri and open it again");
+  camera.def("start", &CameraHandle::start, "Begins to take images; counts from 0 again.")
       .def("stop", &CameraHandle::stop)
       .def("trigger", &CameraHandle::trigger, "Asks for one image, if opened with trigger=software.")
       .def("next", &CameraHandle::next, nb::arg("timeout") = 1.0,

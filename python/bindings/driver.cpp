@@ -160,8 +160,10 @@ class Assembler {
 };
 
 void bind_device(nb::module_& module) {
-  nb::class_<DeviceHandle>(module, "Device",
-                           "Brings packets, for one thread at a time. Iterate over it, or call next().")
+  auto device = nb::class_<DeviceHandle>(module, "Device",
+                                         "Brings packets, for one thread at a time. Iterate over it, or call next().");
+  refuse_pickling(device, "holds an open device; pickle its packets, or its uri and open it again");
+  device
       .def(
           "next",
           [](const nb::object& self, std::optional<double> timeout) {
@@ -204,7 +206,9 @@ void bind_driver(nb::module_& module) {
              nb::arg("wait_for_board") = false, nb::arg("discard_backlog") = false,
              "Opens a device: ring:NAME, file:PATH, udp:HOST[:PORT] or litepcie:PATH (docs/driver.md). InputError if "
              "there is none.");
-  nb::class_<Assembler>(module, "ImageAssembler", "Images from packets of lines of one stream.")
+  auto assembler = nb::class_<Assembler>(module, "ImageAssembler", "Images from packets of lines of one stream.");
+  refuse_pickling(assembler, "is in the midst of a stream; pickle the images that it gave");
+  assembler
       .def(nb::init<int, int>(), nb::arg("kind"), nb::arg("stream") = 0,
            "kind: packets.KIND_IMAGE or packets.KIND_CODES.")
       .def("add", &Assembler::add, nb::arg("packet"),
@@ -213,7 +217,11 @@ void bind_driver(nb::module_& module) {
           "complete", [](const Assembler& self) { return self.assembler().complete(); }, "Images given.")
       .def_prop_ro(
           "incomplete", [](const Assembler& self) { return self.assembler().incomplete(); },
-          "Images with lines missing.");
+          "Images with lines missing.")
+      .def("__repr__", [](const Assembler& self) {
+        return "ImageAssembler(complete=" + std::to_string(self.assembler().complete()) +
+               ", incomplete=" + std::to_string(self.assembler().incomplete()) + ")";
+      });
 }
 
 }  // namespace selfproj::python

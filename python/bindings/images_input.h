@@ -16,6 +16,7 @@
 #include "host/images/image_files.h"
 #include "host/images/image_sequence.h"
 #include "python/bindings/arrays.h"
+#include "selfproj/model/gray_decoder.h"
 
 namespace selfproj::python {
 
@@ -75,6 +76,12 @@ class GivenImages {
   std::vector<std::string> names_;
   std::vector<model::ImageView> views_;  // empty: files
 };
+
+// How a decoder shows itself.
+inline std::string decoder_text(const model::GraySettings& settings) {
+  return "GrayDecoder(" + std::to_string(settings.rows) + " x " + std::to_string(settings.columns) +
+         ", bits=" + std::to_string(settings.bits) + ")";
+}
 
 // Decoders read the positive of a pair again when its negative comes. It is copied, so that what Python does with the
 // array meanwhile does not matter.

@@ -4,16 +4,20 @@
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <functional>
 #include <map>
 #include <memory>
+#include <new>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -166,6 +170,127 @@ calibration::BeltCalibration belt_of(const rig::Rig& rig, const ImagesArgument& 
 
 using NamedFigures = std::map<std::string, double>;
 
+// All numbers of a camera that its laser needs. visit(number) may change it.
+template <class Bundle, class Visit>
+void visit_camera(Bundle& bundle, const Visit& visit) {
+  std::for_each(bundle.camera.begin(), bundle.camera.end(), visit);
+  std::for_each(bundle.shape.begin(), bundle.shape.end(), visit);
+  visit(bundle.noise.bend), visit(bundle.noise.stretch);
+  for (auto& pose : bundle.chessboard) {
+    for (int i = 0; i < 3; ++i) {
+      visit(pose.rotation[i]), visit(pose.translation[i]);
+    }
+  }
+}
+
+// Corners and sides of squares of the chessboard, whether it may be bent; rows and columns of the images; their names,
+// and why they were left out; the numbers of those that were not; all numbers, and the residual.
+using CameraState = std::tuple<Size, double, bool, Size, std::vector<std::pair<nb::bytes, std::string>>,
+                               std::vector<std::size_t>, std::vector<double>, double>;
+
+CameraState state_of_camera(const CameraResult& self) {
+  const calibration::CameraReport& report = *self.report;
+  const calibration::Chessboard& board = report.settings.chessboard;
+  std::vector<std::pair<nb::bytes, std::string>> images;
+  for (const calibration::BoardImage& image : report.images) {
+    images.emplace_back(pickled_name(image.name), image.reason);
+  }
+  std::vector<double> numbers;
+  visit_camera(report.model.result.bundle, [&](double value) { numbers.push_back(value); });
+  return {{board.columns, board.rows},
+          board.square_mm,
+          report.settings.bent,
+          {report.images.front().rows, report.images.front().columns},
+          images,
+          report.image_of_view,
+          numbers,
+          report.model.result.camera_rms};
+}
+
+void set_camera(CameraResult& self, const CameraState& state) {
+  const auto& [corners, square_mm, bent, size, images, used, numbers, rms] = state;
+  auto report = std::make_shared<calibration::CameraReport>();
+  report->settings.chessboard = chessboard_of(corners, square_mm);
+  report->settings.bent = bent;
+  if (bent) {
+    report->shape = calibration::board_modes(report->settings.chessboard);
+  }
+  for (const auto& [name, reason] : images) {
+    calibration::BoardImage& image = report->images.emplace_back();
+    image.name = name_of(name);
+    image.reason = reason;
+    image.rows = size.first;
+    image.columns = size.second;
+  }
+  require(std::all_of(used.begin(), used.end(), [&](std::size_t i) { return i < report->images.size(); }),
+          "state: is none of a CameraResult");
+  report->image_of_view = used;
+  report->model.result.camera_rms = rms;
+  calibration::Bundle& bundle = report->model.result.bundle;
+  bundle.chessboard.resize(used.size());
+  std::size_t next = 0;
+  visit_camera(bundle, [&](double& value) {
+    require(next < numbers.size(), "state: is none of a CameraResult");
+    value = numbers[next++];
+  });
+  new (&self) CameraResult{std::move(report)};
+}
+
+using LaserState = std::tuple<CameraResult, std::array<double, 3>, std::array<double, 4>, std::array<std::size_t, 3>>;
+
+LaserState state_of_laser(const LaserResult& self) {
+  const calibration::LaserPlane& laser = self.laser;
+  return {self.camera,
+          laser.plane.normal,
+          {laser.plane.distance_mm, laser.rms_mm, laser.turn_sd_deg, laser.shift_sd_mm},
+          {laser.images, laser.points, laser.left_out}};
+}
+
+void set_laser(LaserResult& self, const LaserState& state) {
+  const auto& [camera, normal, numbers, counts] = state;
+  new (&self) LaserResult{camera,
+                          {.plane = {normal, numbers[0]},
+                           .images = counts[0],
+                           .points = counts[1],
+                           .left_out = counts[2],
+                           .rms_mm = numbers[1],
+                           .turn_sd_deg = numbers[2],
+                           .shift_sd_mm = numbers[3]}};
+}
+
+// Places and heights have names, and numbers in the order of their members.
+using PlaceState = std::tuple<nb::bytes, std::array<double, 2>>;
+using HeightState = std::tuple<nb::bytes, std::array<double, 3>, std::size_t>;
+using BeltState = std::tuple<rig::Rig, std::vector<PlaceState>, std::vector<HeightState>, std::array<double, 9>>;
+
+BeltState state_of_belt(const calibration::BeltCalibration& self) {
+  std::vector<PlaceState> places;
+  for (const calibration::BeltPlace& place : self.places) {
+    places.emplace_back(pickled_name(place.name), std::array{place.along_mm, place.rms_px});
+  }
+  std::vector<HeightState> heights;
+  for (const calibration::BeltCalibration::Height& height : self.heights) {
+    heights.emplace_back(pickled_name(height.name), std::array{height.height_mm, height.mean_mm, height.rms_mm},
+                         height.points);
+  }
+  return {self.rig,
+          places,
+          heights,
+          {self.rms_px, self.distance_sd_mm, self.normal_sd_deg, self.direction_sd_deg, self.way, self.spread_mm,
+           self.zero_mm, self.zero_turn_deg, self.light_turn_deg}};
+}
+
+void set_belt(calibration::BeltCalibration& self, const BeltState& state) {
+  const auto& [rig, places, heights, n] = state;
+  new (&self) calibration::BeltCalibration{rig, {}, n[0], n[1], n[2], n[3], n[4], n[5], n[6], n[7], n[8], {}};
+  for (const auto& [name, numbers] : places) {
+    self.places.push_back({name_of(name), numbers[0], numbers[1]});
+  }
+  for (const auto& [name, numbers, points] : heights) {
+    self.heights.push_back({name_of(name), numbers[0], numbers[1], numbers[2], points});
+  }
+}
+
 void bind_belt(nb::module_& module) {
   using calibration::BeltCalibration;
   nb::class_<BeltCalibration>(module, "BeltResult", "How a belt lies before a calibrated camera, and how it moves.")
@@ -202,10 +327,13 @@ void bind_belt(nb::module_& module) {
             return heights;
           },
           "Of each image of the laser, measured by the new rig: height_mm, mean_mm, rms_mm, points.")
-      .def("__repr__", [](const BeltCalibration& self) {
-        return "BeltResult(places=" + std::to_string(self.places.size()) +
-               ", plane_z_mm=" + std::to_string(self.rig.plane_z_mm) + ")";
-      });
+      .def("__repr__",
+           [](const BeltCalibration& self) {
+             return "BeltResult(places=" + std::to_string(self.places.size()) +
+                    ", plane_z_mm=" + std::to_string(self.rig.plane_z_mm) + ")";
+           })
+      .def("__getstate__", &state_of_belt)
+      .def("__setstate__", &set_belt);
   const calibration::BeltSettings usual;
   module.def(
       "calibrate_belt", &belt_of, nb::arg("rig"), nb::arg("images").noconvert(), nb::arg("corners"),
@@ -244,9 +372,12 @@ void bind_lasers(nb::module_& module) {
             return out;
           },
           "Images that were left out: name and reason.")
-      .def("__repr__", [](const CameraResult& self) {
-        return "CameraResult(rms_px=" + std::to_string(self.report->model.result.camera_rms) + ")";
-      });
+      .def("__repr__",
+           [](const CameraResult& self) {
+             return "CameraResult(rms_px=" + std::to_string(self.report->model.result.camera_rms) + ")";
+           })
+      .def("__getstate__", &state_of_camera)
+      .def("__setstate__", &set_camera);
   module.def("calibrate_camera", &calibrate_camera_alone, nb::arg("images").noconvert(), nb::arg("corners"),
              nb::arg("square_mm"), nb::arg("distortion") = -1, nb::arg("bent") = true, nb::arg("channel") = "",
              nb::arg("shift") = nb::none(),
@@ -268,10 +399,13 @@ void bind_lasers(nb::module_& module) {
             return calibration::rig_of_laser(drawn, *self.camera.report, self.laser);
           },
           nb::arg("drawn"), "The rig of this camera and laser; belt and pixel pitch are those of the drawn one.")
-      .def("__repr__", [](const LaserResult& self) {
-        return "LaserPlane(points=" + std::to_string(self.laser.points) +
-               ", rms_mm=" + std::to_string(self.laser.rms_mm) + ")";
-      });
+      .def("__repr__",
+           [](const LaserResult& self) {
+             return "LaserPlane(points=" + std::to_string(self.laser.points) +
+                    ", rms_mm=" + std::to_string(self.laser.rms_mm) + ")";
+           })
+      .def("__getstate__", &state_of_laser)
+      .def("__setstate__", &set_laser);
   module.def("laser_plane", &laser_of, nb::arg("camera"), nb::arg("images").noconvert(), nb::arg("threshold") = 40,
              nb::arg("channel") = "", nb::arg("shift") = nb::none(),
              "The plane of a laser from its line on the chessboard: one image of each pose of the camera's images, in\n"

@@ -1,12 +1,14 @@
 // selfproj.light_section: fast moments, rigs, profiles, height maps.
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
 
 #include <cstddef>
 #include <cstdint>
 #include <new>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -25,9 +27,8 @@ namespace {
 
 // Pickled as its arrays.
 nb::tuple state_of(const ProfileResult& self) {
-  const auto array = [](const auto& values) { return nb::cast(values, nb::rv_policy::reference); };
-  return nb::make_tuple(array(self.centroid), array(self.x), array(self.y), array(self.z), array(self.dx),
-                        array(self.dy), array(self.dz), array(self.validity));
+  return nb::make_tuple(pickled(self.centroid), pickled(self.x), pickled(self.y), pickled(self.z), pickled(self.dx),
+                        pickled(self.dy), pickled(self.dz), pickled(self.validity));
 }
 
 void set_state(ProfileResult& self, const nb::tuple& state) {
@@ -158,7 +159,11 @@ void bind_profiles(nb::module_& module) {
       .def("profile_of_moments", &Profiler::of_moments, nb::arg("m0").noconvert(), nb::arg("m1").noconvert(),
            nb::arg("n").noconvert(),
            "Profiles of moments of all lit pixels: uint32 arrays of shape (columns,) or (frames, columns), values\n"
-           "below 2^31.");
+           "below 2^31.")
+      .def("__getstate__", [](const Profiler& self) { return std::tuple(self.rig(), self.reference()); })
+      .def("__setstate__", [](Profiler& self, const std::tuple<rig::Rig, light_section::ReferenceProfile>& state) {
+        new (&self) Profiler(std::get<0>(state), std::get<1>(state));
+      });
 }
 
 }  // namespace
@@ -169,12 +174,18 @@ void bind_light_section(nb::module_& module) {
   bind_rig(module);
   bind_references(module);
   bind_profiles(module);
-  nb::class_<Collected>(module, "Inspection", "Collects frames, for one thread at a time.")
+  auto inspection = nb::class_<Collected>(module, "Inspection", "Collects frames, for one thread at a time.");
+  refuse_pickling(inspection, "is collecting frames; pickle its height(), difference() and belt_mm()");
+  inspection
       .def(nb::init<const Profiler&, std::size_t>(), nb::arg("profiler"), nb::arg("max_frames") = 20000,
            "Frames after max_frames are only counted.")
       .def("add", &Collected::add, nb::arg("packet"),
            "Adds the profile of a packet. Returns False, and adds nothing, if it gives none.")
       .def("__len__", [](Collected& self) { return self.get(&light_section::Inspection::frames); })
+      .def("__repr__",
+           [](Collected& self) {
+             return "Inspection(" + std::to_string(self.get(&light_section::Inspection::frames)) + " frames)";
+           })
       .def(
           "height", [](Collected& self) { return array_of_image(self.get(&light_section::Inspection::height)); },
           "Heights over the plane in mm, float32, (frames, columns), NaN where there is no point.")

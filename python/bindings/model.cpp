@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "python/bindings/arrays.h"
+#include "python/bindings/images_input.h"
 #include "python/bindings/moments_result.h"
 #include "selfproj/model/column_runs.h"
 #include "selfproj/model/gray_decoder.h"
@@ -58,6 +59,8 @@ class Decoder {
     const Busy::Entered entered(busy_);
     decoder_.restart();
   }
+
+  [[nodiscard]] const model::GraySettings& settings() const { return decoder_.settings(); }
 
  private:
   model::GrayDecoder decoder_;
@@ -151,13 +154,17 @@ void bind_model(nb::module_& module) {
       "colours. Rows 1..1023. It is not copied.\n"
       "threshold: T, 0..255. gap: dark rows between two lit pixels of one run, 0..3. first_row, last_row: rows that\n"
       "count, from 1; 0 stands for the first and the last. ValueError if something is out of range.");
-  nb::class_<Decoder>(module, "GrayDecoder", "The Gray-code decoder of the board, for one thread at a time.")
+  auto decoder =
+      nb::class_<Decoder>(module, "GrayDecoder", "The Gray-code decoder of the board, for one thread at a time.");
+  refuse_pickling(decoder, "is in the midst of a cycle of images; pickle its code images");
+  decoder
       .def(nb::init<int, int, int, int>(), nb::arg("rows"), nb::arg("columns"), nb::arg("bits"),
            nb::arg("threshold") = 5, "Images of rows x columns, 1..12 bits (pairs in a cycle), threshold 0..255.")
       .def("take", &Decoder::take, nb::arg("image").noconvert(), nb::arg("pattern"), nb::arg("good") = true,
            "Takes a frame, uint8, with its pattern index: 2p is the positive of bit p, 2p + 1 its negative. Returns\n"
            "a new code image (uint16, code in bits 11..0, bit 15 measurable) if one is due, else None.")
-      .def("restart", &Decoder::restart, "Waits for pattern 0.");
+      .def("restart", &Decoder::restart, "Waits for pattern 0.")
+      .def("__repr__", [](const Decoder& self) { return decoder_text(self.settings()); });
   module.def("median3x3", &median, nb::arg("codes").noconvert(),
              "3 x 3 median of a code image, uint16 (rows, columns), as sp_median3x3 gives it.");
   module.def("match", &match, nb::arg("codes").noconvert(), nb::arg("table").noconvert(),

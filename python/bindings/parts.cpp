@@ -94,6 +94,7 @@ class ProfileCutting {
     return cutter_.finish();
   }
   [[nodiscard]] std::uint64_t specks() const { return cutter_.specks(); }
+  [[nodiscard]] std::string text() const { return "Cutter('" + profiler_.rig().name + "')"; }
 
  private:
   Profiler profiler_;
@@ -232,7 +233,7 @@ void set_result(Judged& self, const nb::tuple& state) {
 class Judge {
  public:
   Judge(const PartReference& reference, const Tolerance& tolerance)
-      : classifier_(std::visit([&](const auto& of) { return make(of, tolerance); }, reference)) {}
+      : reference_(kept(reference)), tolerance_(tolerance), classifier_(make(reference, tolerance)) {}
 
   [[nodiscard]] Judged classify(const CutPart& part) const {
     return without_gil([&] {
@@ -242,15 +243,36 @@ class Judge {
     });
   }
 
- private:
-  static production::Classifier make(const Profiler& profiler, const Tolerance& tolerance) {
-    return {profiler.rig(), section_of_profiler(profiler), tolerance, "tolerance"};
+  // What it was made of.
+  [[nodiscard]] nb::object reference() const {
+    if (const auto* profiler = std::get_if<Profiler>(&reference_)) {
+      return nb::cast(*profiler);
+    }
+    const auto& [rig, depth] = std::get<1>(reference_);
+    return nb::make_tuple(rig, array_of_image(depth));
   }
-  static production::Classifier make(const std::tuple<rig::Rig, FloatArray>& of, const Tolerance& tolerance) {
-    const rig::Rig& rig = std::get<0>(of);
-    return {rig, cells_of_depth(rig, std::get<1>(of)), tolerance, "tolerance"};
+  [[nodiscard]] const Tolerance& tolerance() const { return tolerance_; }
+
+ private:
+  using Kept = std::variant<Profiler, std::pair<rig::Rig, images::FloatImage>>;  // without objects of Python
+
+  static Kept kept(const PartReference& reference) {
+    if (const auto* profiler = std::get_if<Profiler>(&reference)) {
+      return *profiler;
+    }
+    const auto& [rig, depth] = std::get<1>(reference);
+    return std::pair(rig, float_image_of(depth));
+  }
+  static production::Classifier make(const PartReference& reference, const Tolerance& tolerance) {
+    if (const auto* profiler = std::get_if<Profiler>(&reference)) {
+      return {profiler->rig(), section_of_profiler(*profiler), tolerance, "tolerance"};
+    }
+    const auto& [rig, depth] = std::get<1>(reference);
+    return {rig, cells_of_depth(rig, depth), tolerance, "tolerance"};
   }
 
+  Kept reference_;
+  Tolerance tolerance_;
   production::Classifier classifier_;
 };
 
@@ -308,14 +330,17 @@ void bind_part(nb::module_& module) {
            })
       .def("__getstate__", &state_of_part)
       .def("__setstate__", &set_part);
-  nb::class_<ProfileCutting>(module, "Cutter",
-                             "Cuts the profiles of packets into parts, by the section `parts` of the profiler's rig;\n"
-                             "for one thread at a time.")
-      .def(nb::init<const Profiler&>(), nb::arg("profiler"), "InputError if the rig has no section `parts`.")
+  auto cutter = nb::class_<ProfileCutting>(
+      module, "Cutter",
+      "Cuts the profiles of packets into parts, by the section `parts` of the profiler's rig;\n"
+      "for one thread at a time.");
+  refuse_pickling(cutter, "is in the midst of a stream; pickle the parts that it gave");
+  cutter.def(nb::init<const Profiler&>(), nb::arg("profiler"), "InputError if the rig has no section `parts`.")
       .def("add", &ProfileCutting::add, nb::arg("packet"),
            "Takes the next packet. Returns the Part that is then complete, else None.")
       .def("finish", &ProfileCutting::finish, "No packet comes any more: returns the Part that is there so far.")
-      .def_prop_ro("specks", &ProfileCutting::specks, "How often something was too short to be a part.");
+      .def_prop_ro("specks", &ProfileCutting::specks, "How often something was too short to be a part.")
+      .def("__repr__", &ProfileCutting::text);
   module.def("part_of_depth", &part_of_depth, nb::arg("rig"), nb::arg("depth").noconvert(),
              "The part that a depth image of the rig's camera shows: z in mm, float32, NaN where there is none.");
 }
@@ -407,7 +432,15 @@ void bind_results(nb::module_& module) {
                     "it at once.")
       .def(nb::init<const PartReference&, const Tolerance&>(), nb::arg("reference"), nb::arg("tolerance"),
            "reference: as in learn. InputError if the tolerance is of another part.")
-      .def("classify", &Judge::classify, nb::arg("part"), "The PartResult of a Part.");
+      .def("classify", &Judge::classify, nb::arg("part"), "The PartResult of a Part.")
+      .def("__repr__",
+           [](const Judge& self) {
+             return "Classifier(" + std::to_string(self.tolerance().regions.size()) + " regions)";
+           })
+      .def("__getstate__", [](const Judge& self) { return nb::make_tuple(self.reference(), self.tolerance()); })
+      .def("__setstate__", [](Judge& self, const std::tuple<PartReference, Tolerance>& state) {
+        new (&self) Judge(std::get<0>(state), std::get<1>(state));
+      });
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
 // Of selfproj.light_section: references, patterns, sweeps, heights tied to known ones.
+#include <nanobind/stl/array.h>
 #include <nanobind/stl/map.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
@@ -6,6 +7,7 @@
 #include <nanobind/stl/vector.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -275,6 +277,28 @@ light_section::HeightFit fit_sweeps(const rig::Rig& rig, const std::vector<Image
   });
 }
 
+// What Python sees of it.
+using LevelState = std::tuple<std::string, std::size_t, std::array<double, 6>>;
+using FitState = std::tuple<rig::Rig, std::vector<LevelState>, double, double>;
+
+FitState state_of_fit(const light_section::HeightFit& self) {
+  std::vector<LevelState> levels;
+  for (const light_section::HeightLevel& level : self.levels) {
+    levels.emplace_back(level.name, level.samples,
+                        std::array{level.height_mm, level.before_rms_mm, level.before_mean_mm, level.rms_mm,
+                                   level.mean_mm, level.uneven_mm});
+  }
+  return {self.rig, levels, self.rms_mm, self.correction_mm};
+}
+
+void set_fit(light_section::HeightFit& self, const FitState& state) {
+  const auto& [rig, levels, rms, correction] = state;
+  new (&self) light_section::HeightFit{.rig = rig, .levels = {}, .rms_mm = rms, .correction_mm = correction};
+  for (const auto& [name, samples, n] : levels) {
+    self.levels.push_back({name, n[0], samples, n[1], n[2], n[3], n[4], n[5]});
+  }
+}
+
 void bind_heights(nb::module_& module) {
   nb::class_<light_section::HeightFit>(module, "HeightFit", "Heights of a light section tied to known ones.")
       .def_prop_ro(
@@ -292,10 +316,13 @@ void bind_heights(nb::module_& module) {
           "geometry alone.")
       .def_ro("rms_mm", &light_section::HeightFit::rms_mm, "Of single centroids, over all heights.")
       .def_ro("correction_mm", &light_section::HeightFit::correction_mm, "The greatest correction.")
-      .def("__repr__", [](const light_section::HeightFit& self) {
-        return "HeightFit(" + std::to_string(self.levels.size()) + " heights, rms_mm=" + std::to_string(self.rms_mm) +
-               ")";
-      });
+      .def("__repr__",
+           [](const light_section::HeightFit& self) {
+             return "HeightFit(" + std::to_string(self.levels.size()) +
+                    " heights, rms_mm=" + std::to_string(self.rms_mm) + ")";
+           })
+      .def("__getstate__", &state_of_fit)
+      .def("__setstate__", &set_fit);
   module.def(
       "fit_heights", &fit_sweeps, nb::arg("rig"), nb::arg("sweeps").noconvert(),
       nb::arg("heights_mm") = std::vector<double>{}, nb::arg("steps_mm") = std::vector<double>{}, nb::arg("every") = 4,

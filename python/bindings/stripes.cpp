@@ -336,17 +336,19 @@ void bind_stripe_scanner(nb::module_& module) {
       .def("__repr__", [](const StripeScan& self) { return shape_text("StripeScan", sides_of(self.depth)); })
       .def("__getstate__",
            [](const StripeScan& self) {
-             const auto array = [](const auto& values) { return nb::cast(values, nb::rv_policy::reference); };
-             return nb::make_tuple(array(self.depth), array(self.difference), array(self.points));
+             return nb::make_tuple(pickled(self.depth), pickled(self.difference), pickled(self.points));
            })
       .def("__setstate__", [](StripeScan& self, const nb::tuple& state) {
         require(state.size() == 3, "state: is none of a StripeScan");
         new (&self)
             StripeScan{nb::cast<Out<float>>(state[0]), nb::cast<Out<float>>(state[1]), nb::cast<Out<float>>(state[2])};
       });
-  nb::class_<StripeScanner>(module, "StripeScanner",
-                            "Depth from images under the stripes of a reference, as `selfproj match`; for one thread\n"
-                            "at a time. It searches all matches when it is made.")
+  auto scanner = nb::class_<StripeScanner>(
+      module, "StripeScanner",
+      "Depth from images under the stripes of a reference, as `selfproj match`; for one thread\n"
+      "at a time. It searches all matches when it is made.");
+  refuse_pickling(scanner, "is in the midst of a cycle of images; pickle its StripeReference and its results");
+  scanner
       .def(nb::init<const StripeReference&, int, int, bool, bool>(), nb::arg("reference"), nb::arg("e") = 0,
            nb::arg("threshold") = 5, nb::arg("printed_direction") = false, nb::arg("printed_window") = false,
            "e: cells below the reference that are searched, 0..2^m - 1. printed_...: the forms of the text, which\n"

@@ -3,7 +3,9 @@
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
 #include <nanobind/stl/unique_ptr.h>
+#include <nanobind/stl/variant.h>
 #include <nanobind/stl/vector.h>
 
 #include <cmath>
@@ -14,7 +16,10 @@
 #include <new>
 #include <optional>
 #include <string>
+#include <tuple>
+#include <type_traits>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "host/files/output_file.h"
@@ -23,9 +28,12 @@
 #include "python/bindings/arrays.h"
 #include "python/bindings/images_input.h"
 #include "selfproj/files/user_error.h"
+#include "selfproj/rig/calibration.h"
+#include "selfproj/rig/rig.h"
 #include "selfproj/structured_light/depth_geometry.h"
 #include "selfproj/structured_light/fast_decoder.h"
 #include "selfproj/structured_light/gray_sequence.h"
+#include "selfproj/structured_light/lens_triangulation.h"
 #include "selfproj/structured_light/point_cloud.h"
 
 namespace selfproj::python {
@@ -69,6 +77,8 @@ class FastDecoder {
     decoder_.restart();
   }
 
+  [[nodiscard]] const model::GraySettings& settings() const { return decoder_.settings(); }
+
  private:
   structured_light::FastGrayDecoder decoder_;
   std::optional<structured_light::FastMedian> median_;
@@ -79,10 +89,14 @@ class FastDecoder {
 // Depth from codes, and points from depth. It has no state; any number of threads may use it.
 class Depths {
  public:
-  explicit Depths(std::unique_ptr<structured_light::Triangulation> triangulation)
+  // `rig` is that of a triangulation by pinholes.
+  Depths(std::unique_ptr<structured_light::Triangulation> triangulation, const rig::Rig& rig)
+      : triangulation_(std::move(triangulation)), rig_(rig) {}
+  explicit Depths(std::unique_ptr<structured_light::LensTriangulation> triangulation)
       : triangulation_(std::move(triangulation)) {}
 
   [[nodiscard]] const structured_light::Triangulation& triangulation() const { return *triangulation_; }
+  [[nodiscard]] const rig::Rig& rig() const { return rig_.value(); }
 
   [[nodiscard]] Out<float> depth(const CodeImage& codes) const {
     require_size(codes.shape(0), codes.shape(1), "codes: their size is not that of the images");
@@ -115,16 +129,62 @@ class Depths {
   }
 
   std::unique_ptr<structured_light::Triangulation> triangulation_;
+  std::optional<rig::Rig> rig_;
 };
 
-// What a folder of images gave. One that was pickled has its points instead of `depths`.
+// All numbers of the settings. visit(number) may change it.
+template <class Settings, class Visit>
+void visit_settings(Settings& s, const Visit& visit) {
+  visit(s.rows), visit(s.columns), visit(s.bits), visit(s.row_bits), visit(s.lines), visit(s.row_lines);
+  visit(s.max_residual_px), visit(s.limits.min_z_mm), visit(s.limits.max_z_mm), visit(s.limits.max_z_per_line_mm);
+  visit(s.rows_are_x);
+}
+
+// Pickled as what it was made of: a rig and bits, or a calibration and settings.
+using DepthsState = std::variant<std::tuple<rig::Rig, int>, std::tuple<rig::Calibration, std::vector<double>>>;
+
+DepthsState state_of_depths(const Depths& self) {
+  const auto* lenses = dynamic_cast<const structured_light::LensTriangulation*>(&self.triangulation());
+  if (lenses == nullptr) {
+    return std::tuple(self.rig(), self.triangulation().bits());
+  }
+  std::vector<double> numbers;
+  visit_settings(lenses->settings(), [&](auto value) { numbers.push_back(static_cast<double>(value)); });
+  return std::tuple(lenses->calibration(), numbers);
+}
+
+void set_depths(Depths& self, const DepthsState& state) {
+  if (const auto* of_rig = std::get_if<0>(&state)) {
+    const auto& [rig, bits] = *of_rig;
+    new (&self) Depths(structured_light::triangulation_of_rig(rig, bits), rig);
+    return;
+  }
+  const auto& [calibration, numbers] = std::get<1>(state);
+  structured_light::LensSettings settings;
+  std::size_t next = 0;
+  visit_settings(settings, [&](auto& value) {
+    require(next < numbers.size(), "state: is none of a Triangulation");
+    value = static_cast<std::decay_t<decltype(value)>>(numbers[next++]);
+  });
+  new (&self) Depths(std::make_unique<structured_light::LensTriangulation>(calibration, settings));
+}
+
+// What a folder of images gave.
 struct Scan {
   std::shared_ptr<Depths> depths;
-  Out<float> depth;
-  std::optional<Out<float>> kept;
-
-  [[nodiscard]] Out<float> points() const { return kept ? *kept : depths->points(Depth(depth)); }
+  Out<float> depth, intensity, quality;
 };
+
+using ScanState = std::tuple<std::shared_ptr<Depths>, Out<float>, Out<float>, Out<float>>;
+
+std::shared_ptr<Depths> depths_of(std::unique_ptr<structured_light::Triangulation> triangulation,
+                                  const std::string& rig) {
+  if (auto* lenses = dynamic_cast<structured_light::LensTriangulation*>(triangulation.get())) {
+    static_cast<void>(triangulation.release());
+    return std::make_shared<Depths>(std::unique_ptr<structured_light::LensTriangulation>(lenses));
+  }
+  return std::make_shared<Depths>(std::move(triangulation), rig::load_rig(rig));
+}
 
 Scan scan(const ImagesArgument& images, const Path& rig, const Path& calibration, int bits, int row_bits, int threshold,
           bool median, bool strict, const std::string& channel, std::optional<int> shift, bool unchecked) {
@@ -157,20 +217,32 @@ Scan scan(const ImagesArgument& images, const Path& rig, const Path& calibration
   if (!unchecked && !run.contradiction.empty()) {
     throw UserError("images", run.contradiction);
   }
-  return {std::make_shared<Depths>(std::move(run.triangulation)), array_of_image(std::move(run.depth)), {}};
+  const std::vector<std::size_t> shape = sides_of_image(run.depth.rows, run.depth.columns);
+  structured_light::LightOfPixels light = std::move(run.light).value();
+  return {depths_of(std::move(run.triangulation), setup.geometry.rig), array_of_image(std::move(run.depth)),
+          array_of(std::move(light.intensity), shape), array_of(std::move(light.contrast), shape)};
 }
 
+using PointValues = In<float, nb::ndim<1>, nb::c_contig>;
+
 void save_ply(const Path& file, const In<float, nb::shape<-1, 3>, nb::c_contig>& points,
-              const std::optional<In<std::uint8_t, nb::shape<-1, 3>, nb::c_contig>>& colours) {
-  require(!colours || colours->shape(0) == points.shape(0), "colours: one is needed for each point");
+              const std::optional<In<std::uint8_t, nb::shape<-1, 3>, nb::c_contig>>& colours,
+              const std::optional<PointValues>& intensity, const std::optional<PointValues>& quality) {
+  const std::size_t count = points.shape(0);
+  require(!colours || colours->shape(0) == count, "colours: one is needed for each point");
+  require(intensity.has_value() == quality.has_value(), "intensity, quality: give both or none");
+  const bool measured = intensity.has_value();
+  require(!measured || (intensity->shape(0) == count && quality->shape(0) == count),
+          "intensity, quality: one is needed for each point");
   without_gil([&] {
-    structured_light::PlyText ply(points.shape(0));
-    for (std::size_t i = 0; i < points.shape(0); ++i) {
+    structured_light::PlyText ply(count, measured);
+    for (std::size_t i = 0; i < count; ++i) {
       constexpr std::uint8_t kGrey = 200;
       const float* at = points.data() + 3 * i;
       const std::uint8_t* colour = colours ? colours->data() + 3 * i : nullptr;
       ply.add({at[0], at[1], at[2]}, colour != nullptr ? colour[0] : kGrey, colour != nullptr ? colour[1] : kGrey,
-              colour != nullptr ? colour[2] : kGrey);
+              colour != nullptr ? colour[2] : kGrey, measured ? intensity->data()[i] : 0,
+              measured ? quality->data()[i] : 0);
     }
     files::OutputFile(file.string()).write(ply.file("points in mm"));
   });
@@ -210,13 +282,16 @@ void bind_patterns(nb::module_& module) {
       .def("__setstate__", [](structured_light::GraySequence& self, const std::pair<int, int>& sides) {
         new (&self) structured_light::GraySequence(sides.first, sides.second);
       });
-  nb::class_<FastDecoder>(module, "GrayDecoder",
-                          "The results of selfproj.model.GrayDecoder, many times faster; for one thread at a time.")
+  auto decoder = nb::class_<FastDecoder>(
+      module, "GrayDecoder", "The results of selfproj.model.GrayDecoder, many times faster; for one thread at a time.");
+  refuse_pickling(decoder, "is in the midst of a cycle of images; pickle its code images");
+  decoder
       .def(nb::init<int, int, int, int, bool>(), nb::arg("rows"), nb::arg("columns"), nb::arg("bits"),
            nb::arg("threshold") = 5, nb::arg("median") = false, "median: take the 3 x 3 median of each code image.")
       .def("take", &FastDecoder::take, nb::arg("image").noconvert(), nb::arg("pattern"), nb::arg("good") = true,
            "Takes a frame with its pattern index. Returns a new code image if one is due, else None.")
-      .def("restart", &FastDecoder::restart, "Waits for pattern 0.");
+      .def("restart", &FastDecoder::restart, "Waits for pattern 0.")
+      .def("__repr__", [](const FastDecoder& self) { return decoder_text(self.settings()); });
 }
 
 }  // namespace
@@ -231,30 +306,37 @@ void bind_structured_light(nb::module_& module) {
            "Depth z in mm (float32, NaN where there is none) of a code image, uint16.")
       .def("points", &Depths::points, nb::arg("depth").noconvert(),
            "The points x, y, z in mm (float32, (n, 3)) of the pixels that have a depth.")
-      .def("__repr__", [](const Depths& self) {
-        return shape_text("Triangulation", {static_cast<std::size_t>(self.triangulation().rows()),
-                                            static_cast<std::size_t>(self.triangulation().columns())});
-      });
+      .def("__repr__",
+           [](const Depths& self) {
+             return shape_text("Triangulation",
+                               sides_of_image(self.triangulation().rows(), self.triangulation().columns()));
+           })
+      .def("__getstate__", &state_of_depths)
+      .def("__setstate__", &set_depths);
   module.def(
       "triangulation",
       [](const rig::Rig& rig, int bits) {
-        return std::make_unique<Depths>(structured_light::triangulation_of_rig(rig, bits));
+        return std::make_unique<Depths>(structured_light::triangulation_of_rig(rig, bits), rig);
       },
       nb::arg("rig"), nb::arg("bits"), "For codes of `bits` bits along the lines of the rig's projector.");
   nb::class_<Scan>(module, "Scan", "A depth image, and how its points follow from it.")
       .def_ro("depth", &Scan::depth, nb::rv_policy::reference, "z in mm, float32, NaN where there is none.")
-      .def_prop_ro(
-          "triangulation", [](const Scan& self) { return self.depths; }, "None for a scan that was pickled.")
-      .def("points", &Scan::points, nb::rv_policy::reference, "The points x, y, z in mm, float32, (n, 3).")
+      .def_ro("intensity", &Scan::intensity, nb::rv_policy::reference,
+              "Grey value under light, float32, (rows, columns).")
+      .def_ro("quality", &Scan::quality, nb::rv_policy::reference,
+              "Contrast of the newest pair in grey values, float32: how sure its bit is.")
+      .def_prop_ro("triangulation", [](const Scan& self) { return self.depths; })
+      .def(
+          "points", [](const Scan& self) { return self.depths->points(Depth(self.depth)); }, nb::rv_policy::reference,
+          "The points x, y, z in mm, float32, (n, 3).")
       .def("__repr__", [](const Scan& self) { return shape_text("Scan", sides_of(self.depth)); })
       .def("__getstate__",
            [](const Scan& self) {
-             return nb::make_tuple(nb::cast(self.depth, nb::rv_policy::reference),
-                                   nb::cast(self.points(), nb::rv_policy::reference));
+             return nb::make_tuple(self.depths, pickled(self.depth), pickled(self.intensity), pickled(self.quality));
            })
-      .def("__setstate__", [](Scan& self, const nb::tuple& state) {
-        require(state.size() == 2, "state: is none of a Scan");
-        new (&self) Scan{nullptr, nb::cast<Out<float>>(state[0]), nb::cast<Out<float>>(state[1])};
+      .def("__setstate__", [](Scan& self, const ScanState& state) {
+        const auto& [depths, depth, intensity, quality] = state;
+        new (&self) Scan{depths, depth, intensity, quality};
       });
   module.def(
       "scan", &scan, nb::arg("images").noconvert(), nb::arg("rig") = "", nb::arg("calibration") = "", nb::arg("bits"),
@@ -265,8 +347,11 @@ void bind_structured_light(nb::module_& module) {
       "are coded. Otherwise as `selfproj depth`:\n"
       "InputError where the images contradict each other or the geometry, unless unchecked.");
   module.def("save_ply", &save_ply, nb::arg("file"), nb::arg("points").noconvert(),
-             nb::arg("colours").noconvert() = nb::none(),
-             "Writes a cloud, whole or not at all. points: float32, (n, 3); colours: uint8, (n, 3), or None.");
+             nb::arg("colours").noconvert() = nb::none(), nb::arg("intensity").noconvert() = nb::none(),
+             nb::arg("quality").noconvert() = nb::none(),
+             "Writes a cloud, whole or not at all. points: float32, (n, 3); colours: uint8, (n, 3), or None.\n"
+             "intensity and quality: float32, (n,), both or none, such as scan.intensity[isfinite(scan.depth)]; of a\n"
+             "light section m0 / n and m0, as in the clouds of the commands.");
   module.def("load_ply", &load_ply, nb::arg("file"), "The points of a PLY file, binary or text: float32, (n, 3).");
 }
 

@@ -10,6 +10,7 @@
 #include <optional>
 #include <vector>
 
+#include "selfproj/rig/calibration.h"
 #include "selfproj/rig/calibration_file.h"
 #include "selfproj/rig/optics.h"
 #include "selfproj/rig/rig.h"
@@ -50,6 +51,12 @@ class LensTriangulation : public Triangulation {
   [[nodiscard]] double rounding_error(std::size_t pixel, float z) const override;
 
   [[nodiscard]] bool rows_are_x() const override { return settings_.rows_are_x; }
+
+  // What it was made of.
+  [[nodiscard]] rig::Calibration calibration() const {
+    return settings_.rows_are_x ? rig::with_axes_exchanged(calibration_) : calibration_;
+  }
+  [[nodiscard]] const LensSettings& settings() const { return settings_; }
 
   // Both axes, from words of the columns' and of the rows' code. `states` and `residual_px` may be null. The residual
   // is NaN if there is no depth.

@@ -33,9 +33,10 @@ def chessboard_rays(rows, columns, fine):
     return rays @ numpy.linalg.inv(camera).T
 
 
-def chessboard_seen(rays, angles):
-    """The points of a 7 x 5 chessboard, squares of 40 mm, that the rays meet, and its albedo there."""
-    board, corner = turned(*angles), numpy.array([-120, -80, 780.0])
+def chessboard_seen(rays, angles, moved=0):
+    """The points of a 7 x 5 chessboard, squares of 40 mm, that the rays meet, and its albedo there. It was moved by so
+    many mm along the camera's rows."""
+    board, corner = turned(*angles), numpy.array([-120, -80 + moved, 780.0])
     points = rays * ((board[:, 2] @ corner) / (rays @ board[:, 2]))[..., None]
     place = (points - corner) @ board / 40
     dark = (numpy.floor(place[..., 0]) + numpy.floor(place[..., 1])) % 2 == 0
@@ -43,20 +44,34 @@ def chessboard_seen(rays, angles):
     return points, numpy.where(on_board & dark, 60.0, 200.0)
 
 
+def plain_image(light, fine=3):
+    """The image of the light of sub-pixels."""
+    rows, columns = (side // fine for side in light.shape)
+    return numpy.clip(light.reshape(rows, fine, columns, fine).mean((1, 3)), 0, 255).astype("uint8")
+
+
 def laser_poses(normal, distance):
     """Images of the chessboard in five poses, and the same with a laser's line: normal . point = distance, mm."""
-    rows, columns, fine = 240, 320, 3
-    rays = chessboard_rays(rows, columns, fine)
-
-    def image(light):
-        return numpy.clip(light.reshape(rows, fine, columns, fine).mean((1, 3)), 0, 255).astype("uint8")
-
+    rays = chessboard_rays(240, 320, 3)
     boards, lines = [], []
     for angles in POSES:
         points, albedo = chessboard_seen(rays, angles)
-        boards.append(image(20 + 0.8 * albedo))
-        lines.append(image(5 + 1.2 * albedo * numpy.exp(-0.5 * ((points @ normal - distance) / 1.5) ** 2)))
+        boards.append(plain_image(20 + 0.8 * albedo))
+        lines.append(plain_image(5 + 1.2 * albedo * numpy.exp(-0.5 * ((points @ normal - distance) / 1.5) ** 2)))
     return boards, lines
+
+
+def belt_places(places):
+    """Images of the chessboard at these places, mm, of a belt that moves along the camera's rows."""
+    rays = chessboard_rays(240, 320, 3)
+    return [plain_image(20 + 0.8 * chessboard_seen(rays, (0, 0), place)[1]) for place in places]
+
+
+def gray_images(codes, bits):
+    """Images under Gray codes, positives and negatives by turns, of a camera whose pixels see these codes."""
+    gray = codes ^ codes >> 1
+    planes = [gray >> bit & 1 for bit in reversed(range(bits))]
+    return numpy.stack([20 + 180 * (plane ^ negative) for plane in planes for negative in (0, 1)]).astype("uint8")
 
 
 def write_chessboard_poses(folder, sequence):

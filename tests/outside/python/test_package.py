@@ -3,6 +3,8 @@
 Run by run.py, which names the library and the programs in the environment. SELFPROJ_SEED draws other cases.
 """
 
+import copy
+import enum
 import gc
 import json
 import os
@@ -15,6 +17,7 @@ import tempfile
 import threading
 import unittest
 import zlib
+from inspect import ismodule
 
 import c_interface as c
 import notebooks
@@ -22,10 +25,14 @@ import numpy
 import pictures
 import plyfile
 import selfproj
-from selfproj import (calibration, cameras, driver, light_section, model, packets, parts, structured_light)
+from selfproj import (_core, calibration, cameras, driver, light_section, model, packets, parts, structured_light)
 from selfproj import pictures as selfproj_pictures
 
 SEED = int(os.environ.get("SELFPROJ_SEED", "1"))
+PARTS = """
+parts: {cut: profile, belt: encoder, grid_mm: 0.25, above_mm: 2, min_width_mm: 2, gap_mm: 3, pause_ms: 5,
+        min_length_mm: 5, length_mm: 60}
+"""
 SELFPROJ, SIMULATION = os.environ["SELFPROJ_PROGRAM"], os.environ["SELFPROJ_SIMULATION"]
 
 
@@ -269,10 +276,16 @@ class StructuredLight(Case):
         colours = self.pixels(*points.shape)
         structured_light.save_ply(str(out / "again.ply"), points, colours)
         same(structured_light.load_ply(str(out / "again.ply")), points)
-        again = pickle.loads(pickle.dumps(scan))
-        same(again.points(), points)
-        same(pickle.loads(pickle.dumps(again)).depth, scan.depth)
-        self.assertIsNone(again.triangulation)
+        seen = numpy.isfinite(scan.depth)
+        light = {"intensity": scan.intensity[seen], "quality": scan.quality[seen]}
+        structured_light.save_ply(out / "measured.ply", points, colours, **light)
+        ours, theirs = (plyfile.PlyData.read(out / name)["vertex"] for name in ("measured.ply", "cloud.ply"))
+        for name in ("x", "y", "z", *light):
+            same(ours[name], theirs[name])
+        with self.assertRaisesRegex(ValueError, "give both or none"):
+            structured_light.save_ply(out / "measured.ply", points, intensity=light["intensity"])
+        with self.assertRaisesRegex(ValueError, "one is needed for each point"):
+            structured_light.save_ply(out / "measured.ply", points[1:], **light)
 
 
 class Stripes(Case):
@@ -627,26 +640,181 @@ def write_png16(file, values):
                      chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))
 
 
-class Data(Case):
-    def test_pickles_and_texts(self):
+def public_classes():
+    """Returns the classes with a public name, and those of the compiled part."""
+    modules = {name: thing for name, thing in vars(selfproj).items() if name in selfproj.__all__ and ismodule(thing)}
+    named = {thing for module in (selfproj, *modules.values()) for name, thing in vars(module).items()
+             if name in module.__all__ and isinstance(thing, type)}
+    compiled = {thing for module in (_core, *(getattr(_core, name) for name in modules))
+                for thing in vars(module).values() if isinstance(thing, type)}
+    return named, compiled
+
+
+# Their objects hold what is no data: class, and what its error says of it.
+STREAMS = {
+    cameras.Camera: "holds an open camera", driver.Device: "holds an open device",
+    driver.ImageAssembler: "is in the midst of a stream", parts.Cutter: "is in the midst of a stream",
+    light_section.Inspection: "is collecting frames", model.GrayDecoder: "is in the midst of a cycle of images",
+    structured_light.GrayDecoder: "is in the midst of a cycle of images",
+    structured_light.StripeScanner: "is in the midst of a cycle of images",
+}
+
+
+class Pickles(Case):
+    def equal(self, one, other):
+        """All that two objects show: their texts, properties, and methods that give data."""
+        if isinstance(one, numpy.ndarray):
+            same(one, other)
+        elif isinstance(one, (list, tuple)):
+            self.assertEqual(len(one), len(other))
+            for a, b in zip(one, other):
+                self.equal(a, b)
+        elif type(one) in public_classes()[0] and not isinstance(one, (enum.Enum, Exception)):
+            self.assertEqual((type(other), repr(other)), (type(one), repr(one)))
+            self.assertNotIn("object at 0x", repr(one))
+            for name in dir(one):
+                a, b = getattr(one, name), getattr(other, name)
+                if name in ("to_yaml", "json", "points", "__str__") and type(one) is not structured_light.Triangulation:
+                    self.equal(a(), b())
+                elif name[0] != "_" and not callable(a):
+                    self.equal(a, b)
+        else:
+            numpy.testing.assert_equal(repr(other), repr(one))
+
+    def of_packets(self):
         image = self.pixels(20, 16)
-        rig = light_section.load_rig("light-section")
         header = packets.Header()
         header.sequence, header.encoder = self.between(0, 2**62), 7
-        moments = [model.moments(images, 20, select=select) for images in (image, numpy.stack([image] * 2))
-                   for select in (model.Select.ALL, model.Select.STRONGEST)]
-        packet = packets.parse(packets.moments_packet(image, 20, header=header))
-        profile = light_section.Profiler(rig).profile_of_moments(*[self.pixels(2, 512).astype("uint32")] * 3)
-        for thing in (rig, header, packet, profile, *moments, structured_light.GraySequence(5, 6), model.Mode.GREY):
-            again = pickle.loads(pickle.dumps(thing))
-            self.assertEqual((type(again), repr(again)), (type(thing), repr(thing)))
-            self.assertNotIn("object at 0x", repr(thing))
-            if thing is header:
-                self.assertEqual(again, header)
-            for name in ("bytes", "m0", "m1", "n", "runs", "second", "centroid", "x", "y", "z", "dz", "validity"):
-                if hasattr(thing, name) and not callable(getattr(thing, name)):
-                    numpy.testing.assert_array_equal(getattr(again, name), getattr(thing, name))
-        self.assertEqual(pickle.loads(pickle.dumps(rig)).to_yaml(), rig.to_yaml())
+        yield header
+        yield packets.parse(packets.moments_packet(image, 20, header=header))
+        for images in (image, numpy.stack([image] * 2)):
+            for select in (model.Select.ALL, model.Select.STRONGEST):
+                yield model.moments(images, 20, select=select)
+        yield from (model.Mode.GREY, model.Select.ALL, driver.Wait.BLOCKING, light_section.Validity.UNLIT)
+        yield selfproj.InputError("file: reason")
+
+    def of_light_sections(self):
+        rig = light_section.load_rig("light-section")
+        profiler = light_section.Profiler(rig, light_section.reference_of_heights(rig, numpy.full(rig.columns, 12.5)))
+        moments = light_section.moments(self.pixels(96, 512), 20)
+        words = moments.m0, moments.m1, moments.n
+        again = pickle.loads(pickle.dumps(profiler))
+        same(again.profile_of_moments(*words).dz, profiler.profile_of_moments(*words).dz)
+        yield from (rig, profiler, profiler.reference, profiler.profile_of_moments(*words))
+        lines, sweeps = self.folder / "lines", []
+        run(SELFPROJ, "pattern", "--sweep", "--every", 64, "--out", lines)
+        for height in (0, 10, 20):
+            seen = self.folder / f"at{height}"
+            run(SIMULATION, "capture", "--rig", "light-section", "--plate", height, "--patterns", lines, "--out", seen)
+            sweeps.append(seen)
+        yield light_section.fit_heights(rig, sweeps, heights_mm=[0, 10, 20], every=64)
+
+    def of_structured_light(self):
+        rig = light_section.load_rig("scanner")
+        row, column = numpy.mgrid[0:rig.rows, 0:rig.columns]
+        by_rig = structured_light.triangulation(rig, 8)
+        z = [by_rig.depth(numpy.full(row.shape, 0x8000 + code, "uint16"))[:, 0] for code in range(256)]
+        away = numpy.nan_to_num(abs(numpy.stack(z) - 540), nan=1e6)
+        codes = numpy.argmin(away, 0)[:, None] + 0 * column  # of a plane
+        scan = structured_light.scan(pictures.gray_images(codes, 8), rig="scanner", bits=8)
+        self.assertGreater(numpy.isfinite(scan.depth).mean(), 0.5)
+        yield from (scan, scan.triangulation, structured_light.GraySequence(5, 6))
+        words = (codes | 0x8000).astype("uint16")
+        same(pickle.loads(pickle.dumps(by_rig)).depth(words), scan.depth)
+        yield by_rig
+        stripes = structured_light.stripes_of_points(rig, (100 + row).astype("float32"),
+                                                     (200 + column).astype("float32"))
+        stripe_codes = (numpy.arange(rig.rows)[:, None] // 2 % 16 + 0 * column).astype("uint16")
+        yield stripes
+        yield structured_light.StripeScanner(stripes).scan(pictures.gray_images(stripe_codes, 4))
+
+        with_parts = self.folder / "scanner.yaml"
+        with_parts.write_text(rig.to_yaml() + "\nparts: {cut: image, grid_mm: 1, pause_ms: 50}\n", "utf-8")
+        rig = light_section.load_rig(with_parts)
+        depth = numpy.full((rig.rows, rig.columns), rig.plane_z_mm, "float32")
+        depth[200:300, 200:300] -= 25
+        reference, bad = (rig, depth), depth.copy()
+        bad[230:260, 230:260] += 5
+        tolerance = parts.learn(reference, [parts.part_of_depth(rig, depth)] * 5)
+        classifier = parts.Classifier(reference, tolerance)
+        part = parts.part_of_depth(rig, bad)
+        result = classifier.classify(part)
+        self.assertEqual((result.verdict, len(result.defects)), ("bad", 1))
+        self.equal(pickle.loads(pickle.dumps(classifier)).classify(part), result)
+        yield from (part, tolerance, classifier, result, result.defects[0])
+
+    def of_calibrations(self):
+        normal = numpy.array([0.0, 0.87, 0.5]) / numpy.hypot(0.87, 0.5)
+        boards, lines = pictures.laser_poses(normal, 420.0)
+        board = {"corners": (7, 5), "square_mm": 40}
+        drawn = light_section.load_rig("light-section")
+        for bent in (False, True):
+            camera = calibration.calibrate_camera([*boards, self.pixels(240, 320)], **board, bent=bent)
+            self.assertEqual(len(camera.left_out), 1)
+            found = [calibration.laser_plane(one, [*lines, lines[0]]) for one in
+                     (camera, pickle.loads(pickle.dumps(camera)))]
+            self.equal(found[1], found[0])
+            self.equal(pickle.loads(pickle.dumps(found[0])).rig(drawn), found[0].rig(drawn))
+            yield from (camera, found[0])
+        yield calibration.calibrate_belt(found[0].rig(drawn), pictures.belt_places([0, 20, 50]), **board,
+                                         moves_mm=[0, 20, 50])
+        folders = pictures.write_chessboard_poses(self.folder, structured_light.GraySequence(96, 80))
+        captures = [calibration.decode_capture(folder, projector=(96, 80)) for folder in folders]
+        result = calibration.calibrate(captures, **board, projector=(96, 80))
+        yield from (captures[0], result, result.calibration)
+        for number, one in enumerate((result, pickle.loads(pickle.dumps(result)))):
+            one.save(self.folder / f"{number}.yaml")
+        saved = [(self.folder / f"{number}.yaml").read_bytes() for number in (0, 1)]
+        self.assertEqual(*saved)
+        yield structured_light.scan(folders[0], calibration=self.folder / "0.yaml", bits=7, row_bits=7,
+                                    unchecked=True)
+
+    def of_cameras(self):
+        try:
+            with cameras.open("camera:Fake_1?region=64x48+0+0") as camera:
+                camera.start()
+                yield camera.next(timeout=20)
+                yield camera
+        except selfproj.InputError as error:
+            self.assertIn("without Aravis", str(error))
+            yield from (cameras.Camera, cameras.CameraImage)  # cannot be had
+
+    def of_streams(self):
+        (self.folder / "empty.slfp").write_bytes(b"")
+        rig = light_section.load_rig("scanner")
+        line, column = numpy.mgrid[0:rig.rows, 0:rig.columns].astype("float32")
+        with_parts = self.folder / "rig.yaml"
+        with_parts.write_text(light_section.load_rig("light-section").to_yaml() + PARTS, "utf-8")
+        profiler = light_section.Profiler(light_section.load_rig(with_parts))
+        yield driver.open(f"file:{self.folder}/empty.slfp")
+        yield driver.ImageAssembler(packets.KIND_IMAGE)
+        yield from (parts.Cutter(profiler), light_section.Inspection(profiler))
+        yield from (model.GrayDecoder(8, 12, 3), structured_light.GrayDecoder(8, 12, 3))
+        yield structured_light.StripeScanner(structured_light.stripes_of_points(rig, line, column))
+
+    def test_every_class(self):
+        named, compiled = public_classes()
+        self.assertEqual(compiled - named, set(), "classes without a public name")
+        seen = set()
+        for things in (self.of_packets(), self.of_light_sections(), self.of_structured_light(), self.of_calibrations(),
+                       self.of_cameras(), self.of_streams()):
+            for thing in things:
+                if isinstance(thing, type):
+                    seen.add(thing)
+                    continue
+                seen.add(type(thing))
+                self.assertNotIn("object at 0x", repr(thing))
+                if type(thing) in STREAMS:
+                    for use in (pickle.dumps, copy.copy):
+                        with self.assertRaisesRegex(TypeError, f"{type(thing).__name__}: .* {STREAMS[type(thing)]}"):
+                            use(thing)
+                else:
+                    self.equal(thing, pickle.loads(pickle.dumps(thing)))
+        self.assertEqual(named - seen, set(), "classes that were not tried")
+
+
+class Data(Case):
+    def test_version(self):
         self.assertRegex(selfproj.__version__, r"^\d+\.\d+")
 
     def test_paths_and_names_of_any_encoding(self):
