@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <numbers>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 
@@ -158,7 +160,8 @@ std::string relief_png(const images::FloatImage& map, const report::MapScale& sc
   return png_of(canvas.picture());
 }
 
-std::string strip_png(const std::vector<images::FloatImage>& maps, const report::MapScale& scale, std::size_t across) {
+std::string strip_png(const std::vector<images::FloatImage>& maps, const std::optional<report::MapScale>& scale,
+                      std::size_t across) {
   const images::FloatImage& first = maps.at(0);
   const int step = std::max(1, first.columns / 256);
   const int rows = first.rows / step;
@@ -172,8 +175,14 @@ std::string strip_png(const std::vector<images::FloatImage>& maps, const report:
     for (int r = 0; r < rows; ++r) {
       for (int c = 0; c < columns; ++c) {
         const float value = maps[i].row(r * step)[c * step];
-        picture(top + r, left + c) =
-            std::isnan(value) ? Pixel(200, 200, 200) : pixel_of(scale, static_cast<double>(value), 1);
+        Pixel& pixel = picture(top + r, left + c);
+        if (std::isnan(value)) {
+          pixel = {200, 200, 200};
+        } else if (scale) {
+          pixel = pixel_of(*scale, static_cast<double>(value), 1);
+        } else {
+          pixel = Pixel::all(cv::saturate_cast<std::uint8_t>(value));
+        }
       }
     }
   }

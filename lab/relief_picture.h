@@ -4,6 +4,7 @@
 #define SELFPROJ_LAB_RELIEF_PICTURE_H
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,8 +21,9 @@ namespace selfproj::lab {
 std::string relief_png(const images::FloatImage& map, const report::MapScale& scale, const report::MapPitch& pitch,
                        double exaggeration);
 
-// Maps of one size in rows of `across`, in one scale; values of NaN are grey.
-std::string strip_png(const std::vector<images::FloatImage>& maps, const report::MapScale& scale, std::size_t across);
+// Maps of one size in rows of `across`, in one scale, or as images of grey values 0..255 without one; NaN is grey.
+std::string strip_png(const std::vector<images::FloatImage>& maps, const std::optional<report::MapScale>& scale,
+                      std::size_t across);
 
 // Images of one size below each other, with a white line of 8 pixels between them.
 images::Image below_each_other(const std::vector<images::Image>& images);

@@ -72,18 +72,22 @@ std::string figure_of(const ThesisRow& row) {
   return std::regex_search(first, found, number) ? found[1].str() : "";
 }
 
-// What the page says of one figure, as a table.
-report::ReportTable rows_of_figure(const std::vector<ThesisTable>& tables, const std::string& number) {
-  report::ReportTable table{"What the thesis says, and what we found", {}, {}, ""};
+// What the page says of one figure: each of its rows as a table of two columns, which any screen is wide enough for.
+std::vector<report::ReportTable> rows_of_figure(const std::vector<ThesisTable>& tables, const std::string& number) {
+  std::vector<report::ReportTable> found;
   for (const ThesisTable& of : tables) {
     for (const ThesisRow& row : of.rows) {
-      if (figure_of(row) == number) {
-        table.header = of.header;
-        table.rows.push_back(row.cells);
+      if (figure_of(row) != number) {
+        continue;
+      }
+      report::ReportTable& table = found.emplace_back();
+      table.title = row.cells.at(0) + ": " + row.cells.at(1);
+      for (std::size_t i = 2; i < row.cells.size() && i < of.header.size(); ++i) {
+        table.rows.push_back({of.header[i], row.cells[i]});
       }
     }
   }
-  return table;
+  return found;
 }
 
 std::string page_name(const std::string& number) { return "figure-" + number + ".html"; }
@@ -95,11 +99,9 @@ void write_figure(const std::vector<ThesisTable>& tables, const ThesisFigure& fi
   page.subtitle = figure.caption;
   page.plots = figure.plots;
   page.pictures = figure.pictures;
-  if (report::ReportTable table = rows_of_figure(tables, figure.number); !table.rows.empty()) {
-    page.tables.push_back(std::move(table));
-  }
+  page.tables = rows_of_figure(tables, figure.number);
   page.settings = {{"command", "command", "selfproj-lab thesis --figure " + figure.number},
-                   {"core_seconds", "made in, seconds of one processor core", seconds}};
+                   {"core_seconds", "made in", fmt::format("{:.1f} s of one processor core", seconds)}};
   if (!figure.source.empty()) {
     page.settings.push_back({"experiment", "the whole experiment", "selfproj-lab experiment " + figure.source});
   }
@@ -126,7 +128,7 @@ std::string contents_html(const std::vector<ThesisTable>& tables, const std::vec
     html +=
         "<section class=\"card\"><h2>" + report::escaped(table.title) + "</h2><div class=\"wide\"><table><thead><tr>";
     for (const std::string& cell : table.header) {
-      html += "<th>" + report::escaped(cell) + "</th>";
+      html += "<th style=\"text-align:left\">" + report::escaped(cell) + "</th>";
     }
     html += "</tr></thead><tbody>";
     for (const ThesisRow& row : table.rows) {
@@ -135,7 +137,8 @@ std::string contents_html(const std::vector<ThesisTable>& tables, const std::vec
         const std::string number = i == 0 ? figure_of(row) : "";
         const bool is_made = std::find(made.begin(), made.end(), number) != made.end();
         const std::string text = report::escaped(row.cells[i]);
-        html += "<td>" + (is_made ? "<a href=\"" + page_name(number) + "\">" + text + "</a>" : text) + "</td>";
+        html += "<td style=\"text-align:left\">" +
+                (is_made ? "<a href=\"" + page_name(number) + "\">" + text + "</a>" : text) + "</td>";
       }
       html += "</tr>";
     }

@@ -419,8 +419,8 @@ ThesisFigure film_figure(const std::string& number, const std::string& caption, 
   ThesisFigure figure{number, caption, source, {}, {}, {}, "", {}};
   constexpr std::size_t kAcross = 4;
   const std::string times = "t = " + times_text(film.t) + ", from left to right and down.";
-  figure.pictures.push_back({number + "(a): the scene under full light",
-                             strip_png(film.light, {report::ColourMap::sequential, 0, 255}, kAcross), times});
+  figure.pictures.push_back(
+      {number + "(a): the scene under full light", strip_png(film.light, std::nullopt, kAcross), times});
   figure.pictures.push_back({number + "(b): heights over the plane", strip_png(film.height, height, kAcross),
                              fmt::format("{:g} (dark) to {:g} mm (light); grey: no depth.", height.low, height.high)});
   figure.pictures.push_back(

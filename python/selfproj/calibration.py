@@ -17,4 +17,10 @@ from ._core.calibration import (BeltResult, Calibration, CameraResult, Capture, 
 __all__ = ["BeltResult", "Calibration", "CameraResult", "Capture", "LaserPlane", "Result", "calibrate",
            "calibrate_belt", "calibrate_camera", "decode_capture", "find_chessboard", "laser_plane", "read_calibration"]
 
+_pictures.shows(Result, lambda result: [_pictures.text_html(str(result))])
+_pictures.shows(CameraResult, lambda camera: [_pictures.text_html("\n".join(f"{name}: {reason}" for name, reason in
+                                                                            camera.left_out))])
+_pictures.shows(BeltResult, lambda belt: [_pictures.table_html([{"place": place, "along_mm": along} for place, along in
+                                                                enumerate(belt.along_mm, 1)]),
+                                          _pictures.table_html(belt.heights)])
 _pictures.shows(Capture, lambda capture: [_pictures.image_html(capture.mean, "mean of all images")])

@@ -31,4 +31,5 @@ _pictures.shows(Reference, lambda reference: [_pictures.curve_html(range(1, len(
                                                                    "column", "z (mm)")])
 _pictures.shows(Inspection, lambda inspection: [_pictures.map_html(inspection.height(), "height by frame and column")]
                 if len(inspection) else [])
+_pictures.shows(HeightFit, lambda fit: [_pictures.table_html(fit.levels)])
 _pictures.shows(Rig, lambda rig: [_pictures.text_html(rig.to_yaml())])

@@ -34,6 +34,7 @@ def cut(packets: Iterable[Packet], profiler: Profiler) -> Iterator[Part]:
         yield part
 
 
+_pictures.shows(Tolerance, lambda tolerance: [_pictures.text_html(tolerance.to_yaml())])
 _pictures.shows(Part, lambda part: [_pictures.map_html(part.heights, "height", pitch=part.pitch_mm)])
 _pictures.shows(PartResult, lambda result: [
     _pictures.text_html("\n".join(filter(None, [result.verdict, result.reason, *map(repr, result.defects)]))),

@@ -25,6 +25,13 @@ def text_html(text):
     return f"<pre>{html.escape(text)}</pre>"
 
 
+def table_html(rows):
+    """Rows of named numbers as a table; the first one has the names."""
+    names = "".join(f"<th>{html.escape(name)}</th>" for row in rows[:1] for name in row)
+    lines = "".join("<tr>" + "".join(f"<td>{value:.6g}</td>" for value in row.values()) + "</tr>" for row in rows)
+    return f"<table><tr>{names}</tr>{lines}</table>" if rows else ""
+
+
 def map_html(values, title, signed=False, pitch=1.0):
     """A map in mm; one without a value is said to be empty."""
     if values.size == 0 or not numpy.isfinite(values).any():
