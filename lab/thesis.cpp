@@ -12,6 +12,7 @@
 #include <regex>
 #include <sstream>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -82,7 +83,13 @@ std::vector<report::ReportTable> rows_of_figure(const std::vector<ThesisTable>& 
       }
       report::ReportTable& table = found.emplace_back();
       table.title = row.cells.at(0) + ": " + row.cells.at(1);
+      if (row.cells.back().find("ours: ") != std::string::npos) {
+        table.note = "The pictures are of an ideal world; \"ours\" is of the whole experiment.";
+      }
       for (std::size_t i = 2; i < row.cells.size() && i < of.header.size(); ++i) {
+        if (row.cells[i] == "–") {
+          continue;
+        }
         table.rows.push_back({of.header[i], row.cells[i]});
       }
     }
@@ -117,6 +124,42 @@ void write_figure(const std::vector<ThesisTable>& tables, const ThesisFigure& fi
   folder.append(page_name(figure.number), report::page_html(page));
 }
 
+// On a narrow screen a row of the first page is a block, and its cells say what they are.
+constexpr std::string_view kContentsStyle = R"css(<style>
+.book th, .book td { text-align: left; min-width: 0; overflow-wrap: anywhere; }
+.book td:nth-child(2) { width: 45%; }
+.book td:first-child, .book td:nth-child(5), .book th:nth-child(5) { white-space: nowrap; }
+@media (max-width: 700px) {
+  .book thead { display: none; }
+  .book tr { display: block; border-top: 1px solid var(--rule); padding: 10px 0; }
+  .book td, .book td:nth-child(2) { display: block; width: auto; border: 0; padding: 2px 0; }
+  .book td[data-name]::before { content: attr(data-name) ": "; color: var(--dim); }
+}
+</style>
+)css";
+
+constexpr std::size_t kColumns = 5;  // of the first page
+
+// The cells of a row as HTML: these, or all there are; the others stand in small type below the second one.
+std::string row_html(const std::vector<std::string>& header, const ThesisRow& row, bool is_made) {
+  constexpr std::size_t kWhat = 1;
+  std::string more;
+  for (std::size_t i = kColumns; i < row.cells.size() && i < header.size(); ++i) {
+    if (row.cells[i] != "–") {
+      more += (more.empty() ? "" : "<br>") + (i > kColumns ? report::escaped(header[i]) + ": " : std::string()) +
+              report::escaped(row.cells[i]);
+    }
+  }
+  std::string html = "<tr>";
+  for (std::size_t i = 0; i < row.cells.size() && i < kColumns; ++i) {
+    const std::string text = report::escaped(row.cells[i]);
+    html += i > kWhat ? "<td data-name=\"" + report::escaped(header[i]) + "\">" : std::string("<td>");
+    html += i == 0 && is_made ? "<a href=\"" + page_name(figure_of(row)) + "\">" + text + "</a>" : text;
+    html += i == kWhat && !more.empty() ? "<div class=\"dim small\">" + more + "</div></td>" : "</td>";
+  }
+  return html + "</tr>";
+}
+
 // The first page of the book: the tables, with a link at each figure that was made.
 std::string contents_html(const std::vector<ThesisTable>& tables, const std::vector<std::string>& made) {
   std::string html;
@@ -124,25 +167,17 @@ std::string contents_html(const std::vector<ThesisTable>& tables, const std::vec
                    "A Study on High-Speed Three-Dimensional Shape Inspection Based on Self-Projection Method, chapters "
                    "3 and 4, repeated in simulation",
                    {});
+  html += kContentsStyle;
   for (const ThesisTable& table : tables) {
-    html +=
-        "<section class=\"card\"><h2>" + report::escaped(table.title) + "</h2><div class=\"wide\"><table><thead><tr>";
-    for (const std::string& cell : table.header) {
-      html += "<th style=\"text-align:left\">" + report::escaped(cell) + "</th>";
+    html += "<section class=\"card\"><h2>" + report::escaped(table.title) + "</h2><table class=\"book\"><thead><tr>";
+    for (std::size_t i = 0; i < table.header.size() && i < kColumns; ++i) {
+      html += "<th>" + report::escaped(table.header[i]) + "</th>";
     }
     html += "</tr></thead><tbody>";
     for (const ThesisRow& row : table.rows) {
-      html += "<tr>";
-      for (std::size_t i = 0; i < row.cells.size(); ++i) {
-        const std::string number = i == 0 ? figure_of(row) : "";
-        const bool is_made = std::find(made.begin(), made.end(), number) != made.end();
-        const std::string text = report::escaped(row.cells[i]);
-        html += "<td style=\"text-align:left\">" +
-                (is_made ? "<a href=\"" + page_name(number) + "\">" + text + "</a>" : text) + "</td>";
-      }
-      html += "</tr>";
+      html += row_html(table.header, row, std::find(made.begin(), made.end(), figure_of(row)) != made.end());
     }
-    html += "</tbody></table></div></section>";
+    html += "</tbody></table></section>";
   }
   report::add_foot(html, {}, {});
   return html;
