@@ -80,6 +80,7 @@ module acorn #(
 
   // --- Resets ---
   logic       good, good_bus;
+  logic       locked_seen, pcie_rst_n_seen, bus_rst_seen;  // in the pixel clock
   logic [8:0] wait_q, wait_bus_q;
   logic       rst_q, bus_rst_q;
 
@@ -96,12 +97,15 @@ module acorn #(
   end
 
   // Where LitePCIe's clock stands still, bus_rst_q says nothing, but PERST# is low.
-  sp_sync u_good (
+  sp_sync #(
+    .Width(3)
+  ) u_good (
     .clk_i(clk),
     .rst_i(1'b0),
-    .d_i  (locked && pcie_rst_n_i && !bus_rst_q),
-    .q_o  (good)
+    .d_i  ({locked, pcie_rst_n_i, bus_rst_q}),
+    .q_o  ({locked_seen, pcie_rst_n_seen, bus_rst_seen})
   );
+  assign good = locked_seen && pcie_rst_n_seen && !bus_rst_seen;
 
   always_ff @(posedge clk) begin
     wait_q <= !good ? '0 : wait_q[8] ? wait_q : wait_q + 1'b1;

@@ -12,7 +12,7 @@
 // for each rise of cut_i, if these are four clocks of the board apart or more.
 //
 // Reset: rst_i alone. The camera's clock may stop and start at any time. After rst_i the module
-// waits until this clock runs.
+// waits until this clock has run for eight clocks, whatever its registers held before.
 //
 // Latency: one clock of the camera from the next beat, or the end of the line, and 3 to 4 of the
 // board.
@@ -44,6 +44,7 @@ module sp_beat_crossing #(
 );
 
   // --- Reset of both sides: the board's side asks, the camera's side resets and confirms ---
+  (* keep = "true" *) logic restart_q;  // rst_i, one clock ago: clears without the camera's clock
   logic       ask_q;        // the camera's side must be in reset
   logic       asked;        // ask_q in the camera's clock
   logic [7:0] resting_q;    // asked in the last clocks of the camera
@@ -52,6 +53,7 @@ module sp_beat_crossing #(
   logic       camera_rst_q;
 
   always_ff @(posedge clk_i) begin
+    restart_q <= rst_i;
     if (rst_i) ask_q <= 1'b1;
     else if (rested) ask_q <= 1'b0;
   end
@@ -63,11 +65,16 @@ module sp_beat_crossing #(
     .q_o  (asked)
   );
 
-  always_ff @(posedge camera_clk_i) begin
-    resting_q    <= asked ? {resting_q[6:0], 1'b1} : '0;
-    rested_q     <= asked && resting_q == '1;
-    camera_rst_q <= asked;
+  always_ff @(posedge camera_clk_i or posedge restart_q) begin
+    if (restart_q) begin
+      resting_q <= '0;
+      rested_q  <= 1'b0;
+    end else begin
+      resting_q <= asked ? {resting_q[6:0], 1'b1} : '0;
+      rested_q  <= asked && resting_q == '1;
+    end
   end
+  always_ff @(posedge camera_clk_i) camera_rst_q <= asked;
 
   sp_sync u_rested (
     .clk_i(clk_i),

@@ -52,25 +52,27 @@ TOPS = [
     Top("sp_lvds_sensor", LVDS),
     Top("sp_lvds_sensor", ("Lanes=2", *LVDS)),
     Top("sp_lvds_sensor", ("Codes=1'b1",)),
-    Top("sp_board_pins", ("MaxColumns=64", "MaxRows=40", "Codes=1'b1"), ("common/sp_board_pins.sv",)),
+    Top("sp_board_pins", ("MaxColumns=64", "MaxRows=40"), ("common/sp_board_pins.sv",)),
     Top("acorn", (), ("acorn/acorn.sv", "acorn/acorn_system.sv", "acorn/acorn_dma.sv")),
     Top("ecpix5", ("Sensor=1'b1",), ("ecpix5/ecpix5.sv", "ecpix5/ecpix5_system.sv")),
     Top("ecp5_camera_link_pins", ("Taps=10",), tuple(f"camera_link/ecp5_{name}.sv" for name in (
         "camera_link_pins", "camera_link", "channel_link"))),
     Top("ecp5_lvds_sensor", LVDS, ("lvds_sensor/ecp5_lvds_sensor.sv",)),
 ]
-OUTSIDE = ["selfproj_liteeth", "selfproj_litepcie", "BUFG", "IBUFDS", "MMCME2_ADV", "PLLE2_BASE", "EHXPLLL", "ECLKSYNCB",
+OUTSIDE = ["selfproj_liteeth", "litepcie_core", "BUFG", "IBUFDS", "MMCME2_ADV", "PLLE2_BASE", "EHXPLLL", "ECLKSYNCB",
            "CLKDIVF", "DELAYF", "DELAYG", "IDDR71B", "IDDRX2F"]
 
 
 def netlist(rtl, top, parameters, target):
     """The flattened module after `proc` and `memory`, as Yosys's JSON. `target`: files that it needs beside rtl/."""
-    files = rtl_tree.sources_of(top, rtl, target)
-    files += [path for path in target if path not in files]
-    files = [path.resolve() for path in files]
+    files = [path.resolve() for name in [top, *(path.stem for path in target)]
+             for path in rtl_tree.sources_of(name, rtl, target)]
+    files = list(dict.fromkeys(files))
     kept = "".join(f"setattr -set keep 1 t:{cell}; " for cell in OUTSIDE if target)
     commands = (rtl_tree.read_command(top, parameters, files=files) + f"hierarchy -top {top}; proc; flatten; {kept}"
-                "opt -full; memory_dff; memory_collect; opt_clean; write_json board.json")
+                # all of `opt -full` but opt_merge: equal registers keep their names
+                "opt_expr -full; opt_muxtree; opt_reduce -full; opt_dff; opt_clean; opt_expr -full; opt_clean; "
+                "memory_dff; memory_collect; opt_clean; write_json board.json")
     module = yosys.top_of(json.loads(tools.in_folder({}, ["yosys", "-q", "-p", commands], ["board.json"])[1]))
     for cell in module["cells"].values():
         if not cell["type"].startswith("$") and cell["type"] not in OUTSIDE:
@@ -204,7 +206,8 @@ def missing(tops, rtl):
     for top in tops:
         own = {path: text for path, text in texts.items()
                if rtl in path.parents or str(path.relative_to(ROOT / "constraints")) in top.files}
-        part.update(rtl_tree.needed(top.module, own), (ROOT / "constraints" / file for file in top.files))
+        for name in [top.module, *(pathlib.Path(file).stem for file in top.files)]:
+            part.update(rtl_tree.needed(name, own))
     for path, text in texts.items():
         clocks = re.findall(r"^  input +wire +logic +(?:\[.*?\] *)?(\w*clk_i)\b", text, flags=re.M)
         if path not in part and (path in boards() or len(clocks) > 1):

@@ -13,7 +13,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "scripts"))
 from lib import rtl_tree  # noqa: E402
 
-BOARD = ["--parameters", "MaxColumns=64", "MaxRows=40", "Image=1'b0"]
+BOARD = ["--top", "sp_board", "--parameters", "MaxColumns=64", "MaxRows=40", "Image=1'b0"]
 MEDIUM = ["--top", "sp_camera_link", "--parameters", "Taps=4"]
 # File below rtl/, text, its replacement, the expected message, and the options that choose the module.
 FAULTS = [
@@ -44,6 +44,13 @@ FAULTS = [
         "changes_q <= ask_q ? '0 : {cut_q, overrun_q};",
         "neither a synchronizer nor in",
         MEDIUM,
+    ),
+    (
+        "camera/sp_replay.sv",
+        ".start_i  (start),",
+        ".start_i  (play),",
+        "neither a synchronizer nor in",
+        ["--top", "sp_replay", "--parameters", "MaxColumns=40", "MaxRows=9"],
     ),
 ]
 

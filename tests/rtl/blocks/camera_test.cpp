@@ -21,12 +21,14 @@ namespace {
 template <typename Sensor>
 class SensorBench {
  public:
-  SensorBench(std::uint64_t seed, std::int64_t sensor_period, std::int64_t board_period, int bits, int per_clock)
+  SensorBench(std::uint64_t seed, std::int64_t sensor_period, std::int64_t board_period, int bits, int per_clock,
+              bool stopped = false)
       : random_(seed),
         clocks_(sensor_period, board_period, random_.between(0, 900)),
         period_(sensor_period),
         bits_(bits),
-        per_clock_(per_clock) {
+        per_clock_(per_clock),
+        stopped_(stopped) {
     name_ports(sensor_);
     sensor_.valid_when({"overrun_o"}, [this] { return known_; });
     sensor_->sensor_clk_i = 0;
@@ -34,6 +36,8 @@ class SensorBench {
     sensor_->frame_i = 0;
     sensor_->line_i = 0;
     sensor_->data_i = 0;
+    sensor_->rst_i = 0;
+    board_clock();  // so that simulators see an edge of the asynchronous reset; hardware looks at its level
     reset();
     known_ = true;
   }
@@ -150,7 +154,7 @@ class SensorBench {
   std::deque<Pins> pins_;
   std::vector<Beat> beats_;
   int overruns_ = 0;
-  bool stopped_ = false;
+  bool stopped_;
   bool known_ = false;
 };
 
@@ -231,6 +235,24 @@ TEST(ParallelSensor, AfterAResetTheNextFrameIsTheFirst) {
       bench.drain();
       ASSERT_EQ(bench.beats(), due);
     }
+    EXPECT_EQ(bench.overruns(), 0);
+  });
+}
+
+// Nothing leaves before the sensor's clock has begun, whatever the registers held when the power came.
+TEST(ParallelSensor, WaitsForTheFirstClocksOfTheSensor) {
+  for_cases(20, [&](Random& random, std::uint64_t seed) {
+    SensorBench<Vsp_parallel_sensor> bench(seed, 1000, random.between(300, 1500), 10, 1, true);
+    for (int clocks = random.between(20, 100); clocks > 0; --clocks) {
+      bench.board_clock();
+    }
+    bench.start_sensor();
+    bench.drain();
+    EXPECT_TRUE(bench.beats().empty()) << "what was in the registers";
+    bench.forget();
+    const Frame due = bench.send(3, 20, 5);
+    bench.drain();
+    ASSERT_EQ(bench.beats(), due);
     EXPECT_EQ(bench.overruns(), 0);
   });
 }
