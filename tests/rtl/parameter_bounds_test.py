@@ -23,7 +23,8 @@ import modules  # noqa: E402
 from lib import rtl_tree  # noqa: E402
 
 RULE = re.compile(r"^\s+(\w+) u_error \(\);$", re.MULTILINE)
-MORE = [ROOT / "constraints" / "acorn" / "acorn_dma.sv"]
+MORE = [ROOT / "constraints" / "acorn" / "acorn_dma.sv", ROOT / "constraints" / "lvds_sensor" / "ecp5_lvds_sensor.sv"]
+CELLS = {"ecp5_lvds_sensor": ROOT / "constraints" / "common" / "ecp5_cells.sv"}  # that a module needs besides
 
 # Bounds that depend on other parameters: good settings as they stand on a command line, then bad ones
 BOUNDS = {
@@ -75,7 +76,9 @@ for same, like in ((("sp_replay_receiver", "MaxColumns"), ("sp_replay", "MaxColu
                    (("sp_link", "LogDepth"), ("sp_datagram_cutter", "LogDepth")),
                    (("sp_camera_link_channel", "Bits"), ("sp_camera_link_taps", "Bits")),
                    (("sp_camera_link", "Bits"), ("sp_camera_link_taps", "Bits")),
-                   (("sp_lvds_sensor", "Burst"), ("sp_lvds_flags", "Burst"))):
+                   (("sp_lvds_sensor", "Burst"), ("sp_lvds_flags", "Burst")),
+                   (("ecp5_lvds_sensor", "Burst"), ("sp_lvds_flags", "Burst")),
+                   *((("ecp5_lvds_sensor", name), ("sp_lvds_sensor", name)) for name in ("Columns", "Checked", "Bits"))):
     BOUNDS[same] = BOUNDS[like]
 BOUNDS["sp_camera_link", "Bits"] = (BOUNDS["sp_camera_link", "Bits"][0], [
     "Taps=3 Bits=10", "Taps=4 Bits=10", "Taps=8 Bits=10", "Taps=10 Bits=10", "Bits=9"])
@@ -160,7 +163,7 @@ def wrong(modules, texts):
     faults, jobs, seen = [], [], set()
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
         for path in (path for path in texts if path.stem in modules):
-            files = rtl_tree.needed(path.stem, texts)
+            files = [*rtl_tree.needed(path.stem, texts), *([CELLS[path.stem]] if path.stem in CELLS else [])]
             for name, comment in parameters_of(texts[path], path.stem):
                 sides = BOUNDS.get((path.stem, name)) or stated(name, comment)
                 if not sides:

@@ -83,7 +83,9 @@ void expect_frames_from_edges(const LvdsFormat& format) {
     EXPECT_EQ(expect_frames(beats, sent, std::vector<bool>(sent.size(), false)), 0);
   });
 }
-TEST(LvdsEdges, Flags) { expect_frames_from_edges<Vecp5_lvds_sensor>({.lanes = 4, .columns = 16, .burst = 16}); }
+TEST(LvdsEdges, Flags) {
+  expect_frames_from_edges<Vecp5_lvds_sensor>({.lanes = 4, .msb_first = true, .columns = 16, .burst = 16});
+}
 TEST(LvdsEdges, Codes) {
   expect_frames_from_edges<Vecp5_lvds_sensor_codes>({.lanes = 4, .codes = true, .msb_first = true});
 }
