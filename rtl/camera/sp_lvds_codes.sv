@@ -132,6 +132,58 @@ module sp_lvds_codes #(
     end
   end
 
+`ifdef FORMAL
+  // Assumptions: one reset at the beginning; when it ends, no lane is aligned.
+  logic f_ran_q = 1'b0;
+  always_ff @(posedge clk_i) f_ran_q <= 1'b1;
+  always_comb assume (rst_i == !f_ran_q && !(rst_i && aligned_i));
+
+  // The word that the outputs are about, and what they have said of the words before it
+  logic            f_en_q, f_aligned_q;
+  logic [Bits-1:0] f_word_q, f_before_q;
+  logic            f_row_q, f_row;      // pixel words of a row came, and the last one has not
+  logic            f_odd_q, f_odd;      // an odd number of them
+  logic            f_frame_q, f_frame;  // a frame has begun, and has neither ended nor been cut off
+  assign f_row   = f_aligned_q && !cut_o && (f_en_q ? take_o && !last_o : f_row_q);
+  assign f_odd   = f_en_q ? take_o && !(f_row_q && f_odd_q) : f_odd_q;
+  assign f_frame = f_aligned_q && !cut_o &&
+                   (f_en_q ? begins_o || f_frame_q && f_before_q != FrameEnd[9-:Bits] : f_frame_q);
+  always_ff @(posedge clk_i) begin
+    f_en_q      <= en_i && !rst_i;
+    f_aligned_q <= aligned_i && !rst_i;
+    if (en_i) {f_before_q, f_word_q} <= {f_word_q, word_i};
+    {f_row_q, f_odd_q, f_frame_q} <= {f_row, f_odd, f_frame} & {3{!rst_i}};
+  end
+
+  always_comb if (f_ran_q) begin
+    // Rule 1: nothing comes without a word. A frame begins only with its code.
+    if (!f_en_q) assert (!decoded_o && !begins_o && !take_o && !check_o);
+    if (begins_o) assert (f_aligned_q && take_o && f_word_q == FrameStart[9-:Bits]);
+    // Rule 2: a row begins only with its code, and in a frame. It has an even number of words.
+    if (take_o && !f_row_q)
+      assert (f_word_q == FrameStart[9-:Bits] || f_word_q == LineStart[9-:Bits]);
+    if (take_o) assert (f_aligned_q && (begins_o || f_frame_q));
+    if (take_o && last_o) assert (f_row_q && f_odd_q);
+    // Rule 3: a word that is no code is noticed, and ends row and frame. So does, in a row, each
+    // word that is not taken, and the loss of a lane.
+    if (f_en_q && f_aligned_q && illegal_o) assert (bad_o && !take_o && cut_o == f_frame_q);
+    if (f_row_q && f_en_q && !take_o) assert (cut_o);
+    if (f_frame_q && !f_aligned_q) assert (cut_o);
+    // Rule 4: only what has begun is cut off, and each frame once.
+    if (cut_o) assert (f_frame_q && !take_o);
+    // The registers agree with that.
+    assert (line_q == f_row && open_q == f_frame);
+    assert ((!line_q || open_q && odd_q == f_odd) && !(line_q && dark_q));
+    assert ((!end_q || last_q) && (!last_q || number_q) && (!number_q || mark_q));
+    if (open_q) assert (end_q == (f_word_q == FrameEnd[9-:Bits]));
+  end
+  always_ff @(posedge clk_i) if (f_ran_q) begin
+    cover (take_o && last_o && f_frame_q);
+    cover (cut_o && illegal_o);
+    cover (begins_o && f_frame_q);
+  end
+`endif
+
 endmodule
 
 `default_nettype wire

@@ -108,6 +108,66 @@ module sp_lvds_flags #(
     end
   end
 
+`ifdef FORMAL
+  // Assumptions: one reset at the beginning; when it ends, no lane is aligned.
+  logic f_ran_q = 1'b0;
+  always_ff @(posedge clk_i) f_ran_q <= 1'b1;
+  always_comb assume (rst_i == !f_ran_q && !(rst_i && aligned_i));
+
+  // The word that the outputs are about, and what they have said of the words before it
+  logic            f_en_q, f_aligned_q;
+  logic [Bits-1:0] f_word_q;
+  logic            f_legal;
+  logic [12:0]     f_row_q, f_row;      // pixel words of a row, Columns at most
+  logic            f_frame_q, f_frame;  // a frame has begun, and has neither ended nor been cut off
+  logic [1:0]      f_lows_q, f_lows;    // legal words without frame valid in a row, 2 at most
+  assign f_legal = ((f_word_q ^ Fixed[Bits-1:0]) & FixedMask[Bits-1:0]) == '0 &&
+                   f_word_q[2:0] != 3'b001 && f_word_q[2:0] != 3'b010 &&
+                   f_word_q[2:0] != 3'b011 && f_word_q[2:0] != 3'b101;
+  assign f_row   = !f_aligned_q || cut_o ? '0 : !take_o ? f_row_q :
+                   last_o ? '0 : f_row_q + 13'd1;
+  assign f_frame = f_aligned_q && !cut_o &&
+                   (begins_o || f_frame_q && f_lows != 2'd2);
+  assign f_lows  = !f_aligned_q ? '0 : !(f_en_q && f_legal) ? f_lows_q :
+                   f_word_q[2] ? '0 : f_lows_q == 2'd2 ? 2'd2 : f_lows_q + 2'd1;
+  always_ff @(posedge clk_i) begin
+    f_en_q      <= en_i && !rst_i;
+    f_aligned_q <= aligned_i && !rst_i;
+    if (en_i) f_word_q <= word_i;
+    f_row_q   <= rst_i ? '0 : f_row;
+    f_frame_q <= !rst_i && f_frame;
+    f_lows_q  <= rst_i ? '0 : f_lows;
+  end
+
+  always_comb if (f_ran_q) begin
+    // Rule 1: nothing comes without a word. A frame begins only with frame valid, after two words
+    // without.
+    if (!f_en_q) assert (!decoded_o && !begins_o && !take_o);
+    if (begins_o) assert (f_aligned_q && f_legal && f_word_q[2] && f_lows_q == 2'd2);
+    // Rule 2: pixel words have all three flags and lie in a frame. A row has Columns of them.
+    if (take_o) assert (f_aligned_q && f_legal && f_word_q[0] && (begins_o || f_frame_q));
+    if (take_o) assert (last_o == (f_row_q == 13'(Columns - 1)));
+    // Rule 3: a word that is not legal is noticed, and ends row and frame. So do, in a row, a word
+    // without frame valid and the loss of a lane.
+    assert (illegal_o == (f_en_q && !f_legal));
+    if (f_en_q && f_aligned_q && !f_legal) assert (bad_o && !take_o && cut_o == f_frame_q);
+    if (f_en_q && f_row_q != '0 && !f_word_q[2]) assert (cut_o);
+    if (f_frame_q && !f_aligned_q) assert (cut_o);
+    // Rule 4: only what has begun is cut off, and each frame once.
+    if (cut_o) assert (f_frame_q && !take_o);
+    // The registers agree with that.
+    assert (open_q == f_frame && column_q == f_row && f_row < 13'(Columns));
+    assert (f_lows == (in_frame_q ? 2'(low_q) : 2'd2));
+    assert (open_q ? in_frame_q : column_q == '0);
+    assert (burst_q <= 13'(Burst) && (burst_q == '0 || open_q));
+  end
+  always_ff @(posedge clk_i) if (f_ran_q) begin
+    cover (take_o && last_o);
+    cover (cut_o && illegal_o);
+    cover (f_frame_q && !f_frame && f_aligned_q && !cut_o);
+  end
+`endif
+
 endmodule
 
 `default_nettype wire

@@ -311,6 +311,76 @@ module sp_lvds_training #(
     for (int i = 0; i <= Lanes; i++) newer_o[i] <= slips_o[4*i+:4] < edge_q;
   end
 
+`ifdef FORMAL
+  // Assumption: one reset at the beginning.
+  logic f_ran_q = 1'b0;
+  always_ff @(posedge clk_i) f_ran_q <= 1'b1;
+  always_comb assume (rst_i == !f_ran_q);
+
+  function automatic logic [Bits-1:0] turned(input logic [Bits-1:0] word, input logic [3:0] slip);
+    turned = Bits'({word, word} >> slip);
+  endfunction
+
+  // What is measured: the last word of the lane that counted, and how many came like it
+  logic [Bits-1:0]      f_last_q;
+  logic [LogWindow-1:0] f_times_q;
+  logic [Bits-1:0]      f_base_q;   // the word of the measurement that is over
+  logic                 f_full_q;   // it came 2^LogWindow times in a row
+  // One clock ago
+  logic [Lanes:0]         f_aligned_q, f_lost_q;
+  logic [4*(Lanes+1)-1:0] f_slips_q;
+  logic                   f_right_q;  // the word, turned by the slip, is what it must be
+  logic [LaneBits-1:0]    f_lane_q;
+  logic [Bits-1:0]        f_word_q;
+  always_ff @(posedge clk_i) begin
+    if (state_q != Measure) f_times_q <= '0;
+    else if (counts) f_times_q <= raw_q5 != f_last_q ? '0 : f_times_q == '1 ? '1 : f_times_q + 1'b1;
+    if (state_q == Wait || state_q == Measure && counts) f_last_q <= raw_q5;
+    if (state_q == Measure) {f_full_q, f_base_q} <= {f_times_q == '1, f_last_q};
+    f_aligned_q <= rst_i ? '0 : aligned_o;
+    f_lost_q    <= rst_i ? '1 : lost_i;
+    f_slips_q   <= slips_o;
+    f_right_q   <= f_full_q && ((turned(f_base_q, turn_q) ^ wanted) & mask) == '0;
+    f_lane_q    <= lane_q;
+    f_word_q    <= f_base_q;
+  end
+
+  always_comb if (f_ran_q) begin
+    for (int i = 0; i <= Lanes; i++) begin
+      // Rule 1: a lane locks only if its word came 2^LogWindow times in a row and is the training
+      // word, turned by its slip. A data lane's is turned by no other.
+      if (aligned_o[i] && !f_aligned_q[i]) assert (f_right_q && f_lane_q == LaneBits'(i));
+      for (int k = 0; k < Bits; k++) begin
+        if (i < Lanes && aligned_o[i] && !f_aligned_q[i]) begin
+          assert ((turned(f_word_q, 4'(k)) == Training[Bits-1:0]) == (slips_o[4*i+:4] == 4'(k)));
+        end
+      end
+      // Rule 2: a lane that is locked stays so, with its slip and its delay, until it is lost.
+      if (f_aligned_q[i] && !f_lost_q[i] && !f_lost_q[Lanes]) begin
+        assert (aligned_o[i] && slips_o[4*i+:4] == f_slips_q[4*i+:4]);
+      end
+      if (aligned_o[i]) assert (!tap_load_o[i] && !tap_move_o[i]);
+      // Rule 3: lost is lost; data lanes lock only while the control lane is locked.
+      if (f_lost_q[i] || f_lost_q[Lanes]) assert (!aligned_o[i]);
+      if (aligned_o[i]) assert (i == Lanes || aligned_o[Lanes]);
+    end
+    // The registers agree with that.
+    assert (lane_q <= Control && state_q <= Choose);
+    if (state_q == Turn || state_q == Note) assert (turn_q < 4'(Bits));
+    if (state_q != Pick) assert (!lane_aligned);
+    if (state_q == Measure || state_q == Turn) assert (f_last_q == word_q);
+    if (state_q == Measure) assert (f_times_q == same_q);
+    if (state_q == Turn) assert (f_full_q && turned_q == turned(f_base_q, turn_q));
+    if (state_q == Note && good_q) begin
+      assert (f_full_q && ((turned(f_base_q, turn_q) ^ wanted) & mask) == '0);
+    end
+  end
+  always_ff @(posedge clk_i) if (f_ran_q) begin
+    cover (aligned_o == '1);
+    cover (f_aligned_q[Lanes] && !aligned_o[Lanes]);
+  end
+`endif
+
 endmodule
 
 `default_nettype wire

@@ -227,9 +227,11 @@ module sp_wide_beats #(
     if (f_lost_q) assert (!open_q && (!offered || start_i));
   end
   always_ff @(posedge clk_i) if (f_past_q) begin
-    cover (done && short);
     cover (m_valid_o && m_end_o && !m_start_o);
     cover (overrun_o);
+  end
+  if (Columns % Taps != 0) begin : gen_rules_of_short
+    always_ff @(posedge clk_i) cover (f_past_q && done && short);
   end
   if (Taps == 10) begin : gen_rules_of_ten
     always_ff @(posedge clk_i) cover (f_past_q && valid_q && two && step_q == 2'd2);
