@@ -200,7 +200,7 @@ module sp_verdict_registers #(
     .wr_addr_i(word[3:0]),
     .wr_data_i(data_i),
     .rd_clk_i (clk_i),
-    .rd_en_i  (request_i),  // the address stands still only then
+    .rd_en_i  (1'b1),
     .rd_addr_i(word[3:0]),
     .rd_data_o(kept)
 `ifdef FORMAL
