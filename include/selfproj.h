@@ -235,7 +235,7 @@ typedef struct selfproj_profile {
   uint32_t columns; /* entries of each array; must be those of the profiler */
   float* centroid;  /* rows from 1 */
   float *x, *y, *z;
-  float *dx, *dy, *dz; /* difference from the reference; dz < 0 is nearer to the camera */
+  float *dx, *dy, *dz; /* difference from the reference, NaN where it has no point; dz < 0 is nearer to the camera */
   uint8_t* validity;   /* 0 = valid; else the reason (include/selfproj/light_section/profile.h) */
 } selfproj_profile;
 

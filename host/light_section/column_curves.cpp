@@ -128,12 +128,15 @@ ColumnCurves::ColumnCurves(const rig::Rig& rig, const ReferenceProfile& referenc
     throw std::invalid_argument("profile: the reference has other columns than the camera");
   }
   const rig::RigOptics optics(rig);
+  // A laser's light is where it is, with a reference or without.
+  const ReferenceProfile plane = optics.has_projector() ? reference : reference_of_plane(rig);
   std::vector<Column> columns(reference.valid.size());
   for (int c = 0; c < reference.columns(); ++c) {
     const auto i = static_cast<std::size_t>(c);
     Column& column = columns[i];
-    const std::optional<rig::LightSheet> sheet = sheet_of(optics, reference, c);
-    column.row_r = sheet ? rig::middle_row(rig.camera) + reference.offset_px[i] : 0;
+    const ReferenceProfile& from = reference.valid[i] != 0 ? reference : plane;
+    const std::optional<rig::LightSheet> sheet = sheet_of(optics, from, c);
+    column.row_r = sheet ? rig::middle_row(rig.camera) + from.offset_px[i] : 0;
     column.sheet = sheet.value_or(rig::LightSheet{});
     const ExactColumn exact(optics, c, column.sheet);
     const std::pair<double, double> none;
@@ -143,13 +146,13 @@ ColumnCurves::ColumnCurves(const rig::Rig& rig, const ReferenceProfile& referenc
     last.push_back(static_cast<float>(valid[i] != 0 ? end : 0));
     if (valid[i] != 0) {
       const cv::Vec2d ray = *optics.ray({column.row_r - 1, static_cast<double>(c)});
-      column.z_r = reference.z_mm[i];
+      column.z_r = from.z_mm[i];
       column.a_r = ray[0];
       column.b_r = ray[1];
       sample(exact, begin, end, column);
     }
     row_r.push_back(static_cast<float>(column.row_r));
-    z_r.push_back(static_cast<float>(column.z_r));
+    z_r.push_back(reference.valid[i] != 0 ? static_cast<float>(column.z_r) : images::kNoValue);
     inverse.push_back(static_cast<float>(1 / column.z_r));
     a_r.push_back(static_cast<float>(column.a_r));
     b_r.push_back(static_cast<float>(column.b_r));

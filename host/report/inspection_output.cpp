@@ -189,7 +189,9 @@ void write_profile(const light_section::Inspection& inspection, files::OutputFol
       for (const float value :
            {values.x[at], values.y[at], values.z[at], values.dx[at], values.dy[at], values.dz[at]}) {
         *to++ = ',';
-        to = append_tenth_micrometres(to, static_cast<double>(value));
+        if (!std::isnan(value)) {  // a difference without a reference is
+          to = append_tenth_micrometres(to, static_cast<double>(value));
+        }
       }
       *to++ = '\n';
       table.end(to);
@@ -225,7 +227,8 @@ void write_cloud(const light_section::Inspection& inspection, files::OutputFolde
       to = append_float(to, values.y[at]);
       to = append_float(to, values.z[at]);
       to = append_float(to, static_cast<float>(difference));
-      const Colour colour = colour_at(scale.map, (difference - scale.low) / (scale.high - scale.low));
+      const double place = (difference - scale.low) / (scale.high - scale.low);
+      const Colour colour = colour_at(scale.map, std::isnan(place) ? 0.5 : place);
       for (const std::uint8_t part : {colour.red, colour.green, colour.blue}) {
         *to++ = static_cast<char>(part);
       }

@@ -34,9 +34,10 @@ class ColumnCurves {
   static constexpr double kMaxError = 0.001;
 
   // Fits the curves of all columns with the least degree that is exact enough. If even the greatest misses kMaxError,
-  // the rows of those columns end nearer to the reference. A laser's points lie within half the belt's distance of the
-  // belt, where a row is worth at most max_z_per_line_mm. Throws std::invalid_argument if the reference has another
-  // number of columns than the rig.
+  // the rows of those columns end nearer to the reference. With a laser, a column without a reference has the curve
+  // about the plane of the belt, and its differences are NaN; points lie within half the belt's distance of the belt,
+  // where a row is worth at most max_z_per_line_mm. Throws std::invalid_argument if the reference has another number of
+  // columns than the rig.
   ColumnCurves(const rig::Rig& rig, const ReferenceProfile& reference);
 
   [[nodiscard]] int columns() const { return static_cast<int>(valid.size()); }
@@ -48,7 +49,7 @@ class ColumnCurves {
   // One entry for each column.
   std::vector<float> row_r;         // C_r
   std::vector<float> first, last;   // the centroids for which there is a point
-  std::vector<float> z_r, inverse;  // z_r and 1/z_r
+  std::vector<float> z_r, inverse;  // z_r, NaN without a reference, and 1/z_r
   std::vector<float> a_r, b_r;
   std::vector<std::int32_t> valid;  // 0 or 1
 

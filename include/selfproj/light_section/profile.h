@@ -15,7 +15,7 @@ enum class Validity : std::uint8_t {
   too_few,       // fewer lit pixels than the rig's min_lit_px
   too_wide,      // more lit pixels than the rig's max_lit_px
   cut_off,       // the line reaches the first or last row that counts and may go on beyond it: see line_is_cut_off
-  no_reference,  // the reference has no point in this column
+  no_reference,  // the reference has no point in this column, whose light follows from it: not with a laser
   out_of_range,  // triangulation is impossible there
   ambiguous,     // the second run is nearly as strong as the strongest: see the rig's ambiguous_from
   outside,       // the camera's region has not this column
@@ -36,7 +36,7 @@ inline constexpr int kValidities = 9;
 }
 
 // Where a profile goes: arrays with one entry for each column, owned by someone else. Millimetres in the camera's
-// frame. Entries of invalid columns are NaN.
+// frame. Entries of invalid columns are NaN; with a laser also the differences in columns without a reference.
 struct ProfileView {
   float* centroid = nullptr;  // C = M1/M0 (3.2), rows of the sensor from 1
   float* x = nullptr;         // shape (3.10, 3.11), x not carried back by the belt

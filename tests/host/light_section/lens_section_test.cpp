@@ -2,6 +2,7 @@
 // written out apart from the host's geometry.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <functional>
@@ -363,6 +364,42 @@ TEST(LensSection, RowsNearlyParallelToALaserGiveNoPoints) {
 
 // Frames of a region have points in the same rows of the sensor as whole ones, and no others, at both ends of the
 // range.
+// A laser's light is where it is, whatever it is compared with: columns without a reference have the same points, and
+// no differences. A projected pattern gives them no light that is known.
+TEST(LensSection, ALaserMeasuresWithoutAReference) {
+  const rig::Rig rig = rig::load_any_rig("laser");
+  const light_section::ReferenceProfile whole = light_section::reference_of_plane(rig);
+  light_section::ReferenceProfile part = light_section::reference_of_curve(
+      rig, light_section::curve_of_heights(rig, std::vector<double>(static_cast<std::size_t>(rig.camera.columns), 12)));
+  for (std::size_t i = 0; i < part.valid.size(); i += 3) {
+    part.valid[i] = 0;
+    part.z_mm[i] = part.offset_px[i] = part.line[i] = part.slope[i] = rig::kUnknown;
+  }
+  const light_section::DifferentialProfiler of_plane(rig, whole);
+  const light_section::DifferentialProfiler of_part(rig, part);
+  light_section::Profile on_plane, on_part;
+  on_plane.resize(rig.camera.columns);
+  on_part.resize(rig.camera.columns);
+  int compared = 0;
+  for (const double off : {-20.0, -3.3, 0.0, 7.9}) {
+    std::vector<double> rows(whole.offset_px);
+    std::for_each(rows.begin(), rows.end(), [&](double& row) { row += rig::middle_row(rig.camera) + off; });
+    model::Moments moments = moments_of(rows);
+    of_plane.profile(moments.view(), on_plane.view());
+    of_part.profile(moments.view(), on_part.view());
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      ASSERT_EQ(on_part.validity[i], on_plane.validity[i]) << i;
+      if (on_plane.validity[i] == static_cast<std::uint8_t>(light_section::Validity::valid)) {
+        EXPECT_NEAR(on_part.z[i], on_plane.z[i], 0.002);
+        EXPECT_NEAR(on_part.y[i], on_plane.y[i], 0.002);
+        EXPECT_EQ(std::isnan(on_part.dz[i]) && std::isnan(on_part.dx[i]) && std::isnan(on_part.dy[i]), i % 3 == 0);
+        ++compared;
+      }
+    }
+  }
+  EXPECT_GT(compared, 2 * rig.camera.columns);
+}
+
 TEST(LensSection, FramesOfARegionHaveTheRangeOfTheSensor) {
   constexpr std::uint32_t kM0 = 1000;
   for (const int rows_below : {300, -300}) {
