@@ -168,6 +168,9 @@ class Run {
         profiler_(rig_, reference_),
         section_(profiler_, options.select.empty() ? std::nullopt : std::optional(images::select_of(options.select))),
         measure_(measure_of_rig(rig_, options.select)) {
+    if (!options.verdict.empty()) {
+      verdict_ = production::load_verdict_table(options.verdict);  // once: it may be a pipe
+    }
     if (options.follow) {
       follower_.emplace(rig_, reference_, "--rig " + options.section.rig);
     }
@@ -278,7 +281,7 @@ class Run {
     if (!options_.verdict_board) {
       return setup;
     }
-    setup.verdict = production::load_verdict_table(options_.verdict);
+    setup.verdict = verdict_;
     production::check_verdict_table(*setup.verdict, rig_, options_.verdict);
     if (!options_.ejector_mm.empty()) {
       if (!(rig_.conveyor.encoder_mm_per_count > 0)) {
@@ -303,7 +306,7 @@ class Run {
       return nullptr;
     }
     const auto keep = static_cast<std::size_t>(folder_ ? options_.keep : 0);
-    const production::VerdictTable table = production::load_verdict_table(options_.verdict);
+    const production::VerdictTable& table = *verdict_;
     std::unique_ptr<production::VerdictTables> tables;
     if (options_.verdict_placed) {
       if (options_.production.tolerance.empty()) {
@@ -439,6 +442,7 @@ class Run {
   std::optional<light_section::Inspection> inspection_;
   std::optional<production::Production> production_;
   std::optional<light_section::RegionFollower> follower_;
+  std::optional<production::VerdictTable> verdict_;
   std::uint64_t frames_of_moves_ = 0;  // whose place on the sensor was not said
   NewestDoubt newest_doubt_;
   light_section::Profile own_;

@@ -76,6 +76,9 @@ void print_table(const production::VerdictTable& table) {
     fmt::print("a part begins after {} lit columns, and ends after {} frames with fewer\n", table.rule.lit,
                table.rule.dark_frames);
   }
+  if (table.shift_mm) {
+    fmt::print("the limits are for parts that lie {} mm across from the reference\n", *table.shift_mm);
+  }
   fmt::print("shift {} columns, {:.2f} rows; of up to {} columns\n", settings.shift_columns,
              static_cast<double>(settings.shift_rows) / model::kRowParts, table.max_shift_columns);
 }

@@ -45,6 +45,9 @@ void visit_made_with(TableT& table, Visitor& v) {
   v.number("play_across_mm", table.play_across_mm, 1, rig::kNotNegative);
   v.number("play_along_mm", table.play_along_mm, 1, rig::kNotNegative);
   v.number("lit_rows", table.lit_rows, 1, rig::kPositive);
+  if (v.has_any({"shift_mm"}, table.shift_mm)) {  // not in files of earlier versions
+    v.number("shift_mm", *table.shift_mm, 1, rig::kAny);
+  }
   v.end();
 }
 
@@ -191,9 +194,9 @@ VerdictTable::Section read_section(const YAML::Node& node, const std::string& so
 
 std::string to_yaml(const VerdictTable& table) {
   rig::FieldWriter writer;
-  visit_frames(table, writer);
-  visit_made_with(table, writer);
   VerdictTable copy = table;  // visitors change what they read
+  visit_frames(table, writer);
+  visit_made_with(copy, writer);
   visit_settings(copy, writer);
   visit_rule(copy.rule, writer);
   std::string text = writer.yaml() + "sections:\n";

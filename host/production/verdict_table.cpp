@@ -467,7 +467,8 @@ VerdictTable VerdictTables::table(double shift_mm, double play_along_mm) const {
                      .margin_mm = options_.margin_mm,
                      .play_across_mm = options_.play_across_mm,
                      .play_along_mm = play_along_mm,
-                     .lit_rows = lit_rows_};
+                     .lit_rows = lit_rows_,
+                     .shift_mm = shift_mm};
   table.max_shift_columns = static_cast<int>(std::ceil(options_.max_shift_mm / std::abs(column_mm_) - 1e-9));
   if (table.max_shift_columns > model::kMaxShiftColumns) {
     throw UserError("--max-shift", fmt::format("is {} columns; at most {} can be set", table.max_shift_columns,

@@ -35,7 +35,8 @@ struct VerdictTable {
   double play_across_mm = 0;
   double play_along_mm = 0;
   double lit_rows = 0;
-  int max_shift_columns = 0;  // the limits hold for settings.shift_columns of up to this, both ways
+  std::optional<double> shift_mm = {};  // for parts so far across from where the reference lay; nothing: not known
+  int max_shift_columns = 0;            // the limits hold for settings.shift_columns of up to this, both ways
   model::VerdictSettings settings = {};
   model::PartRule rule = {};
   std::vector<Section> sections = {};  // 1 to kMaxVerdictSections

@@ -278,7 +278,12 @@ class Pairs(unittest.TestCase):
             selfproj verdict table --rig again.yaml --tolerance b.yaml --start 5980 --pitch 3000 --out w.yaml
             tail -n +2 v.yaml > v; tail -n +2 w.yaml > w; cmp v w
             selfproj verdict show w.yaml
+            selfproj verdict table --rig rig.yaml --tolerance a.yaml --start 5980 --pitch 3000 --shift -0.5 \
+              --out shifted.yaml
+            selfproj verdict show shifted.yaml | grep 'for parts that lie -0.5 mm across'
             selfproj inspect --rig again.yaml --device file:run.packets --tolerance a.yaml --verdict w.yaml --parts by_w
+            (cat w.yaml | selfproj inspect --rig again.yaml --device file:run.packets --tolerance a.yaml \
+              --verdict /dev/stdin --verdict-board --parts by_pipe 2>&1 || true) | grep 'needs a board with registers'
         """)
 
 

@@ -339,6 +339,9 @@ TEST(VerdictFile, IsReadBackAndChecked) {
   EXPECT_EQ(production::parse_verdict_table(text, "v.yaml"), table);
   table.rule = {.lit = 200, .dark_frames = 9};
   EXPECT_EQ(production::parse_verdict_table(production::to_yaml(table), "v.yaml"), table);
+  EXPECT_NE(text.find("  shift_mm: 0\n"), std::string::npos);
+  table.shift_mm = {};  // a file of an earlier version
+  EXPECT_EQ(production::parse_verdict_table(production::to_yaml(table), "v.yaml"), table);
   EXPECT_NO_THROW(production::check_verdict_table(table, setup.rig, "v.yaml"));
   EXPECT_THROW(production::check_verdict_table(table, block_in_region().rig, "v.yaml"), UserError);
 
