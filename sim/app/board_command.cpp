@@ -263,7 +263,8 @@ void run_board(const BoardOptions& options) {
     const model::BoardBuild build{.max_rows = spec::kMaxRows, .runs = true, .region = true, .compact = true};
     PlayedRegisters registers(options.pixel_clock_hz, build);
     SensorImages images = read_sensor_images(options.source);
-    SensorBoard source(std::move(images.pixels), images.rows, images.columns, registers);
+    SensorBoard source(std::move(images.pixels), images.rows, images.columns, counts_per_image(options.source),
+                       registers);
     play(options, source, registers);
     return;
   }

@@ -24,6 +24,7 @@
 #include "selfproj/model/column_runs.h"
 #include "selfproj/model/gray_decoder.h"
 #include "selfproj/model/packet.h"
+#include "selfproj/rig/rig.h"
 
 namespace selfproj::sim {
 namespace {
@@ -85,6 +86,17 @@ PacketRecording make_images(const BoardSource& options, std::uint64_t frames) {
 
 }  // namespace
 
+double counts_per_image(const BoardSource& options) {
+  if (options.rig.empty()) {
+    return 0;
+  }
+  const rig::Rig rig = rig::load_rig(options.rig);
+  if (!(rig.conveyor.encoder_mm_per_count > 0)) {
+    throw UserError("--rig " + options.rig, "the belt has no encoder (conveyor.encoder_mm_per_count)");
+  }
+  return rig.conveyor.speed_mm_per_s / rig.camera.sent().frame_rate_hz / rig.conveyor.encoder_mm_per_count;
+}
+
 SensorImages read_sensor_images(const BoardSource& options) {
   constexpr std::size_t kMost = 4'000'000'000;  // bytes; they are held in memory
   images::ImageSequence images(options.images, options.pixels.rule());
@@ -107,13 +119,17 @@ PacketRecording read_source(const BoardSource& options, std::uint64_t frames) {
   if ((options.replay.empty() ? 0 : 1) + (options.line.empty() ? 0 : 1) + (options.images.empty() ? 0 : 1) != 1) {
     throw UserError("--replay, --line, --images", "give one of them");
   }
-  if (options.images.empty() && (options.bits > 0 || options.code_threshold || !options.pixels.given().empty())) {
-    throw UserError(
-        options.bits > 0 ? "--bits" : (options.code_threshold ? "--code-threshold" : options.pixels.given()),
-        "goes only with --images");
+  const std::string of_images = options.bits > 0         ? "--bits"
+                                : options.code_threshold ? "--code-threshold"
+                                : !options.rig.empty()   ? "--rig"
+                                                         : options.pixels.given();
+  if (options.images.empty() && !of_images.empty()) {
+    throw UserError(of_images, "goes only with --images");
   }
   if (!options.images.empty()) {
-    return make_images(options, frames);
+    PacketRecording recording = make_images(options, frames);
+    recording.count_encoder(counts_per_image(options));
+    return recording;
   }
   if (!options.line.empty()) {
     return make_line(options);
@@ -147,6 +163,12 @@ void add_source_options(CLI::App& command, BoardSource& options) {
       "With --images and --control: they are images of the whole sensor, and the camera sends the part that "
       "the registers `region` and `size` say. It is measured as the registers say. The board begins when a "
       "host starts it and ends when one stops it.");
+  command
+      .add_option("--rig", options.rig,
+                  "With --images: the rig that they are of. The encoder counts as its belt moves from image to image, "
+                  "at the rig's frame rate, whatever --rate says.")
+      ->type_name("RIG")
+      ->default_str("the encoder stands still");
   command
       .add_option("--bits", options.bits,
                   "With --images: bits M of their Gray code. Image k shows pattern k modulo 2M.")

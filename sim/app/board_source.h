@@ -19,7 +19,8 @@ struct BoardSource {
   std::vector<std::string> images;
   bool sensor = false;  // the images are of the whole sensor; the registers say what is sent
   images::PixelOptions pixels;
-  int bits = 0;  // of the Gray code in the images; 0: the images are sent as they are
+  std::string rig;  // that the images are of; empty: the encoder stands still
+  int bits = 0;     // of the Gray code in the images; 0: the images are sent as they are
   std::optional<int> code_threshold;
   std::string line;  // COLUMNSxROWS
   std::string mode = "grey-over";
@@ -37,6 +38,9 @@ struct SensorImages {
   int rows = 0;
   int columns = 0;
 };
+
+// How much the encoder counts from image to image: as the rig's belt moves. Throws UserError.
+double counts_per_image(const BoardSource& options);
 
 // The images of --images. Throws UserError.
 SensorImages read_sensor_images(const BoardSource& options);

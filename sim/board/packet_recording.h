@@ -3,6 +3,7 @@
 #define SELFPROJ_SIM_BOARD_PACKET_RECORDING_H
 
 #include <atomic>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -20,6 +21,11 @@
 
 namespace selfproj::sim {
 
+// The encoder's count at a frame, modulo 2^32.
+inline std::uint32_t encoder_at(std::uint64_t frame, double counts_per_frame) {
+  return static_cast<std::uint32_t>(std::llround(static_cast<double>(frame) * counts_per_frame));
+}
+
 // The packets of a run of frames, held in memory. A frame consists of the packets with one sequence number: its
 // moments, and the lines of its image and code image if there are any.
 //
@@ -29,6 +35,13 @@ class PacketRecording {
  public:
   // Adds a packet, which must be right.
   void add(const model::PacketHeader& header, std::span<const std::uint8_t> packet);
+
+  // The encoder counts so much from frame to frame, instead of what was recorded.
+  void count_encoder(double counts_per_frame) {
+    for (std::size_t i = 0; i < frames_.size(); ++i) {
+      frames_[i].encoder = encoder_at(i, counts_per_frame);
+    }
+  }
 
   [[nodiscard]] std::size_t frames() const { return frames_.size(); }
   [[nodiscard]] std::size_t packets() const { return packets_.size(); }

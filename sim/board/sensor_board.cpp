@@ -28,6 +28,7 @@ std::span<const std::uint8_t> SensorBoard::packet_of(std::uint64_t frame, double
   header.stream = static_cast<std::uint8_t>(taken_.stream);
   header.sequence = frame;
   header.time_stamp = static_cast<std::uint64_t>(static_cast<double>(frame) * clocks_per_frame);
+  header.encoder = encoder_at(frame, counts_per_frame_);
   header.region_row = static_cast<std::uint16_t>(taken_.region_row);
   header.region_column = static_cast<std::uint16_t>(taken_.region_column);
   model::describe_frame(header, taken_.rows, taken_.columns, measure);

@@ -20,9 +20,15 @@ namespace selfproj::sim {
 // Raw images are not sent. Without `run`, and with a part that the sensor has not, nothing is sent.
 class SensorBoard {
  public:
-  // `pixels`: images of rows x columns, image by image. The registers must live as long.
-  SensorBoard(std::vector<std::uint8_t> pixels, int rows, int columns, PlayedRegisters& registers)
-      : pixels_(std::move(pixels)), rows_(rows), columns_(columns), registers_(registers) {}
+  // `pixels`: images of rows x columns, image by image. The encoder counts so much from image to image. The registers
+  // must live as long.
+  SensorBoard(std::vector<std::uint8_t> pixels, int rows, int columns, double counts_per_frame,
+              PlayedRegisters& registers)
+      : pixels_(std::move(pixels)),
+        rows_(rows),
+        columns_(columns),
+        counts_per_frame_(counts_per_frame),
+        registers_(registers) {}
 
   [[nodiscard]] std::size_t frames() const {
     return pixels_.size() / (static_cast<std::size_t>(rows_) * static_cast<std::size_t>(columns_));
@@ -41,6 +47,7 @@ class SensorBoard {
 
   std::vector<std::uint8_t> pixels_;
   int rows_, columns_;
+  double counts_per_frame_;
   PlayedRegisters& registers_;
   model::BoardSettings taken_;  // in force
   int row_ = 0, column_ = 0;    // where the camera begins

@@ -69,8 +69,8 @@ class Follow(unittest.TestCase):
     def inspect(self, name, images, *words, status=0):
         """Inspects these images. Returns what was said, and the counts."""
         files = [file for folder in images for file in sorted((self.folder / folder).glob("*.png"))]
-        board = subprocess.Popen([PROGRAMS / "selfproj-sim", "board", "--images", *files, "--sensor", "--rate",
-                                  str(RATE), "--ring", f"follow-{name}", "--control", ADDRESS], cwd=self.folder,
+        board = subprocess.Popen([PROGRAMS / "selfproj-sim", "board", "--images", *files, "--sensor", "--rig",
+                                  "few.yaml", "--rate", str(RATE), "--ring", f"follow-{name}", "--control", ADDRESS], cwd=self.folder,
                                  stdout=subprocess.DEVNULL)
         try:
             info = [PROGRAMS / "selfproj", "board", "info", "--device", f"udp:{ADDRESS}"]
@@ -104,6 +104,10 @@ class Follow(unittest.TestCase):
             self.assertGreater(found["compared"], 0.6 * found["of_a"], found)
             self.assertLess(found["largest_mm"], OFF_MM, found)
             self.assertLess(found["rms_mm"], 0.3 * OFF_MM, found)
+            # The images are of 50,000 frames a second, and the board plays them slowly: the encoder says where they lie.
+            belt = json.loads((self.folder / f"{part}-followed/summary.json").read_text())["belt"]
+            self.assertEqual(belt["x_from"], "encoder")
+            self.assertAlmostEqual(belt["mm_per_frame"], 1000 / 50000)
 
     def test_part_after_part(self):
         parts = ["high", "low", "low", "high", "low"]
@@ -139,6 +143,8 @@ class Follow(unittest.TestCase):
             said = self.sim("board", *words, "--sensor", "--ring", "follow-none", status=2)
             self.assertEqual(said, "selfproj-sim: --sensor: needs --images and --control, and goes neither with --bits "
                                    "nor with --record\n")
+        said = self.sim("board", "--line", "512x96", "--rig", "few.yaml", "--ring", "follow-none", status=2)
+        self.assertEqual(said, "selfproj-sim: --rig: goes only with --images\n")
         said = self.sim("scene", "render", "desk", "--lift", 1, "--count", 1, "--out", "desk", status=2)
         self.assertEqual(said, "selfproj-sim: --lift, --aside, --turn: the scene is no part on a conveyor\n")
 
