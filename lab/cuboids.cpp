@@ -524,12 +524,9 @@ void add_pictures(const Stage& stage, const std::vector<Method>& methods, report
   const report::MapScale height_colours{report::ColourMap::sequential, 0, 125};
   for (const Method& method : methods) {
     page.pictures.push_back(
-        {method.name + ": height",
-         report::labelled_map_png(height_of(rig, method.depth), height_colours, pitch, "height, mm"), ""});
-    page.pictures.push_back(
-        {method.name + ": difference from the reference",
-         report::labelled_map_png(method.difference, {report::ColourMap::diverging, -12, 12}, pitch, "difference, mm"),
-         ""});
+        report::shown_map(method.name + ": height", height_of(rig, method.depth), height_colours, pitch));
+    page.pictures.push_back(report::shown_map(method.name + ": difference from the reference", method.difference,
+                                              {report::ColourMap::diverging, -12, 12}, pitch));
     page.plots.push_back(profile(rig, method.name, method.depth, stage.truth, Axis::y));
     page.plots.push_back(profile(rig, method.name, method.depth, stage.truth, Axis::x));
   }

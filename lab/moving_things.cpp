@@ -255,10 +255,9 @@ report::ReportPicture still_of(const Setting& setting, const Observation& seen) 
   const rig::RigCamera& camera = setting.options.rig.camera;
   const double pixel = setting.options.rig.plane_z_mm * camera.pixel_pitch_mm / camera.focal_length_mm;
   const double most = setting.experiment.max_difference;
-  return {fmt::format("{}, t = {:.3f} s", seen.method, seen.moving.back().frame / camera.frame_rate_hz),
-          report::labelled_map_png(seen.difference, {report::ColourMap::diverging, -most, most}, {pixel, pixel},
-                                   "difference from the reference, mm"),
-          ""};
+  return report::shown_map(
+      fmt::format("{}, t = {:.3f} s", seen.method, seen.moving.back().frame / camera.frame_rate_hz), seen.difference,
+      {report::ColourMap::diverging, -most, most}, {pixel, pixel}, "difference from the reference, mm");
 }
 
 Observation observe(const Setting& setting, DepthStream& stream, const std::string& method) {

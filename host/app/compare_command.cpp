@@ -11,6 +11,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "host/app/commands.h"
@@ -186,6 +187,11 @@ void write_report(const CompareOptions& options, const Comparison& comparison, c
   page.title = "Comparison";
   page.subtitle = "A: " + options.a + ", B: " + options.b;
   page.highlights = facts;
+  for (std::size_t i = 1; i <= 3; ++i) {
+    page.highlights[i].value = mm_text(std::get<double>(facts[i].value));
+  }
+  page.highlights.back().value = fmt::format("{:.2f}", 100 * f.within);
+  page.highlights.back().unit = "%";
   page.plots = {plot};
   page.pictures = comparison.pictures;
   page.tables = {table};
