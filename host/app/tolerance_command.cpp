@@ -187,7 +187,8 @@ void add_learn_command(CLI::App& tolerance) {
            "The device, or the images, bring at least 5 good parts; the rig's section `parts` says how they are cut. "
            "Each stretch of "
            "the reference's section between two walls becomes a region. Its band is what the good parts reach, and "
-           "--spreads standard deviations more. The file is YAML, to be looked at and changed.\n\n"
+           "--spreads standard deviations, times 1 + 3 / parts, more. The file is YAML, to be looked at and "
+           "changed.\n\n"
            "With a rig of kind scanner the parts are depth images under the stripes of --reference, and each surface "
            "of the reference becomes a region.\n\n"
            "The run ends when the device ends, after --count profiles or depth images, after --seconds, or at Ctrl-C.",
@@ -226,7 +227,7 @@ selfproj match --rig scans/rig.yaml --reference scans/stripes --device file:scan
       ->default_str("6 cells of the map; of a scanner 3");
   command
       ->add_option("--spreads", options->learn.spreads,
-                   "Standard deviations from the mean of the good parts to a limit.")
+                   "Standard deviations, times 1 + 3 / parts, from the mean of the good parts to a limit.")
       ->transform(cli::real_number(1, 100))
       ->type_name("N")
       ->capture_default_str();

@@ -39,15 +39,16 @@ static_assert(sizeof(Wide) == 2 * sizeof(Pixel));
 // How memory is read. A strip is as wide as a cache line. So the sums of a block stay in registers: 2 of the 32
 // registers of AVX-512 in mode binary and 5 in the grey modes, 10 of the 16 of AVX2. The block of one strip is followed
 // by the same rows of the next strip. A band of kBandStrips strips is as wide as the usual image, whose rows follow one
-// another in memory; wider images are read band after band. Each pixel is read once.
+// another in memory; wider images are read band after band. Each pixel is read once, but for up to 63
+// columns of the last strip where the width is no multiple of 64.
 //
 // Memory answers late, and these loops do not load far enough ahead by themselves: so they reach 25 % of the speed at
 // which one core can read it in one stream. Therefore each cache line is asked for, into the second-level cache, kAhead
 // rows before it is needed. It is asked for several times, because a processor may drop such a request while too many
-// are under way: in mode binary one request reaches 63 %, two 77 % and three 87 %, and in the grey modes 78, 87 and
-// 92 % (an EPYC of Zen 4). In cache, where nobody needs them, they cost a fifth of the speed in mode binary. Frames
-// mostly follow one another, so the requests run on below the last row into the next frame. They are hints, which read
-// nothing and never fault.
+// are under way: when it was chosen (an EPYC of Zen 4), one request reached 63 % in mode binary, two 77 % and three 87
+// %, and in the grey modes 78, 87 and 92 %. In cache, where nobody needs them, they cost a third of the speed in mode
+// binary. Frames mostly follow one another, so the requests run on below the last row into the next frame. They are
+// hints, which read nothing and never fault.
 constexpr int kStripColumns = 64;
 constexpr int kNarrowColumns = 16;  // of a strip in an image narrower than that
 constexpr int kBandStrips = 8;

@@ -31,11 +31,11 @@ struct EdgeLine {
 
 using EdgeLines = std::array<std::optional<EdgeLine>, kEdges>;
 
-// The edges of the largest thing that is higher than above_mm of `rule`. Places without light, such as the shadow of a
-// wall, do not split it if they are less than gap_mm wide. Each is a straight line through the places where it
-// begins or ends in a row or column of cells, located to a fraction of a cell from the cells' weights; places far off
-// the line (a chipped corner) do not count. A side edge at the border of the view is missing, and so is any edge with
-// fewer than kMinPlaces places.
+// The edges of the largest thing that is higher than above_mm of `rule`. What is lower or has no point, such as the
+// shadow of a wall, does not split it if it is less than gap_mm wide. Each is a straight line through the places where
+// it begins or ends in a row or column of cells, located to a fraction of a cell from the cells' weights; places far
+// off the line (a chipped corner) do not count. A side edge at the border of the view is missing, and so is any edge
+// with fewer than kMinPlaces places.
 inline constexpr std::size_t kMinPlaces = 8;
 EdgeLines edges_of(const HeightCells& cells, const rig::RigParts& rule);
 

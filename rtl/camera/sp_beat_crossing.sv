@@ -11,7 +11,8 @@
 // counts and marks it as broken. overrun_o and cut_o are high for one clock for each such frame and
 // for each rise of cut_i, if these are four clocks of the board apart or more.
 //
-// Reset: rst_i alone. The camera's clock may stop and start at any time. After rst_i the module
+// Reset: rst_i alone, high for two clocks or more, so that what it clears has settled when it
+// ends. The camera's clock may stop and start at any time. After rst_i the module
 // waits until this clock has run for eight clocks, whatever its registers held before.
 //
 // Latency: one clock of the camera from the next beat, or the end of the line, and 3 to 4 of the

@@ -15,7 +15,7 @@ enum class Validity : std::uint8_t {
   too_few,       // fewer lit pixels than the rig's min_lit_px
   too_wide,      // more lit pixels than the rig's max_lit_px
   cut_off,       // the line reaches the first or last row that counts and may go on beyond it: see line_is_cut_off
-  no_reference,  // the reference has no point in this column, whose light follows from it: not with a laser
+  no_reference,  // the reference has no point in this column; with a laser, the plane of the belt has none either
   out_of_range,  // triangulation is impossible there
   ambiguous,     // the second run is nearly as strong as the strongest: see the rig's ambiguous_from
   outside,       // the camera's region has not this column

@@ -212,7 +212,7 @@ struct RigParts {
   double grid_mm = 0;        // distance of neighbouring cells of a map, along and across
   double above_mm = 0;       // what is higher above the plane belongs to a part
   double min_width_mm = 0;   // cut by profile: a profile belongs to a part if so much of it is higher than above_mm
-  double gap_mm = 0;         // cut by profile: a part ends where the belt moves so far without such a profile
+  double gap_mm = 0;         // nothing narrower splits a part; cut by profile: it ends where the belt moves so far
   double pause_s = 0;        // cut by trigger: a pause of the frames that ends a part
   double min_length_mm = 0;  // what is shorter is not a part; cut by distance: without meaning
   double length_mm = 0;      // a part that is longer is cut here; cut by distance: the length of each

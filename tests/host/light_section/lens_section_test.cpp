@@ -362,8 +362,6 @@ TEST(LensSection, RowsNearlyParallelToALaserGiveNoPoints) {
   }
 }
 
-// Frames of a region have points in the same rows of the sensor as whole ones, and no others, at both ends of the
-// range.
 // A laser's light is where it is, whatever it is compared with: columns without a reference have the same points, and
 // no differences. A projected pattern gives them no light that is known.
 TEST(LensSection, ALaserMeasuresWithoutAReference) {
@@ -400,6 +398,8 @@ TEST(LensSection, ALaserMeasuresWithoutAReference) {
   EXPECT_GT(compared, 2 * rig.camera.columns);
 }
 
+// Frames of a region have points in the same rows of the sensor as whole ones, and no others, at both ends of the
+// range.
 TEST(LensSection, FramesOfARegionHaveTheRangeOfTheSensor) {
   constexpr std::uint32_t kM0 = 1000;
   for (const int rows_below : {300, -300}) {
