@@ -113,6 +113,12 @@ def write(name, about, command, results, folder=None):
     (folder / f"{name}.json").write_text(text_of(envelope) + "\n", encoding="utf-8")
 
 
+def recorded(name):
+    """Returns the results of NAME.json in the folder that SELFPROJ_RESULTS names; {} without such a file or folder."""
+    file = pathlib.Path(os.environ[VARIABLE]) / f"{name}.json" if os.environ.get(VARIABLE) else None
+    return json.loads(file.read_text(encoding="utf-8"))["results"] if file and file.is_file() else {}
+
+
 def number_or_text(text):
     for kind in (int, float):
         try:

@@ -129,12 +129,14 @@ ColumnCurves::ColumnCurves(const rig::Rig& rig, const ReferenceProfile& referenc
   }
   const rig::RigOptics optics(rig);
   // A laser's light is where it is, with a reference or without.
-  const ReferenceProfile plane = optics.has_projector() ? reference : reference_of_plane(rig);
+  const bool whole = reference.valid_columns() == reference.columns();
+  const std::optional<ReferenceProfile> plane =
+      optics.has_projector() || whole ? std::nullopt : std::optional(reference_of_plane(rig));
   std::vector<Column> columns(reference.valid.size());
   for (int c = 0; c < reference.columns(); ++c) {
     const auto i = static_cast<std::size_t>(c);
     Column& column = columns[i];
-    const ReferenceProfile& from = reference.valid[i] != 0 ? reference : plane;
+    const ReferenceProfile& from = reference.valid[i] != 0 || !plane ? reference : *plane;
     const std::optional<rig::LightSheet> sheet = sheet_of(optics, from, c);
     column.row_r = sheet ? rig::middle_row(rig.camera) + from.offset_px[i] : 0;
     column.sheet = sheet.value_or(rig::LightSheet{});

@@ -18,7 +18,6 @@ Standard library only.
 """
 
 import argparse
-import json
 import math
 import os
 import pathlib
@@ -190,8 +189,7 @@ def main():
                 f"{name} RMS {found[name]['rms_mm']:.4f} mm over {100 * found[name]['columns']:.1f} % of the columns, "
                 f"{100 * found[name]['left_out']:.1f} % left out beside steps" for name in ALL)),
               flush=True)
-    if options.add and (file := pathlib.Path(os.environ.get(results.VARIABLE, "")) / "few_rows.json").is_file():
-        before = json.loads(file.read_text(encoding="utf-8"))["results"]["seeds"]
+    if options.add and (before := results.recorded("few_rows").get("seeds")):
         by_seed = {seed: by_seed.get(seed) or before[str(seed)] for seed in sorted({*by_seed, *map(int, before)})}
     bad = sum(bool(found["missed"]) for found in by_seed.values())
     print(f"{len(by_seed) - bad} of {len(by_seed)} hidden rigs hold the bounds: {RMS_MM} mm RMS over "

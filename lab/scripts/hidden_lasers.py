@@ -31,7 +31,6 @@ import concurrent.futures
 import csv
 import json
 import math
-import os
 import pathlib
 import random
 import sys
@@ -283,9 +282,7 @@ def main():
     options = parser.parse_args()
     if options.out and options.out.exists():
         parser.error(f"--out {options.out}: exists already")
-    found = {}
-    if options.add and (file := pathlib.Path(os.environ.get(results.VARIABLE, "")) / "hidden_lasers.json").is_file():
-        found = json.loads(file.read_text(encoding="utf-8"))["results"]["rigs"]
+    found = results.recorded("hidden_lasers").get("rigs", {}) if options.add else {}
     rigs = [(seed, lean) for lean in options.leans for seed in options.seeds]
     with concurrent.futures.ProcessPoolExecutor(options.jobs) as pool:
         for (seed, lean), one in zip(rigs, pool.map(kept_or_not, *zip(*rigs), [options] * len(rigs))):

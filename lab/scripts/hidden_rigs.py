@@ -21,7 +21,6 @@ library only.
 import argparse
 import json
 import math
-import os
 import pathlib
 import re
 import shutil
@@ -304,12 +303,6 @@ def table_of(kind, by_seed):
             "rows": [row_of(kind, seed, found) for seed, found in by_seed.items()], "note": note}
 
 
-def earlier():
-    """What a run for the other kind of rig has left."""
-    file = pathlib.Path(os.environ.get(results.VARIABLE, "")) / "hidden_rigs.json"
-    return json.loads(file.read_text(encoding="utf-8"))["results"] if file.is_file() else {}
-
-
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--seeds", type=seeds_of, default=seeds_of("1-20"), metavar="N-M")
@@ -331,7 +324,7 @@ def main():
     found, failures = {}, 0
     for kind in ("light-section", "scanner") if options.kind == "both" else (options.kind,):
         bounds = BOUNDS[kind]
-        before = earlier().get(kind, {}).get("seeds", {}) if options.add else {}
+        before = results.recorded("hidden_rigs").get(kind, {}).get("seeds", {}) if options.add else {}
         by_seed = found.setdefault(kind, {})
         for seed in options.seeds:
             root = options.out or pathlib.Path(tempfile.mkdtemp())
@@ -350,7 +343,7 @@ def main():
     if options.given:
         found = {f"given_{'_'.join(options.given)}": found}
     results.write("hidden_rigs", "Simulated rigs calibrated from images alone, compared with their true values",
-                  "lab/scripts/hidden_rigs.py" + effort_words, {**earlier(), **found})
+                  "lab/scripts/hidden_rigs.py" + effort_words, {**results.recorded("hidden_rigs"), **found})
     return 1 if failures else 0
 
 
