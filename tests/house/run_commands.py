@@ -2,8 +2,10 @@
 """Runs the command lines of the documents. Of those that are not run it checks the names.
 
     run_commands.py BUILD PROGRAMS [DOCUMENT...]
+    run_commands.py BUILD PROGRAMS --share K/N
 
-BUILD is the folder of a build, for the names of its tests. PROGRAMS is the folder of selfproj and selfproj-sim. Blocks
+BUILD is the folder of a build, for the names of its tests. PROGRAMS is the folder of selfproj and selfproj-sim. A share
+is every Nth document from the Kth on, K from 1. Blocks
 `sh` of a document, or of the page that the site has of a command, without a comment `not run` (check_commands.py) run
 one after another, each by bash -eu, in one folder. The folder contains only rtl, tests, and build/bin, which is
 PROGRAMS; PROGRAMS is also on the PATH. For every command line, run or not, it checks that the options of our programs
@@ -32,7 +34,7 @@ for folder in ("docs/site", "lab/scripts"):
 import commands  # noqa: E402
 import float_tiff  # noqa: E402
 
-LONGEST = 600  # limit in seconds for one block; on an idle machine all blocks together take less than 60
+LONGEST = 600  # limit in seconds for one block; on an idle machine all blocks together take 300 s
 PICTURED = ("docs/getting-started.md",)
 LEAST_VALUES = 0.3  # share of a map's values that are there
 LEAST_PICTURES = 10  # fewer would mean that the check looks at nothing
@@ -223,11 +225,11 @@ class Checker:
                     yield f"{page.name}: {fault}"
 
 
-def problems(root, build, programs, names=()):
+def problems(root, build, programs, names=(), share=slice(None)):
     checker = Checker(root, build, programs)
     lines = []
     made = [documents.parse(f"docs/commands/{name}", text) for name, text in commands.pages(programs).items()]
-    for page in [*documents.all_documents(root), *made]:
+    for page in [*documents.all_documents(root), *made][share]:
         if not names or page.name in names:
             lines += checker.problems_of_lines(page)
             if (programs / "selfproj-lab").exists() or not page.name.startswith("lab/"):
@@ -241,7 +243,11 @@ def main():
         return 2
     root = pathlib.Path(__file__).resolve().parents[2]
     build, programs = (pathlib.Path(name).resolve() for name in sys.argv[1:3])
-    lines = problems(root, build, programs, sys.argv[3:])
+    names, share = sys.argv[3:], slice(None)
+    if names[:1] == ["--share"]:
+        first, step = (int(word) for word in names[1].split("/"))
+        names, share = [], slice(first - 1, None, step)
+    lines = problems(root, build, programs, names, share)
     print("\n".join(lines) if lines else "every command line of the documents does what it should")
     return 1 if lines else 0
 
