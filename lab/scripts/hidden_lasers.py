@@ -23,7 +23,8 @@ the same packets. Bounds: the step within 0.02 mm, heights 0.03 mm RMS, places w
 wrong.
 
 --small takes smaller images and fewer boards. With --out, all files are kept in DIR, a new folder. With SELFPROJ_RESULTS
-set, hidden_lasers.json is written; with --add it keeps the rigs that an earlier run has measured. The exit status is 1 where a bound is not held. Standard library only.
+set, hidden_lasers.json is written; with --add it keeps the rigs that an earlier run has measured. The exit status is 1
+where a bound is not held. Standard library only.
 """
 
 import argparse

@@ -2,10 +2,11 @@
 """thesis_times.py [--programs DIR] [--limit MINUTES] [--record] [NAME...]: runs the commands of docs/thesis.md one after
 another, or those named, and prints how many minutes of one processor core each took.
 
-NAME is the number of a figure (3.9), an experiment (A1), a co-simulation (cosim_fist), a benchmark (bench_gray), rig or
-accuracy. Figures are made each by a process of its own, as its row says; experiments, co-simulations and benchmarks are
-those whose results the page shows, by the very command that their files in results/ and lab/results/ name. With --limit
-a command that needs more is stopped, and that it takes more is what is known. With --record the times go to
+NAME is the number of a figure (3.9), an experiment (A1), a co-simulation (cosim_fist), a benchmark (bench_gray), rig,
+accuracy, or one of the scripts and tests of TREE, which run in the tree, with the programs of --programs. Figures are
+made each by a process of its own, as its row says; experiments, co-simulations and benchmarks are those whose results
+the page shows, by the very command that their files in results/ and lab/results/ name. With --limit a command that
+needs more is stopped, and that it takes more is what is known. With --record the times go to
 lab/results/thesis_times.json, each with date and commit; others that stand there stay. Standard library only.
 """
 
@@ -30,6 +31,9 @@ RECORD = ROOT / "lab/results/thesis_times.json"
 EXPERIMENTS = ("A1", "A2", "B2", "B3", "B4", "B7", "B8")
 COSIMS = ("cosim_stairs-marked", "cosim_fist", "cosim_keys")
 BENCHES = ("bench_gray", "bench_match")
+TREE = {"fpga": "scripts/fpga.py table xc3s", "frame_rate": "ctest --preset release -R Board.TakesFull",
+        "moments_delay": "ctest --preset release -R ColumnMoments.Delay",
+        "depth_stream": "tests/cli/depth_stream.py build/bin --seconds 60"}
 
 
 def commands(programs):
@@ -42,20 +46,24 @@ def commands(programs):
         while "=" in words[0]:  # settings of the environment
             words.pop(0)
         found[name] = words if name in BENCHES else [pathlib.Path(words[0]).name, *words[1:]]
+    found.update((name, line.split()) for name, line in TREE.items())
     return {"rig": ["selfproj", "rig", "light-section"], "accuracy": ["selfproj", "accuracy"], **found}
 
 
 def run(words, programs, folder, limit):
     """Runs a command, of which at most `limit` minutes of a core. Returns its core and wall time in seconds, and its exit
     status."""
-    before, begin = os.times(), time.monotonic()
-    words = [programs / pathlib.Path(words[0]).name, *words[1:]]
+    before, begin, made = os.times(), time.monotonic(), folder / "made"
+    if shlex.join(words) in TREE.values():
+        folder, words = ROOT, [programs if word == "build/bin" else word for word in words]
+    else:
+        words = [programs / pathlib.Path(words[0]).name, *words[1:]]
     if "thesis" in words:
         words += ["--out", folder / "out"]
     most = resource.RLIM_INFINITY if limit is None else round(60 * limit)
     status = subprocess.run(words, cwd=folder, stdout=subprocess.DEVNULL, check=False,
                             preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_CPU, (most, resource.RLIM_INFINITY)),
-                            env={**os.environ, results.VARIABLE: str(folder / "made")}).returncode
+                            env={**os.environ, results.VARIABLE: str(made)}).returncode
     after = os.times()
     core = after.children_user + after.children_system - before.children_user - before.children_system
     return core, time.monotonic() - begin, status
