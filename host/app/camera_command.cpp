@@ -218,6 +218,10 @@ std::string report_text(const calibration::CameraReport& camera, const std::opti
         "in {} images, {} left out, {:.3f} mm RMS\n",
         n[0], n[1], n[2], laser->turn_sd_deg, laser->plane.distance_mm, laser->shift_sd_mm, laser->points,
         laser->images, laser->left_out, laser->rms_mm);
+    for (const std::string& name : laser->without_line) {
+      text += fmt::format("{}: its image of the line has fewer than {} points on the chessboard\n", name,
+                          calibration::kMinLinePoints);
+    }
   }
   return text;
 }

@@ -281,7 +281,11 @@ selfproj depth --rig scanner --bits 8 --device ring:line1 \
       ->type_name("N")
       ->default_str("2^N, one row for each code");
   cli::begin_group(*command, "Decoding");
-  command->add_option("--bits", geometry.bits, "Bits of the code, which are pairs of images.")
+  command
+      ->add_option(
+          "--bits", geometry.bits,
+          "Bits of the code, which are pairs of images. With --rig they divide all of the projector's lines, as those "
+          "of `selfproj pattern gray --rig RIG --bits M` do; the first pairs of a longer code may not.")
       ->transform(cli::whole_number(1, model::GrayDecoder::kMaxBits))
       ->type_name("M")
       ->required();

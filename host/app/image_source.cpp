@@ -6,7 +6,10 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <functional>
+#include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,6 +28,45 @@ namespace {
 images::Preparation with_files(images::Preparation preparation) {
   preparation.background = images::files_of_patterns("--background", preparation.background);
   return preparation;
+}
+
+// The number at the end of a file's name without its suffix, and what stands before it.
+struct Numbered {
+  std::string before;
+  std::uint64_t number = 0;
+};
+
+std::optional<Numbered> numbered(const std::string& file) {
+  constexpr std::size_t kMaxDigits = 18;
+  const std::string name = std::filesystem::path(file).replace_extension().string();
+  const std::size_t end = name.find_last_not_of("0123456789") + 1;
+  if (end == name.size() || name.size() - end > kMaxDigits) {
+    return std::nullopt;
+  }
+  return Numbered{name.substr(0, end), std::stoull(name.substr(end))};
+}
+
+// Notes the first place where numbers of files leave out more than elsewhere: the belt went on there.
+void note_gap(const std::vector<std::string>& files) {
+  std::uint64_t least = std::numeric_limits<std::uint64_t>::max();
+  std::vector<std::uint64_t> steps;
+  for (std::size_t i = 1; i < files.size(); ++i) {
+    const std::optional<Numbered> a = numbered(files[i - 1]);
+    const std::optional<Numbered> b = numbered(files[i]);
+    if (!a || !b || a->before != b->before || b->number <= a->number) {
+      return;
+    }
+    steps.push_back(b->number - a->number);
+    least = std::min(least, steps.back());
+  }
+  const auto gap = std::find_if(steps.begin(), steps.end(), [&](std::uint64_t step) { return step != least; });
+  if (gap != steps.end()) {
+    const auto at = static_cast<std::size_t>(gap - steps.begin());
+    files::note(
+        fmt::format("{}: numbers are missing between it and {}, but the belt is taken to move as far as between "
+                    "any other two images",
+                    files[at], files[at + 1]));
+  }
 }
 
 }  // namespace
@@ -68,6 +110,7 @@ ImageSource::ImageSource(const ImageSourceOptions& options, const rig::Rig& rig,
   if (sent_.rows > model::kMaxSoftwareRows) {
     throw UserError(first(), fmt::format("has {} rows; at most {} are possible", sent_.rows, model::kMaxSoftwareRows));
   }
+  note_gap(images_.files());
   if (sent_.rows > spec::kMaxRows) {
     files::note(fmt::format("{}: has {} rows and a board takes at most {}: this program alone measures them", first(),
                             sent_.rows, spec::kMaxRows));

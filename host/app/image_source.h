@@ -30,7 +30,7 @@ class ImageSource {
  public:
   // Reads the first image. Throws UserError as PreparedImages does, or if the images have neither the size of the
   // rig's camera nor that of its region, or more than kMaxSoftwareRows rows. Notes if they have more rows than a board
-  // takes.
+  // takes, and if numbers are missing in the names of their files.
   ImageSource(const ImageSourceOptions& options, const rig::Rig& rig, const model::Measure& measure);
 
   [[nodiscard]] std::size_t count() const { return images_.count(); }

@@ -274,6 +274,13 @@ void Receiver::run(const Handlers& handlers) {
   while (done_ < max_count && !files::StopSignal::came()) {
     const driver::Next next = device_->next(packet, kPatience);
     if (next == driver::Next::end) {
+      if (first_ns == 0 && options_.device.starts_with("file:")) {
+        line.show("");
+        const std::uint64_t other = counters().bytes_discarded;
+        throw UserError(options_.device, other > 0
+                                             ? fmt::format("holds no packet of a board, but {} other bytes", other)
+                                             : "holds no packet of a board");
+      }
       break;
     }
     const std::int64_t now = driver::now_ns();

@@ -85,8 +85,8 @@ class Receiver {
   void open(const camera::CameraDefaults& camera = {}, const std::optional<BoardSetup>& setup = {});
 
   // Passes on the packets until there are --count things, --seconds after the first packet, until Ctrl-C, or until the
-  // device has ended. Where nothing comes in the first second, it notes the likely reason. Throws what the handlers
-  // throw.
+  // device has ended. Where nothing comes in the first second, it notes the likely reason. Throws UserError if a file
+  // ends that holds no packet, and what the handlers throw.
   void run(const Handlers& handlers);
 
   [[nodiscard]] driver::Device& device() { return *device_; }

@@ -313,7 +313,6 @@ std::vector<cv::Point2d> line_centres(const images::Image& image, int threshold)
 }
 
 LaserPlane laser_plane(const CameraReport& camera, const std::vector<images::Image>& lines) {
-  constexpr std::size_t kMinPoints = 5;  // of an image
   constexpr std::size_t kMinImages = 3;
   const rig::Lens lens = lens_of(camera.model.result.bundle.camera);
   std::vector<Eigen::Vector3d> points;
@@ -329,9 +328,11 @@ LaserPlane laser_plane(const CameraReport& camera, const std::vector<images::Ima
         own.emplace_back((*at)[0], (*at)[1], (*at)[2]);
       }
     }
-    if (own.size() >= kMinPoints) {
+    if (own.size() >= kMinLinePoints) {
       points.insert(points.end(), own.begin(), own.end());
       image_of_point.insert(image_of_point.end(), own.size(), result.images++);
+    } else {
+      result.without_line.push_back(camera.images[camera.image_of_view[v]].name);
     }
   }
   if (result.images < kMinImages) {

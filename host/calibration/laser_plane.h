@@ -44,9 +44,12 @@ struct CameraReport {
   std::vector<CornerModes> shape;          // of the chessboard; empty if it is flat
 };
 
+inline constexpr std::size_t kMinLinePoints = 5;  // of an image
+
 struct LaserPlane {
   rig::RigLightPlane plane;
   std::size_t images = 0;                   // in which the line was found on the chessboard
+  std::vector<std::string> without_line;    // the names of the other images of a chessboard that was found
   std::size_t points = 0, left_out = 0;     // of the line
   double rms_mm = 0;                        // of the points' distances from the plane
   double turn_sd_deg = 0, shift_sd_mm = 0;  // standard deviations, from fits that leave out one image each; the shift

@@ -18,7 +18,8 @@ constexpr std::size_t kMaxKeptBefore = 512;
 
 const rig::Rig& with_parts(const rig::Rig& rig) {
   if (!rig.parts) {
-    throw UserError(rig.name, "has no section `parts`, which says how the stream is cut into parts");
+    throw UserError("--rig",
+                    fmt::format("{} has no section `parts`, which says how the stream is cut into parts", rig.name));
   }
   return rig;
 }

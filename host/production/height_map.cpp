@@ -138,8 +138,9 @@ HeightGrid::HeightGrid(const rig::Rig& rig)
   light_x_ = view.along_mm;
   const rig::RigParts& parts = *rig.parts;
   if (parts.grid_mm < column_mm_) {
-    throw UserError(rig.name, fmt::format("parts.grid_mm is {}; the camera's columns are {:.4g} mm apart on the plane",
-                                          parts.grid_mm, column_mm_));
+    throw UserError(rig.name, fmt::format("parts.grid_mm is {}; the camera's columns are {:.4g} mm apart on the plane, "
+                                          "so at least {:g} is needed",
+                                          parts.grid_mm, column_mm_, std::ceil(100 * column_mm_) / 100));
   }
   const double along = parts.length_mm + 2 * parts.gap_mm + 2 * view.reach_mm;
   MapGrid grid;

@@ -84,8 +84,18 @@ std::string part_picture(const PartResult& result, const PlacedMaps& maps) {
     marks.push_back({maps.grid.row_of(defect.along_mm), maps.grid.column_of(defect.across_mm),
                      defect.size_along_mm / maps.grid.pitch_mm, defect.size_across_mm / maps.grid.pitch_mm});
   }
+  // Belt and walls may differ by much more than a defect, whose colour would be pale.
+  report::MapScale scale = report::difference_scale(maps.difference);
+  if (!result.defects.empty()) {
+    double deepest = 0;
+    for (const Defect& defect : result.defects) {
+      deepest = std::max(deepest, std::abs(defect.depth_mm));
+    }
+    scale.high = std::min(scale.high, deepest);
+    scale.low = -scale.high;
+  }
   const report::MapPitch pitch{.row_mm = maps.grid.pitch_mm, .column_mm = maps.grid.pitch_mm};
-  return report::labelled_map_png(maps.difference, report::difference_scale(maps.difference), pitch,
+  return report::labelled_map_png(maps.difference, scale, pitch,
                                   fmt::format("part {}: {}", result.number, verdict_name(result.verdict)), marks);
 }
 

@@ -133,12 +133,17 @@ void add_figures(const PartResult& result, PartStatistics& statistics) {
 nlohmann::ordered_json statistics_json(const PartStatistics& statistics) {
   nlohmann::ordered_json json = nlohmann::ordered_json::object();
   for (const auto& [name, figures] : statistics) {
+    const std::optional<double> error = figures.trend_error();
     json[name] = {{"parts", figures.count()},
                   {"mean", short_number(figures.mean())},
                   {"spread", short_number(figures.spread())},
                   {"min", short_number(figures.min())},
                   {"max", short_number(figures.max())},
-                  {"rise_in_1000_parts", short_number(1000 * figures.trend())}};
+                  {"rise_in_1000_parts", short_number(1000 * figures.trend())},
+                  {"rise_error_in_1000_parts", nullptr}};
+    if (error) {
+      json[name]["rise_error_in_1000_parts"] = short_number(1000 * *error);
+    }
   }
   return json;
 }

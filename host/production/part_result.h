@@ -128,6 +128,13 @@ class RunningFigures {
   // How much the straight line through all of them rises from one to the next; 0 of fewer than two.
   [[nodiscard]] double trend() const { return count_ > 1 ? xy_ / xx_ : 0; }
 
+  // Its standard error; nothing of fewer than three.
+  [[nodiscard]] std::optional<double> trend_error() const {
+    return count_ > 2
+               ? std::optional(std::sqrt(std::max(0.0, yy_ - xy_ * trend()) / static_cast<double>(count_ - 2) / xx_))
+               : std::nullopt;
+  }
+
  private:
   std::uint64_t count_ = 0;
   double mean_ = 0, mean_x_ = 0;

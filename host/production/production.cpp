@@ -42,7 +42,8 @@ Production::Production(const ProductionOptions& options, const rig::Rig& rig) : 
   }
   if (!options.tolerance.empty()) {
     if (!rig.parts) {
-      throw UserError(rig.name, "has no section `parts`, which says how the stream is cut into parts");
+      throw UserError("--rig",
+                      fmt::format("{} has no section `parts`, which says how the stream is cut into parts", rig.name));
     }
     tolerance_ = load_tolerance(options.tolerance);
   }
@@ -381,9 +382,10 @@ std::string Production::odd_rate() const {
   return std::abs(rate / wanted - 1) < kOdd
              ? ""
              : fmt::format(
-                   "; by their time stamps {:.0f} frames a second came, the rig says {:.0f}: what lies along the "
-                   "belt is taken from speed and time stamps",
-                   rate, wanted);
+                   "; by their time stamps or --mm-per-image {:.0f} frames a second came, the rig says {:.0f}: what "
+                   "lies along the belt is taken from speed and time stamps (from frame to frame {:.3g} mm, by the rig "
+                   "{:.3g})",
+                   rate, wanted, rig_.conveyor.speed_mm_per_s / rate, rig_.conveyor.speed_mm_per_s / wanted);
 }
 
 std::string Production::status_text() const {

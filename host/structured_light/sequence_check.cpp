@@ -423,7 +423,8 @@ std::string contradiction_of(const Triangulation& triangulation, const std::uint
   }
   if (of(PointState::no_line) > kBeyond * measured) {
     return fmt::format(
-        "{:.0f} % of the codes belong to no line of the projector: are bits, lines and geometry those of the images?",
+        "{:.0f} % of the codes belong to no line of the projector: are bits, lines and geometry those of the images, "
+        "and are these the images of the axis that the geometry codes?",
         100 * of(PointState::no_line) / measured);
   }
   const double met = measured - of(PointState::no_line) - of(PointState::no_intersection);
@@ -452,7 +453,7 @@ std::string doubt_of(const Triangulation& triangulation, const std::uint16_t* co
              ? ""
              : fmt::format(
                    "the code changes {:.2f} times as much across the image as on a surface of constant depth: do the "
-                   "surfaces lean so much, or are bits, lines or geometry not those of the images?",
+                   "surfaces lean so much, or are bits, lines (--lines) or geometry not those of the images?",
                    pace->along);
 }
 

@@ -305,13 +305,15 @@ selfproj inspect --device ring:line1 --wait-for-board --seconds 3
   const auto options = std::make_shared<BoardOptions>();
   add_source_options(*command, options->source);
   cli::begin_group(*command, "Destination (one of --ring, --udp and --record is required)");
-  command->add_option("--ring", options->ring, "Ring to write into. A driver reads it as ring:NAME.")
-      ->type_name("NAME");
+  CLI::Option* const ring =
+      command->add_option("--ring", options->ring, "Ring to write into. A driver reads it as ring:NAME.")
+          ->type_name("NAME");
   command->add_option("--slots", options->slots, "Packets that the ring holds, a power of two.")
       ->transform(cli::whole_number(1, 65536))
       ->type_name("N")
       ->default_str(fmt::format("{}, or fewer where /dev/shm is small", driver::RingWriter::kDeepSlots));
-  command->add_flag("--wait-for-reader", options->wait_for_reader, "Begin when a reader has opened the ring.");
+  command->add_flag("--wait-for-reader", options->wait_for_reader, "Begin when a reader has opened the ring.")
+      ->needs(ring);
   command->add_flag("--keep", options->keep, "Leave the ring in place at the end, for a later reader.");
   CLI::Option* const udp = command
                                ->add_option("--udp", options->udp,

@@ -168,6 +168,8 @@ rig::Rig rig_of_moving_parts(rig::Rig rig, const ProductionOptions& options) {
   rig.sources.reset();
   rig.heights.reset();
   constexpr double kMostExposed = 0.9;  // of the time from frame to frame
+  const double pixel =
+      PerturbedRig(rig).camera.depth({0, 0, rig.plane_z_mm}) * rig.camera.pixel_pitch_mm / rig.camera.focal_length_mm;
   rig.name = "line";
   // The whole sensor of a camera with a region scans, and is not at work here.
   double& rate = rig.camera.region ? rig.camera.region->frame_rate_hz : rig.camera.frame_rate_hz;
@@ -177,7 +179,7 @@ rig::Rig rig_of_moving_parts(rig::Rig rig, const ProductionOptions& options) {
   rig.conveyor.speed_mm_per_s = kStep * options.rate;
   rig.parts = rig::RigParts{.cut = rig::PartCut::profile,
                             .by_encoder = options.belt == "encoder",
-                            .grid_mm = 0.25,
+                            .grid_mm = std::max(0.25, std::ceil(20 * pixel) / 20),
                             .above_mm = 5,
                             .min_width_mm = 5,
                             .gap_mm = 1.5,

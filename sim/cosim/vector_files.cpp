@@ -42,6 +42,10 @@ std::vector<model::RegisterWrite> writes_of(const PlatformOptions& options) {
                       1U << spec::kRegTriggerControlOnFrameLsb | static_cast<std::uint32_t>(options.patterns - 1)
                                                                      << spec::kRegTriggerControlLastPatternLsb});
   }
+  if (settings.verdict) {  // refused before these are written; the pin is in no vector
+    writes.push_back({spec::kRegEjectorDelay, 0});
+    writes.push_back({spec::kRegEjectorLength, 1});
+  }
   for (const model::RegisterWrite& write : model::setting_writes(settings, {}, settings.codes)) {
     writes.push_back(write);
   }

@@ -317,7 +317,7 @@ TEST_F(DepthCommand, RefusesADeviceThatDoesNotFit) {
     all.insert(all.end(), more.begin(), more.end());
     return all;
   };
-  expect_refused(with(base, {"--device", "file:empty.bin"}), "file:empty.bin: ", "no complete code image");
+  expect_refused(with(base, {"--device", "file:empty.bin"}), "file:empty.bin: ", "holds no packet of a board");
   expect_refused(with(base, {"--device", "file:missing.bin"}), "missing.bin: ", "No such file");
   expect_refused(with(base, {"--device", "file:codes.bin", "a.png"}), "IMAGE, --device: ", "exactly one");
   expect_refused(base, "IMAGE, --device: ", "one of them");

@@ -238,6 +238,14 @@ TEST_F(PartsCommand, BadInputIsOneLine) {
   };
   EXPECT_NE(error(inspect({"--parts", "x"})).find("--parts: needs --tolerance"), std::string::npos);
   EXPECT_NE(error(inspect({"--tolerance", "none.yaml"})).find("none.yaml: "), std::string::npos);
+  EXPECT_NE(error(host({"inspect", "--rig", "rig.yaml", "--device", "file:rig.yaml", "--tolerance", "tolerance.yaml"}))
+                .find("file:rig.yaml: holds no packet of a board, but "),
+            std::string::npos);
+  write_text(*folder_ / "empty.packets", "");
+  EXPECT_NE(error(host({"inspect", "--rig", "rig.yaml", "--device", "file:empty.packets", "--out", "nothing"}))
+                .find("file:empty.packets: holds no packet of a board\n"),
+            std::string::npos);
+  EXPECT_FALSE(std::filesystem::exists(*folder_ / "nothing"));
   EXPECT_NE(error(inspect({"--tolerance", "tolerance.yaml", "--modbus", "0"})).find("--modbus 0: is neither a port"),
             std::string::npos);
   std::filesystem::create_directory(*folder_ / "full");
@@ -245,7 +253,7 @@ TEST_F(PartsCommand, BadInputIsOneLine) {
   EXPECT_NE(error(inspect({"--tolerance", "tolerance.yaml", "--parts", "full"})).find("full: is not empty"),
             std::string::npos);
   EXPECT_NE(error(host({"inspect", "--device", "file:run.packets", "--tolerance", "tolerance.yaml"}))
-                .find("light-section: has no section `parts`"),
+                .find("--rig: light-section has no section `parts`"),
             std::string::npos);
   EXPECT_NE(error(host({"tolerance", "learn", "--rig", "rig.yaml", "--device", "file:good.packets", "--out", "t.yaml",
                         "--count", "900"}))

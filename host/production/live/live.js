@@ -324,7 +324,8 @@
           number(placed.turn_deg, 2)], part.verdict);
       }));
       $('statistics').tBodies[0].replaceChildren(...Object.entries(head.statistics).map(([name, f]) =>
-        row([name, number(f.mean, 4), number(f.spread, 4), number(f.rise_in_1000_parts, 4)])));
+        row([name, number(f.mean, 4), number(f.spread, 4), f.rise_error_in_1000_parts === null ||
+          Math.abs(f.rise_in_1000_parts) <= 3 * f.rise_error_in_1000_parts ? '–' : number(f.rise_in_1000_parts, 4)])));
     }
     // The 3-D view takes a browser much longer than the tables: two parts a second are enough for the eye.
     if (newest && newest.part !== solidShown && !drawing && performance.now() >= nextSolid) {

@@ -158,7 +158,7 @@ inline constexpr std::array<RegisterField, 4> kFieldsOfVerdictControl{{
 inline constexpr std::array<RegisterField, 7> kFieldsOfVerdictDefect{{
     {"width", 0, 8, "neighbouring columns of a defect, at least; 0 is refused"},
     {"history", 8, 3, "the frames that count for hits, less 1"},
-    {"hits", 12, 4, "of these frames, those in which a column of a defect was out, at least; 0 is refused"},
+    {"hits", 12, 4, "of these frames, those in which a column of a defect was out, at least; 0 is refused, and more than history + 1 make no defect possible"},
     {"above", 16, 1, "1: columns above their limits are out"},
     {"below", 17, 1, "1: columns below their limits are out"},
     {"bank", 18, 1, "bank of limits"},
