@@ -2,7 +2,7 @@
 
 * Commands and modules get a page each (commands.py, modules.py). SELFPROJ_PROGRAMS names the folder of the programs;
   without it the commands have only their index.
-* `<!-- site: registers -->` in a document becomes the fields of the registers, `<!-- site: file PATH -->` that file.
+* `<!-- site: file PATH -->` in a document becomes that file.
 * README.md is the first page; the READMEs of the folders and the documents of the laboratory are pages, too.
 * Links and pictures are followed from the place in the tree to the page. A link to a file that is not a page, such as a
   source, becomes plain text, because the site has no sources.
@@ -19,14 +19,12 @@ from mkdocs.structure.files import File
 
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
-sys.path[:0] = [str(HERE), str(ROOT / "model/spec")]
+sys.path.insert(0, str(HERE))
 import commands  # noqa: E402
-import generate  # noqa: E402
 import modules  # noqa: E402
-import tables  # noqa: E402
 
 LINK = re.compile(r"(!?)\[((?:[^\[\]]|\[[^\]]*\])*)\]\(([^()\s#:]+)(#[^()\s]*)?\)")
-COMMENT = re.compile(r"<!-- site: (\w+)(?: (\S+))? -->")
+COMMENT = re.compile(r"<!-- site: file (\S+) -->")
 ANCHOR = re.compile(r'<a id="(selfproj[a-z-]*)"></a>(`[^`]*`)')
 LANGUAGES = {".sv": "systemverilog", ".sh": "sh"}
 
@@ -69,10 +67,7 @@ def on_files(files, config):
 
 
 def made(match):
-    kind, what = match.groups()
-    if kind == "registers":
-        return "\n\n" + "\n".join(tables.fields(generate.Spec(generate.SPEC)))
-    path = ROOT / what
+    path = ROOT / match[1]
     return f"\n\n```{LANGUAGES.get(path.suffix, 'text')}\n{path.read_text(encoding='utf-8').rstrip()}\n```\n"
 
 

@@ -39,7 +39,7 @@ DISSECTOR = ROOT / "host" / "driver" / "selfproj.lua"
 TABLES = {
     ROOT / "docs" / "packet-reference.md": ["formats", "planned", "header", "versions", "trailer", "values", "check",
                                                 "reader", "datagram", "replay"],
-    ROOT / "docs" / "register-reference.md": ["registers", "link", "sources"],
+    ROOT / "docs" / "register-reference.md": ["registers", "fields", "link", "sources"],
     ROOT / "docs" / "circuits" / "gray.md": ["gray_memory"],
 }
 

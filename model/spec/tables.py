@@ -1,5 +1,4 @@
-"""The tables of the documents that follow from the specification; generate.py writes them, and the site has the fields
-of the registers (docs/site/hooks.py).
+"""The tables of the documents that follow from the specification; generate.py writes them.
 
 Each function takes a generate.Spec and gives the lines of Markdown that stand between the markers of its name.
 """
@@ -200,6 +199,6 @@ def replay(spec):
     return fields_by_byte(spec.replay_header)
 
 
-MAKERS = {"formats": formats, "planned": planned, "header": header, "versions": versions, "trailer": trailer, "values": values, "check":
-          check, "reader": reader, "datagram": datagram, "link": link, "replay": replay, "sources": sources,
-          "registers": registers, "fields": fields, "gray_memory": gray_memory}
+MAKERS = {"formats": formats, "planned": planned, "header": header, "versions": versions, "trailer": trailer,
+          "values": values, "check": check, "reader": reader, "datagram": datagram, "link": link, "replay": replay,
+          "sources": sources, "registers": registers, "fields": fields, "gray_memory": gray_memory}
