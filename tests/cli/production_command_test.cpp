@@ -127,6 +127,11 @@ TEST_F(ProductionCommand, FindsWhatItPlants) {
                                  rig));
   ASSERT_EQ(seen.status, 0) << seen.err;
   EXPECT_EQ(seen.out.rfind("512 profiles, points in ", 0), 0U) << seen.out;
+  EXPECT_EQ(seen.err.find("numbers are missing"), std::string::npos) << seen.err;
+  const std::string frame = "line/run/frame_0000";
+  EXPECT_NE(host(with({"inspect", "--images", frame + "1.png", frame + "2.png", frame + "4.png"}, rig))
+                .err.find("frame_00002.png: numbers are missing between it and line/run/frame_00004.png"),
+            std::string::npos);
   for (const std::string file : {"parts.jsonl", "part_000002/height.tiff"}) {
     EXPECT_EQ(read_text(folder_ / ("seen/" + file)), read_text(folder_ / ("today/" + file))) << file;
   }
@@ -283,6 +288,21 @@ TEST_F(ProductionCommand, FewRowsAreJudged) {
   EXPECT_EQ(agrees("line", "judged", 1, 0.1), 2);
   EXPECT_NE(run.out.find("by moments 2 of 4 parts have a defect"), std::string::npos) << run.out;
   EXPECT_NE(run.out.find("as by heights 4, more 0, less 0"), std::string::npos) << run.out;
+}
+
+// The rig that `production` writes is one for its own parts, also where a laser's columns are wide.
+TEST_F(ProductionCommand, ALaserLineLearnsAndJudges) {
+  ASSERT_EQ(
+      sim({"production", "--rig", "laser", "--good", "5", "--parts", "2", "--bad-every", "2", "--out", "line"}).status,
+      0);
+  const Words of = {"--rig", "line/rig.yaml", "--reference", "line/part"};
+  const Outcome learned =
+      host(with({"tolerance", "learn", "--device", "file:line/good.packets", "--out", "tolerance.yaml"}, of));
+  ASSERT_EQ(learned.status, 0) << learned.err;
+  const Outcome run = host(
+      with({"inspect", "--device", "file:line/run.packets", "--tolerance", "tolerance.yaml", "--parts", "judged"}, of));
+  ASSERT_EQ(run.status, 0) << run.err;
+  EXPECT_EQ(agrees("line", "judged", 1, 0.1), 1);
 }
 
 // Every command that gives millimetres refuses them from a value that was never measured, of either kind of rig, unless

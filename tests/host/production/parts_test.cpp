@@ -433,6 +433,7 @@ TEST(Parts, FiguresOverParts) {
   }
   EXPECT_NEAR(figures.mean(), 1e6 + 0.5 * 499.5, 1e-6);
   EXPECT_NEAR(figures.trend(), 0.5, 1e-4);
+  EXPECT_NEAR(*figures.trend_error(), std::sqrt(12 / (1000.0 * 1000 * 1000)), 1e-6);  // of residuals of ±1
   EXPECT_NEAR(figures.spread(), std::sqrt(0.25 * 1000 * 1001 / 12 + 1), 0.1);
 }
 
