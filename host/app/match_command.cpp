@@ -113,8 +113,7 @@ void match_device(const MatchCommand& options) {
   stream.scanner().explain(states);
   report.all_shares.push_back({pair, structured_light::count_states(states)});
   report.counts = counts();
-  const report::MatchPictures pictures =
-      report::write_match(run.rig(), stream.table(), stream.scanner(), report, folder);
+  const report::MatchPictures pictures = report::write_match(stream.table(), stream.scanner(), report, folder);
   folder.append("report.html", report::match_page(report, stream.table(), stream.scanner(), pictures));
   folder.commit();
   list.commit();

@@ -230,7 +230,7 @@ MatchResult MatchRun::measure(images::ImageSequence& images, files::OutputFolder
   all.all_shares =
       match_images(rig_, static_cast<std::size_t>(patterns()), images, scanner, folder, list, contradiction);
   all.depth_images = all.all_shares.size();
-  report::MatchPictures pictures = report::write_match(rig_, table, scanner, all, folder);
+  report::MatchPictures pictures = report::write_match(table, scanner, all, folder);
   std::string page = report::match_page(all, table, scanner, pictures);
   return {.text = report::match_text(table, all, folder.name()),
           .page = std::move(page),

@@ -128,9 +128,10 @@ void run_stripes(const StripesOptions& options) {
     throw UserError(options.scan, "no camera pixel sees both a line and a column of the scan");
   }
   structured_light::write_self_reference(rig, reference, folder);
-  folder.append("preview.png", report::labelled_map_png(reference.points.line,
-                                                        {report::ColourMap::sequential, 0, rig.projector.lines - 1.0},
-                                                        {1, 1}, "X_R: projector line seen by each camera pixel"));
+  folder.append("preview.png",
+                report::labelled_map_png(
+                    reference.points.line, {report::ColourMap::sequential, 0, rig.projector.lines - 1.0, "line"},
+                    {.row_mm = 1, .column_mm = 1, .unit = "px"}, "X_R: projector line seen by each camera pixel"));
   folder.commit();
   std::size_t measurable = 0;
   for (std::size_t i = 0; i < points.line.values.size(); ++i) {

@@ -16,7 +16,6 @@
 #include "host/structured_light/plane_fit.h"
 #include "host/structured_light/self_scanner.h"
 #include "selfproj/images/float_image.h"
-#include "selfproj/rig/rig.h"
 #include "selfproj/structured_light/point_cloud.h"
 #include "selfproj/structured_light/triangulation.h"
 
@@ -93,9 +92,8 @@ struct MatchPictures {
 
 // Writes pictures, cloud, tables and summary of the scanner's newest depth image, and returns the pictures. Does not
 // commit the folder. Throws UserError as OutputFolder does.
-MatchPictures write_match(const rig::Rig& rig, const structured_light::MatchTable& table,
-                          const structured_light::SelfScanner& scanner, const MatchReport& report,
-                          files::OutputFolder& folder);
+MatchPictures write_match(const structured_light::MatchTable& table, const structured_light::SelfScanner& scanner,
+                          const MatchReport& report, files::OutputFolder& folder);
 
 // The page of `selfproj match` with these pictures.
 std::string match_page(const MatchReport& report, const structured_light::MatchTable& table,

@@ -1,5 +1,7 @@
 #include "host/report/map_picture.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -270,7 +272,7 @@ std::string labelled_map_png(const images::FloatImage& map, const MapScale& scal
   put_text(picture, title, {kLeft, kTop / 2});
 
   draw_colour_bar(picture, scale, {place.x + place.width + 20, place.y, 24, place.height});
-  put_text(picture, "mm", {place.x + place.width + 20, kTop / 2});
+  put_text(picture, std::string(scale.unit), {place.x + place.width + 20, kTop / 2});
 
   // Scale bars: that of the columns is below the picture, from its left; that of the rows is beside it, from its
   // bottom.
@@ -279,7 +281,7 @@ std::string labelled_map_png(const images::FloatImage& map, const MapScale& scal
   const int y_length = static_cast<int>(std::lround(along_y / width_mm * place.width));
   const int base = place.y + place.height + 16;
   cv::rectangle(picture, cv::Rect(place.x, base, y_length, 5), kInk, cv::FILLED);
-  put_text(picture, std::string(1, pitch.column_axis) + "  " + tick_text(along_y, along_y) + " mm",
+  put_text(picture, fmt::format("{}  {} {}", pitch.column_axis, tick_text(along_y, along_y), pitch.unit),
            {place.x, base + 24});
 
   const bool known = pitch.row_mm > 0;
@@ -289,7 +291,7 @@ std::string labelled_map_png(const images::FloatImage& map, const MapScale& scal
   cv::rectangle(picture, cv::Rect(place.x - 21, place.y + place.height - x_length, 5, x_length), kInk, cv::FILLED);
   const int middle = place.y + place.height - x_length / 2;
   put_text(picture, std::string(1, pitch.row_axis), {12, middle - 10});
-  put_text(picture, tick_text(along_x, along_x) + (known ? " mm" : " fr."), {12, middle + 10});
+  put_text(picture, fmt::format("{} {}", tick_text(along_x, along_x), known ? pitch.unit : "fr."), {12, middle + 10});
   return png(picture);
 }
 

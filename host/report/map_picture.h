@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "selfproj/images/float_image.h"
@@ -33,6 +34,7 @@ struct MapPitch {
   double column_mm = 0;
   char row_axis = 'x';
   char column_axis = 'y';
+  std::string_view unit = "mm";  // of the scale bars
 };
 
 // The colours of values: low and high, in mm, have the end colours. Values outside have the same colours as the ends.
@@ -40,6 +42,7 @@ struct MapScale {
   ColourMap map = ColourMap::diverging;
   double low = 0;
   double high = 0;
+  std::string_view unit = "mm";  // of the colour bar
 };
 
 // Size of a picture in pixels.
@@ -74,7 +77,7 @@ struct MapMark {
   double columns = 0;
 };
 
-// The map as PNG on white, with a title, a colour bar in mm, a scale bar in mm for each direction, and the marks.
+// The map as PNG on white, with a title, a colour bar, a scale bar for each direction, and the marks.
 std::string labelled_map_png(const images::FloatImage& map, const MapScale& scale, const MapPitch& pitch,
                              const std::string& title, const std::vector<MapMark>& marks = {});
 
