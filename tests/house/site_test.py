@@ -64,14 +64,15 @@ class Server:
 def look(page, address, pictures):
     """Yields the faults of all pages."""
     files = sorted(SITE.rglob("*.html"))
-    for width in WIDTHS:
-        page.show_as("light", width)
-        for file in files:
-            name = file.relative_to(SITE).as_posix()
-            page.open(f"{address}/{name}")
-            page.wait_for("return document.readyState === 'complete' && "  # the theme lets wide tables scroll
-                          "[...document.querySelectorAll('article table:not([class])')]"
-                          ".every(table => table.closest('.md-typeset__scrollwrap'))", name)
+    for file in files:
+        name = file.relative_to(SITE).as_posix()
+        page.show_as("light", WIDTHS[0])
+        page.open(f"{address}/{name}")
+        page.wait_for("return document.readyState === 'complete' && "  # the theme lets wide tables scroll
+                      "[...document.querySelectorAll('article table:not([class])')]"
+                      ".every(table => table.closest('.md-typeset__scrollwrap'))", name)
+        for width in WIDTHS:
+            page.show_as("light", width)
             for fault in page.script(FAULTS):
                 yield f"{name} at {width} px: {fault}"
             if pictures and name in SHOWN:
