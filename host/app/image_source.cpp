@@ -11,6 +11,7 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "host/cli/command_line.h"
@@ -50,14 +51,17 @@ std::optional<Numbered> numbered(const std::string& file) {
 void note_gap(const std::vector<std::string>& files) {
   std::uint64_t least = std::numeric_limits<std::uint64_t>::max();
   std::vector<std::uint64_t> steps;
-  for (std::size_t i = 1; i < files.size(); ++i) {
-    const std::optional<Numbered> a = numbered(files[i - 1]);
-    const std::optional<Numbered> b = numbered(files[i]);
-    if (!a || !b || a->before != b->before || b->number <= a->number) {
+  std::optional<Numbered> last;
+  for (const std::string& file : files) {
+    std::optional<Numbered> next = numbered(file);
+    if (!next || (last && (next->before != last->before || next->number <= last->number))) {
       return;
     }
-    steps.push_back(b->number - a->number);
-    least = std::min(least, steps.back());
+    if (last) {
+      steps.push_back(next->number - last->number);
+      least = std::min(least, steps.back());
+    }
+    last = std::move(next);
   }
   const auto gap = std::find_if(steps.begin(), steps.end(), [&](std::uint64_t step) { return step != least; });
   if (gap != steps.end()) {

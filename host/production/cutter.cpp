@@ -7,7 +7,6 @@
 #include <optional>
 #include <utility>
 
-#include "selfproj/files/user_error.h"
 #include "selfproj/model/pixel_clock.h"
 
 namespace selfproj::production {
@@ -15,14 +14,6 @@ namespace {
 
 constexpr double kKeptPerCell = 4;  // frames that are kept before a part, at most, for each cell
 constexpr std::size_t kMaxKeptBefore = 512;
-
-const rig::Rig& with_parts(const rig::Rig& rig) {
-  if (!rig.parts) {
-    throw UserError("--rig",
-                    fmt::format("{} has no section `parts`, which says how the stream is cut into parts", rig.name));
-  }
-  return rig;
-}
 
 std::size_t ring_size(const rig::Rig& rig) {
   const rig::RigParts& rule = *rig.parts;
@@ -35,8 +26,7 @@ std::size_t ring_size(const rig::Rig& rig) {
 
 }  // namespace
 
-ProfileCutter::ProfileCutter(const rig::Rig& rig)
-    : rig_(with_parts(rig)), rule_(*rig_.parts), belt_(rig_), grid_(rig_) {
+ProfileCutter::ProfileCutter(const rig::Rig& rig) : rig_(rig), rule_(parts_of(rig_)), belt_(rig_), grid_(rig_) {
   before_.resize(ring_size(rig_));
   for (Kept& kept : before_) {
     kept.profile.resize(rig_.camera.columns);

@@ -20,13 +20,6 @@ namespace {
 constexpr double kWidestBridge = 2;       // cells between two points that are joined
 constexpr double kMostBesidePlane = 0.3;  // how far points may be from the plane of a belt, as a share of its distance
 
-const rig::RigParts& parts_of(const rig::Rig& rig) {
-  if (!rig.parts) {
-    throw UserError(rig.name, "has no section `parts`, which says what a part is, and the grid of its map");
-  }
-  return *rig.parts;
-}
-
 MapGrid grid_of(const rig::Rig& rig) {
   const double pixel = pixel_mm(rig);
   const double pitch = parts_of(rig).grid_mm;
@@ -98,6 +91,14 @@ BeltView leaning_view(const rig::Rig& rig) {
 }
 
 }  // namespace
+
+const rig::RigParts& parts_of(const rig::Rig& rig) {
+  if (!rig.parts) {
+    throw UserError("--rig",
+                    fmt::format("{} has no section `parts`, which says how the stream is cut into parts", rig.name));
+  }
+  return *rig.parts;
+}
 
 BeltView belt_view(const rig::Rig& rig) {
   if (rig.light_plane || rig.belt_pose) {

@@ -123,6 +123,9 @@ struct BeltView {
 };
 BeltView belt_view(const rig::Rig& rig);
 
+// The rig's section `parts`. Throws UserError, naming the rig, if it has none.
+const rig::RigParts& parts_of(const rig::Rig& rig);
+
 // How parts are cut where nothing is known of them: by their profile, on a grid as fine as the camera's columns allow.
 // Lengths are multiples of the grid's; a part may be twice as long as the view is wide. Throws as belt_view() does.
 rig::RigParts usual_parts(const rig::Rig& rig, bool by_encoder);

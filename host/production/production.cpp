@@ -17,6 +17,7 @@
 #include "host/driver/clock.h"
 #include "host/files/signals_held.h"
 #include "host/production/endpoint.h"
+#include "host/production/height_map.h"
 #include "selfproj/files/user_error.h"
 #include "selfproj/model/pixel_clock.h"
 
@@ -41,10 +42,7 @@ Production::Production(const ProductionOptions& options, const rig::Rig& rig) : 
                     "needs --tolerance, by which parts are classified");
   }
   if (!options.tolerance.empty()) {
-    if (!rig.parts) {
-      throw UserError("--rig",
-                      fmt::format("{} has no section `parts`, which says how the stream is cut into parts", rig.name));
-    }
+    parts_of(rig);  // throws if there are none
     tolerance_ = load_tolerance(options.tolerance);
   }
 }

@@ -40,20 +40,6 @@ double distance(const structured_light::Point3f& a, const structured_light::Poin
   return std::hypot(static_cast<double>(a.x - b.x), static_cast<double>(a.y - b.y), static_cast<double>(a.z - b.z));
 }
 
-// The way from pixel to pixel in the middle of the image, at the median depth.
-MapPitch pitch_of(const structured_light::Triangulation& triangulation, const images::FloatImage& depth) {
-  const float z = median_depth(depth);
-  const auto columns = static_cast<std::size_t>(depth.columns);
-  const std::size_t row = static_cast<std::size_t>(depth.rows) / 2 - (depth.rows > 1 ? 1 : 0);
-  const std::size_t column = columns / 2 - (columns > 1 ? 1 : 0);
-  const std::size_t at = row * columns + column;
-  const structured_light::Point3f middle = triangulation.point(at, z);
-  const double down = depth.rows > 1 ? distance(middle, triangulation.point(at + columns, z)) : 1;
-  const double right = columns > 1 ? distance(middle, triangulation.point(at + 1, z)) : 1;
-  const bool rows_are_x = triangulation.rows_are_x();
-  return {down, right, rows_are_x ? 'x' : 'y', rows_are_x ? 'y' : 'x'};
-}
-
 }  // namespace
 
 std::string depth_png(const images::FloatImage& depth) {
@@ -69,7 +55,17 @@ std::string depth_png(const images::FloatImage& depth) {
 
 ReportPicture shown_depth(const structured_light::Triangulation& triangulation, const images::FloatImage& depth,
                           const std::string& title) {
-  return shown_map(title, depth, height_scale(depth), pitch_of(triangulation, depth));
+  const float z = median_depth(depth);
+  const auto columns = static_cast<std::size_t>(depth.columns);
+  const std::size_t row = static_cast<std::size_t>(depth.rows) / 2 - (depth.rows > 1 ? 1 : 0);
+  const std::size_t column = columns / 2 - (columns > 1 ? 1 : 0);
+  const std::size_t at = row * columns + column;
+  const structured_light::Point3f middle = triangulation.point(at, z);
+  const double down = depth.rows > 1 ? distance(middle, triangulation.point(at + columns, z)) : 1;
+  const double right = columns > 1 ? distance(middle, triangulation.point(at + 1, z)) : 1;
+  const bool rows_are_x = triangulation.rows_are_x();
+  const MapPitch pitch{down, right, rows_are_x ? 'x' : 'y', rows_are_x ? 'y' : 'x'};
+  return shown_map(title, depth, height_scale(depth), pitch);
 }
 
 std::string depth_picture(const structured_light::Triangulation& triangulation, const images::FloatImage& depth,
@@ -409,10 +405,9 @@ MatchPictures write_match(const structured_light::MatchTable& table, const struc
                           const MatchReport& report, files::OutputFolder& folder) {
   const images::FloatImage& depth = scanner.depth();
   const images::FloatImage& difference = scanner.difference();
-  MatchPictures pictures{
-      .depth = shown_depth(scanner.triangulation(), depth, "depth z"),
-      .difference = shown_map("difference from the reference, mm", difference, difference_scale(difference),
-                              pitch_of(scanner.triangulation(), depth))};
+  MatchPictures pictures{.depth = shown_depth(scanner.triangulation(), depth, "depth z"), .difference = {}};
+  pictures.difference = shown_map("difference from the reference, mm", difference, difference_scale(difference),
+                                  pictures.depth.map.value().pitch);
   folder.append("depth.tiff", images::encode_float_tiff("depth.tiff", depth));
   folder.append("depth.png", depth_png(depth));
   folder.append("depth_colour.png", pictures.depth.png);

@@ -50,11 +50,11 @@ def commands(programs):
     return {"rig": ["selfproj", "rig", "light-section"], "accuracy": ["selfproj", "accuracy"], **found}
 
 
-def run(words, programs, folder, limit):
-    """Runs a command, of which at most `limit` minutes of a core. Returns its core and wall time in seconds, and its exit
-    status."""
+def run(words, programs, folder, limit, in_tree):
+    """Runs a command, of which at most `limit` minutes of a core, in `folder` or in the tree. Returns its core and wall
+    time in seconds, and its exit status."""
     before, begin, made = os.times(), time.monotonic(), folder / "made"
-    if shlex.join(words) in TREE.values():
+    if in_tree:
         folder, words = ROOT, [programs if word == "build/bin" else word for word in words]
     else:
         words = [programs / pathlib.Path(words[0]).name, *words[1:]]
@@ -88,7 +88,7 @@ def main():
         sys.exit(f"thesis_times.py: {', '.join(wrong)}: unknown; there are {', '.join(known)}")
     for name in args.names or known:
         with tempfile.TemporaryDirectory() as folder:
-            core, wall, status = run(known[name], programs, pathlib.Path(folder), args.limit)
+            core, wall, status = run(known[name], programs, pathlib.Path(folder), args.limit, name in TREE)
         stopped = status == -signal.SIGXCPU
         print(f"{name}: {core / 60:.1f} minutes of a core, {wall / 60:.1f} minutes; {shlex.join(known[name])}"
               + ("; stopped" if stopped else f"; exit status {status}" if status else ""), flush=True)

@@ -5,12 +5,12 @@
     run_commands.py BUILD PROGRAMS --share K/N
 
 BUILD is the folder of a build, for the names of its tests. PROGRAMS is the folder of selfproj and selfproj-sim. A share
-is every Nth document from the Kth on, K from 1. Blocks
-`sh` of a document, or of the page that the site has of a command, without a comment `not run` (check_commands.py) run
-one after another, each by bash -eu, in one folder. The folder contains only rtl, tests, and build/bin, which is
-PROGRAMS; PROGRAMS is also on the PATH. For every command line, run or not, it checks that the options of our programs
-stand in their --help, that ctest finds tests by its -R and -L, and that the test of `run by` exists. The lines of a
-block `text` under the comment `output` must be among those that the block run last has printed.
+is every Nth document from the Kth on, K from 1. Blocks `sh` of a document, or of the page that the site has of a
+command, without a comment `not run` (check_commands.py) run one after another, each by bash -eu, in one folder. The
+folder contains only rtl, tests, and build/bin, which is PROGRAMS; PROGRAMS is also on the PATH. For every command line,
+run or not, it checks that the options of our programs stand in their --help, that ctest finds tests by its -R and -L,
+and that the test of `run by` exists. The lines of a block `text` under the comment `output` must be among those that
+the block run last has printed.
 
 Of the pages of PICTURED it also looks at what their commands have made: no map may be without values, and no picture of
 one colour.
@@ -239,7 +239,7 @@ def problems(root, build, programs, names=(), share=slice(None)):
 
 def main():
     if len(sys.argv) < 3:
-        print("usage: run_commands.py BUILD PROGRAMS [DOCUMENT...]", file=sys.stderr)
+        print("usage: run_commands.py BUILD PROGRAMS [DOCUMENT...] | BUILD PROGRAMS --share K/N", file=sys.stderr)
         return 2
     root = pathlib.Path(__file__).resolve().parents[2]
     build, programs = (pathlib.Path(name).resolve() for name in sys.argv[1:3])
