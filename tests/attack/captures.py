@@ -123,7 +123,7 @@ class Captures(Part):
         with self.attacker.scratch() as folder:
             self.good(self.words(command), folder)
             lines = (folder / "p" / "parts.jsonl").read_text()
-            size = len(lines.encode()) * 2 // 3
+            size = len(lines.encode()) - 10  # Of the records the last is torn; the shorter statistics fit.
             shutil.rmtree(folder / "p")
             (folder / "o.json").unlink()
             outcome = self.attacker.run(
