@@ -78,8 +78,7 @@ float level_of(const structured_light::Triangulation& triangulation, const image
 // Depths rounded to whole codes, as if all bits were taken at once and without noise.
 class WholeCodes {
  public:
-  explicit WholeCodes(const rig::Rig& rig)
-      : matrix_(rig::depth_matrices(rig, kGrayBits, rig.projector.lines).projector) {}
+  explicit WholeCodes(const rig::Rig& rig) : matrix_(rig::depth_matrices(rig, kGrayBits).projector) {}
 
   [[nodiscard]] images::FloatImage of(const structured_light::Triangulation& triangulation,
                                       const images::FloatImage& depth) const {

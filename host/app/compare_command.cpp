@@ -10,14 +10,17 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <variant>
 #include <vector>
 
 #include "host/app/commands.h"
+#include "host/app/scanner_run.h"
 #include "host/cli/command_line.h"
 #include "host/files/input_file.h"
 #include "host/files/json_text.h"
+#include "host/files/numbers.h"
 #include "host/files/output_folder.h"
 #include "host/report/facts.h"
 #include "host/report/map_picture.h"
@@ -34,6 +37,8 @@ struct CompareOptions {
   std::string a, b, out;
   double within_mm = 0.1;
   std::optional<double> most_mm;  // nothing: nothing is demanded
+  bool exchange_xy = false;       // of B
+  bool opengl = false;            // y and z of B have the opposite sign
 };
 
 // Differences of maps are signed, distances of clouds are not.
@@ -92,15 +97,56 @@ Comparison compare_maps(const CompareOptions& options, files::OutputFolder& fold
   return result;
 }
 
+structured_light::Point3f in_axes(const structured_light::Point3f& p, bool exchange_xy, bool opengl) {
+  const structured_light::Point3f seen = opengl ? structured_light::Point3f{p.x, -p.y, -p.z} : p;
+  return exchange_xy ? structured_light::Point3f{seen.y, seen.x, seen.z} : seen;
+}
+
+// The axes of B in which it lies much nearer to A than as it is, as the end of a message; empty: none. A rig's frame
+// has x down the image and is left-handed, those of calibrations and of most others have x to the right.
+std::string other_axes(const structured_light::NearestPoint& nearest, const std::vector<structured_light::Point3f>& b) {
+  constexpr std::size_t kPoints = 2000;
+  constexpr double kMuchNearer = 0.2;
+  const std::size_t every = b.size() / kPoints + 1;
+  const auto median = [&](bool exchange_xy, bool opengl) {
+    std::vector<double> distances;
+    for (std::size_t i = 0; i < b.size(); i += every) {
+      distances.push_back(nearest.distance(in_axes(b[i], exchange_xy, opengl)));
+    }
+    return files::median_of(std::move(distances));
+  };
+  const double as_it_is = median(false, false);
+  double least = kMuchNearer * as_it_is;
+  std::string options;
+  for (const auto& [exchange_xy, opengl, names] :
+       {std::tuple{true, false, "--exchange-xy"}, {false, true, "--opengl"}, {true, true, "--exchange-xy --opengl"}}) {
+    if (const double other = median(exchange_xy, opengl); other < least) {
+      least = other;
+      options = names;
+    }
+  }
+  return options.empty() ? ""
+                         : fmt::format(
+                               "its points are {} mm from A as they are, and {} mm with {}: are the clouds in "
+                               "one frame?",
+                               mm_text(as_it_is), mm_text(least), options);
+}
+
 Comparison compare_clouds(const CompareOptions& options, files::OutputFolder& folder) {
   const std::vector<structured_light::Point3f> a = structured_light::read_ply(options.a);
-  const std::vector<structured_light::Point3f> b = structured_light::read_ply(options.b);
+  std::vector<structured_light::Point3f> b = structured_light::read_ply(options.b);
   for (const auto& [file, cloud] : {std::pair(options.a, &a), {options.b, &b}}) {
     if (cloud->empty()) {
       throw UserError(file, "has no points");
     }
   }
   const structured_light::NearestPoint nearest(a);
+  if (!options.exchange_xy && !options.opengl) {
+    note_doubt(options.b, other_axes(nearest, b));
+  }
+  for (structured_light::Point3f& point : b) {
+    point = in_axes(point, options.exchange_xy, options.opengl);
+  }
   Comparison result{"distance from each point of B to the nearest of A", {}, a.size(), b.size(), false, {}};
   for (const structured_light::Point3f& point : b) {
     result.values.push_back(nearest.distance(point));
@@ -214,6 +260,9 @@ void run_compare(const CompareOptions& options) {
     throw UserError(options.b, fmt::format("is a {}, {} a {}; two maps or two clouds are compared",
                                            clouds ? "map" : "cloud", options.a, clouds ? "cloud" : "map"));
   }
+  if (!clouds && (options.exchange_xy || options.opengl)) {
+    throw UserError(options.exchange_xy ? "--exchange-xy" : "--opengl", "is for clouds");
+  }
   files::OutputFolder folder(options.out);
   Comparison comparison = clouds ? compare_clouds(options, folder) : compare_maps(options, folder);
   std::sort(comparison.values.begin(), comparison.values.end());
@@ -236,7 +285,9 @@ void add_compare_command(CLI::App& app) {
       {.name = "compare",
        .purpose = "Compares two maps, value by value, or two clouds, point by point.",
        .details =
-           "Both must be in one frame: maps of one camera and one view, clouds in the same coordinates. Maps are TIFF "
+           "Both must be in one frame: maps of one camera and one view, clouds in the same coordinates. A cloud of a "
+           "rig "
+           "has x down the image; --exchange-xy brings that of a calibration, and most others, into it. Maps are TIFF "
            "files of heights or depths, such as height.tiff and depth.tiff, and the result is B less A. Clouds are PLY "
            "files, and the result is the distance from each point of B to the nearest of A.\n\n"
            "The folder of --out gets\n"
@@ -262,6 +313,8 @@ selfproj compare --check 1 --out compared theirs.ply depth/cloud.ply
   command->add_option("--check", options->most_mm, "Fail, with status 1, where more is found anywhere.")
       ->transform(cli::number_above_zero())
       ->type_name("MM");
+  command->add_flag("--exchange-xy", options->exchange_xy, "Exchange x and y of the cloud B.");
+  command->add_flag("--opengl", options->opengl, "y and z of the cloud B have the opposite sign.");
   cli::begin_group(*command, "Output");
   command->add_option("--out", options->out, "Folder for pictures, tables and report.")->type_name("DIR")->required();
   command->callback([options] { run_compare(*options); });

@@ -53,8 +53,8 @@ void check_options(const DepthOptions& options) {
   if (geometry.rig.empty() == geometry.calibration.empty()) {
     throw UserError("--rig, --calibration", "exactly one of them is needed");
   }
-  if (!geometry.rig.empty() && (geometry.lines > 0 || geometry.row_lines > 0)) {
-    throw UserError("--lines, --row-lines", "go only with --calibration; a rig has its own lines");
+  if (geometry.row_lines > 0 && geometry.row_bits == 0) {
+    throw UserError("--row-lines", "goes only with --row-bits");
   }
   if (geometry.row_bits > 0 && (scanner.median || !options.setup.background.empty())) {
     throw UserError("--row-bits", "measures once with both axes; --median and --background go only with one axis");
@@ -272,11 +272,14 @@ selfproj depth --rig scanner --bits 8 --device ring:line1 \
   structured_light::ScannerSettings& scanner = options->setup.scanner;
   cli::begin_group(*command, "Geometry");
   add_geometry_options(*command, geometry);
-  command->add_option("--lines", geometry.lines, "With --calibration: projector columns that the 2^M codes cover.")
+  command
+      ->add_option("--lines", geometry.lines,
+                   "Projector columns that the 2^M codes cover; with --rig and one axis, projector lines. Of the first "
+                   "8 pairs of a code of 10 bits that has a line for each code, 1024.")
       ->transform(cli::number_above_zero())
-      ->type_name("N")
-      ->default_str("2^M, one column for each code");
-  command->add_option("--row-lines", geometry.row_lines, "With --calibration: projector rows that the 2^N codes cover.")
+      ->type_name("L")
+      ->default_str("2^M, one for each code; with --rig and one axis all, where they are more");
+  command->add_option("--row-lines", geometry.row_lines, "With --row-bits: projector rows that the 2^N codes cover.")
       ->transform(cli::number_above_zero())
       ->type_name("N")
       ->default_str("2^N, one row for each code");
@@ -285,7 +288,7 @@ selfproj depth --rig scanner --bits 8 --device ring:line1 \
       ->add_option(
           "--bits", geometry.bits,
           "Bits of the code, which are pairs of images. With --rig they divide all of the projector's lines, as those "
-          "of `selfproj pattern gray --rig RIG --bits M` do; the first pairs of a longer code may not.")
+          "of `selfproj pattern gray --rig RIG --bits M` do; the first pairs of a longer code may need --lines.")
       ->transform(cli::whole_number(1, model::GrayDecoder::kMaxBits))
       ->type_name("M")
       ->required();

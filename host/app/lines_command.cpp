@@ -57,7 +57,7 @@ void run_lines(const LinesOptions& options) {
   const rig::RigMeasure rig_measure = measure_of(options);
   const model::Measure measure = rig_measure.of_board();
   files::OutputFolder folder(options.out);
-  images::PreparedImages images(options.images, options.preparation);
+  images::PreparedImages images(images::image_arguments(options.images), options.preparation);
   if (images.rows() > model::kMaxSoftwareRows) {
     throw UserError(images.files().front(), fmt::format("has {} rows; at most {} are possible: see --roi and "
                                                         "--transpose",
@@ -103,16 +103,16 @@ void run_lines(const LinesOptions& options) {
   lines.write(folder, {.title = "Lines in recorded images", .counters = {}, .settings = settings}, images.count(),
               pictures);
   folder.commit();
+  const std::string all = images.count() == 1 ? images.files().front()
+                                              : fmt::format("{} to {}", images.files().front(), images.files().back());
   if (lines.lit() == 0) {
-    note_doubt(images.files().front(),
-               fmt::format("no column of any image has a pixel above the threshold of {}", measure.threshold));
+    note_doubt(all, fmt::format("no column of any image has a pixel above the threshold of {}", measure.threshold));
   }
   if (2 * wide > lines.lit()) {
-    note_doubt(
-        images.files().front(),
-        fmt::format("{:.0f} % of the columns with light have more than {} lit rows, which is likely no line: raise "
-                    "--threshold, subtract the view without the line (--background), or choose another --channel",
-                    100.0 * static_cast<double>(wide) / static_cast<double>(lines.lit()), widest));
+    note_doubt(all, fmt::format(
+                        "{:.0f} % of the columns with light have more than {} lit rows, which is likely no line: raise "
+                        "--threshold, subtract the view without the line (--background), or choose another --channel",
+                        100.0 * static_cast<double>(wide) / static_cast<double>(lines.lit()), widest));
   }
   const std::string select = images::select_text(measure);
   fmt::print("{} {} of {}, {}, threshold {}{}{}: {} columns with light, {} ambiguous → {}\n", images.count(),
@@ -144,7 +144,7 @@ selfproj lines --channel red-difference --threshold 15 --background off.jpg --ou
 )"});
   const auto options = std::make_shared<LinesOptions>();
   cli::begin_group(*command, "Images");
-  cli::add_files(*command, "IMAGE", options->images, "Images with the line.")->required();
+  cli::add_files(*command, "IMAGE", options->images, "Images with the line, or one folder of them.")->required();
   cli::add_files(*command, "--background", options->preparation.background,
                  "The same view without the line: one image for all, or one for each. It is subtracted.");
   cli::add_preparation_options(*command, options->preparation);

@@ -14,6 +14,7 @@
 #include "host/cli/command_line.h"
 #include "host/files/output_folder.h"
 #include "host/images/frame_options.h"
+#include "host/images/image_files.h"
 #include "host/images/image_sequence.h"
 #include "host/production/production.h"
 #include "host/structured_light/depth_run.h"
@@ -127,6 +128,9 @@ void match_device(const MatchCommand& options) {
     throw CheckFailed(fmt::format("--check: {}", contradiction));
   }
   note_doubt(uri, contradiction);
+  if (contradiction.empty()) {
+    note_doubt(uri, structured_light::reason_without_points(report.all_shares.back().value));
+  }
   receiver.check(report.counts->incomplete);
 }
 
@@ -136,13 +140,14 @@ void run_match(const MatchCommand& options) {
     return;
   }
   const MatchRun run(options.match);
-  const std::size_t count = options.images.size();
+  const std::vector<std::string> files = images::image_arguments(options.images);
+  const std::size_t count = files.size();
   const auto patterns = static_cast<std::size_t>(run.patterns());
   if (count < patterns || count % 2 != 0) {
     throw UserError("IMAGE", fmt::format("{} images are {}; {} or more are needed, a positive and its negative in turn",
                                          count, count < patterns ? "too few" : "an odd number", patterns));
   }
-  images::ImageSequence images(options.images, options.pixels.rule());
+  images::ImageSequence images(files, options.pixels.rule());
   files::OutputFolder folder(options.out);
   DepthList list(options.list);
   const MatchResult result = run.measure(images, folder, &list);
@@ -175,7 +180,7 @@ selfproj pattern stripes --scan captures --gray-code --out reference
 mkdir -p stripes
 cp reference/pattern_*.png stripes
 selfproj-sim capture --rig scanner --scene block --patterns stripes --out block
-selfproj match --reference reference --e 8 --out depth block/image_*.png
+selfproj match --reference reference --e 8 --out depth block
 
 # The same on a board, until Ctrl-C (needs hardware)
 selfproj match --reference reference --e 8 --device ring:line1 --out today
@@ -212,8 +217,10 @@ selfproj match --reference reference --e 8 --device ring:line1 --out today
           "and a checksum each of depth map and difference map.")
       ->type_name("FILE");
   command->add_option("--out", options->out, "Folder for the results.")->type_name("DIR")->required();
-  cli::add_files(*command, "IMAGE", options->images,
-                 "8-bit images of the camera's size. These or --device are needed.");
+  cli::add_files(
+      *command, "IMAGE", options->images,
+      "8-bit images of the camera's size, or one folder of them, in natural order and nothing else in it. These "
+      "or --device are needed.");
   command->callback([options] { run_match(*options); });
 }
 

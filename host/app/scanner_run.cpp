@@ -52,6 +52,9 @@ std::vector<structured_light::OfImage<structured_light::DepthShares>> match_imag
       if (contradiction.empty()) {
         contradiction = structured_light::contradiction_of(check, names);
       }
+      if (contradiction.empty()) {
+        contradiction = structured_light::contradiction_of(scanner);
+      }
       all_shares.push_back({i / 2, structured_light::count_states(states)});
       if (images.count() > patterns) {
         append_maps(scanner, i / 2, folder);
@@ -61,6 +64,12 @@ std::vector<structured_light::OfImage<structured_light::DepthShares>> match_imag
       }
     }
     progress.update(i + 1);
+  }
+  const bool no_points = std::all_of(all_shares.begin(), all_shares.end(), [](const auto& shares) {
+    return shares.value.of(structured_light::PointState::valid) == 0;
+  });
+  if (contradiction.empty() && no_points) {
+    contradiction = structured_light::reason_without_points(all_shares.back().value);
   }
   return all_shares;
 }
@@ -266,7 +275,9 @@ bool MatchStream::add(const model::PacketView& packet) {
 }
 
 std::string MatchStream::contradiction() const {
-  return structured_light::contradiction_of(check_, structured_light::names_of_patterns(uri_, run_.patterns()));
+  std::string found =
+      structured_light::contradiction_of(check_, structured_light::names_of_patterns(uri_, run_.patterns()));
+  return found.empty() ? structured_light::contradiction_of(scanner_) : found;
 }
 
 }  // namespace selfproj::app

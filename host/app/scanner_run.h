@@ -86,7 +86,7 @@ struct MatchResult {
   std::string text;                // for the terminal, one line
   std::string page;                // report.html of `selfproj match`
   report::MatchPictures pictures;  // of the newest depth image, which are among the files
-  std::string contradiction;       // between the images (sequence_check.h): the first; empty: none
+  std::string contradiction;       // of the images and the reference: the first; empty: none
 };
 
 // Depth images from images under the patterns of a reference, as `selfproj match` writes them.
@@ -139,8 +139,8 @@ class MatchStream {
   [[nodiscard]] const structured_light::SelfScanner& scanner() const { return scanner_; }
   [[nodiscard]] const structured_light::ScanStream& stream() const { return stream_; }
 
-  // Between the newest images of all patterns, which a board that decodes does not send (sequence_check.h); empty:
-  // none.
+  // Between the newest images of all patterns, which a board that decodes does not send (sequence_check.h), or between
+  // the newest codes and the reference; empty: none.
   [[nodiscard]] std::string contradiction() const;
 
  private:

@@ -97,10 +97,13 @@ std::string cloud_ply(const structured_light::Triangulation& triangulation, cons
     ply.add(point, colour.red, colour.green, colour.blue, light != nullptr ? light->intensity[i] : 0.0F,
             light != nullptr ? light->contrast[i] : 0.0F);
   }
-  return ply.file(light != nullptr
-                      ? "millimetres, colour by z; intensity: grey value under light; quality: contrast of "
-                        "the finest pattern, in grey values"
-                      : "millimetres, colour by z");
+  const std::string axes = triangulation.rows_are_x() ? "x down the image, y right, z away (left-handed)"
+                                                      : "x right, y down the image, z away";
+  return ply.file("millimetres, " + axes + ", colour by z" +
+                  (light != nullptr
+                       ? "; intensity: grey value under light; quality: contrast of the finest pattern, in "
+                         "grey values"
+                       : ""));
 }
 
 std::string shares_csv(const std::vector<structured_light::OfImage<structured_light::DepthShares>>& shares) {

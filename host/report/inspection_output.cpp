@@ -207,7 +207,8 @@ void write_cloud(const light_section::Inspection& inspection, files::OutputFolde
   Table cloud(folder, "cloud.ply");
   cloud.append(
       fmt::format("ply\nformat binary_little_endian 1.0\n"
-                  "comment millimetres; x carried back by the belt; difference positive towards the camera\n"
+                  "comment millimetres; x along the belt and carried back by it, y along the image's columns, z away "
+                  "(left-handed); difference positive towards the camera\n"
                   "comment intensity: mean grey value of the line's lit pixels; quality: M0, the light of the line, in "
                   "proportion to which the variance of its place falls\n"
                   "element vertex {}\n"

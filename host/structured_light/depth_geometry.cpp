@@ -49,8 +49,23 @@ std::unique_ptr<LensTriangulation> rig_triangulation_of_both(const DepthGeometry
   LensSettings settings = settings_of(rig, geometry.limits);
   settings.bits = geometry.row_bits;
   settings.row_bits = geometry.bits;
+  settings.lines = geometry.row_lines;
+  settings.row_lines = geometry.lines;
   settings.max_residual_px = geometry.max_residual_px;
   return with_lens(geometry.rig, rig::calibration_of(rig), settings);
+}
+
+// Throws UserError about lines that are fewer than the codes that share them.
+void check_lines(const DepthGeometry& geometry) {
+  for (const auto& [option, lines, bits] : {std::tuple{"--lines", geometry.lines, geometry.bits},
+                                            std::tuple{"--row-lines", geometry.row_lines, geometry.row_bits}}) {
+    if (lines > 0 && lines < std::ldexp(1.0, bits)) {
+      throw UserError(option,
+                      fmt::format("is {}, but no code of the 2^{} can be narrower than a line; leave it out where "
+                                  "each line has a code of its own",
+                                  lines, bits));
+    }
+  }
 }
 
 }  // namespace
@@ -63,17 +78,9 @@ void check_size(const std::string& geometry, int rows, int columns, const ImageS
 }
 
 std::unique_ptr<LensTriangulation> make_lens_triangulation(const DepthGeometry& geometry, const ImageSource& source) {
+  check_lines(geometry);
   if (!geometry.rig.empty()) {
     return rig_triangulation_of_both(geometry, source);
-  }
-  for (const auto& [option, lines, bits] : {std::tuple{"--lines", geometry.lines, geometry.bits},
-                                            std::tuple{"--row-lines", geometry.row_lines, geometry.row_bits}}) {
-    if (lines > 0 && lines < std::ldexp(1.0, bits)) {
-      throw UserError(option,
-                      fmt::format("is {}, but no code of the 2^{} can be narrower than a line; leave it out where "
-                                  "each line has a code of its own",
-                                  lines, bits));
-    }
   }
   const rig::Calibration calibration = rig::read_calibration(geometry.calibration);
   if (calibration.camera_rows > 0) {
@@ -94,24 +101,26 @@ std::unique_ptr<Triangulation> make_triangulation(const DepthGeometry& geometry,
   if (geometry.rig.empty()) {
     return make_lens_triangulation(geometry, source);
   }
+  check_lines(geometry);
   const rig::Rig rig = rig_for(geometry, source);
   if (!rig.calibration) {
-    return std::make_unique<PlaneTriangulation>(rig, geometry.bits, geometry.limits);
+    return std::make_unique<PlaneTriangulation>(rig, geometry.bits, geometry.limits, geometry.lines);
   }
   try {
-    return triangulation_of_rig(rig, geometry.bits, geometry.limits);
+    return triangulation_of_rig(rig, geometry.bits, geometry.limits, geometry.lines);
   } catch (const std::invalid_argument& error) {
     throw UserError(geometry.rig, error.what());
   }
 }
 
-std::unique_ptr<Triangulation> triangulation_of_rig(const rig::Rig& rig, int bits, const DepthLimits& limits) {
+std::unique_ptr<Triangulation> triangulation_of_rig(const rig::Rig& rig, int bits, const DepthLimits& limits,
+                                                    double lines) {
   if (rig.is_pinholes()) {
-    return std::make_unique<PlaneTriangulation>(rig, bits, limits);
+    return std::make_unique<PlaneTriangulation>(rig, bits, limits, lines);
   }
   LensSettings settings = settings_of(rig, limits);
   settings.bits = bits;
-  settings.lines = rig::coded_height(rig.projector.lines, bits);
+  settings.lines = lines > 0 ? lines : rig::coded_height(rig.projector.lines, bits);
   return std::make_unique<LensTriangulation>(rig::calibration_of(rig), settings);
 }
 

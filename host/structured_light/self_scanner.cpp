@@ -1,12 +1,16 @@
 #include "host/structured_light/self_scanner.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <stdexcept>
+#include <string>
 #include <vector>
 
 #include "model/cpu_clones.h"
@@ -210,6 +214,53 @@ void SelfScanner::explain(std::vector<PointState>& states) const {
       }
     }
   }
+}
+
+std::optional<double> SelfScanner::pace() const {
+  constexpr int kLeastBorders = 200;
+  const Stripes& stripes = reference_->stripes;
+  const int last = (1 << stripes.bits) - 1;
+  const bool one_way = stripes.code == StripeCode::cyclic && stripes.bits > 1;
+  const auto columns = static_cast<std::size_t>(depth_.columns);
+  int expected = 0;
+  int made = 0;
+  for (int r = 1; r < depth_.rows && codes_ != nullptr; ++r) {
+    const int step = cell_of_row(r, reference_->camera_rows, stripes.width) -
+                     cell_of_row(r - 1, reference_->camera_rows, stripes.width);
+    for (std::size_t next = static_cast<std::size_t>(r) * columns, c = 0; c < columns; ++next, ++c) {
+      const std::size_t here = next - columns;
+      if (!is_unmeasurable(ambiguous_[here]) && !is_unmeasurable(ambiguous_[next]) && reference_->measurable(here) &&
+          reference_->measurable(next)) {
+        const int change = (codes_[next] - codes_[here]) & last;
+        expected += step;
+        made += change == 1 ? 1 : change == last ? (one_way ? -1 : 1) : 0;
+      }
+    }
+  }
+  return expected < kLeastBorders ? std::nullopt : std::optional(static_cast<double>(made) / expected);
+}
+
+std::string contradiction_of(const SelfScanner& scanner) {
+  constexpr double kLeastPace = 0.25;  // surfaces that lean so much against the reference fill no image
+  const std::optional<double> pace = scanner.pace();
+  return !pace || *pace >= kLeastPace
+             ? ""
+             : fmt::format(
+                   "down the image the code does not count on as the reference's stripes do ({:.2f} times as often): "
+                   "were these images taken under the patterns of this reference, and are they not mirrored?",
+                   (std::round(100 * *pace) / 100) + 0.0);  // no "-0.00"
+}
+
+std::string reason_without_points(const DepthShares& shares) {
+  if (shares.of(PointState::valid) > 0) {
+    return "";
+  }
+  const std::size_t coded = shares.total() - shares.of(PointState::not_measurable);
+  return coded == 0
+             ? "no pixel has a code where the reference was seen: is there light, and is the threshold below the "
+               "contrast of positive and negative?"
+             : fmt::format("none of {} pixels with a code has a point: are rig, reference and e those of the images?",
+                           coded);
 }
 
 }  // namespace selfproj::structured_light

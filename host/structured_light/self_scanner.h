@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "host/structured_light/match_table.h"
@@ -61,6 +63,11 @@ class SelfScanner {
   // no cell of the reference is in the window.
   void explain(std::vector<PointState>& states) const;
 
+  // How often the newest code counts on from a row to the next, beside the stripes of the reference at the same pixels:
+  // 1 on a part parallel to the reference, less or more where it leans against it, below 0 where it counts backwards
+  // (stripes of one bit, or reflected: never). Nothing where too few pixels tell.
+  [[nodiscard]] std::optional<double> pace() const;
+
  private:
   void depth_of_lines(int row, const float* lines, float* z) const;
   void match(const std::uint8_t* codes, const std::uint8_t* ambiguous);
@@ -77,6 +84,13 @@ class SelfScanner {
   std::vector<float> lines_;  // lines of one row
   images::FloatImage depth_, difference_, reference_depth_;
 };
+
+// What the newest depth image contradicts, as the end of a message: codes of other patterns than those of the
+// reference. Empty: nothing.
+std::string contradiction_of(const SelfScanner& scanner);
+
+// Why none of the pixels of a depth image has a point, likewise; empty if one has.
+std::string reason_without_points(const DepthShares& shares);
 
 }  // namespace selfproj::structured_light
 

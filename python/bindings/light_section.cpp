@@ -1,5 +1,6 @@
 // selfproj.light_section: fast moments, rigs, profiles, height maps.
 #include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
 
@@ -200,7 +201,14 @@ void bind_light_section(nb::module_& module) {
             const std::size_t frames = moved.size();
             return array_of(std::move(moved), {frames});
           },
-          "How far the belt has moved since the first frame, mm, float64.");
+          "How far the belt has moved since the first frame, mm, float64.")
+      .def_prop_ro(
+          "spacing_mm",
+          [](Collected& self) {
+            return std::pair(self.get(&light_section::Inspection::frame_spacing_mm),
+                             self.get(&light_section::Inspection::column_spacing_mm));
+          },
+          "Distance of neighbouring frames and of neighbouring columns, mm: row_mm and column_mm of map_png.");
   module.def("save_tiff", &save_tiff, nb::arg("file"), nb::arg("image").noconvert(),
              "Writes a TIFF of 32-bit numbers, whole or not at all. InputError if it cannot be written.");
   module.def(

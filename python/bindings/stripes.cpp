@@ -207,7 +207,7 @@ class StripeScanner {
     return newest();
   }
 
-  StripeScan scan(const ImagesArgument& images, const std::string& channel, std::optional<int> shift) {
+  StripeScan scan(const ImagesArgument& images, const std::string& channel, std::optional<int> shift, bool unchecked) {
     const Busy::Entered entered(busy_);
     const GivenImages given(images, {channel, shift});
     const auto patterns = 2 * static_cast<std::size_t>(table_.bits());
@@ -216,6 +216,8 @@ class StripeScanner {
     without_gil([&] {
       images::ImageSequence sequence = given.sequence();
       scanner_->restart();
+      structured_light::SequenceCheck check(table_.rows(), table_.columns(), table_.bits(), true);
+      std::vector<std::string> names(patterns);
       images::Image kept;
       for (std::size_t i = 0; i < given.count(); ++i) {
         images::Image image = sequence.read(i);
@@ -223,10 +225,19 @@ class StripeScanner {
           throw UserError(given.names()[i], "has not the size of the rig's camera");
         }
         const auto pattern = static_cast<int>(i % patterns);
+        check.add(pattern, image.view());
+        names[i % patterns] = given.names()[i];
         scanner_->add_frame(image.view(), pattern);
         kept = std::move(image);  // the positive of a pair is read again with its negative
       }
+      std::string contradiction = structured_light::contradiction_of(check, names);
+      if (contradiction.empty()) {
+        contradiction = structured_light::contradiction_of(*scanner_);
+      }
       scanner_->restart();
+      if (!unchecked && !contradiction.empty()) {
+        throw UserError("images", contradiction);
+      }
     });
     return newest();
   }
@@ -356,8 +367,9 @@ void bind_stripe_scanner(nb::module_& module) {
       .def("take", &StripeScanner::take, nb::arg("image").noconvert(), nb::arg("pattern"), nb::arg("good") = true,
            "Takes a frame with its pattern index. Returns a StripeScan if one is due, after every pair, else None.")
       .def("scan", &StripeScanner::scan, nb::arg("images").noconvert(), nb::arg("channel") = "",
-           nb::arg("shift") = nb::none(),
-           "The newest StripeScan of images that begin with pattern 0: array, list of arrays, folder or files.")
+           nb::arg("shift") = nb::none(), nb::arg("unchecked") = false,
+           "The newest StripeScan of images that begin with pattern 0: array, list of arrays, folder or files.\n"
+           "InputError where they contradict each other, or are not of this reference's patterns, unless unchecked.")
       .def("restart", &StripeScanner::restart, "Waits for pattern 0.")
       .def_prop_ro("table", &StripeScanner::table, nb::rv_policy::reference,
                    "The matches for selfproj.model.match, and for the board: uint16, (rows, columns, 2^m).")

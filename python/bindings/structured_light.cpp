@@ -89,14 +89,15 @@ class FastDecoder {
 // Depth from codes, and points from depth. It has no state; any number of threads may use it.
 class Depths {
  public:
-  // `rig` is that of a triangulation by pinholes.
-  Depths(std::unique_ptr<structured_light::Triangulation> triangulation, const rig::Rig& rig)
-      : triangulation_(std::move(triangulation)), rig_(rig) {}
+  // `rig` and `lines` are those of a triangulation by pinholes.
+  Depths(std::unique_ptr<structured_light::Triangulation> triangulation, const rig::Rig& rig, double lines)
+      : triangulation_(std::move(triangulation)), rig_(rig), lines_(lines) {}
   explicit Depths(std::unique_ptr<structured_light::LensTriangulation> triangulation)
       : triangulation_(std::move(triangulation)) {}
 
   [[nodiscard]] const structured_light::Triangulation& triangulation() const { return *triangulation_; }
   [[nodiscard]] const rig::Rig& rig() const { return rig_.value(); }
+  [[nodiscard]] double lines() const { return lines_; }
 
   [[nodiscard]] Out<float> depth(const CodeImage& codes) const {
     require_size(codes.shape(0), codes.shape(1), "codes: their size is not that of the images");
@@ -130,6 +131,7 @@ class Depths {
 
   std::unique_ptr<structured_light::Triangulation> triangulation_;
   std::optional<rig::Rig> rig_;
+  double lines_ = 0;
 };
 
 // All numbers of the settings. visit(number) may change it.
@@ -140,13 +142,13 @@ void visit_settings(Settings& s, const Visit& visit) {
   visit(s.rows_are_x);
 }
 
-// Pickled as what it was made of: a rig and bits, or a calibration and settings.
-using DepthsState = std::variant<std::tuple<rig::Rig, int>, std::tuple<rig::Calibration, std::vector<double>>>;
+// Pickled as what it was made of: a rig, bits and lines, or a calibration and settings.
+using DepthsState = std::variant<std::tuple<rig::Rig, int, double>, std::tuple<rig::Calibration, std::vector<double>>>;
 
 DepthsState state_of_depths(const Depths& self) {
   const auto* lenses = dynamic_cast<const structured_light::LensTriangulation*>(&self.triangulation());
   if (lenses == nullptr) {
-    return std::tuple(self.rig(), self.triangulation().bits());
+    return std::tuple(self.rig(), self.triangulation().bits(), self.lines());
   }
   std::vector<double> numbers;
   visit_settings(lenses->settings(), [&](auto value) { numbers.push_back(static_cast<double>(value)); });
@@ -155,8 +157,8 @@ DepthsState state_of_depths(const Depths& self) {
 
 void set_depths(Depths& self, const DepthsState& state) {
   if (const auto* of_rig = std::get_if<0>(&state)) {
-    const auto& [rig, bits] = *of_rig;
-    new (&self) Depths(structured_light::triangulation_of_rig(rig, bits), rig);
+    const auto& [rig, bits, lines] = *of_rig;
+    new (&self) Depths(structured_light::triangulation_of_rig(rig, bits, {}, lines), rig, lines);
     return;
   }
   const auto& [calibration, numbers] = std::get<1>(state);
@@ -178,27 +180,31 @@ struct Scan {
 using ScanState = std::tuple<std::shared_ptr<Depths>, Out<float>, Out<float>, Out<float>>;
 
 std::shared_ptr<Depths> depths_of(std::unique_ptr<structured_light::Triangulation> triangulation,
-                                  const std::string& rig) {
+                                  const std::string& rig, double lines) {
   if (auto* lenses = dynamic_cast<structured_light::LensTriangulation*>(triangulation.get())) {
     static_cast<void>(triangulation.release());
     return std::make_shared<Depths>(std::unique_ptr<structured_light::LensTriangulation>(lenses));
   }
-  return std::make_shared<Depths>(std::move(triangulation), rig::load_rig(rig));
+  return std::make_shared<Depths>(std::move(triangulation), rig::load_rig(rig), lines);
 }
 
 Scan scan(const ImagesArgument& images, const Path& rig, const Path& calibration, int bits, int row_bits, int threshold,
-          bool median, bool strict, const std::string& channel, std::optional<int> shift, bool unchecked) {
+          bool median, bool strict, const std::string& channel, std::optional<int> shift, bool unchecked, double lines,
+          double row_lines) {
   require(rig.empty() != calibration.empty(), "rig, calibration: give one of them");
   require(
       bits >= 1 && bits <= model::GrayDecoder::kMaxBits && row_bits >= 0 && row_bits <= model::GrayDecoder::kMaxBits,
       "bits: must be in 1..12, row_bits in 0..12");
   require(threshold >= 0 && threshold <= 255, "threshold: must be in 0..255");
+  require(lines >= 0 && row_lines >= 0, "lines, row_lines: must be 0 or more");
   require(!(median && (row_bits > 0 || strict)), "median: goes neither with row_bits nor with strict");
   structured_light::DepthSetup setup;
   setup.geometry.rig = rig.string();
   setup.geometry.calibration = calibration.string();
   setup.geometry.bits = bits;
   setup.geometry.row_bits = row_bits;
+  setup.geometry.lines = lines;
+  setup.geometry.row_lines = row_lines;
   setup.scanner.threshold = threshold;
   setup.scanner.median = median;
   setup.scanner.strict = strict;
@@ -219,7 +225,7 @@ Scan scan(const ImagesArgument& images, const Path& rig, const Path& calibration
   }
   const std::vector<std::size_t> shape = sides_of_image(run.depth.rows, run.depth.columns);
   structured_light::LightOfPixels light = std::move(run.light).value();
-  return {depths_of(std::move(run.triangulation), setup.geometry.rig), array_of_image(std::move(run.depth)),
+  return {depths_of(std::move(run.triangulation), setup.geometry.rig, lines), array_of_image(std::move(run.depth)),
           array_of(std::move(light.intensity), shape), array_of(std::move(light.contrast), shape)};
 }
 
@@ -315,10 +321,13 @@ void bind_structured_light(nb::module_& module) {
       .def("__setstate__", &set_depths);
   module.def(
       "triangulation",
-      [](const rig::Rig& rig, int bits) {
-        return std::make_unique<Depths>(structured_light::triangulation_of_rig(rig, bits), rig);
+      [](const rig::Rig& rig, int bits, double lines) {
+        require(lines == 0 || lines >= std::ldexp(1.0, bits), "lines: must be 0, or 2^bits or more");
+        return std::make_unique<Depths>(structured_light::triangulation_of_rig(rig, bits, {}, lines), rig, lines);
       },
-      nb::arg("rig"), nb::arg("bits"), "For codes of `bits` bits along the lines of the rig's projector.");
+      nb::arg("rig"), nb::arg("bits"), nb::arg("lines") = 0.0,
+      "For codes of `bits` bits along the lines of the rig's projector, which cover `lines` of them (0: all, or one\n"
+      "for each code where the codes are more).");
   nb::class_<Scan>(module, "Scan", "A depth image, and how its points follow from it.")
       .def_ro("depth", &Scan::depth, nb::rv_policy::reference, "z in mm, float32, NaN where there is none.")
       .def_ro("intensity", &Scan::intensity, nb::rv_policy::reference,
@@ -341,7 +350,8 @@ void bind_structured_light(nb::module_& module) {
   module.def(
       "scan", &scan, nb::arg("images").noconvert(), nb::arg("rig") = "", nb::arg("calibration") = "", nb::arg("bits"),
       nb::arg("row_bits") = 0, nb::arg("threshold") = 5, nb::arg("median") = false, nb::arg("strict") = false,
-      nb::arg("channel") = "", nb::arg("shift") = nb::none(), nb::arg("unchecked") = false,
+      nb::arg("channel") = "", nb::arg("shift") = nb::none(), nb::arg("unchecked") = false, nb::arg("lines") = 0.0,
+      nb::arg("row_lines") = 0.0,
       "The depth image of captured images: a uint8 array (images, rows, columns), a list of arrays, a folder, or\n"
       "the files in order. rig: a built-in rig or a file; or calibration: OpenCV's YAML. With row_bits both axes\n"
       "are coded. Otherwise as `selfproj depth`:\n"

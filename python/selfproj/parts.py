@@ -35,8 +35,8 @@ def cut(packets: Iterable[Packet], profiler: Profiler) -> Iterator[Part]:
 
 
 _pictures.shows(Tolerance, lambda tolerance: [_pictures.text_html(tolerance.to_yaml())])
-_pictures.shows(Part, lambda part: [_pictures.map_html(part.heights, "height", pitch=part.pitch_mm)])
+_pictures.shows(Part, lambda part: [_pictures.map_html(part.heights, "height", spacing=2 * (part.pitch_mm,))])
 _pictures.shows(PartResult, lambda result: [
     _pictures.text_html("\n".join(filter(None, [result.verdict, result.reason, *map(repr, result.defects)]))),
-    _pictures.map_html(result.heights, "height", pitch=result.pitch_mm),
-    _pictures.map_html(result.difference, "difference from the reference", signed=True, pitch=result.pitch_mm)])
+    _pictures.map_html(result.heights, "height", spacing=2 * (result.pitch_mm,)),
+    _pictures.map_html(result.difference, "difference from the reference", signed=True, spacing=2 * (result.pitch_mm,))])

@@ -32,11 +32,26 @@ def table_html(rows):
     return f"<table><tr>{names}</tr>{lines}</table>" if rows else ""
 
 
-def map_html(values, title, signed=False, pitch=1.0):
-    """A map in mm; one without a value is said to be empty."""
+def spacing_of_points(depth, points):
+    """Distance of the rays of neighbouring pixels at the median depth, in mm: from row to row, and from column to column.
+    depth: (rows, columns); points: those of its pixels with a depth, in the camera's frame."""
+    seen = numpy.isfinite(depth)
+    if not seen.any():
+        return 1.0, 1.0
+    rays = numpy.full((*depth.shape, 2), numpy.nan)
+    rays[seen] = points[:, :2] / points[:, 2:]
+    spacing = []
+    for step in (rays[1:] - rays[:-1], rays[:, 1:] - rays[:, :-1]):
+        distances = numpy.hypot(step[..., 0], step[..., 1]) * numpy.median(depth[seen])
+        spacing.append(float(numpy.nanmedian(distances)) if numpy.isfinite(distances).any() else 1.0)
+    return tuple(spacing)
+
+
+def map_html(values, title, signed=False, spacing=(1.0, 1.0)):
+    """A map in mm; one without a value is said to be empty. spacing: from row to row (0: not known) and column to column."""
     if values.size == 0 or not numpy.isfinite(values).any():
         return text_html(f"{title}: no pixel has a value")
-    return _img(map_png(values, title + " (mm)", signed_values=signed, row_mm=pitch, column_mm=pitch), title)
+    return _img(map_png(values, title + " (mm)", signed_values=signed, row_mm=spacing[0], column_mm=spacing[1]), title)
 
 
 def image_html(pixels, title):

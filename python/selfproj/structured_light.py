@@ -15,9 +15,16 @@ from ._core.structured_light import (GrayDecoder, GraySequence, Scan, StripeRefe
 __all__ = ["GrayDecoder", "GraySequence", "Scan", "StripeReference", "StripeScan", "StripeScanner", "Triangulation",
            "load_ply", "load_stripes", "save_ply", "scan", "stripes_of_points", "stripes_of_scan", "triangulation"]
 
-_pictures.shows(Scan, lambda scan: [_pictures.map_html(scan.depth, "depth z")])
-_pictures.shows(StripeScan, lambda scan: [_pictures.map_html(scan.depth, "depth z"),
-                                          _pictures.map_html(scan.difference, "towards the camera", signed=True)])
+
+def _of_depth(scan):
+    spacing = _pictures.spacing_of_points(scan.depth, scan.points())
+    return [_pictures.map_html(scan.depth, "depth z", spacing=spacing)] + (
+        [_pictures.map_html(scan.difference, "towards the camera", signed=True, spacing=spacing)]
+        if isinstance(scan, StripeScan) else [])
+
+
+for _kind in (Scan, StripeScan):
+    _pictures.shows(_kind, _of_depth)
 _pictures.shows(StripeReference, lambda stripes: [_pictures.image_html(stripes.pattern(2 * bit), f"pattern {2 * bit}")
                                                   for bit in range(stripes.bits)])
 _pictures.shows(GraySequence, lambda sequence: [_pictures.image_html(sequence.image(2 * bit), f"pattern {2 * bit}")

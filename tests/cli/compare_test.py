@@ -88,6 +88,20 @@ class Compare(Case):
         (self.folder / "out/distance.ply").rename(self.folder / "distance.ply")
         self.assertEqual(self.compare("a.ply", "distance.ply")[0], 0)
 
+    def test_clouds_in_other_axes(self):
+        grid = [(3 * x, 2 * y, 500 + 7 * x) for x in range(20) for y in range(20)]
+        (self.folder / "a.ply").write_text(ply(grid), encoding="ascii")
+        for option, seen in (("--exchange-xy", [(y, x, z) for x, y, z in grid]),
+                             ("--opengl", [(x, -y, -z) for x, y, z in grid]),
+                             ("--exchange-xy --opengl", [(y, -x, -z) for x, y, z in grid])):
+            (self.folder / "b.ply").write_text(ply(seen), encoding="ascii")
+            status, _, errors = self.compare("a.ply", "b.ply")
+            self.assertEqual(status, 0)
+            self.assertRegex(errors, rf"^selfproj: b.ply: warning: its points are \S+ mm from A as they are, and 0.000 mm "
+                                     rf"with {option}: are the clouds in one frame\?\n$")
+            status, _, errors = self.compare(*option.split(), "a.ply", "b.ply")
+            self.assertEqual((status, errors, self.summary()["largest_mm"]), (0, "", 0))
+
     def test_refusals(self):
         (self.folder / "a.ply").write_text(ply([(0, 0, 1)]), encoding="ascii")
         (self.folder / "none.ply").write_text(ply([]), encoding="ascii")
@@ -97,7 +111,8 @@ class Compare(Case):
         for words, reason in ((("a.ply", "none.ply"), "none.ply: has no points"),
                               (("two.tiff", "a.ply"), "a.ply: is a cloud, two.tiff a map"),
                               (("two.tiff", "three.tiff"), "three.tiff: has 512 x 3 values, two.tiff has 512 x 2"),
-                              (("two.tiff", "missing.tiff"), "missing.tiff: ")):
+                              (("two.tiff", "missing.tiff"), "missing.tiff: "),
+                              (("--opengl", "two.tiff", "two.tiff"), "--opengl: is for clouds")):
             status, text, errors = self.compare(*words)
             self.assertEqual((status, text), (2, ""))
             self.assertTrue(errors.startswith("selfproj: " + reason), errors)

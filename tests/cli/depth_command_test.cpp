@@ -89,7 +89,7 @@ class DepthCommand : public ::testing::Test {
         const double z = rig_.plane_z_mm - height(row, column);
         const double x = z * rig_.camera.pixel_pitch_mm * (row - 0.5 * (kRows - 1)) / rig_.camera.focal_length_mm;
         const double code = std::floor(projector_lights(rig_.projector, {x, 0, z}).row + 0.5);
-        codes.push_back(code >= 0 && code < 64 ? static_cast<int>(code) : -1);
+        codes.push_back(code >= 0 && code < rig_.projector.lines ? static_cast<int>(code) : -1);
       }
     }
     return codes;
@@ -196,6 +196,27 @@ TEST_F(DepthCommand, WritesTheDepthOfOneCycle) {
   const std::string summary = read_text(folder_ / "out/summary.json");
   EXPECT_NE(summary.find(fmt::format("\"valid\": {}", points)), std::string::npos) << summary;
   EXPECT_NE(summary.find("\"too_coarse\""), std::string::npos);
+}
+
+// The first pairs of a longer code, whose codes are a line each and more than the lines, say how many lines they cover.
+TEST_F(DepthCommand, TheFirstPairsOfALongerCodeOfARig) {
+  rig_.projector.lines = 48;
+  write_text(folder_ / "rig.yaml", rig::to_yaml(rig_));
+  save_cycle("a", codes_of(flat));
+  files_.resize(10);  // 5 of 6 pairs
+  const auto median = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{"--rig", "rig.yaml", "--bits", "5", "--max-z-per-line", "1000"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const Outcome outcome = depth_of_files(arguments);
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    std::vector<float> z = tiff("depth.tiff").values;
+    z.erase(std::remove_if(z.begin(), z.end(), [](float value) { return std::isnan(value); }), z.end());
+    EXPECT_GT(z.size(), 300U);
+    std::nth_element(z.begin(), z.begin() + static_cast<std::ptrdiff_t>(z.size() / 2), z.end());
+    return static_cast<double>(z[z.size() / 2]);
+  };
+  EXPECT_NEAR(median({"--lines", "64"}), rig_.plane_z_mm, 30);  // two lines are 70 mm
+  EXPECT_GT(std::abs(median({}) - rig_.plane_z_mm), 100);
 }
 
 // A depth image comes after every pair from the m-th on, with the pixels that moved against the background.
@@ -365,7 +386,8 @@ TEST_F(DepthCommand, RefusesOptionsOutOfRange) {
       {{"--bits", "6"}, "--rig, --calibration"},
       {{"--rig", "rig.yaml", "--calibration", "cal.yaml", "--bits", "6"}, "--rig, --calibration"},
       {{"--rig", "rig.yaml", "--bits", "6", "--row-bits", "6"}, "IMAGE: 12 images are too few; 24 are needed"},
-      {{"--rig", "rig.yaml", "--bits", "6", "--lines", "6"}, "--lines, --row-lines"},
+      {{"--rig", "rig.yaml", "--bits", "6", "--lines", "6"}, "--lines: is 6, but no code"},
+      {{"--rig", "rig.yaml", "--bits", "6", "--row-lines", "64"}, "--row-lines: goes only with --row-bits"},
       {{"--rig", "rig.yaml", "--bits", "6", "--plane-region", "1,2,3,4"}, "--plane-region: is for --plane"},
       {{"--rig", "rig.yaml", "--bits", "6", "--plane", "--plane-region", "1,2,3"}, "--plane-region: '1,2,3' is not"},
       {{"--rig", "rig.yaml", "--bits", "6", "--plane", "--plane-region", "1,2,3,x"}, "--plane-region: '1,2,3,x' is"},

@@ -86,14 +86,15 @@ class MatchCommand : public ::testing::Test {
     EXPECT_FALSE(fs::exists(folder_ / "out"));
   }
 
-  // Writes images of planes, at each of these z in turn, under the patterns of `ref`, and returns their names.
-  std::vector<std::string> pictures(int count, const std::vector<double>& z) {
+  // Writes images of planes, at each of these z in turn, under the patterns of a folder, and returns their names.
+  std::vector<std::string> pictures(int count, const std::vector<double>& z, const std::string& patterns = "ref",
+                                    const std::string& name = "image") {
     std::vector<std::string> names;
     for (int i = 0; i < count; ++i) {
       const cv::Mat pattern =
-          cv::imread((folder_ / fmt::format("ref/pattern_{:02}.png", i % 8)).string(), cv::IMREAD_UNCHANGED);
+          cv::imread((folder_ / fmt::format("{}/pattern_{:02}.png", patterns, i % 8)).string(), cv::IMREAD_UNCHANGED);
       EXPECT_EQ(pattern.rows, rig_.projector.lines);
-      names.push_back(fmt::format("image_{}.png", i));
+      names.push_back(fmt::format("{}_{}.png", name, i));
       write_picture(folder_ / names.back(), points_of(rig_, plane_at(z[static_cast<std::size_t>(i / 2) % z.size()])),
                     std::vector<std::uint8_t>(pattern.begin<std::uint8_t>(), pattern.end<std::uint8_t>()),
                     pattern.cols);
@@ -249,6 +250,47 @@ TEST_F(MatchCommand, OnLineIsLikeOffLine) {
   refused(with({"--save", "3", "--out", "out", "image_0.png"}), {"--save: goes only with --device"});
   write_text(folder_ / "few", packets({names.begin(), names.begin() + 6}, false));
   refused(with({"--device", "file:few", "--out", "out"}), {"file:few: delivered no complete code image"});
+}
+
+// Images under other patterns than those of the reference, mirrored ones and dark ones have no depth without a word.
+TEST_F(MatchCommand, RefusesImagesOfOtherPatterns) {
+  reference();
+  ASSERT_EQ(run({"pattern", "gray", "--rig", "rig.yaml", "--bits", "4", "--out", "gray"}).status, 0);
+  for (const char* name : {"good", "plain", "mirrored", "dark"}) {
+    fs::create_directory(folder_ / name);
+  }
+  const std::vector<std::string> good = pictures(8, {530}, "ref", "good/image");
+  const std::vector<std::string> plain = pictures(8, {530}, "gray", "plain/image");
+  for (std::size_t i = 0; i < good.size(); ++i) {
+    const cv::Mat image = cv::imread((folder_ / good[i]).string(), cv::IMREAD_UNCHANGED);
+    cv::Mat mirrored;
+    cv::flip(image, mirrored, 0);
+    const std::string file = fmt::format("image_{}.png", i);
+    ASSERT_TRUE(cv::imwrite((folder_ / "mirrored" / file).string(), mirrored));
+    ASSERT_TRUE(cv::imwrite((folder_ / "dark" / file).string(), image / 100));
+  }
+  const auto match = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{"match", "--rig", "rig.yaml", "--reference", "ref", "--e", "4", "--out", "out"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run(arguments);
+  };
+  for (const auto& [folder, reason] : {std::pair("plain", "does not count on as the reference's stripes do"),
+                                       {"mirrored", "does not count on as the reference's stripes do (-1."},
+                                       {"dark", "no pixel has a code"}}) {
+    SCOPED_TRACE(folder);
+    const Outcome outcome = match({folder});
+    EXPECT_EQ(outcome.status, 1);
+    EXPECT_NE(outcome.err.find(reason), std::string::npos) << outcome.err;
+    EXPECT_FALSE(fs::exists(folder_ / "out"));
+  }
+  write_text(folder_ / "codes", packets(plain, true));
+  const Outcome board = match({"--device", "file:codes"});
+  EXPECT_EQ(board.status, 0) << board.err;
+  EXPECT_NE(board.err.find("file:codes: warning: down the image the code does not count on"), std::string::npos)
+      << board.err;
+  EXPECT_EQ(match({"--device", "file:codes", "--check"}).status, 1);
+  EXPECT_EQ(match({"--unchecked", "plain"}).status, 0);
+  EXPECT_EQ(match({"good"}).err, "");
 }
 
 TEST_F(MatchCommand, RefusesWrongScans) {

@@ -86,10 +86,10 @@ struct DepthMatrices {
 // a code of its own where the codes are more.
 double coded_height(int lines, int bits);
 
-// The matrices of the pinholes of a rig whose projector shows `bits` pairs, 1..12, coded along its lines. Its central H
-// lines, or all of them if H is 0, are divided into 2^bits codes: code centre Xp = pitch ((c + 1/2) H/2^bits - 1/2 - (H
-// - 1)/2) + center_xp_mm. Where 2^bits is more than H, each line has a code of its own, the first of them 0.
-DepthMatrices depth_matrices(const Rig& rig, int bits, int coded_lines = 0);
+// The matrices of the pinholes of a rig whose projector shows `bits` pairs, 1..12, coded along its lines. The 2^bits
+// codes cover L lines of a projector of H, from its first on: code centre Xp = pitch ((c + 1/2) L/2^bits - 1/2 - (H -
+// 1)/2) + center_xp_mm. `lines` is L; 0 stands for coded_height.
+DepthMatrices depth_matrices(const Rig& rig, int bits, double lines = 0);
 
 // The projector axis along which codes count.
 enum class CodedAxis : std::uint8_t { columns, rows };

@@ -26,10 +26,12 @@ struct DepthGeometry {
   std::string rig;          // a built-in rig or a YAML file
   std::string calibration;  // an OpenCV YAML file
 
-  int bits = 0;          // m of the code along the coded axis; with a calibration or both axes, the projector's columns
-  int row_bits = 0;      // bits of the code of the projector's rows; 0: one axis is coded
-  double lines = 0;      // with a calibration: projector columns that 2^bits codes cover; 0: one for each code
-  double row_lines = 0;  // the same for rows
+  int bits = 0;      // m of the code along the coded axis; with a calibration or both axes, the projector's columns
+  int row_bits = 0;  // bits of the code of the projector's rows; 0: one axis is coded
+  // What the 2^bits codes cover: of a calibration, or with both axes, projector columns, else the rig's lines. 0: one
+  // for each code; of a rig's lines alone, all where they are more.
+  double lines = 0;
+  double row_lines = 0;                                     // rows that the 2^row_bits codes cover
   double max_residual_px = LensSettings{}.max_residual_px;  // for both axes
   DepthLimits limits;                                       // a finite max_z_per_line_mm replaces the rig's
 };
@@ -42,9 +44,11 @@ std::unique_ptr<Triangulation> make_triangulation(const DepthGeometry& geometry,
 // are exchanged (LensSettings::rows_are_x): it takes the code of its lines, the second one, for the first.
 std::unique_ptr<LensTriangulation> make_lens_triangulation(const DepthGeometry& geometry, const ImageSource& source);
 
-// Codes of `bits` bits along the lines of the rig's projector, for images of its camera; its max_z_per_line_mm takes
-// the place of that of `limits`. Throws std::invalid_argument as the triangulations do.
-std::unique_ptr<Triangulation> triangulation_of_rig(const rig::Rig& rig, int bits, const DepthLimits& limits = {});
+// Codes of `bits` bits along the lines of the rig's projector, which cover `lines` of them (0: rig::coded_height), for
+// images of its camera; its max_z_per_line_mm takes the place of that of `limits`. Throws std::invalid_argument as the
+// triangulations do.
+std::unique_ptr<Triangulation> triangulation_of_rig(const rig::Rig& rig, int bits, const DepthLimits& limits = {},
+                                                    double lines = 0);
 
 }  // namespace selfproj::structured_light
 

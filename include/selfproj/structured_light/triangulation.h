@@ -104,14 +104,15 @@ class Triangulation {
 // have no intersection.
 class PlaneTriangulation : public Triangulation {
  public:
-  // `codes_per_line` is 2^bits / H, what a projector line is worth in codes, for the limit. Throws
+  // `codes_per_line` is 2^bits / L, what a projector line is worth in codes, for the limit. Throws
   // std::invalid_argument if a size is out of range, T_C cannot be inverted, the camera does not look along +z
   // everywhere, or codes_per_line is not > 0.
   PlaneTriangulation(int rows, int columns, int bits, const rig::DepthMatrices& matrices, const DepthLimits& limits,
                      double codes_per_line = 1);
 
-  // Uses the size of the rig's camera, and its max_z_per_line_mm instead of that of `limits`. `coded_lines` as above.
-  PlaneTriangulation(const rig::Rig& rig, int bits, DepthLimits limits = {}, int coded_lines = 0);
+  // Uses the size of the rig's camera, and its max_z_per_line_mm instead of that of `limits`. The 2^bits codes cover
+  // `lines` of the projector's lines; 0: rig::coded_height.
+  PlaneTriangulation(const rig::Rig& rig, int bits, DepthLimits limits = {}, double lines = 0);
 
   void depth(const std::uint16_t* codes, float* z) const override;
   void explain(const std::uint16_t* codes, const float* z, PointState* states) const override;

@@ -197,6 +197,8 @@ class LightSection(Case):
         same(inspection.difference(), light_section.load_tiff(str(out / "difference.tiff")))
         numpy.testing.assert_allclose(numpy.stack(heights), inspection.height(), atol=1e-4)
         self.assertEqual(inspection.belt_mm().shape, (len(inspection),))
+        self.assertAlmostEqual(inspection.spacing_mm[0], inspection.belt_mm()[-1] / (len(inspection) - 1), delta=1e-6)
+        self.assertAlmostEqual(inspection.spacing_mm[1], float(numpy.nanmedian(numpy.diff(profile.y))), delta=0.02)
         light_section.save_tiff(str(out / "again.tiff"), inspection.height())
         self.assertEqual((out / "again.tiff").read_bytes(), (out / "height.tiff").read_bytes())
         several = profiler.profile_of_moments(*(numpy.stack([values] * 3) for values in
@@ -266,6 +268,12 @@ class StructuredLight(Case):
         with self.assertRaisesRegex(selfproj.InputError, "another order"):
             structured_light.scan(backwards, rig="scanner", bits=4)
         structured_light.scan(backwards, rig="scanner", bits=4, unchecked=True)
+        wide = structured_light.scan(files, rig="scanner", bits=4, median=True, lines=1024, unchecked=True)
+        run(SELFPROJ, "depth", "--rig", "scanner", "--bits", "4", "--median", "--lines", "1024", "--unchecked", "--out",
+            self.folder / "wide", recorded)
+        same(wide.depth, light_section.load_tiff(self.folder / "wide/depth.tiff"))
+        codes = numpy.full((512, 512), 0x8007, "uint16")
+        same(pickle.loads(pickle.dumps(wide.triangulation)).depth(codes), wide.triangulation.depth(codes))
         # The same by hand.
         decoder = structured_light.GrayDecoder(512, 512, 4, median=True)
         for index, file in enumerate(sorted(recorded.iterdir())):
@@ -337,6 +345,11 @@ class Stripes(Case):
         self.assertTrue((matched | ~numpy.isfinite(scan.depth)).all())
         for thing in (stripes, scan):
             self.assertIn("data:image/png;base64,", thing._repr_html_())
+        down, right = selfproj.pictures.spacing_of_points(scan.depth, scan.points())
+        self.assertAlmostEqual(down / right, 1, delta=0.1)  # pixels are squares
+        self.assertTrue(0.2 < right < 3, right)  # mm
+        with self.assertRaisesRegex(selfproj.InputError, "images: down the image the code does not count on"):
+            scanner.scan(numpy.stack([selfproj.read_image(file)[::-1] for file in images]))
 
 
 class References(Case):
