@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <cstring>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -285,6 +286,29 @@ std::string summary(const light_section::Inspection& inspection, const ReportPar
   return files::json_text(json, 2) + "\n";
 }
 
+// The differences in frames of a part, where parts are cut by profile and some passed; otherwise none. The reference is
+// a good part, from which the belt between parts differs by a part's whole height: nothing else would be seen on a
+// page.
+std::optional<images::FloatImage> differences_of_parts(const light_section::Inspection& inspection,
+                                                       const images::FloatImage& height) {
+  if (!inspection.rig().parts || inspection.rig().parts->cut != rig::PartCut::profile) {
+    return std::nullopt;
+  }
+  images::FloatImage difference = inspection.difference();
+  const rig::RigParts& parts = *inspection.rig().parts;
+  int frames = 0;
+  for (int r = 0; r < height.rows; ++r) {
+    const auto high = std::count_if(height.row(r), height.row(r) + height.columns,
+                                    [&](float value) { return static_cast<double>(value) > parts.above_mm; });
+    if (static_cast<double>(high) * inspection.column_spacing_mm() < std::max(parts.min_width_mm, 1e-9)) {
+      std::fill_n(difference.row(r), difference.columns, images::kNoValue);
+    } else {
+      ++frames;
+    }
+  }
+  return frames > 0 ? std::optional(std::move(difference)) : std::nullopt;
+}
+
 ReportData report_data(const light_section::Inspection& inspection, const ReportParts& parts) {
   const rig::Rig& rig = inspection.rig();
   const light_section::Inspection::Frame& first = inspection.frame(0);
@@ -301,7 +325,9 @@ ReportData report_data(const light_section::Inspection& inspection, const Report
                                  region->row_offset + 1, region->frame_rate_hz);
   }
   data.height = inspection.height();
-  data.difference = inspection.difference();
+  std::optional<images::FloatImage> of_parts = differences_of_parts(inspection, data.height);
+  data.of_parts = of_parts.has_value();
+  data.difference = of_parts ? std::move(*of_parts) : inspection.difference();
   data.y = inspection.y();
   data.pitch = pitch_of(inspection);
   data.counters = parts.counters;
@@ -320,9 +346,11 @@ ReportData report_data(const light_section::Inspection& inspection, const Report
       {"valid", "of all columns", fmt::format("{:.1f}", 100 * static_cast<double>(counts[0]) / all), "%"}};
   if (counts[0] > 0) {
     data.highlights.push_back({"height", "height", fmt::format("{:.2f} … {:.2f}", h.least, h.greatest), "mm"});
-    data.highlights.push_back(
-        {"difference", "difference", fmt::format("{:+.2f} … {:+.2f}", d.least, d.greatest), "mm"});
-    data.highlights.push_back({"difference_rms", "difference, RMS", fmt::format("{:.3f}", d.rms), "mm"});
+  }
+  if (d.count > 0) {
+    const std::string what = data.of_parts ? "difference of parts" : "difference";
+    data.highlights.push_back({"difference", what, fmt::format("{:+.2f} … {:+.2f}", d.least, d.greatest), "mm"});
+    data.highlights.push_back({"difference_rms", what + ", RMS", fmt::format("{:.3f}", d.rms), "mm"});
   }
   for (std::size_t i = 1; i < counts.size(); ++i) {
     if (i != kOutside || counts[i] > 0) {

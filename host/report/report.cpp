@@ -202,8 +202,10 @@ std::string report_html(const ReportData& data) {
     html += "<p role=\"alert\" style=\"color:#b2182b;font-weight:bold\">" + escaped(doubt) + "</p>\n";
   }
   html += "<div class=\"two\">";
-  add_map(html, "Difference from the reference", "Positive: nearer to the camera than the reference.", data.difference,
-          difference_scale(data.difference), data.pitch);
+  add_map(html, "Difference from the reference",
+          std::string("Positive: nearer to the camera than the reference.") +
+              (data.of_parts ? " Frames without a part are left out." : ""),
+          data.difference, difference_scale(data.difference), data.pitch);
   add_map(html, "Height over the plane", "Rows are frames (along the belt), columns image columns.", data.height,
           height_scale(data.height), data.pitch);
   html += "</div>\n";

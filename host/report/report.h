@@ -36,6 +36,7 @@ struct ReportData {
   std::optional<CameraPicture> camera;
   images::FloatImage height;      // mm; rows are frames
   images::FloatImage difference;  // mm
+  bool of_parts = false;          // frames without a part have no difference
   images::FloatImage y;           // mm, of the same shape
   MapPitch pitch;
 };

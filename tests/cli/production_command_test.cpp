@@ -91,6 +91,7 @@ TEST_F(ProductionCommand, FindsWhatItPlants) {
                                 rig));
   ASSERT_EQ(run.status, 0) << run.err;
   EXPECT_EQ(agrees("line", "today", 1, 0.05), 2);
+  EXPECT_NE(read_text(folder_ / "today-out/report.html").find("difference of parts, RMS"), std::string::npos);
 
   EXPECT_TRUE(std::filesystem::exists(folder_ / "line/good/frame_00640.png"));
   EXPECT_FALSE(std::filesystem::exists(folder_ / "line/good/frame_00641.png"));
