@@ -9,7 +9,7 @@
 
 module ecp5_camera_link #(
   parameter int Taps = 2,  // 1..3 (Base), 4 (Medium), 8 (Full) or 10 (80 bit)
-  parameter int Bits = 8,  // 8; with 1 or 2 taps also 10 or 12
+  parameter int Bits = 8,  // 8; with 1 or 2 taps also 10 or 12, with 8 taps also 10
   parameter int Samples = 1,  // of each bit: 1 or 2; two notice lanes out of place
   parameter int LogGood = 8,  // log2 of the right words before a link is locked: 1 or more
   parameter logic [34:0] DelaysX = '0,  // see ecp5_channel_link

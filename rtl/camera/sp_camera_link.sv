@@ -10,8 +10,8 @@
 // tap 1. With Taps = 4 (Medium) each word of X brings three pixels, in ports A, B and C. The
 // matching word of Y brings the fourth pixel, in port D. The four pixels make one beat. With
 // Taps = 8 (Full) X, Y and Z bring eight pixels, in ports A to H. With Taps = 10 (80 bit, ten taps
-// of 8 bits) they bring ten, see sp_camera_link_channel. The upper 8 bits of each pixel go to the
-// board.
+// of 8 bits) they bring ten, and with Taps = 8 and Bits = 10 (80 bit, eight taps of 10 bits) eight,
+// see sp_camera_link_channel. The upper 8 bits of each pixel go to the board.
 //
 // A pixel counts while frame valid, line valid and data valid are high. A line ends when line valid
 // or frame valid falls. It may have any length; the board compares the length with the size that
@@ -56,7 +56,7 @@
 
 module sp_camera_link #(
   parameter int Taps = 2,  // pixels in a word: 1..3 (Base), 4 (Medium), 8 (Full) or 10 (80 bit)
-  parameter int Bits = 8,  // bits of a pixel: 8; with 1 or 2 taps also 10 or 12
+  parameter int Bits = 8,  // bits of a pixel: 8; with 1 or 2 taps also 10 or 12, with 8 taps also 10
   parameter bit DataValid = 1'b1,  // 0: ignore data valid, as if it were always high
   parameter int Columns = 0,  // of a line, a multiple of 4, with 8 or 10 taps; 0: all of its words
   parameter int LogWords = 9,  // log2 of the words of 8 or 10 pixels that can wait: 1..24
@@ -102,12 +102,14 @@ module sp_camera_link #(
     columns_needs_8_or_10_taps u_error ();
   end
 
-  localparam bit Eighty = Taps == 10;
+  localparam bit Eighty = Taps == 10 || Taps == 8 && Bits == 10;
+  localparam int Ten = Taps == 10 ? 1 : 3;  // of an 80-bit X
   localparam int Links = Taps <= 3 ? 1 : Taps == 4 ? 2 : 3;
-  localparam int PlaceBits = Taps == 8 ? 4 : 0;
-  localparam int XPixels = Eighty ? 26 : Links == 1 ? 32 : 24;  // bits
-  localparam int YPixels = Eighty ? 27 : Links == 3 ? 24 : 8;
-  localparam int ZPixels = Eighty ? 27 : 16;
+  localparam int PortBits = Eighty ? 8 : Bits;  // of a pixel where its ports hold it
+  localparam int PlaceBits = Taps == 8 && !Eighty ? 4 : 0;
+  localparam int XPixels = Taps == 10 ? 26 : Links == 1 ? 32 : 24;  // bits
+  localparam int YPixels = Taps == 10 ? 27 : Links == 3 ? 24 : 8;
+  localparam int ZPixels = Taps == 10 ? 27 : 16;
 
   logic [Links-1:0]             valid, ready, start, line_end, overrun, lost;
   logic [XPixels+PlaceBits-1:0] x_data;
@@ -115,9 +117,9 @@ module sp_camera_link #(
 
   sp_camera_link_channel #(
     .Taps     (Links == 1 ? Taps : 3),
-    .Bits     (Bits),
+    .Bits     (PortBits),
     .Part     (Links > 1),
-    .Eighty   (Eighty ? 1 : 0),
+    .Eighty   (Eighty ? Ten : 0),
     .PlaceBits(PlaceBits),
     .DataValid(DataValid),
     .LogDepth (LogDepth)
@@ -160,9 +162,9 @@ module sp_camera_link #(
 
     sp_camera_link_channel #(
       .Taps     (Links == 2 ? 1 : 3),
-      .Bits     (Bits),
+      .Bits     (PortBits),
       .Part     (1'b1),
-      .Eighty   (Eighty ? 2 : 0),
+      .Eighty   (Eighty ? Ten + 1 : 0),
       .PlaceBits(PlaceBits),
       .DataValid(DataValid),
       .LogDepth (LogDepth)
@@ -187,9 +189,9 @@ module sp_camera_link #(
 
       sp_camera_link_channel #(
         .Taps     (2),
-        .Bits     (Bits),
+        .Bits     (PortBits),
         .Part     (1'b1),
-        .Eighty   (Eighty ? 2 : 0),
+        .Eighty   (Eighty ? Ten + 1 : 0),
         .PlaceBits(PlaceBits),
         .DataValid(DataValid),
         .LogDepth (LogDepth)

@@ -15,11 +15,12 @@
 // With Part = 1 each word is a part of a beat, with all its taps, and above them, with PlaceBits,
 // the number of the word in its line, modulo 2^PlaceBits; words without data valid count.
 //
-// With Eighty the word is one of the 80-bit configuration with ten taps of 8 bits, which has no
-// data valid. X (1): bits 23..0, then 27 and 26 as the two upper ones; line valid: 24, frame valid:
-// 25. Y and Z (2): bits 26..0; line valid: 27. These have no frame valid: every line is taken for a
-// frame. The bits of X, Y and Z in a row are the taps 1 to 10 (Camera Link 2.0, as ClinkFraming.vhd of
-// github.com/slaclab/surf has it).
+// With Eighty the word is one of the 80-bit configuration, which has no data valid, and frame valid
+// only in X: every line of Y and Z is taken for a frame. Ten taps of 8 bits: X (1) has bits 23..0,
+// then 27 and 26 as the two upper ones; line valid: 24, frame valid: 25. Y and Z (2): bits 26..0;
+// line valid: 27. The bits of X, Y and Z in a row are the taps 1 to 10. Eight taps of 10 bits: the
+// upper 8 bits of each are where Full has them; X (3) has line valid in 24 and frame valid in 25, Y
+// and Z (4) line valid in 24. (Camera Link 2.0, as ClinkFraming.vhd of github.com/slaclab/surf has it.)
 //
 // Overflow, reset: see sp_beat_crossing.
 // Latency: a word is one clock of the link before its begins_i, full_i or ending_i there.
@@ -29,11 +30,11 @@ module sp_camera_link_channel #(
   parameter int Taps = 3,  // 1, 2 or 3
   parameter int Bits = 8,  // of a pixel: 8; with 1 or 2 taps also 10 or 12
   parameter bit Part = 1'b0,  // 1: a word is a part of a beat; 0: beats of four pixels
-  parameter int Eighty = 0,  // of the 80-bit configuration: 1: X, 2: Y or Z; 0: of another one
+  parameter int Eighty = 0,  // 80 bit: ten taps 1: X, 2: Y or Z; eight taps 3: X, 4: Y or Z; 0: no
   parameter int PlaceBits = 0,  // of the number of a word in its line, with Part = 1: 0..8
   parameter bit DataValid = 1'b1,  // 0: data valid is taken for high
   parameter int LogDepth = 4,  // log2 of the beats in the FIFO: 1..15
-  parameter int Pixels = Eighty == 0 ? 8 * Taps : 25 + Eighty,  // derived, do not set
+  parameter int Pixels = Eighty == 1 || Eighty == 2 ? 25 + Eighty : 8 * Taps,  // derived, do not set
   parameter int Width = Part ? Pixels + PlaceBits : 32  // derived, do not set
 ) (
   // Link
@@ -54,8 +55,8 @@ module sp_camera_link_channel #(
   output logic                  cut_o       // pulse: locked_i has fallen
 );
 
-  if (Eighty < 0 || Eighty > 2) begin : gen_eighty_range
-    eighty_is_not_in_0_to_2 u_error ();
+  if (Eighty < 0 || Eighty > 4) begin : gen_eighty_range
+    eighty_is_not_in_0_to_4 u_error ();
   end
   if (Eighty != 0 && !Part) begin : gen_eighty_part
     eighty_needs_part u_error ();
@@ -80,16 +81,23 @@ module sp_camera_link_channel #(
     assign frame = line;
     assign data  = 1'b1;
   end else begin : gen_ports
+    logic frame_bit, data_bit;
     sp_camera_link_taps #(
       .Taps(Taps),
       .Bits(Bits)
     ) u_taps (
       .word_i  (word_i),
-      .frame_o (frame),
+      .frame_o (frame_bit),
       .line_o  (line),
-      .data_o  (data),
+      .data_o  (data_bit),
       .pixels_o(pixels)
     );
+    assign frame = Eighty == 4 ? line : frame_bit;
+    assign data  = Eighty != 0 || data_bit;
+    if (Eighty != 0) begin : gen_without_data
+      logic unused_bits;
+      assign unused_bits = ^{frame_bit, data_bit};
+    end
   end
 
   always_ff @(posedge link_clk_i) begin

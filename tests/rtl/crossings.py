@@ -49,6 +49,7 @@ TOPS = [
     Top("sp_parallel_sensor"),
     Top("sp_replay", ("MaxColumns=40", "MaxRows=9")),
     *(Top("sp_camera_link", (f"Taps={taps}",)) for taps in (1, 2, 3, 4, 8, 10)),
+    Top("sp_camera_link", ("Taps=8", "Bits=10")),
     Top("sp_lvds_sensor", LVDS),
     Top("sp_lvds_sensor", ("Lanes=2", *LVDS)),
     Top("sp_lvds_sensor", ("Codes=1'b1",)),

@@ -55,8 +55,8 @@ BOUNDS = {
                                     ["Taps=8 Columns=514", "Taps=10 Columns=65536", "Taps=4 Columns=512"]),
     ("sp_camera_link", "LogWords"): (["Taps=8 LogWords=1", "Taps=10 LogWords=24"],
                                      ["Taps=8 LogWords=0", "Taps=8 LogWords=25"]),
-    ("sp_camera_link_channel", "Eighty"): (["Part=1'b1 Eighty=1", "Part=1'b1 Eighty=2"],
-                                           ["Part=1'b1 Eighty=3", "Eighty=1"]),
+    ("sp_camera_link_channel", "Eighty"): (["Part=1'b1 Eighty=1", "Part=1'b1 Eighty=4"],
+                                           ["Part=1'b1 Eighty=5", "Eighty=1"]),
     ("sp_camera_link_channel", "PlaceBits"): (["PlaceBits=0", "Part=1'b1 PlaceBits=8"],
                                               ["Part=1'b1 PlaceBits=9", "PlaceBits=1"]),
     ("sp_wide_beats", "Columns"): (["Columns=0", "Columns=4", "Columns=512 Taps=10", "Columns=65532 Taps=10"],
@@ -80,8 +80,8 @@ for same, like in ((("sp_replay_receiver", "MaxColumns"), ("sp_replay", "MaxColu
                    (("ecp5_lvds_sensor", "Burst"), ("sp_lvds_flags", "Burst")),
                    *((("ecp5_lvds_sensor", name), ("sp_lvds_sensor", name)) for name in ("Columns", "Checked", "Bits"))):
     BOUNDS[same] = BOUNDS[like]
-BOUNDS["sp_camera_link", "Bits"] = (BOUNDS["sp_camera_link", "Bits"][0], [
-    "Taps=3 Bits=10", "Taps=4 Bits=10", "Taps=8 Bits=10", "Taps=10 Bits=10", "Bits=9"])
+BOUNDS["sp_camera_link", "Bits"] = (BOUNDS["sp_camera_link", "Bits"][0] + ["Taps=8 Bits=10"], [
+    "Taps=3 Bits=10", "Taps=4 Bits=10", "Taps=8 Bits=12", "Taps=10 Bits=10", "Bits=9"])
 # Rules of sp_packetizer about the specification, not about parameters
 OF_SPECIFICATION = {"the_header_has_not_4_beats_or_the_trailer_not_1", "the_sequence_is_not_known_for_the_first_beat",
                     "the_count_of_lost_packets_is_right_in_beats_1_and_2_only"}

@@ -1,8 +1,8 @@
 // A Camera Link camera, and what the board must get from it.
 //
 // The tables of the bits have the standard's names: A0 is bit 0 of port A; L, F, D are line, frame and data valid, S is
-// the spare bit. The 80-bit configuration has no ports here, but the bits of its ten taps in a row (Camera Link 2.0, as
-// github.com/slaclab/surf has it in protocols/clink/rtl/ClinkFraming.vhd).
+// the spare bit. The 80-bit configurations have no ports here, but tables of the bits of their taps (Camera Link 2.0,
+// as github.com/slaclab/surf has it in protocols/clink/rtl/ClinkFraming.vhd).
 #ifndef SELFPROJ_TESTS_RTL_BLOCKS_CAMERA_LINK_BENCH_H
 #define SELFPROJ_TESTS_RTL_BLOCKS_CAMERA_LINK_BENCH_H
 
@@ -29,7 +29,8 @@ struct LinkPins {
   bool data = false;
   bool spare = false;
   std::array<std::uint8_t, 3> ports{};  // A, B, C of X; D, E, F of Y; G, H of Z
-  enum class Kind : std::uint8_t { ports, eighty_x, eighty_yz } kind = Kind::ports;
+  // 80 bit: ten taps of 8 bits, or eight of 10 bits
+  enum class Kind : std::uint8_t { ports, eighty_x, eighty_yz, eight_tens_x, eight_tens_yz } kind = Kind::ports;
   std::uint32_t flips = 0;   // outputs of the receiver chip that are damaged
   std::uint32_t eighty = 0;  // the outputs of the receiver chip in the 80-bit configuration, without L and F
 
@@ -58,9 +59,12 @@ inline std::uint32_t link_word(const LinkPins& pins) {
   const auto line = static_cast<std::uint32_t>(pins.line);
   switch (pins.kind) {
     case LinkPins::Kind::eighty_x:
+    case LinkPins::Kind::eight_tens_x:
       return (pins.eighty | line << 24U | static_cast<std::uint32_t>(pins.frame) << 25U) ^ pins.flips;
     case LinkPins::Kind::eighty_yz:
       return (pins.eighty | line << 27U) ^ pins.flips;
+    case LinkPins::Kind::eight_tens_yz:
+      return (pins.eighty | line << 24U) ^ pins.flips;
     default:
       break;
   }
@@ -72,6 +76,41 @@ inline std::uint32_t link_word(const LinkPins& pins) {
 }
 
 constexpr int kLinks = 3;
+
+// Where a bit of a pixel is: the link, and the output of its receiver chip.
+struct LinkPlace {
+  std::size_t link = 0;
+  unsigned output = 0;
+};
+
+// Of ten taps of 8 bits: 26 bits in X, without outputs 24 and 25, then 27 in Y and in Z.
+constexpr LinkPlace place_of_ten_taps(int tap, int bit) {
+  const int at = 8 * tap + bit;
+  return at < 26   ? LinkPlace{0, static_cast<unsigned>(at >= 24 ? at + 2 : at)}
+         : at < 53 ? LinkPlace{1, static_cast<unsigned>(at - 26)}
+                   : LinkPlace{2, static_cast<unsigned>(at - 53)};
+}
+
+// Of eight taps of 10 bits, from bit 0 to bit 9.
+constexpr std::array<std::array<std::string_view, 10>, 8> kEightTens = {
+    {{"X26", "X23", "X0", "X1", "X2", "X3", "X4", "X6", "X27", "X5"},
+     {"Y25", "Y26", "X7", "X8", "X9", "X12", "X13", "X14", "X10", "X11"},
+     {"Y23", "Z15", "X15", "X18", "X19", "X20", "X21", "X22", "X16", "X17"},
+     {"Z18", "Z19", "Y0", "Y1", "Y2", "Y3", "Y4", "Y6", "Y27", "Y5"},
+     {"Z20", "Z21", "Y7", "Y8", "Y9", "Y12", "Y13", "Y14", "Y10", "Y11"},
+     {"Z22", "Z16", "Y15", "Y18", "Y19", "Y20", "Y21", "Y22", "Y16", "Y17"},
+     {"Z17", "Z25", "Z0", "Z1", "Z2", "Z3", "Z4", "Z6", "Z27", "Z5"},
+     {"Z26", "Z23", "Z7", "Z8", "Z9", "Z12", "Z13", "Z14", "Z10", "Z11"}}};
+
+constexpr LinkPlace place_of_eight_tens(int tap, int bit) {
+  const std::string_view name = kEightTens[static_cast<std::size_t>(tap)][static_cast<std::size_t>(bit)];
+  LinkPlace place{static_cast<std::size_t>(name[0] - 'X'), 0};
+  for (const char digit : name.substr(1)) {
+    place.output = 10 * place.output + static_cast<unsigned>(digit - '0');
+  }
+  return place;
+}
+
 constexpr int kLanes = 5;  // four of data, and the clock
 constexpr int kBitsOfLane = 7;
 constexpr int kClockLane = 4;
@@ -172,7 +211,7 @@ class LinkCamera {
                                      const std::array<int, 10>& given = {-1, -1, -1, -1, -1, -1, -1, -1, -1, -1}) {
     Sent sent;
     sent.frame = frames_;
-    line = line && (frame || taps_ != 10);  // Y and Z of the 80-bit configuration have no frame valid
+    line = line && (frame || !eighty());  // Y and Z of the 80-bit configurations have no frame valid
     for (std::size_t link = 0; link < (taps_ > 4 ? 3U : 2U); ++link) {
       LinkPins& pins = sent.links[link];
       pins.frame = frame;
@@ -182,8 +221,10 @@ class LinkCamera {
       for (std::uint8_t& port : pins.ports) {
         port = static_cast<std::uint8_t>(random_.bits());
       }
-      if (taps_ == 10) {
-        pins.kind = link == 0 ? LinkPins::Kind::eighty_x : LinkPins::Kind::eighty_yz;
+      if (eighty()) {
+        const LinkPins::Kind x = taps_ == 10 ? LinkPins::Kind::eighty_x : LinkPins::Kind::eight_tens_x;
+        const LinkPins::Kind yz = taps_ == 10 ? LinkPins::Kind::eighty_yz : LinkPins::Kind::eight_tens_yz;
+        pins.kind = link == 0 ? x : yz;
       }
     }
     std::array<std::uint32_t, 10> pixels{};
@@ -191,14 +232,10 @@ class LinkCamera {
       const int wanted = given[static_cast<std::size_t>(tap)];
       const auto pixel = static_cast<std::uint32_t>(wanted >= 0 ? wanted : random_.between(0, (1 << bits_) - 1));
       pixels[static_cast<std::size_t>(tap)] = pixel;
-      if (taps_ == 10) {
-        for (int bit = 0; bit < 8; ++bit) {  // 26 bits in X, without outputs 24 and 25, then 27 in Y and in Z
-          const int at = 8 * tap + bit;
-          const int link = at < 26 ? 0 : at < 53 ? 1 : 2;
-          const int place = at - std::array<int, kLinks>{0, 26, 53}[static_cast<std::size_t>(link)];
-          const int output = link == 0 && place >= 24 ? place + 2 : place;
-          sent.links[static_cast<std::size_t>(link)].eighty |= (pixel >> static_cast<unsigned>(bit) & 1U)
-                                                               << static_cast<unsigned>(output);
+      if (eighty()) {
+        for (int bit = 0; bit < bits_; ++bit) {
+          const LinkPlace place = taps_ == 10 ? place_of_ten_taps(tap, bit) : place_of_eight_tens(tap, bit);
+          sent.links[place.link].eighty |= (pixel >> static_cast<unsigned>(bit) & 1U) << place.output;
         }
       } else if (bits_ == 8) {
         sent.links[static_cast<std::size_t>(tap / 3)].ports[static_cast<std::size_t>(tap % 3)] =
@@ -215,6 +252,8 @@ class LinkCamera {
     queue_.push_back(sent);
     return pixels;
   }
+
+  [[nodiscard]] bool eighty() const { return taps_ == 10 || (taps_ == 8 && bits_ == 10); }
 
   Random& random_;
   int taps_;

@@ -1,5 +1,6 @@
-// Tests the front end for Camera Link Full (8 taps) and 80 bit (10 taps) with words: three links that come at different
-// times, lines that come faster than their beats leave, links that lose their lock, and damaged words.
+// Tests the front end for Camera Link Full (8 taps) and 80 bit (10 taps, or 8 of 10 bits) with words: three links that
+// come at different times, lines that come faster than their beats leave, links that lose their lock, and damaged
+// words.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -10,6 +11,8 @@
 #include <string_view>
 #include <vector>
 
+#include "Vsp_camera_link_eight_tens_ports.h"
+#include "Vsp_camera_link_eight_tens_short_ports.h"
 #include "Vsp_camera_link_eighty_ports.h"
 #include "Vsp_camera_link_eighty_short_ports.h"
 #include "Vsp_camera_link_full_ports.h"
@@ -24,15 +27,18 @@ namespace {
 // The board's clocks, in thousandths of a word, with which beats leave as fast as words come.
 int fast_board(Random& random, int taps) { return random.between(300, 4000 / taps - 20); }
 
+// 80 bit, which has no data valid.
+bool is_eighty(int taps, int bits) { return taps == 10 || bits == 10; }
+
 // Lines of any length, and links whose delays differ by as much as is allowed.
 template <typename Dut>
-void expect_every_beat_of_three(int taps) {
+void expect_every_beat_of_three(int taps, int bits = 8) {
   for_cases(12, [&](Random& random, std::uint64_t seed) {
     const int board = fast_board(random, taps);
-    CameraLinkBench<Dut> bench(seed, taps, 8, board, random.between(0, 13 * board), random.chance(50) ? 0 : 30);
+    CameraLinkBench<Dut> bench(seed, taps, bits, board, random.between(0, 13 * board), random.chance(50) ? 0 : 30);
     bench.forget();
     for (int frame = 0; frame < 15; ++frame) {
-      bench.send_any(taps == 10 ? 0 : 20);
+      bench.send_any(is_eighty(taps, bits) ? 0 : 20);
     }
     bench.drain();
     EXPECT_EQ(bench.expect_frames_sent(), 0);
@@ -41,13 +47,14 @@ void expect_every_beat_of_three(int taps) {
 }
 TEST(CameraLinkFull, EveryBeat) { expect_every_beat_of_three<Vsp_camera_link_full>(8); }
 TEST(CameraLinkEighty, EveryBeat) { expect_every_beat_of_three<Vsp_camera_link_eighty>(10); }
+TEST(CameraLinkEightTens, EveryBeat) { expect_every_beat_of_three<Vsp_camera_link_eight_tens>(8, 10); }
 
 // A board that takes the words of a line more slowly than they come: the FIFO holds what waits.
 template <typename Dut>
-void expect_the_fifo_holds(int taps) {
+void expect_the_fifo_holds(int taps, int bits = 8) {
   for_cases(8, [&](Random& random, std::uint64_t seed) {
     const int board = random.between(4000 / taps, 900);
-    CameraLinkBench<Dut> bench(seed, taps, 8, board, random.between(0, 13 * board));
+    CameraLinkBench<Dut> bench(seed, taps, bits, board, random.between(0, 13 * board));
     bench.forget();
     for (int frame = 0; frame < 4; ++frame) {
       bench.send({.rows = 10, .columns = taps * random.between(40, 51)});  // fewer than 512 words
@@ -59,13 +66,14 @@ void expect_the_fifo_holds(int taps) {
 }
 TEST(CameraLinkFull, WordsWaitForTheBoard) { expect_the_fifo_holds<Vsp_camera_link_full>(8); }
 TEST(CameraLinkEighty, WordsWaitForTheBoard) { expect_the_fifo_holds<Vsp_camera_link_eighty>(10); }
+TEST(CameraLinkEightTens, WordsWaitForTheBoard) { expect_the_fifo_holds<Vsp_camera_link_eight_tens>(8, 10); }
 
 // Lines of `columns` pixels, no multiple of the taps, lose what fills their last word; all others are as they were
 // sent.
 template <typename Dut>
-void expect_short_lines(int taps, int columns) {
+void expect_short_lines(int taps, int columns, int bits = 8) {
   for_cases(10, [&](Random& random, std::uint64_t seed) {
-    CameraLinkBench<Dut> bench(seed, taps, 8, fast_board(random, taps), random.between(0, 900));
+    CameraLinkBench<Dut> bench(seed, taps, bits, fast_board(random, taps), random.between(0, 900));
     bench.forget();
     for (int frame = 0; frame < 15; ++frame) {
       const int words = (columns + taps - 1) / taps;
@@ -81,14 +89,17 @@ void expect_short_lines(int taps, int columns) {
 }
 TEST(CameraLinkFull, LinesThatDoNotFillTheirLastWord) { expect_short_lines<Vsp_camera_link_full_short>(8, 212); }
 TEST(CameraLinkEighty, LinesThatDoNotFillTheirLastWord) { expect_short_lines<Vsp_camera_link_eighty_short>(10, 216); }
+TEST(CameraLinkEightTens, LinesThatDoNotFillTheirLastWord) {
+  expect_short_lines<Vsp_camera_link_eight_tens_short>(8, 212, 10);
+}
 
 // The FIFO is too small for the lines: each frame comes whole, or it is the beginning of one, and counted once.
 template <typename Dut>
-void expect_overruns_of_words(int taps) {
+void expect_overruns_of_words(int taps, int bits = 8) {
   int cut_off = 0;
   int whole = 0;
   for_cases(12, [&](Random& random, std::uint64_t seed) {
-    CameraLinkBench<Dut> bench(seed, taps, 8, random.between(4000 / taps, 990));
+    CameraLinkBench<Dut> bench(seed, taps, bits, random.between(4000 / taps, 990));
     bench.forget();
     for (int frame = 0; frame < 30; ++frame) {
       bench.send({.rows = random.between(2, 7),
@@ -110,6 +121,9 @@ void expect_overruns_of_words(int taps) {
 }
 TEST(CameraLinkFull, WordsWithoutRoomEndTheFrame) { expect_overruns_of_words<Vsp_camera_link_full_short>(8); }
 TEST(CameraLinkEighty, WordsWithoutRoomEndTheFrame) { expect_overruns_of_words<Vsp_camera_link_eighty_short>(10); }
+TEST(CameraLinkEightTens, WordsWithoutRoomEndTheFrame) {
+  expect_overruns_of_words<Vsp_camera_link_eight_tens_short>(8, 10);
+}
 
 // A board whose clock is slower than that of the links: their own FIFOs fill, which counts as well.
 TEST(CameraLinkFull, LinksFasterThanTheBoardAreCounted) {
@@ -135,10 +149,10 @@ TEST(CameraLinkFull, LinksFasterThanTheBoardAreCounted) {
 // A board that is so slow that it takes nothing before a line has ended: the links' FIFOs hold a line of 16 words, and
 // of a longer one as many. Y and Z come some clocks of the board later, so that all links tell their overruns.
 template <typename Dut>
-void expect_places_of_links(int taps) {
+void expect_places_of_links(int taps, int bits = 8) {
   constexpr int kPlaces = 16;
   for_cases(4, [&](Random& random, std::uint64_t seed) {
-    CameraLinkBench<Dut> bench(seed, taps, 8, 20'000, random.between(0, 900));
+    CameraLinkBench<Dut> bench(seed, taps, bits, 20'000, random.between(0, 900));
     int broken = 0;
     for (int round = 0; round < 12; ++round) {
       const int words = round % 3 == 0   ? random.between(1, kPlaces - 1)
@@ -167,7 +181,7 @@ TEST(CameraLinkEighty, TheFifosOfTheLinksHoldAsManyWordsAsTheyHavePlaces) {
 
 // The FIFO of 16 words holds what constraints/camera_link/rate.py says, but for a few words that are on their way.
 template <typename Dut>
-void expect_room_for_what_waits(int taps) {
+void expect_room_for_what_waits(int taps, int bits = 8) {
   int cut_off = 0;
   int whole = 0;
   for_cases(60, [&](Random& random, std::uint64_t seed) {
@@ -182,7 +196,7 @@ void expect_room_for_what_waits(int taps) {
     if (most > 13 && most < 22) {
       return;
     }
-    CameraLinkBench<Dut> bench(seed, taps, 8, board, random.between(0, 900));
+    CameraLinkBench<Dut> bench(seed, taps, bits, board, random.between(0, 900));
     bench.forget();
     bench.send({.rows = rows, .columns = taps * words, .min_gap = gap, .max_gap = gap});
     bench.all_may_break();
@@ -203,13 +217,13 @@ TEST(CameraLinkEighty, TheFifoHoldsWhatTheFormulaSays) { expect_room_for_what_wa
 
 // A cable that is pulled in the middle of frames and put back, of one link or of all, for words or for whole frames.
 template <typename Dut>
-void expect_cuts_of_three(int taps) {
+void expect_cuts_of_three(int taps, int bits = 8) {
   int broken = 0;
   int whole = 0;
   for_cases(12, [&](std::uint64_t seed) {
     Random random(seed + 1000);
     const int board = fast_board(random, taps);
-    CameraLinkBench<Dut> bench(seed, taps, 8, board, random.between(0, 5 * board), random.chance(50) ? 0 : 20);
+    CameraLinkBench<Dut> bench(seed, taps, bits, board, random.between(0, 5 * board), random.chance(50) ? 0 : 20);
     bench.forget();
     for (int frame = 0; frame < 40; ++frame) {
       const int rows = random.between(2, 6);
@@ -244,12 +258,15 @@ void expect_cuts_of_three(int taps) {
 }
 TEST(CameraLinkFull, AFrameEndsWhereACableIsPulled) { expect_cuts_of_three<Vsp_camera_link_full_short>(8); }
 TEST(CameraLinkEighty, AFrameEndsWhereACableIsPulled) { expect_cuts_of_three<Vsp_camera_link_eighty_short>(10); }
+TEST(CameraLinkEightTens, AFrameEndsWhereACableIsPulled) {
+  expect_cuts_of_three<Vsp_camera_link_eight_tens_short>(8, 10);
+}
 
 // Resets in the middle of a frame: what comes after begins with a whole frame.
 template <typename Dut>
-void expect_whole_frames_after_a_reset(int taps) {
+void expect_whole_frames_after_a_reset(int taps, int bits = 8) {
   for_cases(6, [&](Random& random, std::uint64_t seed) {
-    CameraLinkBench<Dut> bench(seed, taps, 8, fast_board(random, taps), random.between(0, 900));
+    CameraLinkBench<Dut> bench(seed, taps, bits, fast_board(random, taps), random.between(0, 900));
     for (int round = 0; round < 3; ++round) {
       bench.send({.rows = 4, .columns = 40 * taps, .max_gap = 3});
       bench.clocks(random.between(20, 100));
@@ -290,8 +307,8 @@ std::vector<Place> places_of(const std::deque<LinkCamera::Sent>& words, std::siz
   for (std::size_t at = 0; at < words.size(); ++at) {
     const LinkPins& pins = words[at].links[link];
     const std::uint32_t word = link_word(pins);
-    const bool yz = pins.kind == LinkPins::Kind::eighty_yz;
-    const bool line = (word >> (yz ? 27U : 24U) & 1U) != 0;
+    const bool yz = pins.kind == LinkPins::Kind::eighty_yz || pins.kind == LinkPins::Kind::eight_tens_yz;
+    const bool line = (word >> (pins.kind == LinkPins::Kind::eighty_yz ? 27U : 24U) & 1U) != 0;
     const bool frame = yz ? line : (word >> 25U & 1U) != 0;
     begins = begins || (frame && low);
     low = !frame;
@@ -312,34 +329,33 @@ std::vector<Place> places_of(const std::deque<LinkCamera::Sent>& words, std::siz
 }
 
 // Pixel `tap` of a word of all links.
-std::uint8_t pixel_of(const LinkCamera::Sent& sent, int taps, int tap) {
+std::uint8_t pixel_of(const LinkCamera::Sent& sent, int taps, int bits, int tap) {
   unsigned pixel = 0;
   std::array<std::uint32_t, kLinks> words{};
   std::transform(sent.links.begin(), sent.links.end(), words.begin(), link_word);
-  for (unsigned bit = 0; bit < 8; ++bit) {
-    std::size_t link = static_cast<std::size_t>(tap) / 3;
-    std::size_t output = 0;
+  for (int bit = 0; bit < 8; ++bit) {
+    LinkPlace place{static_cast<std::size_t>(tap) / 3, 0};
     if (taps == 10) {
-      const std::size_t at = 8 * static_cast<std::size_t>(tap) + bit;
-      link = at < 26 ? 0 : at < 53 ? 1 : 2;
-      output = link == 0 ? at + (at >= 24 ? 2 : 0) : at - (link == 1 ? 26 : 53);
+      place = place_of_ten_taps(tap, bit);
+    } else if (bits == 10) {
+      place = place_of_eight_tens(tap, bit + 2);
     } else {
       const std::array<char, 2> name = {static_cast<char>('A' + tap % 3), static_cast<char>('0' + bit)};
-      output = static_cast<std::size_t>(std::find(kOutputs.begin(), kOutputs.end(), std::string_view(name.data(), 2)) -
-                                        kOutputs.begin());
+      place.output = static_cast<unsigned>(
+          std::find(kOutputs.begin(), kOutputs.end(), std::string_view(name.data(), 2)) - kOutputs.begin());
     }
-    pixel |= (words[link] >> output & 1U) << bit;
+    pixel |= (words[place.link] >> place.output & 1U) << static_cast<unsigned>(bit);
   }
   return static_cast<std::uint8_t>(pixel);
 }
 
 // The frame as its links bring it, which agree.
-Frame frame_of(const std::deque<LinkCamera::Sent>& words, const std::vector<Place>& places, int taps) {
+Frame frame_of(const std::deque<LinkCamera::Sent>& words, const std::vector<Place>& places, int taps, int bits) {
   Frame frame;
   std::vector<std::uint8_t> line;
   for (const Place& place : places) {
     for (int tap = 0; tap < taps; ++tap) {
-      line.push_back(pixel_of(words[place.at], taps, tap));
+      line.push_back(pixel_of(words[place.at], taps, bits, tap));
     }
     if (place.end) {
       for (std::size_t i = 0; i + 4 <= line.size(); i += 4) {
@@ -371,12 +387,12 @@ bool has_size(const Frame& frame, int rows, int beats) {
 // differ in what is a pixel, or where lines and frames begin and end, the frame must not pass for a whole one, and must
 // be counted; wrong bits of pixels are in the beats as they came. The next frame is right.
 template <typename Dut>
-void expect_damage_counted(int taps) {
+void expect_damage_counted(int taps, int bits = 8) {
   int seen = 0;
   int unseen = 0;
   for_cases(20, [&](Random& random, std::uint64_t seed) {
     const int board = fast_board(random, taps);
-    CameraLinkBench<Dut> bench(seed, taps, 8, board, random.between(0, 5 * board));
+    CameraLinkBench<Dut> bench(seed, taps, bits, board, random.between(0, 5 * board));
     for (int round = 0; round < 6; ++round) {
       const int rows = random.between(4, 10);
       const int words = 2 * random.between(20, 25);
@@ -409,7 +425,7 @@ void expect_damage_counted(int taps) {
       }
       const auto differ = [&](const std::vector<Place>& x, const std::vector<Place>& other) {
         return !std::equal(x.begin(), x.end(), other.begin(), other.end(), [&](const Place& a, const Place& b) {
-          return a.at == b.at && a.end == b.end && (taps == 10 || a.start == b.start);
+          return a.at == b.at && a.end == b.end && (is_eighty(taps, bits) || a.start == b.start);
         });
       };
       const bool visible = differ(places[0], places[1]) || differ(places[0], places[2]);
@@ -431,7 +447,7 @@ void expect_damage_counted(int taps) {
       ASSERT_FALSE(came.empty());
       EXPECT_TRUE(came.back() == next) << "the next frame is not right";
       came.pop_back();
-      const Frame due = frame_of(sent, places[0], taps);
+      const Frame due = frame_of(sent, places[0], taps, bits);
       if (visible) {
         EXPECT_GE(bench.apart(), before + 1);
       } else {
@@ -454,6 +470,9 @@ TEST(CameraLinkFull, DamagedWordsAreCountedAndTheNextFrameIsRight) {
 }
 TEST(CameraLinkEighty, DamagedWordsAreCountedAndTheNextFrameIsRight) {
   expect_damage_counted<Vsp_camera_link_eighty_short>(10);
+}
+TEST(CameraLinkEightTens, DamagedWordsAreCountedAndTheNextFrameIsRight) {
+  expect_damage_counted<Vsp_camera_link_eight_tens_short>(8, 10);
 }
 
 }  // namespace
