@@ -21,6 +21,7 @@
 #include "host/structured_light/self_reference.h"
 #include "host/structured_light/self_scanner.h"
 #include "lab/structured_light.h"
+#include "selfproj/rig/calibration.h"
 #include "selfproj/structured_light/scanner.h"
 #include "selfproj/structured_light/triangulation.h"
 #include "sim/scene/optics.h"
@@ -302,7 +303,7 @@ Method measure_self_projected(const Stage& stage, const structured_light::SelfRe
 // Measures with codes of `bits` bits over the central lines, with the median.
 Method measure_conventional(const Stage& stage, int bits, const std::function<void()>& done) {
   const rig::Rig& rig = stage.rig;
-  const structured_light::PlaneTriangulation triangulation(rig, bits, {}, kCodedLines);
+  const structured_light::PlaneTriangulation triangulation(rig, bits, {}, rig::central_lines(rig, kCodedLines, bits));
   const auto depth_of = [&](const sim::PatternRenderer& renderer, int first) {
     structured_light::Scanner scanner(triangulation, {.threshold = rig.measure.code_threshold});
     scan_cycle(

@@ -23,6 +23,7 @@
 #include "selfproj/light_section/reference.h"
 #include "selfproj/model/column_moments.h"
 #include "selfproj/model/column_runs.h"
+#include "selfproj/rig/calibration.h"
 #include "selfproj/structured_light/scanner.h"
 #include "selfproj/structured_light/triangulation.h"
 #include "sim/cosim/light_section.h"
@@ -91,7 +92,7 @@ images::FloatImage conventional_depth(const sim::PatternRenderer& renderer,
   constexpr int kBits = 8;
   const rig::Rig& rig = renderer.rig();
   const int coded = std::min(kCodedLines, rig.projector.lines);
-  const structured_light::PlaneTriangulation triangulation(rig, kBits, limits, coded);
+  const structured_light::PlaneTriangulation triangulation(rig, kBits, limits, rig::central_lines(rig, coded, kBits));
   structured_light::Scanner scanner(triangulation, {.threshold = rig.measure.code_threshold});
   scan_cycle(
       renderer, 0, kBits, [&](int i) { return structured_light::gray_pattern(rig, kBits, coded, i); },

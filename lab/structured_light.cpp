@@ -19,6 +19,7 @@
 #include "host/structured_light/code_borders.h"
 #include "selfproj/images/float_image.h"
 #include "selfproj/model/column_moments.h"
+#include "selfproj/rig/calibration.h"
 #include "selfproj/rig/rig.h"
 #include "selfproj/structured_light/depth_geometry.h"
 #include "sim/scene/parallel.h"
@@ -65,8 +66,8 @@ images::FloatImage GrayStream::pattern(int index) const {
 
 ConventionalStream::ConventionalStream(const rig::Rig& rig, int bits)
     : GrayStream(rig,
-                 std::make_unique<structured_light::PlaneTriangulation>(rig, bits, structured_light::DepthLimits{},
-                                                                        coded_lines(rig)),
+                 std::make_unique<structured_light::PlaneTriangulation>(
+                     rig, bits, structured_light::DepthLimits{}, rig::central_lines(rig, coded_lines(rig), bits)),
                  bits, coded_lines(rig)) {}
 
 void play(const sim::PatternRenderer& renderer, DepthStream& stream, int first, int count,

@@ -31,6 +31,7 @@
 #include "selfproj/light_section/inspection.h"
 #include "selfproj/light_section/profile.h"
 #include "selfproj/model/column_runs.h"
+#include "selfproj/rig/calibration.h"
 #include "selfproj/rig/rig.h"
 #include "selfproj/structured_light/depth_geometry.h"
 #include "selfproj/structured_light/scanner.h"
@@ -528,7 +529,7 @@ CuboidScene make_cuboids(const Done& done) {
   result.depth = scanner.depth();
   result.difference = scanner.difference();
   for (int bits = 8; bits >= 4; --bits) {
-    const structured_light::PlaneTriangulation triangulation(rig, bits, {}, kCodedLines);
+    const structured_light::PlaneTriangulation triangulation(rig, bits, {}, rig::central_lines(rig, kCodedLines, bits));
     structured_light::Scanner gray(triangulation, {.threshold = rig.measure.code_threshold});
     scan_cycle(
         renderer, 0, bits, [&](int i) { return structured_light::gray_pattern(rig, bits, kCodedLines, i); },

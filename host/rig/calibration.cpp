@@ -210,7 +210,11 @@ double pinhole_error(const Rig& rig, double z_mm) {
 
 double coded_height(int lines, int bits) { return std::max<double>(lines, std::ldexp(1.0, bits)); }
 
-DepthMatrices depth_matrices(const Rig& rig, int bits, double lines) {
+CodedLines central_lines(const Rig& rig, int count, int bits) {
+  return {0.5 * (rig.projector.lines - count), coded_height(count, bits)};
+}
+
+DepthMatrices depth_matrices(const Rig& rig, int bits, const CodedLines& lines) {
   const RigCamera& camera = rig.camera;
   const RigProjector& projector = rig.projector;
   const double focal = camera.focal_length_mm / camera.pixel_pitch_mm;
@@ -223,11 +227,13 @@ DepthMatrices depth_matrices(const Rig& rig, int bits, double lines) {
   const double cosine = std::cos(projector.tilt_rad);
   const cv::Vec4d depth(-sine, 0, cosine, sine * projector.x_mm - cosine * projector.z_mm);
   const cv::Vec4d side(-cosine, 0, -sine, cosine * projector.x_mm + sine * projector.z_mm);
-  // C = (line + 1/2) 2^m / L with line = (H - 1)/2 + (Xp - center)/pitch.
-  const double codes_per_line = std::ldexp(1.0, bits) / (lines > 0 ? lines : coded_height(projector.lines, bits));
+  // C = (line - F + 1/2) 2^m / L with line = (H - 1)/2 + (Xp - center)/pitch.
+  const double codes_per_line =
+      std::ldexp(1.0, bits) / (lines.count > 0 ? lines.count : coded_height(projector.lines, bits));
   const cv::Vec4d code =
-      codes_per_line * ((0.5 * projector.lines - projector.center_xp_mm / projector.line_pitch_mm) * depth +
-                        (projector.focal_length_mm / projector.line_pitch_mm) * side);
+      codes_per_line *
+      ((0.5 * projector.lines - lines.first - projector.center_xp_mm / projector.line_pitch_mm) * depth +
+       (projector.focal_length_mm / projector.line_pitch_mm) * side);
   return {camera_matrix, {code[0], code[1], code[2], code[3], depth[0], depth[1], depth[2], depth[3]}};
 }
 

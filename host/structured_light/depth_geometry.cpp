@@ -104,7 +104,8 @@ std::unique_ptr<Triangulation> make_triangulation(const DepthGeometry& geometry,
   check_lines(geometry);
   const rig::Rig rig = rig_for(geometry, source);
   if (!rig.calibration) {
-    return std::make_unique<PlaneTriangulation>(rig, geometry.bits, geometry.limits, geometry.lines);
+    return std::make_unique<PlaneTriangulation>(rig, geometry.bits, geometry.limits,
+                                                rig::CodedLines{0, geometry.lines});
   }
   try {
     return triangulation_of_rig(rig, geometry.bits, geometry.limits, geometry.lines);
@@ -116,7 +117,7 @@ std::unique_ptr<Triangulation> make_triangulation(const DepthGeometry& geometry,
 std::unique_ptr<Triangulation> triangulation_of_rig(const rig::Rig& rig, int bits, const DepthLimits& limits,
                                                     double lines) {
   if (rig.is_pinholes()) {
-    return std::make_unique<PlaneTriangulation>(rig, bits, limits, lines);
+    return std::make_unique<PlaneTriangulation>(rig, bits, limits, rig::CodedLines{0, lines});
   }
   LensSettings settings = settings_of(rig, limits);
   settings.bits = bits;

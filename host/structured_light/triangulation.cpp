@@ -144,14 +144,14 @@ PlaneTriangulation::PlaneTriangulation(int rows, int columns, int bits, const ri
   }
 }
 
-PlaneTriangulation::PlaneTriangulation(const rig::Rig& rig, int bits, DepthLimits limits, double lines)
+PlaneTriangulation::PlaneTriangulation(const rig::Rig& rig, int bits, DepthLimits limits, const rig::CodedLines& lines)
     : PlaneTriangulation(
           rig.camera.rows, rig.camera.columns, bits, rig::depth_matrices(rig, bits, lines),
           [&] {
             limits.max_z_per_line_mm = rig.measure.max_z_per_line_mm;
             return limits;
           }(),
-          std::ldexp(1.0, bits) / (lines > 0 ? lines : rig::coded_height(rig.projector.lines, bits))) {}
+          std::ldexp(1.0, bits) / (lines.count > 0 ? lines.count : rig::coded_height(rig.projector.lines, bits))) {}
 
 // H_P = (e1 n0 - n1 e0) / (n0 - C n1). In front of the projector both have one sign, which `sign_` makes positive.
 PlaneTriangulation::Terms PlaneTriangulation::terms(const cv::Vec3d& ray) const {

@@ -61,6 +61,9 @@ TEST(StructuredLight, CuboidsAreMeasured) {
   ASSERT_EQ(result.tables.size(), 7U);
   ASSERT_EQ(result.tables[5].rows.size(), 2U);
   EXPECT_EQ(result.tables[5].rows[0].size(), 8U) << "the plane is not left out";
+  ASSERT_EQ(result.tables[6].rows.size(), 2U);
+  EXPECT_EQ(result.tables[6].rows[1][0], "conventional, 4 bits");
+  EXPECT_LT(std::stod(result.tables[6].rows[1][1]), 40) << "RMS on the plane, mm; a code is 56 mm";
   EXPECT_EQ(result.difference.rows, 512);
 }
 

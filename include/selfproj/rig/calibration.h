@@ -86,10 +86,19 @@ struct DepthMatrices {
 // a code of its own where the codes are more.
 double coded_height(int lines, int bits);
 
-// The matrices of the pinholes of a rig whose projector shows `bits` pairs, 1..12, coded along its lines. The 2^bits
-// codes cover L lines of a projector of H, from its first on: code centre Xp = pitch ((c + 1/2) L/2^bits - 1/2 - (H -
-// 1)/2) + center_xp_mm. `lines` is L; 0 stands for coded_height.
-DepthMatrices depth_matrices(const Rig& rig, int bits, double lines = 0);
+// The lines of a projector that 2^bits codes cover: `count` of them from line `first` on, which may be more than it has.
+// A count of 0 stands for all of the projector's, coded_height(H, bits) from its first on.
+struct CodedLines {
+  double first = 0;
+  double count = 0;
+};
+
+// The central `count` lines of the rig's projector, as structured_light::gray_pattern codes them.
+CodedLines central_lines(const Rig& rig, int count, int bits);
+
+// The matrices of the pinholes of a rig whose projector of H lines shows `bits` pairs, 1..12, coded along L of its lines
+// from line F on: code centre Xp = pitch (F + (c + 1/2) L/2^bits - 1/2 - (H - 1)/2) + center_xp_mm.
+DepthMatrices depth_matrices(const Rig& rig, int bits, const CodedLines& lines = {});
 
 // The projector axis along which codes count.
 enum class CodedAxis : std::uint8_t { columns, rows };

@@ -110,9 +110,8 @@ class PlaneTriangulation : public Triangulation {
   PlaneTriangulation(int rows, int columns, int bits, const rig::DepthMatrices& matrices, const DepthLimits& limits,
                      double codes_per_line = 1);
 
-  // Uses the size of the rig's camera, and its max_z_per_line_mm instead of that of `limits`. The 2^bits codes cover
-  // `lines` of the projector's lines; 0: rig::coded_height.
-  PlaneTriangulation(const rig::Rig& rig, int bits, DepthLimits limits = {}, double lines = 0);
+  // Uses the size of the rig's camera, and its max_z_per_line_mm instead of that of `limits`.
+  PlaneTriangulation(const rig::Rig& rig, int bits, DepthLimits limits = {}, const rig::CodedLines& lines = {});
 
   void depth(const std::uint16_t* codes, float* z) const override;
   void explain(const std::uint16_t* codes, const float* z, PointState* states) const override;
@@ -120,7 +119,7 @@ class PlaneTriangulation : public Triangulation {
   [[nodiscard]] bool rows_are_x() const override { return true; }
 
   // Depths of the pixels of one row whose places on the projector are known as lines of a rig's projector (from 0, with
-  // a fraction; NaN: none). All lines must be coded. Allocates nothing.
+  // a fraction; NaN: none). Codes must begin with line 0. Allocates nothing.
   void depth_of_lines(int row, const float* lines, float* z) const;
 
   // Why a pixel has the depth z of its line; no_line if it has no line.

@@ -74,7 +74,8 @@ void expect_plane(const structured_light::Triangulation& triangulation, const im
 
 TEST(PlaneFit, LinesRoundedToCodes) {
   const rig::Rig rig = small_rig();
-  const structured_light::PlaneTriangulation triangulation(rig, kCodeBits, {}, 1 << kCodeBits);
+  const structured_light::PlaneTriangulation triangulation(rig, kCodeBits, {},
+                                                           rig::central_lines(rig, 1 << kCodeBits, kCodeBits));
   std::vector<std::uint16_t> codes(triangulation.pixels());
   for (std::size_t i = 0; i < codes.size(); ++i) {
     const double first = 0.5 * (rig.projector.lines - (1 << kCodeBits));
