@@ -59,6 +59,13 @@ void check_options(const DepthOptions& options) {
   if (geometry.row_bits > 0 && (scanner.median || !options.setup.background.empty())) {
     throw UserError("--row-bits", "measures once with both axes; --median and --background go only with one axis");
   }
+  if (!(geometry.limits.min_z_mm < geometry.limits.max_z_mm)) {
+    throw UserError("--min-z", fmt::format("is {}, --max-z {}; it must be less", geometry.limits.min_z_mm,
+                                           geometry.limits.max_z_mm));
+  }
+  if (options.compare_opengl && options.compare.empty()) {
+    throw UserError("--compare-opengl", "is for --compare");
+  }
   if (scanner.strict && scanner.median) {
     throw UserError("--strict", "cannot be combined with --median, which fills what --strict leaves out");
   }
@@ -214,7 +221,13 @@ void run_depth(const DepthOptions& options) {
     }
     note_doubt(options.receive.device, run.contradiction);
   } else {
-    refuse_contradiction("IMAGE", run.contradiction, options.unchecked);
+    const std::size_t came = files_of(options).size();
+    const std::size_t need =
+        2 * static_cast<std::size_t>(options.setup.geometry.bits + options.setup.geometry.row_bits);
+    refuse_contradiction(came == need ? "IMAGE"
+                                      : fmt::format("IMAGE ({} came; a code of {} bits has {}, and more show it again)",
+                                                    came, options.setup.geometry.bits, need),
+                         run.contradiction, options.unchecked);
   }
   if (run.contradiction.empty()) {
     note_doubt(receiver ? options.receive.device : "IMAGE", run.doubt);
@@ -224,7 +237,8 @@ void run_depth(const DepthOptions& options) {
                              .images = receiver ? 0 : files_of(options).size(),
                              .cloud = options.compare,
                              .comparison = {},
-                             .plane = {}};
+                             .plane = {},
+                             .doubt = run.contradiction.empty() ? run.doubt : run.contradiction};
   if (!options.compare.empty()) {
     report.comparison = compare_with_file(options, run);
   }

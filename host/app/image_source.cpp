@@ -114,6 +114,11 @@ ImageSource::ImageSource(const ImageSourceOptions& options, const rig::Rig& rig,
   if (sent_.rows > model::kMaxSoftwareRows) {
     throw UserError(first(), fmt::format("has {} rows; at most {} are possible", sent_.rows, model::kMaxSoftwareRows));
   }
+  if (rig.sources && rig.sources->speed != rig::ValueSource::assumed && !options.spacing_mm && images_.count() > 1) {
+    throw UserError("--images",
+                    "nothing says how far the belt moves from one to the next: say it with --mm-per-image, or --assume "
+                    "speed for the rig's speed and frame rate");
+  }
   note_gap(images_.files());
   if (sent_.rows > spec::kMaxRows) {
     files::note(fmt::format("{}: has {} rows and a board takes at most {}: this program alone measures them", first(),

@@ -119,9 +119,15 @@ std::string scan_by_gray_codes(const ScanOptions& options, files::OutputFolder& 
   });
   images::ImageSequence images = captured.sequence();
   const structured_light::DepthRun run = structured_light::depth_of_both_axes(setup, images);
-  note_doubt(options.capture.camera, run.contradiction.empty() ? run.doubt : run.contradiction);
-  const report::DepthReport report{
-      .setup = setup, .device = {}, .images = captured.images.size(), .cloud = {}, .comparison = {}, .plane = {}};
+  const std::string& doubt = run.contradiction.empty() ? run.doubt : run.contradiction;
+  note_doubt(options.capture.camera, doubt);
+  const report::DepthReport report{.setup = setup,
+                                   .device = {},
+                                   .images = captured.images.size(),
+                                   .cloud = {},
+                                   .comparison = {},
+                                   .plane = {},
+                                   .doubt = doubt};
   report::ReportPicture picture = report::write_depth(run, report, folder);
   picture.title = "Depth";
   picture.note = structured_light::share_text(run.shares, structured_light::PointState::valid);

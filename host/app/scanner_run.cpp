@@ -148,12 +148,13 @@ void add_limit_options(CLI::App& command, structured_light::DepthGeometry& geome
 void add_search_options(CLI::App& command, MatchOptions& options) {
   cli::begin_group(command, "Search");
   command
-      .add_option(
-          "--e", options.settings.e,
-          "Codes that are searched below the reference, less than 2^m. The other 2^m - e are searched above it.")
+      .add_option("--e", options.e,
+                  "Codes that are searched below the reference, less than 2^m. The other 2^m - e are searched above "
+                  "it. What lies "
+                  "deeper than e codes is taken for what is high.")
       ->transform(cli::whole_number(0, (1 << structured_light::Stripes::kMaxBits) - 1))
       ->type_name("E")
-      ->capture_default_str();
+      ->default_str("2^m / 2, as much below as above");
   command.add_flag("--printed-direction", options.settings.printed_direction,
                    "Search along Xp at constant Yp, as printed in (4.19), instead of along the epipolar line.");
   command.add_flag("--printed-window", options.settings.printed_window,
@@ -193,9 +194,10 @@ MatchRun::MatchRun(const MatchOptions& options)
       reference_(structured_light::read_self_reference(rig_, options.reference)) {
   const int bits = reference_.stripes.bits;
   const int codes = 1 << bits;
-  if (options.settings.e < 0 || options.settings.e >= codes) {
+  options_.settings.e = options.e.value_or(codes / 2);
+  if (options_.settings.e < 0 || options_.settings.e >= codes) {
     throw UserError("--e",
-                    fmt::format("is {}; a reference of {} bits allows 0 to {}", options.settings.e, bits, codes - 1));
+                    fmt::format("is {}; a reference of {} bits allows 0 to {}", options_.settings.e, bits, codes - 1));
   }
   if (!(options.settings.line_width > 0) || options.settings.line_width > rig_.projector.lines) {
     throw UserError("--line-width", fmt::format("is {}; it must be above 0, and at most the {} lines of the projector",

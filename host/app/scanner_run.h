@@ -51,10 +51,11 @@ inline constexpr const char* kImagesOfPatterns =
     "camera's own number, shows pattern k modulo 2m.";
 
 struct MatchOptions {
-  std::string rig;        // its name or file
-  std::string reference;  // folder that `selfproj pattern stripes` wrote
-  structured_light::MatchSettings settings;
-  int threshold = -1;  // the rig's if negative
+  std::string rig;                           // its name or file
+  std::string reference;                     // folder that `selfproj pattern stripes` wrote
+  structured_light::MatchSettings settings;  // its e is that of `e`
+  std::optional<int> e;                      // nothing: half of the codes
+  int threshold = -1;                        // the rig's if negative
 };
 
 // Adds the group of --e, --printed-direction and so on.

@@ -195,6 +195,7 @@ void OutputFolder::check(const std::string& file) const {
   if (exists_ && fs::path(file).has_parent_path()) {
     throw UserError(name_, "exists already; a new folder is needed for results in folders");
   }
+  check_output_folder(name_, target_);
   check_output(target_ / file, resolved_ / file);
 }
 

@@ -24,6 +24,7 @@ struct Notes {
   bool watching = false;
   std::set<FileId> inputs;
   std::set<std::string> input_paths;
+  std::set<FileId> input_folders;
   std::map<std::string, std::string> outputs;  // their paths, and the names that the user gave
 };
 
@@ -67,6 +68,7 @@ RunFiles::~RunFiles() {
   all.watching = false;
   all.inputs.clear();
   all.input_paths.clear();
+  all.input_folders.clear();
   all.outputs.clear();
 }
 
@@ -86,6 +88,24 @@ void note_input(const std::string& file) {
     if (output == path || (stat(output.c_str(), &other) == 0 && FileId{other.st_dev, other.st_ino} == id)) {
       fail(name);
     }
+  }
+}
+
+void note_input_folder(const std::string& folder) {
+  Notes& all = notes();
+  const std::lock_guard lock(all.mutex);
+  struct stat status {};
+  if (all.watching && stat(folder.c_str(), &status) == 0) {
+    all.input_folders.insert({status.st_dev, status.st_ino});
+  }
+}
+
+void check_output_folder(const std::string& name, const fs::path& target) {
+  Notes& all = notes();
+  const std::lock_guard lock(all.mutex);
+  struct stat status {};
+  if (stat(target.c_str(), &status) == 0 && all.input_folders.contains({status.st_dev, status.st_ino})) {
+    throw UserError(name, "is the folder whose files are read; results in it would be read the next time");
   }
 }
 

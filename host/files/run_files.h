@@ -22,6 +22,12 @@ class RunFiles {
 // Notes that this run reads `file`. Throws UserError, naming the output, if it is one.
 void note_input(const std::string& file);
 
+// Notes that this run reads what a folder holds. Nothing may be written into it, as it would be read the next time.
+void note_input_folder(const std::string& folder);
+
+// Throws UserError, naming it as the user does, if the folder `target` is one that this run reads whole.
+void check_output_folder(const std::string& name, const std::filesystem::path& target);
+
 // Notes that this run will write the file `target`, which the user calls `name`. Throws UserError, naming it, if it is
 // an input or another output.
 void note_output(const std::string& name, const std::filesystem::path& target);

@@ -275,6 +275,7 @@ std::vector<std::string> files_of_folder(const std::string& folder) {
   if (!fs::is_directory(folder, error)) {
     throw UserError(folder, fs::exists(folder, error) ? "is not a folder" : "there is no such folder");
   }
+  files::note_input_folder(folder);
   std::vector<std::string> files;
   std::vector<std::string> others;
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
@@ -301,8 +302,19 @@ std::vector<std::string> files_of_folder(const std::string& folder) {
 
 std::vector<std::string> image_arguments(const std::vector<std::string>& arguments) {
   std::error_code error;
-  const bool folder = arguments.size() == 1 && std::filesystem::is_directory(arguments.front(), error);
-  return folder ? files_of_folder(arguments.front()) : arguments;
+  if (arguments.size() == 1 && std::filesystem::is_directory(arguments.front(), error)) {
+    return files_of_folder(arguments.front());
+  }
+  for (const std::string& argument : arguments) {
+    const std::filesystem::file_status status = std::filesystem::status(argument, error);
+    if (status.type() == std::filesystem::file_type::not_found) {
+      throw UserError(argument, "No such file or directory");
+    }
+    if (std::filesystem::is_directory(status)) {
+      throw UserError(argument, "is a folder; give one folder, or files");
+    }
+  }
+  return arguments;
 }
 
 std::vector<std::string> files_of_pattern(const std::string& option, const std::string& pattern) {

@@ -139,6 +139,7 @@ class ImagePages {
 std::vector<std::string> files_of_folder(const std::string& folder);
 
 // The image files that a command is given: the files themselves, or those of the folder if it is given a single one.
+// Throws UserError about a file that is not there, or a folder among others.
 std::vector<std::string> image_arguments(const std::vector<std::string>& arguments);
 
 // The files matched by a pattern with * ? [], in natural order; a name without any of these is a file.

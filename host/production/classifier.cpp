@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "host/production/placement.h"
+#include "selfproj/files/user_error.h"
 #include "selfproj/images/float_image.h"
 #include "selfproj/light_section/reference.h"
 
@@ -52,6 +53,9 @@ void add_defects(const cv::Mat1b& beyond, const cv::Mat1f& levels, bool low, int
   cv::Mat1i figures;
   cv::Mat1d middles;
   const int count = cv::connectedComponentsWithStats(beyond, labels, figures, middles, 8);
+  // Where the reference is no good part, the band says what is.
+  const bool is_reference = region.low_mm <= 0 && region.high_mm >= 0;
+  const double nominal = is_reference ? 0 : 0.5 * (region.low_mm + region.high_mm);
   for (int i = 1; i < count; ++i) {
     const int area = figures(i, cv::CC_STAT_AREA);
     if (area < side * side) {
@@ -68,7 +72,7 @@ void add_defects(const cv::Mat1b& beyond, const cv::Mat1f& levels, bool low, int
                        .size_along_mm = box.height * grid.pitch_mm,
                        .size_across_mm = box.width * grid.pitch_mm,
                        .area_mm2 = area * grid.pitch_mm * grid.pitch_mm,
-                       .depth_mm = (low ? least : greatest) - 0.5 * (region.low_mm + region.high_mm)});
+                       .depth_mm = (low ? least : greatest) - nominal});
   }
 }
 
@@ -119,9 +123,7 @@ Classifier::Classifier(const rig::Rig& rig, const SectionReference& section, con
   for (const auto& [from, to] : section.walls(widest)) {
     walls_.emplace_back(from - light_section::kBesideWalls * column, to + light_section::kBesideWalls * column);
   }
-  for (const ToleranceRegion& region : tolerance_.regions) {
-    regions_.push_back(region_cells(region, grid_));
-  }
+  set_regions(source);
 }
 
 Classifier::Classifier(const rig::Rig& rig, const HeightCells& reference, const Tolerance& tolerance,
@@ -130,7 +132,23 @@ Classifier::Classifier(const rig::Rig& rig, const HeightCells& reference, const 
   check_map_tolerance(tolerance, rig, reference, source);
   grid_ = placed_grid(rig.parts->grid_mm, tolerance.length_mm, tolerance.left_mm, tolerance.right_mm);
   reference_ = without_steep_places(placed_heights(reference, Placement{}, grid_), rig);
+  set_regions(source);
+}
+
+bool has_room(const ToleranceRegion& region, const MapGrid& grid, double min_defect_mm2) {
+  const int side = defect_side(min_defect_mm2, grid.pitch_mm);
+  cv::Mat1b room;
+  cv::erode(region_cells(region, grid), room, cv::Mat1b(side, side, std::uint8_t{1}), {-1, -1}, 1, cv::BORDER_CONSTANT,
+            cv::Scalar(0));
+  return cv::countNonZero(room) > 0;
+}
+
+void Classifier::set_regions(const std::string& source) {
   for (const ToleranceRegion& region : tolerance_.regions) {
+    if (!has_room(region, grid_, tolerance_.min_defect_mm2)) {
+      throw UserError(source, fmt::format("region '{}' has no room for a square of min_defect_mm2, {:g} mm²",
+                                          region.name, tolerance_.min_defect_mm2));
+    }
     regions_.push_back(region_cells(region, grid_));
   }
 }

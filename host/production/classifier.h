@@ -30,6 +30,9 @@ int defect_side(double min_defect_mm2, double pitch_mm);
 // The cells of a polygon whose middle lies in it or on its border: 255, else 0.
 cv::Mat1b region_cells(const ToleranceRegion& region, const MapGrid& grid);
 
+// Whether a square of the smallest defect's area fits into a region on this grid; otherwise none is found there.
+bool has_room(const ToleranceRegion& region, const MapGrid& grid, double min_defect_mm2);
+
 // Places and classifies parts. Keeps what is the same for all of them.
 class Classifier {
  public:
@@ -52,6 +55,7 @@ class Classifier {
   [[nodiscard]] images::FloatImage difference(const images::FloatImage& heights) const;
 
  private:
+  void set_regions(const std::string& source);
   void place(const CutPart& part, PartResult& result) const;
   [[nodiscard]] HeightCells without_walls(HeightCells cells) const;
   void find_defects(const PlacedMaps& maps, PartResult& result) const;

@@ -313,9 +313,14 @@ Tolerance Learner::learn(const std::string& source, std::vector<std::string>* le
       tolerance.regions =
           tolerance_regions(tolerance, section_, rig_.parts->grid_mm, widest_of(rig_), options_.edge_mm);
     }
+    const MapGrid grid = placed_grid(rig_.parts->grid_mm, tolerance.length_mm, tolerance.left_mm, tolerance.right_mm);
+    std::erase_if(tolerance.regions,
+                  [&](const ToleranceRegion& region) { return !has_room(region, grid, tolerance.min_defect_mm2); });
     if (tolerance.regions.empty()) {
-      throw UserError(source, fmt::format("no surface of the part is wider than the strips of {} mm at its edges",
-                                          options_.edge_mm));
+      throw UserError(source,
+                      fmt::format("within the strips of {} mm at its edges, no surface of the part has room for "
+                                  "a square of the smallest defect's area, {:g} mm²",
+                                  options_.edge_mm, tolerance.min_defect_mm2));
     }
     seen.assign(tolerance.regions.size(), {});
     residual = {};

@@ -72,13 +72,17 @@ void check_region(const Tolerance& tolerance, const ToleranceRegion& region, con
     const double along = corners[i], across = corners[i + 1];
     if (along < -kMapMargin || along > tolerance.length_mm + kMapMargin || across < tolerance.left_mm - kMapMargin ||
         across > tolerance.right_mm + kMapMargin) {
-      fail(fmt::format("reaches ({}, {}) mm; the part's map is from ({}, {}) to ({}, {})", along, across, -kMapMargin,
-                       tolerance.left_mm - kMapMargin, tolerance.length_mm + kMapMargin,
+      fail(fmt::format("reaches ({:.6g}, {:.6g}) mm; the part's map is from ({:.6g}, {:.6g}) to ({:.6g}, {:.6g})",
+                       along, across, -kMapMargin, tolerance.left_mm - kMapMargin, tolerance.length_mm + kMapMargin,
                        tolerance.right_mm + kMapMargin));
     }
   }
   if (!(double_area(corners) > 0)) {
     fail("has no area");
+  }
+  if (std::any_of(tolerance.regions.begin(), tolerance.regions.end(),
+                  [&](const ToleranceRegion& earlier) { return earlier.name == region.name; })) {
+    fail("is there twice; results tell regions by their names");
   }
   if (!(region.low_mm < region.high_mm)) {
     fail(fmt::format("has low_mm {} and high_mm {}; high_mm must be greater", region.low_mm, region.high_mm));

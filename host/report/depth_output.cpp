@@ -42,13 +42,25 @@ double distance(const structured_light::Point3f& a, const structured_light::Poin
 
 }  // namespace
 
+double depth_unit(const images::FloatImage& depth) {
+  constexpr double kMax = 65535;
+  double unit = kDepthUnit;
+  for (const float z : depth.values) {
+    while (std::isfinite(z) && static_cast<double>(z) > kMax * unit) {
+      unit *= 2;
+    }
+  }
+  return unit;
+}
+
 std::string depth_png(const images::FloatImage& depth) {
+  const double unit = depth_unit(depth);
   std::vector<std::uint16_t> units(depth.values.size());
-  std::transform(depth.values.begin(), depth.values.end(), units.begin(), [](float z) {
+  std::transform(depth.values.begin(), depth.values.end(), units.begin(), [unit](float z) {
     constexpr double kMax = 65535;
     return std::isnan(z)
                ? std::uint16_t{0}
-               : static_cast<std::uint16_t>(std::lround(std::clamp(static_cast<double>(z) / kDepthUnit, 0.0, kMax)));
+               : static_cast<std::uint16_t>(std::lround(std::clamp(static_cast<double>(z) / unit, 0.0, kMax)));
   });
   return images::encode_png16(depth.rows, depth.columns, units);
 }
@@ -97,9 +109,7 @@ std::string cloud_ply(const structured_light::Triangulation& triangulation, cons
     ply.add(point, colour.red, colour.green, colour.blue, light != nullptr ? light->intensity[i] : 0.0F,
             light != nullptr ? light->contrast[i] : 0.0F);
   }
-  const std::string axes = triangulation.rows_are_x() ? "x down the image, y right, z away (left-handed)"
-                                                      : "x right, y down the image, z away";
-  return ply.file("millimetres, " + axes + ", colour by z" +
+  return ply.file(std::string("millimetres, ") + triangulation.axes() + ", colour by z" +
                   (light != nullptr
                        ? "; intensity: grey value under light; quality: contrast of the finest pattern, in "
                          "grey values"
@@ -194,9 +204,17 @@ std::string summary(const structured_light::DepthRun& run, const DepthReport& re
   json["columns"] = run.depth.columns;
   json["bits"] = geometry.bits;
   json["row_bits"] = geometry.row_bits;
+  for (const auto& [name, lines] : {std::pair{"lines", geometry.lines}, {"row_lines", geometry.row_lines}}) {
+    if (lines > 0) {
+      json[name] = lines;
+    }
+  }
   json["depth_images"] = run.depth_images;
-  json["depth_png_mm_per_unit"] = kDepthUnit;
+  json["depth_png_mm_per_unit"] = depth_unit(run.depth);
   json["newest"] = newest_json(run, geometry);
+  if (!report.doubt.empty()) {
+    json["doubts"] = {report.doubt};
+  }
   if (report.comparison) {
     const structured_light::CloudComparison& comparison = *report.comparison;
     json["compare"] = {{"file", report.cloud},
@@ -311,11 +329,21 @@ std::string depth_page(const structured_light::DepthRun& run, const DepthReport&
     page.highlights.push_back(
         {"median_mm", "median distance from " + report.cloud, report.comparison->median_mm, "mm"});
   }
+  if (!report.doubt.empty()) {
+    page.doubts = {report.doubt};
+  }
   page.pictures = {picture};
   page.tables = {shares_table(run.shares)};
   page.settings = {
       {"threshold", "threshold of a pair's difference", static_cast<std::int64_t>(report.setup.scanner.threshold)},
       {"median", "median of 3 × 3", std::string(report.setup.scanner.median ? "yes" : "no")}};
+  if (geometry.lines > 0) {
+    page.settings.push_back({"lines", "projector lines that the codes cover", geometry.lines});
+  }
+  if (geometry.limits.min_z_mm > 0 || std::isfinite(geometry.limits.max_z_mm)) {
+    page.settings.push_back({"limits", "limits of z",
+                             fmt::format("{:g} to {:g}", geometry.limits.min_z_mm, geometry.limits.max_z_mm), "mm"});
+  }
   return page_html(page);
 }
 
@@ -377,7 +405,8 @@ std::string depth_text(const structured_light::DepthRun& run, const DepthReport&
 
 namespace {
 
-std::string summary(const structured_light::MatchTable& table, const MatchReport& report) {
+std::string summary(const structured_light::MatchTable& table, const images::FloatImage& depth,
+                    const MatchReport& report) {
   nlohmann::ordered_json json{{"rig", report.rig},
                               {"reference", report.reference},
                               {"bits", report.bits},
@@ -387,6 +416,7 @@ std::string summary(const structured_light::MatchTable& table, const MatchReport
                               {"threshold", report.threshold},
                               {"images", report.images},
                               {"depth_images", report.depth_images},
+                              {"depth_png_mm_per_unit", depth_unit(depth)},
                               {"codes_without_match", table.missing()},
                               {"codes_with_several_candidates", table.doubled()}};
   if (report.counts) {
@@ -418,7 +448,7 @@ MatchPictures write_match(const structured_light::MatchTable& table, const struc
   folder.append("difference.png", pictures.difference.png);
   folder.append("cloud.ply", cloud_ply(scanner.triangulation(), depth));
   folder.append("shares.csv", shares_csv(report.all_shares));
-  folder.append("summary.json", summary(table, report));
+  folder.append("summary.json", summary(table, depth, report));
   return pictures;
 }
 

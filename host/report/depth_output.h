@@ -24,7 +24,10 @@ namespace selfproj::report {
 // Millimetres for one unit of the 16-bit picture.
 inline constexpr double kDepthUnit = 0.05;
 
-// 16-bit PNG: depth / kDepthUnit, rounded; 0 if there is no depth; depths of more than 65535 units become 65535.
+// The unit of a depth image's PNG: kDepthUnit, doubled as often as the largest depth needs to fit into 16 bits.
+double depth_unit(const images::FloatImage& depth);
+
+// 16-bit PNG: depth / depth_unit, rounded; 0 if there is no depth.
 std::string depth_png(const images::FloatImage& depth);
 
 // The picture in colours with colour bar and scale bars, as PNG. Scale bars hold for the median depth in the middle of
@@ -54,6 +57,7 @@ struct DepthReport {
   std::string cloud;       // file with which the points are compared
   std::optional<structured_light::CloudComparison> comparison;
   std::optional<structured_light::PlaneFit> plane;
+  std::string doubt;  // why the result may be wrong; empty: nothing is known
 };
 
 // Writes pictures, cloud, tables and summary of the run, without the single depth images, and returns the picture of

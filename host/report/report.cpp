@@ -148,9 +148,20 @@ ReportPicture shown_map(const std::string& title, const images::FloatImage& map,
   return {title, labelled_map_png(map, scale, pitch, title), note, ReportMap{map, scale, pitch}};
 }
 
+namespace {
+
+void add_doubts(std::string& html, const std::vector<std::string>& doubts) {
+  for (const std::string& doubt : doubts) {
+    html += "<p role=\"alert\" style=\"color:#b2182b;font-weight:bold;margin:12px 0\">" + escaped(doubt) + "</p>\n";
+  }
+}
+
+}  // namespace
+
 std::string page_html(const ReportPage& page) {
   std::string html;
   add_head(html, page.title, page.subtitle, page.highlights);
+  add_doubts(html, page.doubts);
   for (const ReportPlot& plot : page.plots) {
     add_plot(html, plot);
   }
@@ -198,9 +209,7 @@ std::string report_html(const MomentsReport& data) {
 std::string report_html(const ReportData& data) {
   std::string html;
   add_head(html, data.title, data.subtitle, data.highlights);
-  for (const std::string& doubt : data.doubts) {
-    html += "<p role=\"alert\" style=\"color:#b2182b;font-weight:bold\">" + escaped(doubt) + "</p>\n";
-  }
+  add_doubts(html, data.doubts);
   html += "<div class=\"two\">";
   add_map(html, "Difference from the reference",
           std::string("Positive: nearer to the camera than the reference.") +

@@ -64,6 +64,7 @@ struct ReportPage {
   std::string title;
   std::string subtitle;
   std::vector<Fact> highlights;  // shown first
+  std::vector<std::string> doubts;
   std::vector<ReportPlot> plots;
   std::vector<ReportPicture> pictures;
   std::vector<ReportTable> tables;

@@ -151,6 +151,13 @@ DepthRun depth_of_images(const DepthSetup& setup, images::ImageSequence& images,
     }
   }
   finish(scanner, run);
+  if (std::all_of(run.all_shares.begin(), run.all_shares.end(), [](const OfImage<DepthShares>& shares) {
+        return shares.value.of(PointState::not_measurable) == shares.value.total();
+      })) {
+    note_contradiction(run,
+                       "no pixel has a code: is there light, and is the threshold below the contrast of positive "
+                       "and negative?");
+  }
   if (run.depth_images > 0) {
     run.doubt = doubt_of(triangulation, scanner.codes().data());
     run.light = light_of_pair(pair);

@@ -128,6 +128,7 @@ std::optional<SequenceCheck::Pair> SequenceCheck::unpaired() const {
   }
   const Lit lit = this->lit();
   std::vector<std::size_t> bad(static_cast<std::size_t>(bits_));
+  std::vector<int> sums(bad.size());
   std::size_t count = 0;
   for (std::size_t i = 0; i < pixels_; ++i) {
     const Levels& at = lit.levels[i];
@@ -135,10 +136,17 @@ std::optional<SequenceCheck::Pair> SequenceCheck::unpaired() const {
       continue;
     }
     ++count;
+    for (std::size_t plane = 0; plane < sums.size(); ++plane) {
+      sums[plane] = images_[2 * plane][i] + images_[2 * plane + 1][i];
+    }
+    // The pair with the most contrast may be the bad one itself.
+    const auto middle = sums.begin() + static_cast<std::ptrdiff_t>(sums.size() / 2);
+    std::nth_element(sums.begin(), middle, sums.end());
+    const int usual_sum = sums.size() < 3 ? at.sum : *middle;
     for (std::size_t plane = 0; plane < bad.size(); ++plane) {
       const int positive = images_[2 * plane][i];
       const int negative = images_[2 * plane + 1][i];
-      const int off = positive + negative - at.sum;
+      const int off = positive + negative - usual_sum;
       const bool clipped = off > 0 && std::max(positive, negative) >= UINT8_MAX - 5;
       bad[plane] +=
           std::abs(positive - negative) < kFlat * at.contrast && std::abs(off) > kOther * at.contrast && !clipped ? 1
@@ -440,6 +448,10 @@ std::string contradiction_of(const Triangulation& triangulation, const std::uint
            "negative exchanged, are these the images of the projector's other axis (those of `selfproj pattern gray` "
            "begin with the columns; "
            "--row-bits takes both), or is the geometry that of another setup?";
+  }
+  if (of(PointState::valid) == 0 && of(PointState::out_of_range) > 0.5 * measured) {
+    return fmt::format("{:.0f} % of the codes have a point outside of the limits of z: are these right?",
+                       100 * of(PointState::out_of_range) / measured);
   }
   if (of(PointState::valid) == 0) {
     return fmt::format("none of {:.0f} pixels with a code has a point: is the geometry that of the images?", measured);

@@ -180,12 +180,14 @@ struct StripeScan {
 // Depth after every pair, for one thread at a time.
 class StripeScanner {
  public:
-  StripeScanner(const StripeReference& reference, int e, int threshold, bool printed_direction, bool printed_window)
+  StripeScanner(const StripeReference& reference, std::optional<int> e, int threshold, bool printed_direction,
+                bool printed_window)
       : reference_(reference),
         table_(without_gil([&] {
-          return structured_light::MatchTable(
-              reference_.rig, reference_.reference,
-              {.e = e, .printed_direction = printed_direction, .printed_window = printed_window});
+          return structured_light::MatchTable(reference_.rig, reference_.reference,
+                                              {.e = e.value_or((1 << reference_.reference.stripes.bits) / 2),
+                                               .printed_direction = printed_direction,
+                                               .printed_window = printed_window});
         })),
         scanner_(without_gil([&] {
           require(threshold >= 0 && threshold <= 255, "threshold: must be in 0..255");
@@ -360,9 +362,11 @@ void bind_stripe_scanner(nb::module_& module) {
       "at a time. It searches all matches when it is made.");
   refuse_pickling(scanner, "is in the midst of a cycle of images; pickle its StripeReference and its results");
   scanner
-      .def(nb::init<const StripeReference&, int, int, bool, bool>(), nb::arg("reference"), nb::arg("e") = 0,
-           nb::arg("threshold") = 5, nb::arg("printed_direction") = false, nb::arg("printed_window") = false,
-           "e: cells below the reference that are searched, 0..2^m - 1. printed_...: the forms of the text, which\n"
+      .def(nb::init<const StripeReference&, std::optional<int>, int, bool, bool>(), nb::arg("reference"),
+           nb::arg("e") = nb::none(), nb::arg("threshold") = 5, nb::arg("printed_direction") = false,
+           nb::arg("printed_window") = false,
+           "e: cells below the reference that are searched, 0..2^m - 1; None: half of them. printed_...: the forms of "
+           "the text, which\n"
            "are wrong for references that vary.")
       .def("take", &StripeScanner::take, nb::arg("image").noconvert(), nb::arg("pattern"), nb::arg("good") = true,
            "Takes a frame with its pattern index. Returns a StripeScan if one is due, after every pair, else None.")

@@ -233,10 +233,12 @@ using PointValues = In<float, nb::ndim<1>, nb::c_contig>;
 
 void save_ply(const Path& file, const In<float, nb::shape<-1, 3>, nb::c_contig>& points,
               const std::optional<In<std::uint8_t, nb::shape<-1, 3>, nb::c_contig>>& colours,
-              const std::optional<PointValues>& intensity, const std::optional<PointValues>& quality) {
+              const std::optional<PointValues>& intensity, const std::optional<PointValues>& quality,
+              const std::string& axes) {
   const std::size_t count = points.shape(0);
   require(!colours || colours->shape(0) == count, "colours: one is needed for each point");
   require(intensity.has_value() == quality.has_value(), "intensity, quality: give both or none");
+  require(axes.find_first_of("\r\n") == std::string::npos, "axes: must be one line");
   const bool measured = intensity.has_value();
   require(!measured || (intensity->shape(0) == count && quality->shape(0) == count),
           "intensity, quality: one is needed for each point");
@@ -250,7 +252,7 @@ void save_ply(const Path& file, const In<float, nb::shape<-1, 3>, nb::c_contig>&
               colour != nullptr ? colour[2] : kGrey, measured ? intensity->data()[i] : 0,
               measured ? quality->data()[i] : 0);
     }
-    files::OutputFile(file.string()).write(ply.file("points in mm"));
+    files::OutputFile(file.string()).write(ply.file(axes.empty() ? "points in mm" : "points in mm, " + axes));
   });
 }
 
@@ -307,6 +309,12 @@ void bind_structured_light(nb::module_& module) {
   bind_stripes(module);
   nb::class_<Depths>(module, "Triangulation", "From code images to depth. Any number of threads may use it at once.")
       .def_prop_ro("rows", [](const Depths& self) { return self.triangulation().rows(); })
+      .def_prop_ro(
+          "rows_are_x", [](const Depths& self) { return self.triangulation().rows_are_x(); },
+          "Whether x runs from row to row, as in a rig; otherwise from column to column.")
+      .def_prop_ro(
+          "axes", [](const Depths& self) { return self.triangulation().axes(); },
+          "The axes of its points in words, for save_ply.")
       .def_prop_ro("columns", [](const Depths& self) { return self.triangulation().columns(); })
       .def("depth", &Depths::depth, nb::arg("codes").noconvert(),
            "Depth z in mm (float32, NaN where there is none) of a code image, uint16.")
@@ -358,10 +366,11 @@ void bind_structured_light(nb::module_& module) {
       "InputError where the images contradict each other or the geometry, unless unchecked.");
   module.def("save_ply", &save_ply, nb::arg("file"), nb::arg("points").noconvert(),
              nb::arg("colours").noconvert() = nb::none(), nb::arg("intensity").noconvert() = nb::none(),
-             nb::arg("quality").noconvert() = nb::none(),
+             nb::arg("quality").noconvert() = nb::none(), nb::arg("axes") = "",
              "Writes a cloud, whole or not at all. points: float32, (n, 3); colours: uint8, (n, 3), or None.\n"
              "intensity and quality: float32, (n,), both or none, such as scan.intensity[isfinite(scan.depth)]; of a\n"
-             "light section m0 / n and m0, as in the clouds of the commands.");
+             "light section m0 / n and m0, as in the clouds of the commands. axes: their directions in words for the\n"
+             "head of the file, such as scan.triangulation.axes.");
   module.def("load_ply", &load_ply, nb::arg("file"), "The points of a PLY file, binary or text: float32, (n, 3).");
 }
 

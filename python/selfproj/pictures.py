@@ -47,11 +47,13 @@ def spacing_of_points(depth, points):
     return tuple(spacing)
 
 
-def map_html(values, title, signed=False, spacing=(1.0, 1.0)):
-    """A map in mm; one without a value is said to be empty. spacing: from row to row (0: not known) and column to column."""
+def map_html(values, title, signed=False, spacing=(1.0, 1.0), axes="xy"):
+    """A map in mm; one without a value is said to be empty. spacing: from row to row (0: not known) and column to column;
+    axes: what runs so."""
     if values.size == 0 or not numpy.isfinite(values).any():
         return text_html(f"{title}: no pixel has a value")
-    return _img(map_png(values, title + " (mm)", signed_values=signed, row_mm=spacing[0], column_mm=spacing[1]), title)
+    return _img(map_png(values, title + " (mm)", signed_values=signed, row_mm=spacing[0], column_mm=spacing[1],
+                        row_axis=axes[0], column_axis=axes[1]), title)
 
 
 def image_html(pixels, title):

@@ -18,9 +18,10 @@ __all__ = ["GrayDecoder", "GraySequence", "Scan", "StripeReference", "StripeScan
 
 def _of_depth(scan):
     spacing = _pictures.spacing_of_points(scan.depth, scan.points())
-    return [_pictures.map_html(scan.depth, "depth z", spacing=spacing)] + (
-        [_pictures.map_html(scan.difference, "towards the camera", signed=True, spacing=spacing)]
-        if isinstance(scan, StripeScan) else [])
+    stripes = isinstance(scan, StripeScan)
+    axes = "xy" if stripes or scan.triangulation.rows_are_x else "yx"
+    return [_pictures.map_html(scan.depth, "depth z", spacing=spacing, axes=axes)] + (
+        [_pictures.map_html(scan.difference, "towards the camera", signed=True, spacing=spacing)] if stripes else [])
 
 
 for _kind in (Scan, StripeScan):

@@ -393,6 +393,8 @@ TEST_F(DepthCommand, RefusesOptionsOutOfRange) {
       {{"--rig", "rig.yaml", "--bits", "6", "--plane", "--plane-region", "1,2,3,x"}, "--plane-region: '1,2,3,x' is"},
       {{"--rig", "rig.yaml", "--bits", "6", "--plane", "--plane-region", "1,2,30,4"}, "--plane-region: 1,2,30,4 reach"},
       {{"--rig", "rig.yaml", "--bits", "6", "--strict", "--median"}, "--strict"},
+      {{"--rig", "rig.yaml", "--bits", "6", "--min-z", "30", "--max-z", "20"}, "--min-z: is 30, --max-z 20"},
+      {{"--rig", "rig.yaml", "--bits", "6", "--compare-opengl"}, "--compare-opengl: is for --compare"},
       {{"--rig", "nowhere.yaml", "--bits", "6"}, "nowhere.yaml"},
       {{"--rig", "rig.yaml", "--bits", "6", "--background", "nowhere.tiff"}, "nowhere.tiff"},
       {{"--rig", "rig.yaml", "--bits", "6", "--background", "a_00.png"}, "a_00.png"},
@@ -408,6 +410,40 @@ TEST_F(DepthCommand, RefusesOptionsOutOfRange) {
   std::vector<std::string> all{"--rig", "rig.yaml", "--bits", "6", "--background", "other.tiff"};
   all.insert(all.end(), files_.begin(), files_.end());
   expect_refused(all, "other.tiff: ", "4 x 3");
+}
+
+TEST_F(DepthCommand, SaysWhyThereIsNoPoint) {
+  save_cycle("a", codes_of(flat));
+  const auto reason = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{"--rig", "rig.yaml", "--bits", "6"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const Outcome outcome = depth_of_files(arguments);
+    EXPECT_EQ(outcome.status, 1);
+    EXPECT_FALSE(fs::exists(folder_ / "out"));
+    return outcome.err;
+  };
+  EXPECT_NE(reason({"--threshold", "255"}).find("IMAGE: no pixel has a code: is there light"), std::string::npos);
+  EXPECT_NE(reason({"--max-z", "10"}).find("100 % of the codes have a point outside of the limits of z"),
+            std::string::npos);
+  for (const auto& [arguments, text] :
+       {std::pair(std::vector<std::string>{"nowhere"}, "nowhere: No such file or directory"),
+        {std::vector<std::string>{"a_00.png", "."}, ".: is a folder; give one folder, or files"}}) {
+    std::vector<std::string> all{"--rig", "rig.yaml", "--bits", "6"};
+    all.insert(all.end(), arguments.begin(), arguments.end());
+    expect_refused(all, text, "");
+  }
+}
+
+// Depths beyond 16 bits of the usual unit are written in a larger one, which summary.json names.
+TEST(DepthPng, HasAUnitThatFits) {
+  const images::FloatImage near(1, 2, 3276.7F);
+  images::FloatImage far = near;
+  far.values[1] = 10000;
+  EXPECT_DOUBLE_EQ(report::depth_unit(near), 0.05);
+  EXPECT_DOUBLE_EQ(report::depth_unit(far), 0.2);
+  const std::string png = report::depth_png(far);
+  const cv::Mat decoded = cv::imdecode(std::vector<std::uint8_t>(png.begin(), png.end()), cv::IMREAD_UNCHANGED);
+  EXPECT_EQ(decoded.at<std::uint16_t>(0, 1), 50000);
 }
 
 TEST_F(DepthCommand, RefusesABadCalibration) {

@@ -125,6 +125,15 @@ TEST(DepthFolder, ARigTakesBothAxes) {
   ASSERT_GT(count, 300);
   EXPECT_NEAR(sum / count, rig.plane_z_mm, 3);  // a line is worth up to 60 mm here
 
+  // Results in the folder of the images would be read with them the next time.
+  std::vector<std::string> into = usual;
+  into[9] = "./images/";
+  const Outcome inner = run_program(SELFPROJ_PROGRAM, into, folder.path());
+  EXPECT_EQ(inner.status, 2);
+  EXPECT_EQ(inner.err,
+            "selfproj: ./images/: is the folder whose files are read; results in it would be read the next time\n");
+  EXPECT_FALSE(std::filesystem::exists(folder / "images/summary.json"));
+
   // What is no image is left out with a note; an odd number is not a sequence of pairs.
   std::filesystem::remove_all(folder / "out");
   write_text(folder / "images/notes.txt", "no image");

@@ -239,7 +239,8 @@ TEST_F(MatchCommand, OnLineIsLikeOffLine) {
   EXPECT_EQ(outcome.out.rfind("1 depth images: ", 0), 0U) << outcome.out;
   EXPECT_TRUE(fs::exists(folder_ / "gap.out/depth_0003.tiff"));
   // Images in another order: told at the end of the run, and refused by --check.
-  write_text(folder_ / "back", packets({names.rbegin(), names.rbegin() + 8}, false));
+  const std::vector<std::string> still = pictures(8, {530}, "ref", "still");
+  write_text(folder_ / "back", packets({still.rbegin(), still.rend()}, false));
   const Outcome back = run(with({"--device", "file:back", "--out", "back.out"}));
   EXPECT_EQ(back.status, 0) << back.err;
   EXPECT_NE(back.err.find("file:back: warning: the images are in another order"), std::string::npos) << back.err;

@@ -261,6 +261,22 @@ TEST_F(PartsCommand, BadInputIsOneLine) {
             std::string::npos);
   EXPECT_FALSE(std::filesystem::exists(*folder_ / "t.yaml"));
 
+  // Regions that cannot be judged or told apart.
+  const std::string learned = read_text(*folder_ / "tolerance.yaml");
+  const auto judged_by = [&](const std::string& text) {
+    write_text(*folder_ / "changed.yaml", text);
+    return error(inspect({"--tolerance", "changed.yaml"}));
+  };
+  std::string coarse = learned;
+  const std::size_t defect = coarse.find("min_defect_mm2: ");
+  coarse.replace(defect, coarse.find('\n', defect) - defect, "min_defect_mm2: 900");
+  EXPECT_NE(judged_by(coarse).find("has no room for a square of min_defect_mm2, 900 mm²"), std::string::npos);
+  EXPECT_NE(judged_by(learned + learned.substr(learned.find("  - name: "))).find("is there twice"), std::string::npos);
+  EXPECT_NE(error(host({"tolerance", "learn", "--rig", "rig.yaml", "--device", "file:good.packets", "--min-defect-mm2",
+                        "900", "--out", "t.yaml"}))
+                .find("has room for a square of the smallest defect's area, 900 mm²"),
+            std::string::npos);
+
   // Of another part.
   std::string other = read_text(*folder_ / "tolerance.yaml");
   const std::size_t at = other.find("heights_mm: [") + 13;

@@ -338,6 +338,14 @@ TEST_F(ProductionCommand, NothingThatWasNeverMeasuredGivesMillimetres) {
         EXPECT_EQ(taken.err.find("never measured"), std::string::npos) << taken.err;
       }
     }
+    // Images do not say how far the belt moves from one to the next.
+    ASSERT_EQ(sim({"scene", "render", "plane", "--rig", kind, "--count", "3", "--out", kind + "3"}).status, 0);
+    const Words images = {"inspect", "--images", kind + "3", "--rig", "dark.yaml", "--assume"};
+    EXPECT_NE(host(with(images, {"light"})).err.find("--images: nothing says how far the belt moves"),
+              std::string::npos);
+    for (const Words& way : {Words{"light", "--mm-per-image", "0.1"}, Words{"light,speed"}}) {
+      EXPECT_EQ(host(with(images, way)).err.find("nothing says"), std::string::npos);
+    }
   }
 }
 

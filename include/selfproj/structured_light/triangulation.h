@@ -75,6 +75,11 @@ class Triangulation {
   // Whether image rows run along x and columns along y, as in a rig; otherwise it is the other way round.
   [[nodiscard]] virtual bool rows_are_x() const = 0;
 
+  // The axes of its points in words, for the head of a file.
+  [[nodiscard]] const char* axes() const {
+    return rows_are_x() ? "x down the image, y right, z away (left-handed)" : "x right, y down the image, z away";
+  }
+
   // The camera's optical centre, and dx/dz and dy/dz of each pixel's ray.
   [[nodiscard]] const Point3f& origin() const { return origin_; }
   [[nodiscard]] const float* x_per_z() const { return x_per_z_.data(); }

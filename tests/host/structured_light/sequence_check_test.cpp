@@ -108,6 +108,32 @@ TEST(SequenceCheck, RightOrdersPassAndWrongOnesAreNoticed) {
   }
 }
 
+// An image of another scan: in a tenth of the view it does not fit, and where nothing is lit in the others it shows
+// something bright, so that its pair has the most contrast there.
+TEST(SequenceCheck, AnImageOfAnotherScanIsNamed) {
+  for (const std::uint64_t seed : seeds(20)) {
+    SCOPED_TRACE(how_to_repeat(seed));
+    Random random(seed);
+    const int bits = random.between(4, 10);
+    std::vector<images::Image> images = views(random, bits);
+    const auto foreign = static_cast<std::size_t>(random.between(0, 7));
+    for (std::size_t i = 0; i < images[foreign].pixels.size(); ++i) {
+      const std::size_t column = i % kColumns;
+      if (column < kColumns / 10) {
+        images[foreign].pixels[i] = images[foreign ^ 1U].pixels[i];
+      } else if (column >= kColumns * 3 / 4) {
+        for (images::Image& image : images) {
+          image.pixels[i] = 8;
+        }
+        images[foreign].pixels[i] = 150;
+      }
+    }
+    const std::string text = contradiction(images);
+    EXPECT_TRUE(text.starts_with("image " + std::to_string(foreign & ~std::size_t{1}) + " and "))
+        << foreign << ": " << text;
+  }
+}
+
 // A camera of few pixels sees the finest stripes as if they were wide.
 TEST(SequenceCheck, StripesNarrowerThanPixelsAreInOrder) {
   for (const std::uint64_t seed : seeds(20)) {

@@ -274,6 +274,10 @@ class StructuredLight(Case):
         same(wide.depth, light_section.load_tiff(self.folder / "wide/depth.tiff"))
         codes = numpy.full((512, 512), 0x8007, "uint16")
         same(pickle.loads(pickle.dumps(wide.triangulation)).depth(codes), wide.triangulation.depth(codes))
+        structured_light.save_ply(out / "axes.ply", scan.points(), axes=scan.triangulation.axes)
+        self.assertIn(b"\ncomment points in mm, x down the image, y right, z away (left-handed)\n",
+                      (out / "axes.ply").read_bytes())
+        self.assertTrue(scan.triangulation.rows_are_x)
         # The same by hand.
         decoder = structured_light.GrayDecoder(512, 512, 4, median=True)
         for index, file in enumerate(sorted(recorded.iterdir())):
