@@ -31,7 +31,7 @@ namespace selfproj::lab {
 namespace {
 
 struct ThesisOptions {
-  std::string figure;
+  std::vector<std::string> figures;
   bool all = false;
   bool list = false;
   std::string out = "thesis";
@@ -183,27 +183,37 @@ std::string contents_html(const std::vector<ThesisTable>& tables, const std::vec
   return html;
 }
 
+// The numbers of these figures, in their order, each once; (a), (b) and so on are parts of a figure.
+std::vector<std::string> numbers_of(const std::vector<std::string>& figures, const std::vector<std::string>& all) {
+  std::vector<std::string> numbers;
+  for (const std::string& figure : figures) {
+    std::string number = figure;
+    while (!number.empty() && !(number.back() >= '0' && number.back() <= '9')) {
+      number.pop_back();
+    }
+    if (std::find(all.begin(), all.end(), number) == all.end()) {
+      throw UserError("--figure", fmt::format("is '{}'; those that are made are {}; docs/thesis.md says what became of "
+                                              "the others",
+                                              figure, fmt::join(all, ", ")));
+    }
+    if (std::find(numbers.begin(), numbers.end(), number) == numbers.end()) {
+      numbers.push_back(number);
+    }
+  }
+  return numbers;
+}
+
 void run_thesis(const ThesisOptions& options) {
   std::vector<std::string> numbers = ThesisFigures::numbers();
   if (options.list) {
     fmt::print("{}\n", fmt::join(numbers, "\n"));
     return;
   }
-  if (options.all == !options.figure.empty()) {
+  if (options.all == !options.figures.empty()) {
     throw UserError("--figure, --all", "give one of them");
   }
   if (!options.all) {
-    // (a), (b) and so on are parts of a figure.
-    std::string number = options.figure;
-    while (!number.empty() && !(number.back() >= '0' && number.back() <= '9')) {
-      number.pop_back();
-    }
-    if (std::find(numbers.begin(), numbers.end(), number) == numbers.end()) {
-      throw UserError("--figure", fmt::format("is '{}'; those that are made are {}; docs/thesis.md says what became of "
-                                              "the others",
-                                              options.figure, fmt::join(numbers, ", ")));
-    }
-    numbers = {number};
+    numbers = numbers_of(options.figures, numbers);
   }
   files::OutputFolder folder(options.out);
   const std::vector<ThesisTable> tables = tables_of_page(kThesisPage);
@@ -285,7 +295,7 @@ selfproj-lab thesis --all --out thesis
 )"});
   const auto options = std::make_shared<ThesisOptions>();
   cli::begin_group(*command, "What is made");
-  command->add_option("--figure", options->figure, "One figure, such as 3.9.")->type_name("NUMBER");
+  command->add_option("--figure", options->figures, "One figure, such as 3.9, or several.")->type_name("NUMBER");
   command->add_flag("--all", options->all, "All of them.");
   command->add_flag("--list", options->list, "Only list the figures that can be made.");
   cli::begin_group(*command, "Output");

@@ -457,10 +457,10 @@ std::string match_text(const structured_light::MatchTable& table, const MatchRep
   const structured_light::DepthShares& newest = report.all_shares.back().value;
   const std::string losses = report.counts ? losses_of(*report.counts) + "; " : std::string();
   return fmt::format(
-      "{} depth images: {}{} of {} pixels valid; codes without a match {:.2f} %, with several candidates {:.2f} % "
+      "{} depth image{}: {}{} of {} pixels valid; codes without a match {:.2f} %, with several candidates {:.2f} % "
       "→ {}\n",
-      report.depth_images, losses, newest.of(structured_light::PointState::valid), newest.total(),
-      100 * table.missing(), 100 * table.doubled(), folder);
+      report.depth_images, report.depth_images == 1 ? "" : "s", losses, newest.of(structured_light::PointState::valid),
+      newest.total(), 100 * table.missing(), 100 * table.doubled(), folder);
 }
 
 }  // namespace selfproj::report

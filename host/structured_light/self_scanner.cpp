@@ -218,22 +218,31 @@ void SelfScanner::explain(std::vector<PointState>& states) const {
 
 std::optional<double> SelfScanner::pace() const {
   constexpr int kLeastBorders = 200;
+  if (codes_ == nullptr) {
+    return std::nullopt;
+  }
   const Stripes& stripes = reference_->stripes;
   const int last = (1 << stripes.bits) - 1;
-  const bool one_way = stripes.code == StripeCode::cyclic && stripes.bits > 1;
+  const int back = stripes.code == StripeCode::cyclic && stripes.bits > 1 ? -1 : 1;  // what a step back counts
   const auto columns = static_cast<std::size_t>(depth_.columns);
+  const auto measured = [&](std::size_t i) { return !is_unmeasurable(ambiguous_[i]) && reference_->measurable(i); };
   int expected = 0;
   int made = 0;
-  for (int r = 1; r < depth_.rows && codes_ != nullptr; ++r) {
+  for (int r = 1; r < depth_.rows; ++r) {
     const int step = cell_of_row(r, reference_->camera_rows, stripes.width) -
                      cell_of_row(r - 1, reference_->camera_rows, stripes.width);
-    for (std::size_t next = static_cast<std::size_t>(r) * columns, c = 0; c < columns; ++next, ++c) {
+    const std::size_t first = static_cast<std::size_t>(r) * columns;
+    for (std::size_t next = first; next < first + columns; ++next) {
       const std::size_t here = next - columns;
-      if (!is_unmeasurable(ambiguous_[here]) && !is_unmeasurable(ambiguous_[next]) && reference_->measurable(here) &&
-          reference_->measurable(next)) {
-        const int change = (codes_[next] - codes_[here]) & last;
-        expected += step;
-        made += change == 1 ? 1 : change == last ? (one_way ? -1 : 1) : 0;
+      if (!measured(here) || !measured(next)) {
+        continue;
+      }
+      const int change = (codes_[next] - codes_[here]) & last;
+      expected += step;
+      if (change == 1) {
+        ++made;
+      } else if (change == last) {
+        made += back;
       }
     }
   }

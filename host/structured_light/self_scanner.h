@@ -30,7 +30,7 @@ void subtract(const float* from, const float* z, std::ptrdiff_t count, float* di
 
 class SelfScanner {
  public:
-  // `threshold`: θ_b of (4.15). Allocates everything here; the table must outlive the scanner. Throws
+  // `threshold`: θ_b of (4.15). Allocates everything here; reference and table must outlive the scanner. Throws
   // std::invalid_argument if a size or setting does not fit, and UserError if depths through the rig's lenses cannot be
   // fitted.
   SelfScanner(const rig::Rig& rig, const SelfReference& reference, const MatchTable& table, int threshold,
@@ -51,7 +51,7 @@ class SelfScanner {
   [[nodiscard]] const images::FloatImage& depth() const { return depth_; }
   [[nodiscard]] const images::FloatImage& difference() const { return difference_; }
 
-  // The matches in a row of the newest image, as look_up_row gives them. At least one image must have come.
+  // The matches in a row of the newest image, as look_up_row gives them. A depth image must have come.
   void newest_lines(int row, float* lines) const;
 
   // Depth of the reference, from X_R.

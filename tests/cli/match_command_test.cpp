@@ -236,7 +236,7 @@ TEST_F(MatchCommand, OnLineIsLikeOffLine) {
   write_text(folder_ / "gap", bytes);
   const Outcome outcome = run(with({"--device", "file:gap", "--save", "9", "--out", "gap.out"}));
   ASSERT_EQ(outcome.status, 0) << outcome.err;
-  EXPECT_EQ(outcome.out.rfind("1 depth images: ", 0), 0U) << outcome.out;
+  EXPECT_EQ(outcome.out.rfind("1 depth image: ", 0), 0U) << outcome.out;
   EXPECT_TRUE(fs::exists(folder_ / "gap.out/depth_0003.tiff"));
   // Images in another order: told at the end of the run, and refused by --check.
   const std::vector<std::string> still = pictures(8, {530}, "ref", "still");
