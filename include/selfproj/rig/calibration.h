@@ -86,8 +86,8 @@ struct DepthMatrices {
 // a code of its own where the codes are more.
 double coded_height(int lines, int bits);
 
-// The lines of a projector that 2^bits codes cover: `count` of them from line `first` on, which may be more than it has.
-// A count of 0 stands for all of the projector's, coded_height(H, bits) from its first on.
+// The lines of a projector that 2^bits codes cover: `count` of them from line `first` on, which may be more than it
+// has. A count of 0 stands for all of the projector's, coded_height(H, bits) from its first on.
 struct CodedLines {
   double first = 0;
   double count = 0;
@@ -96,8 +96,8 @@ struct CodedLines {
 // The central `count` lines of the rig's projector, as structured_light::gray_pattern codes them.
 CodedLines central_lines(const Rig& rig, int count, int bits);
 
-// The matrices of the pinholes of a rig whose projector of H lines shows `bits` pairs, 1..12, coded along L of its lines
-// from line F on: code centre Xp = pitch (F + (c + 1/2) L/2^bits - 1/2 - (H - 1)/2) + center_xp_mm.
+// The matrices of the pinholes of a rig whose projector of H lines shows `bits` pairs, 1..12, coded along L of its
+// lines from line F on: code centre Xp = pitch (F + (c + 1/2) L/2^bits - 1/2 - (H - 1)/2) + center_xp_mm.
 DepthMatrices depth_matrices(const Rig& rig, int bits, const CodedLines& lines = {});
 
 // The projector axis along which codes count.
