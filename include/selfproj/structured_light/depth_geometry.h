@@ -45,8 +45,8 @@ std::unique_ptr<Triangulation> make_triangulation(const DepthGeometry& geometry,
 std::unique_ptr<LensTriangulation> make_lens_triangulation(const DepthGeometry& geometry, const ImageSource& source);
 
 // Codes of `bits` bits along the lines of the rig's projector, which cover `lines` of them from the first on (0:
-// rig::coded_height), for images of its camera; its max_z_per_line_mm takes the place of that of `limits`. Throws std::invalid_argument as the
-// triangulations do.
+// rig::coded_height), for images of its camera; its max_z_per_line_mm takes the place of that of `limits`. Throws
+// std::invalid_argument as the triangulations do.
 std::unique_ptr<Triangulation> triangulation_of_rig(const rig::Rig& rig, int bits, const DepthLimits& limits = {},
                                                     double lines = 0);
 
