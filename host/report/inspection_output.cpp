@@ -314,9 +314,9 @@ ReportData report_data(const light_section::Inspection& inspection, const Report
   const light_section::Inspection::Frame& first = inspection.frame(0);
   ReportData data;
   data.title = parts.title;
-  data.subtitle =
-      fmt::format("rig {} · {} × {} px · mode {} · threshold {}", rig.name, rig.camera.rows, inspection.columns(),
-                  images::mode_name(static_cast<model::Mode>(first.mode)), first.threshold);
+  data.subtitle = fmt::format("rig {} · {} px · mode {} · threshold {}", rig.name,
+                              images::size_text(rig.camera.sent().rows, inspection.columns()),
+                              images::mode_name(static_cast<model::Mode>(first.mode)), first.threshold);
   if (const std::string select = images::select_text(first.measure()); !select.empty()) {
     data.subtitle += " · " + select;
   }

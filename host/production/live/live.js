@@ -279,6 +279,10 @@
     lost_network: 'lost in the network', missing: 'missing frames', bad: 'bad packets',
     live_dropped: 'pictures dropped for slow browsers',
   };
+
+  // The names of figures as statistics.json has them, for people.
+  const nameOf = (key) => key.replace(/^across_mm$/, 'shift across, mm').replace(/^residual_mm$/, 'off the outline, mm')
+    .replace(/ (missing|[a-z]+_mm)$/, ': $1').replace(/_mm$/, ', mm').replace(/_deg$/, ', °');
   const show = (head, values) => {
     text($('title'), head.title);
     document.title = head.title;
@@ -320,11 +324,11 @@
         const placed = part.placement || {};
         const worst = part.defects[0];
         return row([String(part.part), part.verdict, byMoments(part), String(part.defects.length),
-          worst ? number(worst.depth_mm, 2) : '–', number(placed.length_mm, 2), number(placed.across_mm, 2),
+          worst ? (worst.depth_mm > 0 ? '+' : '') + number(worst.depth_mm, 2) : '–', number(placed.length_mm, 2), number(placed.across_mm, 2),
           number(placed.turn_deg, 2)], part.verdict);
       }));
       $('statistics').tBodies[0].replaceChildren(...Object.entries(head.statistics).map(([name, f]) =>
-        row([name, number(f.mean, 4), number(f.spread, 4), f.rise_error_in_1000_parts === null ||
+        row([nameOf(name), number(f.mean, 4), f.parts > 1 ? number(f.spread, 4) : '–', f.rise_error_in_1000_parts === null ||
           Math.abs(f.rise_in_1000_parts) <= 3 * f.rise_error_in_1000_parts ? '–' : number(f.rise_in_1000_parts, 4)])));
     }
     // The 3-D view takes a browser much longer than the tables: two parts a second are enough for the eye.
