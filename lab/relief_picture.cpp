@@ -1,5 +1,7 @@
 #include "lab/relief_picture.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,6 +10,7 @@
 #include <numbers>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 #include <optional>
 #include <stdexcept>
 #include <utility>
@@ -19,6 +22,7 @@ using Pixel = cv::Vec3b;  // blue, green, red
 
 constexpr int kWidth = 900;
 constexpr int kMargin = 20;
+constexpr int kForText = 70;  // pixels on the right and below
 constexpr int kGap = 4;
 
 Pixel pixel_of(const report::MapScale& scale, double value, double light) {
@@ -85,7 +89,16 @@ class Canvas {
 
   [[nodiscard]] const cv::Mat3b& picture() const { return picture_; }
 
+  void line(const Placed& from, const Placed& to) {
+    cv::line(picture_, cv::Point2d(from.x, from.y), cv::Point2d(to.x, to.y), kInk, 1, cv::LINE_AA);
+  }
+
+  void write(const std::string& text, double x, double y) {
+    cv::putText(picture_, text, cv::Point2d(x, y), cv::FONT_HERSHEY_SIMPLEX, 0.5, kInk, 1, cv::LINE_AA);
+  }
+
  private:
+  static inline const cv::Scalar kInk{60, 60, 60};
   cv::Mat3b picture_;
   cv::Mat1d near_;
 };
@@ -93,7 +106,8 @@ class Canvas {
 // The corner points of a map in the picture, NaN where there is no value.
 class Corners {
  public:
-  Corners(const images::FloatImage& map, const report::MapPitch& pitch, double exaggeration) : map_(map) {
+  Corners(const images::FloatImage& map, const report::MapPitch& pitch, double exaggeration)
+      : map_(map), exaggeration_(exaggeration) {
     const View view;
     double low_x = std::numeric_limits<double>::infinity();
     double high_x = -low_x;
@@ -106,18 +120,37 @@ class Corners {
         if (!std::isnan(value)) {
           low_x = std::min(low_x, seen_.back().x), high_x = std::max(high_x, seen_.back().x);
           low_y = std::min(low_y, seen_.back().y), high_y = std::max(high_y, seen_.back().y);
+          low_ = std::min(low_, value), high_ = std::max(high_, value);
         }
       }
     }
     if (!(high_x > low_x)) {
       throw std::invalid_argument("relief: the map has no surface");
     }
-    const double per_mm = (kWidth - 2 * kMargin) / (high_x - low_x);
-    height_ = static_cast<int>(std::ceil((high_y - low_y) * per_mm)) + 2 * kMargin;
-    for (Placed& seen : seen_) {
-      seen.x = kMargin + (seen.x - low_x) * per_mm;
-      seen.y = kMargin + (seen.y - low_y) * per_mm;
+    // The axes are at height 0 along the edges in front, the bar stands at the corner on the right.
+    low_y = std::min(low_y, view(0, (map.columns - 1) * pitch.column_mm, exaggeration * bar_mm()).y);
+    for (const auto& [row, column] :
+         {std::pair{map.rows - 1, 0}, {map.rows - 1, map.columns - 1}, {0, map.columns - 1}}) {
+      const Placed corner = view(row * pitch.row_mm, column * pitch.column_mm, 0);
+      low_x = std::min(low_x, corner.x), high_x = std::max(high_x, corner.x);
+      low_y = std::min(low_y, corner.y), high_y = std::max(high_y, corner.y);
     }
+    low_x_ = low_x, low_y_ = low_y;
+    per_mm_ = (kWidth - 2 * kMargin - kForText) / (high_x - low_x);
+    height_ = static_cast<int>(std::ceil((high_y - low_y) * per_mm_)) + 2 * kMargin + kForText / 2;
+    std::transform(seen_.begin(), seen_.end(), seen_.begin(), [this](const Placed& seen) { return in_picture(seen); });
+  }
+
+  // A point of the map's space.
+  [[nodiscard]] Placed at_mm(double row_mm, double column_mm, double height_mm) const {
+    return in_picture(View()(row_mm, column_mm, exaggeration_ * height_mm));
+  }
+
+  // The length of a bar for heights: 1, 2 or 5 times a power of ten, at least a quarter of what there is.
+  [[nodiscard]] double bar_mm() const {
+    const double least = std::max(0.25 * (high_ - low_), 1e-3);
+    const double ten = std::pow(10, std::floor(std::log10(least)));
+    return least <= 1 * ten ? ten : least <= 2 * ten ? 2 * ten : least <= 5 * ten ? 5 * ten : 10 * ten;
   }
 
   [[nodiscard]] int height() const { return height_; }
@@ -126,10 +159,35 @@ class Corners {
   }
 
  private:
+  [[nodiscard]] Placed in_picture(const Placed& seen) const {
+    return {kMargin + (seen.x - low_x_) * per_mm_, kMargin + (seen.y - low_y_) * per_mm_, seen.near};
+  }
+
   const images::FloatImage& map_;
+  double exaggeration_;
   std::vector<Placed> seen_;
+  double low_ = std::numeric_limits<double>::infinity(), high_ = -std::numeric_limits<double>::infinity();
+  double low_x_ = 0, low_y_ = 0, per_mm_ = 1;
   int height_ = 0;
 };
+
+// The edges in front, with their lengths, and a bar for heights at the corner on the right.
+void draw_axes(const Corners& corners, const images::FloatImage& map, const report::MapPitch& pitch, Canvas& canvas) {
+  const double rows = (map.rows - 1) * pitch.row_mm;
+  const double columns = (map.columns - 1) * pitch.column_mm;
+  const Placed left = corners.at_mm(rows, 0, 0);
+  const Placed front = corners.at_mm(rows, columns, 0);
+  const Placed right = corners.at_mm(0, columns, 0);
+  const Placed top = corners.at_mm(0, columns, corners.bar_mm());
+  canvas.line(left, front);
+  canvas.line(front, right);
+  canvas.line(right, top);
+  canvas.write(fmt::format("{} {:.0f} mm", pitch.column_axis, columns), 0.5 * (left.x + front.x) - 70,
+               0.5 * (left.y + front.y) + 24);
+  canvas.write(fmt::format("{} {:.0f} mm", pitch.row_axis, rows), 0.5 * (front.x + right.x) + 10,
+               0.5 * (front.y + right.y) + 16);
+  canvas.write(fmt::format("{:g} mm", corners.bar_mm()), right.x + 6, 0.5 * (right.y + top.y) + 5);
+}
 
 }  // namespace
 
@@ -157,6 +215,7 @@ std::string relief_png(const images::FloatImage& map, const report::MapScale& sc
       canvas.fill({corners.at(r + 1, c + 1), corners.at(r + 1, c), corners.at(r, c + 1)}, colour);
     }
   }
+  draw_axes(corners, map, pitch, canvas);
   return png_of(canvas.picture());
 }
 

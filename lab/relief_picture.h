@@ -16,8 +16,9 @@ namespace selfproj::lab {
 
 // The map in parallel projection, seen from 35 degrees above its plane, with its columns turned by 30 degrees, as PNG:
 // colours by `scale`, shaded by the true slope. Values are mm; `pitch` are the distances of rows and columns; heights
-// are drawn `exaggeration` times as high. No surface is drawn between neighbours of which one is NaN. Throws
-// std::invalid_argument for a map of fewer than 2 x 2 values, or without any.
+// are drawn `exaggeration` times as high, and a bar shows how high. The edges in front have their lengths. No surface
+// is drawn between neighbours of which one is NaN. Throws std::invalid_argument for a map of fewer than 2 x 2 values,
+// or without any.
 std::string relief_png(const images::FloatImage& map, const report::MapScale& scale, const report::MapPitch& pitch,
                        double exaggeration);
 

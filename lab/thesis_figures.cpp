@@ -238,7 +238,7 @@ ThesisFigure figure_3_4(const Mountain& m) {
       {{"column", column}, {"row_self_projected", m.self_projected.centroid}, {"row_straight", m.straight.centroid}});
   figure.plots.push_back({"3.4: rows of the line",
                           "column",
-                          "row",
+                          "row, counted downwards in the image",
                           {{column, m.self_projected.centroid, "a", "self-projected"},
                            {column, m.straight.centroid, "b", "straight line"}}});
   figure.values = {{"width_self_projected_px", m.self_projected.range}, {"width_straight_px", m.straight.range}};
@@ -296,7 +296,8 @@ ThesisFigure figure_3_7(const Stairs& s) {
     row.push_back(finder.has_line(c) ? finder.centroid(c) : std::nan(""));
   }
   figure.csv = csv_of_columns({{"column", column}, {"row", row}});
-  figure.plots.push_back({"3.7: rows of the line", "column", "row", {{column, row, "a", "line"}}});
+  figure.plots.push_back(
+      {"3.7: rows of the line", "column", "row, counted downwards in the image", {{column, row, "a", "line"}}});
   return figure;
 }
 
@@ -317,8 +318,10 @@ ThesisFigure figure_3_9(const Stairs& s) {
   ThesisFigure figure{"3.9", "Differential 3-D shape of the stairs", "A2", {}, {}, {}, "", {}};
   const report::MapScale scale{report::ColourMap::diverging, -1.5, 1.5};
   constexpr double kExaggeration = 10;
-  figure.pictures.push_back({"3.9(a): xyz space", relief_png(s.difference, scale, s.pitch, kExaggeration),
-                             "Differences from the reference, -1.5 (blue) to 1.5 mm (red), drawn ten times as high."});
+  figure.pictures.push_back(
+      {"3.9(a): xyz space", relief_png(s.difference, scale, s.pitch, kExaggeration),
+       "Differences from the reference, -1.5 (blue) to 1.5 mm (red), drawn ten times as high. The "
+       "band in front is where the stairs end along the belt."});
   figure.pictures.push_back(map_picture("3.9(b): xy space, difference (mm)", s.difference, scale, s.pitch));
   figure.maps = {{"figure-3.9", s.difference}};
   figure.csv = csv_of_map(s.difference);
@@ -418,7 +421,7 @@ std::string times_text(const std::vector<double>& t) {
 ThesisFigure film_figure(const std::string& number, const std::string& caption, const std::string& source,
                          const Film& film, const report::MapScale& height, const report::MapScale& difference) {
   ThesisFigure figure{number, caption, source, {}, {}, {}, "", {}};
-  constexpr std::size_t kAcross = 4;
+  constexpr std::size_t kAcross = 2;
   const std::string times = "t = " + times_text(film.t) + ", from left to right and down.";
   figure.pictures.push_back(
       {number + "(a): the scene under full light", strip_png(film.light, std::nullopt, kAcross), times});

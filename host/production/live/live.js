@@ -58,16 +58,23 @@
     };
     // Lines at round heights, with their numbers
     const step = [0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500].find((s) => (high - low) / s <= 6) || 1000;
-    g.font = '15px system-ui, sans-serif';
-    g.fillStyle = style('--faint');
+    const round = [];
+    for (let v = Math.ceil(low / step) * step; v <= high; v += step) round.push(v);
     g.strokeStyle = style('--line');
-    for (let v = Math.ceil(low / step) * step; v <= high; v += step) {
+    for (const v of round) {
       g.lineWidth = Math.abs(v) < step / 2 ? 2 : 1;
       g.beginPath(); g.moveTo(8, py(v)); g.lineTo(canvas.width - 8, py(v)); g.stroke();
-      g.fillText(`${number(v, step < 1 ? 1 : 0)} mm`, 8, py(v) - 4);
     }
     curve(height, 1, '--height');
     curve(difference, 10, '--difference');
+    g.font = '15px system-ui, sans-serif';
+    for (const v of round) { // over the curves, and never above the edge
+      const label = `${number(v, step < 1 ? 1 : 0)} mm`, y = Math.max(py(v) - 4, 15);
+      g.fillStyle = style('--card');
+      g.fillRect(6, y - 14, g.measureText(label).width + 4, 18);
+      g.fillStyle = style('--faint');
+      g.fillText(label, 8, y);
+    }
     const highest = Math.max(...seen).toFixed(2);
     text($('span'), `  y ${left.toFixed(0)} to ${right.toFixed(0)} mm, height up to ${highest} mm`);
     text($('map-note'), `across, y ${left.toFixed(0)} to ${right.toFixed(0)} mm; the newest profile above`);
