@@ -286,10 +286,9 @@ void add_compare_command(CLI::App& app) {
        .purpose = "Compares two maps, value by value, or two clouds, point by point.",
        .details =
            "Both must be in one frame: maps of one camera and one view, clouds in the same coordinates. A cloud of a "
-           "rig "
-           "has x down the image; --exchange-xy brings that of a calibration, and most others, into it. Maps are TIFF "
-           "files of heights or depths, such as height.tiff and depth.tiff, and the result is B less A. Clouds are PLY "
-           "files, and the result is the distance from each point of B to the nearest of A.\n\n"
+           "rig has x down the image; --exchange-xy brings that of a calibration, and most others, into it. Maps are "
+           "TIFF files of heights or depths, such as height.tiff and depth.tiff, and the result is B less A. Clouds "
+           "are PLY files, and the result is the distance from each point of B to the nearest of A.\n\n"
            "The folder of --out gets\n"
            "- difference.tiff and difference.png of maps, in colours; of clouds distance.ply, B in colours\n"
            "- histogram.csv; summary.json with percentiles; report.html with all of them",

@@ -68,7 +68,7 @@ std::vector<structured_light::OfImage<structured_light::DepthShares>> match_imag
   const bool no_points = std::all_of(all_shares.begin(), all_shares.end(), [](const auto& shares) {
     return shares.value.of(structured_light::PointState::valid) == 0;
   });
-  if (contradiction.empty() && no_points) {
+  if (contradiction.empty() && no_points && !all_shares.empty()) {
     contradiction = structured_light::reason_without_points(all_shares.back().value);
   }
   return all_shares;
@@ -150,8 +150,7 @@ void add_search_options(CLI::App& command, MatchOptions& options) {
   command
       .add_option("--e", options.e,
                   "Codes that are searched below the reference, less than 2^m. The other 2^m - e are searched above "
-                  "it. What lies "
-                  "deeper than e codes is taken for what is high.")
+                  "it. What lies deeper than e codes is taken for what is high.")
       ->transform(cli::whole_number(0, (1 << structured_light::Stripes::kMaxBits) - 1))
       ->type_name("E")
       ->default_str("2^m / 2, as much below as above");

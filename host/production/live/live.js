@@ -331,12 +331,13 @@
         const placed = part.placement || {};
         const worst = part.defects[0];
         return row([String(part.part), part.verdict, byMoments(part), String(part.defects.length),
-          worst ? (worst.depth_mm > 0 ? '+' : '') + number(worst.depth_mm, 2) : '–', number(placed.length_mm, 2), number(placed.across_mm, 2),
-          number(placed.turn_deg, 2)], part.verdict);
+          worst ? (worst.depth_mm > 0 ? '+' : '') + number(worst.depth_mm, 2) : '–', number(placed.length_mm, 2),
+          number(placed.across_mm, 2), number(placed.turn_deg, 2)], part.verdict);
       }));
       $('statistics').tBodies[0].replaceChildren(...Object.entries(head.statistics).map(([name, f]) =>
-        row([nameOf(name), number(f.mean, 4), f.parts > 1 ? number(f.spread, 4) : '–', f.rise_error_in_1000_parts === null ||
-          Math.abs(f.rise_in_1000_parts) <= 3 * f.rise_error_in_1000_parts ? '–' : number(f.rise_in_1000_parts, 4)])));
+        row([nameOf(name), number(f.mean, 4), f.parts > 1 ? number(f.spread, 4) : '–',
+          f.rise_error_in_1000_parts === null || Math.abs(f.rise_in_1000_parts) <= 3 * f.rise_error_in_1000_parts
+            ? '–' : number(f.rise_in_1000_parts, 4)])));
     }
     // The 3-D view takes a browser much longer than the tables: two parts a second are enough for the eye.
     if (newest && newest.part !== solidShown && !drawing && performance.now() >= nextSolid) {
