@@ -337,7 +337,7 @@ TEST_F(LiveCapture, PatternsAreNotOverwritten) {
   const Outcome onto = run({"capture", "--camera", "camera:127.0.0.1?region=64x64", "--patterns", "shown",
                             "--settle-ms", "50", "--out", "shown"});
   EXPECT_EQ(onto.status, 2);
-  EXPECT_NE(onto.err.find("is an input of this command"), std::string::npos) << onto.err;
+  EXPECT_NE(onto.err.find("shown: is the folder whose files are read"), std::string::npos) << onto.err;
   EXPECT_EQ(read_text(folder_ / "shown" / "image_0001.png"), pattern);
   const std::filesystem::directory_iterator shown(folder_ / "shown");
   EXPECT_EQ(std::distance(begin(shown), end(shown)), 1);
