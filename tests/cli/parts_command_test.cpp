@@ -64,8 +64,8 @@ class PartsCommand : public ::testing::Test {
     return host(more);
   }
 
-  inline static ScratchFolder* folder_ = nullptr;
-  inline static Outcome* learned_ = nullptr;
+  inline static ScratchFolder* folder_ = nullptr;  // NOLINT(readability-identifier-naming): a member
+  inline static Outcome* learned_ = nullptr;  // NOLINT(readability-identifier-naming): a member
 };
 
 TEST_F(PartsCommand, LearnsAndJudges) {
