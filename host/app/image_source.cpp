@@ -115,9 +115,10 @@ ImageSource::ImageSource(const ImageSourceOptions& options, const rig::Rig& rig,
     throw UserError(first(), fmt::format("has {} rows; at most {} are possible", sent_.rows, model::kMaxSoftwareRows));
   }
   if (rig.sources && rig.sources->speed != rig::ValueSource::assumed && !options.spacing_mm && images_.count() > 1) {
-    throw UserError("--images",
-                    "nothing says how far the belt moves from one to the next: say it with --mm-per-image, or --assume "
-                    "speed for the rig's speed and frame rate");
+    throw UserError(
+        "--images",
+        "nothing says how far the belt moves from one to the next, as the frame rate of a calibrated rig is "
+        "the drawing's: say it with --mm-per-image");
   }
   note_gap(images_.files());
   if (sent_.rows > spec::kMaxRows) {

@@ -129,7 +129,8 @@ void match_device(const MatchCommand& options) {
   }
   note_doubt(uri, contradiction);
   if (contradiction.empty()) {
-    note_doubt(uri, structured_light::reason_without_points(report.all_shares.back().value));
+    const std::string reason = structured_light::reason_without_points(report.all_shares.back().value);
+    note_doubt(uri, reason.empty() ? structured_light::doubt_of(stream.scanner()) : reason);
   }
   receiver.check(report.counts->incomplete);
 }
@@ -153,6 +154,9 @@ void run_match(const MatchCommand& options) {
   const MatchResult result = run.measure(images, folder, &list);
   folder.append("report.html", result.page);
   refuse_contradiction("IMAGE", result.contradiction, options.unchecked);
+  if (result.contradiction.empty()) {
+    note_doubt("IMAGE", result.doubt);
+  }
   folder.commit();
   list.commit();
   fmt::print("{}", result.text);

@@ -245,7 +245,8 @@ MatchResult MatchRun::measure(images::ImageSequence& images, files::OutputFolder
   return {.text = report::match_text(table, all, folder.name()),
           .page = std::move(page),
           .pictures = std::move(pictures),
-          .contradiction = std::move(contradiction)};
+          .contradiction = std::move(contradiction),
+          .doubt = structured_light::doubt_of(scanner)};
 }
 
 MatchStream::MatchStream(const MatchRun& run, std::string uri)

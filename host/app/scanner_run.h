@@ -88,6 +88,7 @@ struct MatchResult {
   std::string page;                // report.html of `selfproj match`
   report::MatchPictures pictures;  // of the newest depth image, which are among the files
   std::string contradiction;       // of the images and the reference: the first; empty: none
+  std::string doubt;               // likewise, of the newest depth image
 };
 
 // Depth images from images under the patterns of a reference, as `selfproj match` writes them.

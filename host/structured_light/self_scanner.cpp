@@ -260,6 +260,19 @@ std::string contradiction_of(const SelfScanner& scanner) {
                    (std::round(100 * *pace) / 100) + 0.0);  // no "-0.00"
 }
 
+std::string doubt_of(const SelfScanner& scanner) {
+  constexpr double kSlow = 0.6;
+  constexpr double kFast = 1.6;
+  const std::optional<double> pace = scanner.pace();
+  return !pace || (*pace > kSlow && *pace < kFast)
+             ? ""
+             : fmt::format(
+                   "down the image the code counts on {:.2f} times as often as the reference's stripes: do the "
+                   "surfaces "
+                   "lean so much, or are these images of another reference's patterns?",
+                   *pace);
+}
+
 std::string reason_without_points(const DepthShares& shares) {
   if (shares.of(PointState::valid) > 0) {
     return "";

@@ -89,6 +89,9 @@ class SelfScanner {
 // reference. Empty: nothing.
 std::string contradiction_of(const SelfScanner& scanner);
 
+// What is less likely, but possible: surfaces that lean so against the reference everywhere.
+std::string doubt_of(const SelfScanner& scanner);
+
 // Why none of the pixels of a depth image has a point, likewise; empty if one has.
 std::string reason_without_points(const DepthShares& shares);
 

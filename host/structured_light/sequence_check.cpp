@@ -38,7 +38,8 @@ constexpr double kMinPace = 0.15;
 constexpr double kSlowPace = 0.6;  // surfaces that lean by 45 degrees are slower or faster only in extreme setups
 constexpr double kFastPace = 1.6;
 constexpr double kAcross = 2;
-constexpr double kBeyond = 0.05;   // of the codes
+constexpr double kBeyond = 0.05;  // of the codes
+constexpr double kFewPoints = 1e-3;
 constexpr double kOffLine = 0.5;   // of the pixels of which both codes are on the projector
 constexpr int kNone = -1;          // no Gray code
 constexpr std::size_t kReach = 6;  // pixels from a clear pixel to the next, where a border may lie between them
@@ -449,12 +450,14 @@ std::string contradiction_of(const Triangulation& triangulation, const std::uint
            "begin with the columns; "
            "--row-bits takes both), or is the geometry that of another setup?";
   }
-  if (of(PointState::valid) == 0 && of(PointState::out_of_range) > 0.5 * measured) {
+  if (of(PointState::valid) < kFewPoints * measured && of(PointState::out_of_range) > 0.5 * measured) {
     return fmt::format("{:.0f} % of the codes have a point outside of the limits of z: are these right?",
                        100 * of(PointState::out_of_range) / measured);
   }
-  if (of(PointState::valid) == 0) {
-    return fmt::format("none of {:.0f} pixels with a code has a point: is the geometry that of the images?", measured);
+  if (of(PointState::valid) < kFewPoints * measured) {
+    return fmt::format(
+        "{:.0f} of {:.0f} pixels with a code have a point: are bits, lines and geometry those of the images?",
+        of(PointState::valid), measured);
   }
   return "";
 }

@@ -292,6 +292,14 @@ TEST_F(MatchCommand, RefusesImagesOfOtherPatterns) {
   EXPECT_EQ(match({"--device", "file:codes", "--check"}).status, 1);
   EXPECT_EQ(match({"--unchecked", "plain"}).status, 0);
   EXPECT_EQ(match({"good"}).err, "");
+  // Stripes of another width.
+  ASSERT_EQ(run({"pattern", "stripes", "--rig", "rig.yaml", "--scan", "scan", "--gray-code", "--rows-per-code", "4",
+                 "--out", "wide"})
+                .status,
+            0);
+  fs::create_directory(folder_ / "wider");
+  pictures(8, {530}, "wide", "wider/image");
+  EXPECT_NE(match({"wider"}).err.find("IMAGE: warning: down the image the code counts on 0.5"), std::string::npos);
 }
 
 TEST_F(MatchCommand, RefusesWrongScans) {

@@ -65,7 +65,7 @@ class PartsCommand : public ::testing::Test {
   }
 
   inline static ScratchFolder* folder_ = nullptr;  // NOLINT(readability-identifier-naming): a member
-  inline static Outcome* learned_ = nullptr;  // NOLINT(readability-identifier-naming): a member
+  inline static Outcome* learned_ = nullptr;       // NOLINT(readability-identifier-naming): a member
 };
 
 TEST_F(PartsCommand, LearnsAndJudges) {
