@@ -98,7 +98,7 @@ Comparison compare_maps(const CompareOptions& options, files::OutputFolder& fold
 }
 
 structured_light::Point3f in_axes(const structured_light::Point3f& p, bool exchange_xy, bool opengl) {
-  const structured_light::Point3f seen = opengl ? structured_light::Point3f{p.x, -p.y, -p.z} : p;
+  const structured_light::Point3f seen = opengl ? structured_light::from_opengl(p) : p;
   return exchange_xy ? structured_light::Point3f{seen.y, seen.x, seen.z} : seen;
 }
 

@@ -200,7 +200,7 @@ structured_light::CloudComparison compare_with_file(const DepthOptions& options,
   std::vector<structured_light::Point3f> theirs = structured_light::read_ply(options.compare);
   if (options.compare_opengl) {
     for (structured_light::Point3f& point : theirs) {
-      point = {point.x, -point.y, -point.z};
+      point = structured_light::from_opengl(point);
     }
   }
   return structured_light::compare_clouds(report::points_of(*run.triangulation, run.depth), theirs, kWithin);
@@ -215,13 +215,13 @@ void run_depth(const DepthOptions& options) {
   }
   const structured_light::DepthRun run =
       receiver ? depth_of_device(options, *receiver, folder) : depth_of_files(options, folder);
+  const std::size_t came = receiver ? 0 : files_of(options).size();
   if (receiver) {
     if (options.receive.check && !options.unchecked && !run.contradiction.empty()) {
       throw CheckFailed(fmt::format("--check: {}", run.contradiction));
     }
     note_doubt(options.receive.device, run.contradiction);
   } else {
-    const std::size_t came = files_of(options).size();
     const std::size_t need =
         2 * static_cast<std::size_t>(options.setup.geometry.bits + options.setup.geometry.row_bits);
     refuse_contradiction(came == need ? "IMAGE"
@@ -234,7 +234,7 @@ void run_depth(const DepthOptions& options) {
   }
   report::DepthReport report{.setup = options.setup,
                              .device = options.receive.device,
-                             .images = receiver ? 0 : files_of(options).size(),
+                             .images = came,
                              .cloud = options.compare,
                              .comparison = {},
                              .plane = {},

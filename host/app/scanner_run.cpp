@@ -50,10 +50,7 @@ std::vector<structured_light::OfImage<structured_light::DepthShares>> match_imag
     if (scanner.add_frame(image.view(), static_cast<int>(i % patterns))) {
       scanner.explain(states);
       if (contradiction.empty()) {
-        contradiction = structured_light::contradiction_of(check, names);
-      }
-      if (contradiction.empty()) {
-        contradiction = structured_light::contradiction_of(scanner);
+        contradiction = structured_light::contradiction_of(check, names, scanner);
       }
       all_shares.push_back({i / 2, structured_light::count_states(states)});
       if (images.count() > patterns) {
@@ -277,9 +274,8 @@ bool MatchStream::add(const model::PacketView& packet) {
 }
 
 std::string MatchStream::contradiction() const {
-  std::string found =
-      structured_light::contradiction_of(check_, structured_light::names_of_patterns(uri_, run_.patterns()));
-  return found.empty() ? structured_light::contradiction_of(scanner_) : found;
+  return structured_light::contradiction_of(check_, structured_light::names_of_patterns(uri_, run_.patterns()),
+                                            scanner_);
 }
 
 }  // namespace selfproj::app

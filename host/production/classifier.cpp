@@ -135,21 +135,20 @@ Classifier::Classifier(const rig::Rig& rig, const HeightCells& reference, const 
   set_regions(source);
 }
 
-bool has_room(const ToleranceRegion& region, const MapGrid& grid, double min_defect_mm2) {
-  const int side = defect_side(min_defect_mm2, grid.pitch_mm);
+bool has_room(const cv::Mat1b& cells, int side) {
   cv::Mat1b room;
-  cv::erode(region_cells(region, grid), room, cv::Mat1b(side, side, std::uint8_t{1}), {-1, -1}, 1, cv::BORDER_CONSTANT,
-            cv::Scalar(0));
+  cv::erode(cells, room, cv::Mat1b(side, side, std::uint8_t{1}), {-1, -1}, 1, cv::BORDER_CONSTANT, cv::Scalar(0));
   return cv::countNonZero(room) > 0;
 }
 
 void Classifier::set_regions(const std::string& source) {
+  const int side = defect_side(tolerance_.min_defect_mm2, grid_.pitch_mm);
   for (const ToleranceRegion& region : tolerance_.regions) {
-    if (!has_room(region, grid_, tolerance_.min_defect_mm2)) {
+    regions_.push_back(region_cells(region, grid_));
+    if (!has_room(regions_.back(), side)) {
       throw UserError(source, fmt::format("region '{}' has no room for a square of min_defect_mm2, {:g} mm²",
                                           region.name, tolerance_.min_defect_mm2));
     }
-    regions_.push_back(region_cells(region, grid_));
   }
 }
 

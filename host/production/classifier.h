@@ -30,8 +30,8 @@ int defect_side(double min_defect_mm2, double pitch_mm);
 // The cells of a polygon whose middle lies in it or on its border: 255, else 0.
 cv::Mat1b region_cells(const ToleranceRegion& region, const MapGrid& grid);
 
-// Whether a square of the smallest defect's area fits into a region on this grid; otherwise none is found there.
-bool has_room(const ToleranceRegion& region, const MapGrid& grid, double min_defect_mm2);
+// Whether a square of this side fits into the cells of a region; otherwise no defect is found there.
+bool has_room(const cv::Mat1b& cells, int side);
 
 // Places and classifies parts. Keeps what is the same for all of them.
 class Classifier {

@@ -314,8 +314,9 @@ Tolerance Learner::learn(const std::string& source, std::vector<std::string>* le
           tolerance_regions(tolerance, section_, rig_.parts->grid_mm, widest_of(rig_), options_.edge_mm);
     }
     const MapGrid grid = placed_grid(rig_.parts->grid_mm, tolerance.length_mm, tolerance.left_mm, tolerance.right_mm);
+    const int side = defect_side(tolerance.min_defect_mm2, grid.pitch_mm);
     std::erase_if(tolerance.regions,
-                  [&](const ToleranceRegion& region) { return !has_room(region, grid, tolerance.min_defect_mm2); });
+                  [&](const ToleranceRegion& region) { return !has_room(region_cells(region, grid), side); });
     if (tolerance.regions.empty()) {
       throw UserError(source,
                       fmt::format("within the strips of {} mm at its edges, no surface of the part has room for "

@@ -44,11 +44,13 @@ double distance(const structured_light::Point3f& a, const structured_light::Poin
 
 double depth_unit(const images::FloatImage& depth) {
   constexpr double kMax = 65535;
-  double unit = kDepthUnit;
+  double largest = 0;
   for (const float z : depth.values) {
-    while (std::isfinite(z) && static_cast<double>(z) > kMax * unit) {
-      unit *= 2;
-    }
+    largest = std::isfinite(z) ? std::max(largest, static_cast<double>(z)) : largest;
+  }
+  double unit = kDepthUnit;
+  while (largest > kMax * unit) {
+    unit *= 2;
   }
   return unit;
 }

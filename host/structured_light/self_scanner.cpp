@@ -249,8 +249,12 @@ std::optional<double> SelfScanner::pace() const {
   return expected < kLeastBorders ? std::nullopt : std::optional(static_cast<double>(made) / expected);
 }
 
-std::string contradiction_of(const SelfScanner& scanner) {
+std::string contradiction_of(const SequenceCheck& check, const std::vector<std::string>& names,
+                             const SelfScanner& scanner) {
   constexpr double kLeastPace = 0.25;  // surfaces that lean so much against the reference fill no image
+  if (std::string between = contradiction_of(check, names); !between.empty()) {
+    return between;
+  }
   const std::optional<double> pace = scanner.pace();
   return !pace || *pace >= kLeastPace
              ? ""

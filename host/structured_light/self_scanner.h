@@ -11,6 +11,7 @@
 
 #include "host/structured_light/match_table.h"
 #include "host/structured_light/self_reference.h"
+#include "host/structured_light/sequence_check.h"
 #include "selfproj/images/float_image.h"
 #include "selfproj/model/column_moments.h"
 #include "selfproj/rig/rig.h"
@@ -85,9 +86,10 @@ class SelfScanner {
   images::FloatImage depth_, difference_, reference_depth_;
 };
 
-// What the newest depth image contradicts, as the end of a message: codes of other patterns than those of the
-// reference. Empty: nothing.
-std::string contradiction_of(const SelfScanner& scanner);
+// What the images of the newest cycle contradict, as the end of a message: each other (sequence_check.h), or the
+// reference, of whose patterns the newest codes are not. Empty: nothing.
+std::string contradiction_of(const SequenceCheck& check, const std::vector<std::string>& names,
+                             const SelfScanner& scanner);
 
 // What is less likely, but possible: surfaces that lean so against the reference everywhere.
 std::string doubt_of(const SelfScanner& scanner);

@@ -232,10 +232,7 @@ class StripeScanner {
         scanner_->add_frame(image.view(), pattern);
         kept = std::move(image);  // the positive of a pair is read again with its negative
       }
-      std::string contradiction = structured_light::contradiction_of(check, names);
-      if (contradiction.empty()) {
-        contradiction = structured_light::contradiction_of(*scanner_);
-      }
+      const std::string contradiction = structured_light::contradiction_of(check, names, *scanner_);
       scanner_->restart();
       if (!unchecked && !contradiction.empty()) {
         throw UserError("images", contradiction);
@@ -365,9 +362,8 @@ void bind_stripe_scanner(nb::module_& module) {
       .def(nb::init<const StripeReference&, std::optional<int>, int, bool, bool>(), nb::arg("reference"),
            nb::arg("e") = nb::none(), nb::arg("threshold") = 5, nb::arg("printed_direction") = false,
            nb::arg("printed_window") = false,
-           "e: cells below the reference that are searched, 0..2^m - 1; None: half of them. printed_...: the forms of "
-           "the text, which\n"
-           "are wrong for references that vary.")
+           "e: cells below the reference that are searched, 0..2^m - 1; None: half of them. printed_...: the forms\n"
+           "of the text, which are wrong for references that vary.")
       .def("take", &StripeScanner::take, nb::arg("image").noconvert(), nb::arg("pattern"), nb::arg("good") = true,
            "Takes a frame with its pattern index. Returns a StripeScan if one is due, after every pair, else None.")
       .def("scan", &StripeScanner::scan, nb::arg("images").noconvert(), nb::arg("channel") = "",

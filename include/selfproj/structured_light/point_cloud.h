@@ -39,6 +39,9 @@ class PlyText {
 // short.
 std::vector<Point3f> read_ply(const std::string& file);
 
+// A point whose y and z have the opposite sign, as in OpenGL.
+inline Point3f from_opengl(const Point3f& point) { return {point.x, -point.y, -point.z}; }
+
 // Finds the nearest of many points by a k-d tree (nanoflann).
 class NearestPoint {
  public:

@@ -77,6 +77,9 @@ inline std::uint32_t link_word(const LinkPins& pins) {
 
 constexpr int kLinks = 3;
 
+// Whether taps and bits are those of an 80-bit configuration, which has no data valid.
+constexpr bool is_eighty(int taps, int bits) { return taps == 10 || (taps == 8 && bits == 10); }
+
 // Where a bit of a pixel is: the link, and the output of its receiver chip.
 struct LinkPlace {
   std::size_t link = 0;
@@ -253,7 +256,7 @@ class LinkCamera {
     return pixels;
   }
 
-  [[nodiscard]] bool eighty() const { return taps_ == 10 || (taps_ == 8 && bits_ == 10); }
+  [[nodiscard]] bool eighty() const { return is_eighty(taps_, bits_); }
 
   Random& random_;
   int taps_;

@@ -27,9 +27,6 @@ namespace {
 // The board's clocks, in thousandths of a word, with which beats leave as fast as words come.
 int fast_board(Random& random, int taps) { return random.between(300, 4000 / taps - 20); }
 
-// 80 bit, which has no data valid.
-bool is_eighty(int taps, int bits) { return taps == 10 || bits == 10; }
-
 // Lines of any length, and links whose delays differ by as much as is allowed.
 template <typename Dut>
 void expect_every_beat_of_three(int taps, int bits = 8) {
