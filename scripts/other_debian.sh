@@ -94,7 +94,7 @@ in_chroot() {
     mount --rbind /dev "$root/dev"
     mount --rbind /sys "$root/sys"
     mount -t tmpfs tmpfs "$root/tmp"
-    if [[ -d $root/shared/data ]]; then mount --bind -o ro ../shared/data "$root/shared/data"; fi
+    if [[ -d ../shared/data ]]; then mount --bind -o ro ../shared/data "$root/shared/data"; fi
     exec chroot "$root" env -i HOME=/root PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin \
       LANG=C.UTF-8 DEBIAN_FRONTEND=noninteractive SELFPROJ_DEMO_SECONDS=3 \
       bash -euc "cd /selfproj; $2"

@@ -26,6 +26,7 @@
 #include "host/report/map_picture.h"
 #include "host/report/page.h"
 #include "host/report/report.h"
+#include "host/structured_light/cloud_axes.h"
 #include "selfproj/files/user_error.h"
 #include "selfproj/images/float_image.h"
 #include "selfproj/structured_light/point_cloud.h"
@@ -36,9 +37,8 @@ namespace {
 struct CompareOptions {
   std::string a, b, out;
   double within_mm = 0.1;
-  std::optional<double> most_mm;  // nothing: nothing is demanded
-  bool exchange_xy = false;       // of B
-  bool opengl = false;            // y and z of B have the opposite sign
+  std::optional<double> most_mm;     // nothing: nothing is demanded
+  structured_light::CloudAxes axes;  // of B
 };
 
 // Differences of maps are signed, distances of clouds are not.
@@ -48,6 +48,7 @@ struct Comparison {
   std::size_t of_a = 0;        // values or points of each
   std::size_t of_b = 0;
   bool is_signed = false;
+  std::string doubt = {};
   std::vector<report::ReportPicture> pictures;
 };
 
@@ -76,7 +77,7 @@ Comparison compare_maps(const CompareOptions& options, files::OutputFolder& fold
     throw UserError(options.b, fmt::format("has {} x {} values, {} has {} x {}; maps are compared value by value",
                                            b.columns, b.rows, options.a, a.columns, a.rows));
   }
-  Comparison result{"difference, B less A", {}, finite(a), finite(b), true, {}};
+  Comparison result{"difference, B less A", {}, finite(a), finite(b), true, {}, {}};
   images::FloatImage difference(a.rows, a.columns, images::kNoValue);
   for (std::size_t i = 0; i < a.values.size(); ++i) {
     difference.values[i] = b.values[i] - a.values[i];
@@ -97,41 +98,6 @@ Comparison compare_maps(const CompareOptions& options, files::OutputFolder& fold
   return result;
 }
 
-structured_light::Point3f in_axes(const structured_light::Point3f& p, bool exchange_xy, bool opengl) {
-  const structured_light::Point3f seen = opengl ? structured_light::from_opengl(p) : p;
-  return exchange_xy ? structured_light::Point3f{seen.y, seen.x, seen.z} : seen;
-}
-
-// The axes of B in which it lies much nearer to A than as it is, as the end of a message; empty: none. A rig's frame
-// has x down the image and is left-handed, those of calibrations and of most others have x to the right.
-std::string other_axes(const structured_light::NearestPoint& nearest, const std::vector<structured_light::Point3f>& b) {
-  constexpr std::size_t kPoints = 2000;
-  constexpr double kMuchNearer = 0.2;
-  const std::size_t every = b.size() / kPoints + 1;
-  const auto median = [&](bool exchange_xy, bool opengl) {
-    std::vector<double> distances;
-    for (std::size_t i = 0; i < b.size(); i += every) {
-      distances.push_back(nearest.distance(in_axes(b[i], exchange_xy, opengl)));
-    }
-    return files::median_of(std::move(distances));
-  };
-  const double as_it_is = median(false, false);
-  double least = kMuchNearer * as_it_is;
-  std::string options;
-  for (const auto& [exchange_xy, opengl, names] :
-       {std::tuple{true, false, "--exchange-xy"}, {false, true, "--opengl"}, {true, true, "--exchange-xy --opengl"}}) {
-    if (const double other = median(exchange_xy, opengl); other < least) {
-      least = other;
-      options = names;
-    }
-  }
-  return options.empty() ? ""
-                         : fmt::format(
-                               "its points are {} mm from A as they are, and {} mm with {}: are the clouds in "
-                               "one frame?",
-                               mm_text(as_it_is), mm_text(least), options);
-}
-
 Comparison compare_clouds(const CompareOptions& options, files::OutputFolder& folder) {
   const std::vector<structured_light::Point3f> a = structured_light::read_ply(options.a);
   std::vector<structured_light::Point3f> b = structured_light::read_ply(options.b);
@@ -141,13 +107,13 @@ Comparison compare_clouds(const CompareOptions& options, files::OutputFolder& fo
     }
   }
   const structured_light::NearestPoint nearest(a);
-  if (!options.exchange_xy && !options.opengl) {
-    note_doubt(options.b, other_axes(nearest, b));
+  Comparison result{"distance from each point of B to the nearest of A", {}, a.size(), b.size(), false, {}, {}};
+  if (options.axes.as_they_are()) {
+    result.doubt = doubt_about_axes(nearest, b, "A", "--");
   }
   for (structured_light::Point3f& point : b) {
-    point = in_axes(point, options.exchange_xy, options.opengl);
+    point = options.axes.of(point);
   }
-  Comparison result{"distance from each point of B to the nearest of A", {}, a.size(), b.size(), false, {}};
   for (const structured_light::Point3f& point : b) {
     result.values.push_back(nearest.distance(point));
   }
@@ -233,6 +199,9 @@ void write_report(const CompareOptions& options, const Comparison& comparison, c
   page.title = "Comparison";
   page.subtitle = "A: " + options.a + ", B: " + options.b;
   page.highlights = facts;
+  if (!comparison.doubt.empty()) {
+    page.doubts = {"B: " + comparison.doubt};
+  }
   for (std::size_t i = 1; i <= 3; ++i) {
     page.highlights[i].value = mm_text(std::get<double>(facts[i].value));
   }
@@ -243,7 +212,20 @@ void write_report(const CompareOptions& options, const Comparison& comparison, c
   page.tables = {table};
   page.settings = {{"of_a", "values of A", static_cast<std::int64_t>(comparison.of_a)},
                    {"of_b", "values of B", static_cast<std::int64_t>(comparison.of_b)}};
+  for (const auto& [given, key, label] : {std::tuple{options.axes.exchange_xy, "exchange_xy", "x and y of B exchanged"},
+                                          {options.axes.opengl, "opengl", "y and z of B with the opposite sign"}}) {
+    if (given) {
+      page.settings.push_back({key, label, std::string("yes")});
+    }
+  }
   nlohmann::ordered_json json{{"a", options.a}, {"b", options.b}, {"what", comparison.what}};
+  if (!comparison.is_signed) {
+    json["exchange_xy"] = options.axes.exchange_xy;
+    json["opengl"] = options.axes.opengl;
+  }
+  if (!comparison.doubt.empty()) {
+    json["doubts"] = {comparison.doubt};
+  }
   json.update(report::facts_json(facts));
   json["within_mm"] = options.within_mm;
   json["of_a"] = comparison.of_a;
@@ -260,8 +242,8 @@ void run_compare(const CompareOptions& options) {
     throw UserError(options.b, fmt::format("is a {}, {} a {}; two maps or two clouds are compared",
                                            clouds ? "map" : "cloud", options.a, clouds ? "cloud" : "map"));
   }
-  if (!clouds && (options.exchange_xy || options.opengl)) {
-    throw UserError(options.exchange_xy ? "--exchange-xy" : "--opengl", "is for clouds");
+  if (!clouds && !options.axes.as_they_are()) {
+    throw UserError(options.axes.exchange_xy ? "--exchange-xy" : "--opengl", "is for clouds");
   }
   files::OutputFolder folder(options.out);
   Comparison comparison = clouds ? compare_clouds(options, folder) : compare_maps(options, folder);
@@ -269,6 +251,7 @@ void run_compare(const CompareOptions& options) {
   const Figures f = figures_of(comparison, options.within_mm);
   write_report(options, comparison, f, folder);
   folder.commit();
+  note_doubt(options.b, comparison.doubt);
   fmt::print("{}: mean {}, RMS {}, largest {} mm; {:.2f} % within {:g} mm → {}\n", clouds ? "distance" : "difference",
              mm_text(f.mean), mm_text(f.rms), mm_text(f.largest), 100 * f.within, options.within_mm, options.out);
   if (options.most_mm && !(f.largest <= *options.most_mm)) {
@@ -312,8 +295,8 @@ selfproj compare --check 1 --out compared theirs.ply depth/cloud.ply
   command->add_option("--check", options->most_mm, "Fail, with status 1, where more is found anywhere.")
       ->transform(cli::number_above_zero())
       ->type_name("MM");
-  command->add_flag("--exchange-xy", options->exchange_xy, "Exchange x and y of the cloud B.");
-  command->add_flag("--opengl", options->opengl, "y and z of the cloud B have the opposite sign.");
+  command->add_flag("--exchange-xy", options->axes.exchange_xy, "Exchange x and y of the cloud B.");
+  command->add_flag("--opengl", options->axes.opengl, "y and z of the cloud B have the opposite sign.");
   cli::begin_group(*command, "Output");
   command->add_option("--out", options->out, "Folder for pictures, tables and report.")->type_name("DIR")->required();
   command->callback([options] { run_compare(*options); });

@@ -20,6 +20,7 @@
 #include "host/images/image_files.h"
 #include "host/images/image_sequence.h"
 #include "host/report/depth_output.h"
+#include "host/structured_light/cloud_axes.h"
 #include "host/structured_light/depth_run.h"
 #include "host/structured_light/plane_fit.h"
 #include "selfproj/files/user_error.h"
@@ -37,7 +38,7 @@ struct DepthOptions {
   structured_light::DepthSetup setup;
   images::PixelOptions pixels;
   std::string compare;
-  bool compare_opengl = false;
+  structured_light::CloudAxes compare_axes;  // of that cloud
   bool plane = false;
   bool unchecked = false;
   std::string plane_region;
@@ -63,8 +64,8 @@ void check_options(const DepthOptions& options) {
     throw UserError("--min-z", fmt::format("is {}, --max-z {}; it must be less", geometry.limits.min_z_mm,
                                            geometry.limits.max_z_mm));
   }
-  if (options.compare_opengl && options.compare.empty()) {
-    throw UserError("--compare-opengl", "is for --compare");
+  if (!options.compare_axes.as_they_are() && options.compare.empty()) {
+    throw UserError(options.compare_axes.opengl ? "--compare-opengl" : "--compare-exchange-xy", "is for --compare");
   }
   if (scanner.strict && scanner.median) {
     throw UserError("--strict", "cannot be combined with --median, which fills what --strict leaves out");
@@ -193,17 +194,23 @@ structured_light::DepthRun depth_of_device(const DepthOptions& options, Receiver
   return stream.result(receiver.counters());
 }
 
-// How far the points lie from those of the file.
-structured_light::CloudComparison compare_with_file(const DepthOptions& options,
-                                                    const structured_light::DepthRun& run) {
+// How far the points lie from those of the file, and a doubt where other axes fit much better.
+structured_light::CloudComparison compare_with_file(const DepthOptions& options, const structured_light::DepthRun& run,
+                                                    std::vector<std::string>& doubts) {
   constexpr double kWithin = 1;  // mm
   std::vector<structured_light::Point3f> theirs = structured_light::read_ply(options.compare);
-  if (options.compare_opengl) {
-    for (structured_light::Point3f& point : theirs) {
-      point = structured_light::from_opengl(point);
+  const std::vector<structured_light::Point3f> ours = report::points_of(*run.triangulation, run.depth);
+  if (options.compare_axes.as_they_are() && !ours.empty() && !theirs.empty()) {
+    const std::string doubt = doubt_about_axes(structured_light::NearestPoint(ours), theirs, "ours", "--compare-");
+    note_doubt(options.compare, doubt);
+    if (!doubt.empty()) {
+      doubts.push_back(options.compare + ": " + doubt);
     }
   }
-  return structured_light::compare_clouds(report::points_of(*run.triangulation, run.depth), theirs, kWithin);
+  for (structured_light::Point3f& point : theirs) {
+    point = options.compare_axes.of(point);
+  }
+  return structured_light::compare_clouds(ours, theirs, kWithin);
 }
 
 void run_depth(const DepthOptions& options) {
@@ -238,9 +245,12 @@ void run_depth(const DepthOptions& options) {
                              .cloud = options.compare,
                              .comparison = {},
                              .plane = {},
-                             .doubt = run.contradiction.empty() ? run.doubt : run.contradiction};
+                             .doubts = {}};
+  if (const std::string& doubt = run.contradiction.empty() ? run.doubt : run.contradiction; !doubt.empty()) {
+    report.doubts.push_back(doubt);
+  }
   if (!options.compare.empty()) {
-    report.comparison = compare_with_file(options, run);
+    report.comparison = compare_with_file(options, run, report.doubts);
   }
   if (options.plane) {
     const images::FloatImage& depth = run.depth;
@@ -342,7 +352,8 @@ selfproj depth --rig scanner --bits 8 --device ring:line1 \
   cli::begin_group(*command, "Evaluation");
   command->add_option("--compare", options->compare, "Print how far the points lie from those of this cloud.")
       ->type_name("FILE.ply");
-  command->add_flag("--compare-opengl", options->compare_opengl, "y and z of that cloud have the opposite sign.");
+  command->add_flag("--compare-exchange-xy", options->compare_axes.exchange_xy, "Exchange x and y of that cloud.");
+  command->add_flag("--compare-opengl", options->compare_axes.opengl, "y and z of that cloud have the opposite sign.");
   command->add_flag("--plane", options->plane,
                     "Fit the plane on which most points of the newest depth image lie, and print how flat it is.");
   command

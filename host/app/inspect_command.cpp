@@ -103,7 +103,7 @@ bool is_time(const report::Fact& fact) {
 
 void write_outputs(const InspectOptions& options, const light_section::Inspection& inspection,
                    const std::vector<report::Fact>& facts, const std::vector<std::string>& doubts,
-                   const production::VerdictRun* verdict, files::OutputFolder& folder) {
+                   const production::Production* production, files::OutputFolder& folder) {
   report::ReportParts parts;
   parts.title = "Inspection of " + options.source();
   parts.doubts = doubts;
@@ -116,8 +116,11 @@ void write_outputs(const InspectOptions& options, const light_section::Inspectio
   if (device) {
     parts.settings.push_back({"wait", "waiting", options.receive.wait});
   }
+  if (production != nullptr) {
+    production->describe(parts);
+  }
   report::write_inspection(inspection, folder, parts);
-  if (verdict != nullptr) {
+  if (const production::VerdictRun* const verdict = production != nullptr ? production->verdict() : nullptr) {
     folder.append("verdict.csv", production::judged_csv(verdict->frames()));
   }
   folder.append("times.json", files::json_text(report::facts_json(times), 2) + "\n");
@@ -404,7 +407,7 @@ class Run {
       rig::expect_way_measured(rig_, inspection_->encoder_counts(), options_.section.rig);
     }
     if (inspection_ && inspection_->frames() > 0) {
-      write_outputs(options_, *inspection_, facts, doubts(), production_ ? production_->verdict() : nullptr, *folder_);
+      write_outputs(options_, *inspection_, facts, doubts(), production_ ? &*production_ : nullptr, *folder_);
     }
     if (json_) {
       json_->write(files::json_text(report::facts_json(facts), 2) + "\n");

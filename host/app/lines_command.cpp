@@ -76,7 +76,7 @@ void run_lines(const LinesOptions& options) {
   runs.resize(measure.select, images.columns());
   // A line is thin: light of more rows than this is likely no line.
   const auto widest = static_cast<std::uint32_t>(std::max(16, images.rows() / 10));
-  std::int64_t wide = 0;
+  std::vector<std::string> dark, wide;  // images without light, and with much of it
   {
     cli::Progress progress("image", images.count());
     for (std::size_t i = 0; i < images.count(); ++i) {
@@ -88,7 +88,12 @@ void run_lines(const LinesOptions& options) {
         light_section::fast_measure_columns(frame.view(), measure, runs.view());
       }
       lines.add(i + 1, runs);
-      wide += std::ranges::count_if(runs.moments.n, [&](std::uint32_t n) { return n > widest; });
+      const auto lit = std::ranges::count_if(runs.moments.n, [](std::uint32_t n) { return n > 0; });
+      if (lit == 0) {
+        dark.push_back(images.files()[i]);
+      } else if (2 * std::ranges::count_if(runs.moments.n, [&](std::uint32_t n) { return n > widest; }) > lit) {
+        wide.push_back(images.files()[i]);
+      }
       if (i < options.pictures) {
         pictures.push_back(lines.picture(i + 1, std::move(as_taken), runs));
         folder.append(fmt::format("frame_{}.png", i + 1), report::frame_png(pictures.back()));
@@ -105,15 +110,20 @@ void run_lines(const LinesOptions& options) {
   folder.commit();
   const std::string all = images.count() == 1 ? images.files().front()
                                               : fmt::format("{} to {}", images.files().front(), images.files().back());
-  if (lines.lit() == 0) {
-    note_doubt(all, fmt::format("no column of any image has a pixel above the threshold of {}", measure.threshold));
-  }
-  if (2 * wide > lines.lit()) {
-    note_doubt(all, fmt::format(
-                        "{:.0f} % of the columns with light have more than {} lit rows, which is likely no line: raise "
-                        "--threshold, subtract the view without the line (--background), or choose another --channel",
-                        100.0 * static_cast<double>(wide) / static_cast<double>(lines.lit()), widest));
-  }
+  const auto say = [&](const std::vector<std::string>& which, const std::string& what) {
+    if (which.size() == images.count()) {
+      note_doubt(all, what);
+    } else if (!which.empty()) {
+      note_doubt(
+          which.front(),
+          what + (which.size() == 1 ? "" : fmt::format("; so in {} of the {} images", which.size(), images.count())));
+    }
+  };
+  say(dark, fmt::format("no column has a pixel above the threshold of {}", measure.threshold));
+  say(wide,
+      fmt::format("most columns with light have more than {} lit rows, which is likely no line: raise --threshold, "
+                  "subtract the view without the line (--background), or choose another --channel",
+                  widest));
   const std::string select = images::select_text(measure);
   fmt::print("{} {} of {}, {}, threshold {}{}{}: {} columns with light, {} ambiguous → {}\n", images.count(),
              images.count() == 1 ? "image" : "images", images::size_text(images.rows(), images.columns()), options.mode,

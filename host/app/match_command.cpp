@@ -114,6 +114,12 @@ void match_device(const MatchCommand& options) {
   stream.scanner().explain(states);
   report.all_shares.push_back({pair, structured_light::count_states(states)});
   report.counts = counts();
+  const std::string contradiction = stream.contradiction();
+  report.doubt = contradiction;
+  if (contradiction.empty()) {
+    const std::string reason = structured_light::reason_without_points(report.all_shares.back().value);
+    report.doubt = reason.empty() ? structured_light::doubt_of(stream.scanner()) : reason;
+  }
   const report::MatchPictures pictures = report::write_match(stream.table(), stream.scanner(), report, folder);
   folder.append("report.html", report::match_page(report, stream.table(), stream.scanner(), pictures));
   folder.commit();
@@ -123,15 +129,10 @@ void match_device(const MatchCommand& options) {
   if (production) {
     production->check();
   }
-  const std::string contradiction = stream.contradiction();
   if (options.receive.check && !options.unchecked && !contradiction.empty()) {
     throw CheckFailed(fmt::format("--check: {}", contradiction));
   }
-  note_doubt(uri, contradiction);
-  if (contradiction.empty()) {
-    const std::string reason = structured_light::reason_without_points(report.all_shares.back().value);
-    note_doubt(uri, reason.empty() ? structured_light::doubt_of(stream.scanner()) : reason);
-  }
+  note_doubt(uri, report.doubt);
   receiver.check(report.counts->incomplete);
 }
 
@@ -154,9 +155,7 @@ void run_match(const MatchCommand& options) {
   const MatchResult result = run.measure(images, folder, &list);
   folder.append("report.html", result.page);
   refuse_contradiction("IMAGE", result.contradiction, options.unchecked);
-  if (result.contradiction.empty()) {
-    note_doubt("IMAGE", result.doubt);
-  }
+  note_doubt("IMAGE", result.doubt);
   folder.commit();
   list.commit();
   fmt::print("{}", result.text);

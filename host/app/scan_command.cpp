@@ -127,7 +127,7 @@ std::string scan_by_gray_codes(const ScanOptions& options, files::OutputFolder& 
                                    .cloud = {},
                                    .comparison = {},
                                    .plane = {},
-                                   .doubt = doubt};
+                                   .doubts = doubt.empty() ? std::vector<std::string>{} : std::vector{doubt}};
   report::ReportPicture picture = report::write_depth(run, report, folder);
   picture.title = "Depth";
   picture.note = structured_light::share_text(run.shares, structured_light::PointState::valid);

@@ -19,6 +19,7 @@
 #include "host/images/frame_options.h"
 #include "host/report/depth_output.h"
 #include "host/report/facts.h"
+#include "host/structured_light/cloud_axes.h"
 #include "host/structured_light/depth_run.h"
 #include "host/structured_light/scan_stream.h"
 #include "host/structured_light/self_reference.h"
@@ -115,6 +116,25 @@ void note_doubt(const std::string& subject, const std::string& doubt) {
   if (!doubt.empty()) {
     files::note(fmt::format("{}: warning: {}", subject, doubt));
   }
+}
+
+std::string doubt_about_axes(const structured_light::NearestPoint& nearest,
+                             const std::vector<structured_light::Point3f>& cloud, const std::string& other,
+                             const std::string& prefix) {
+  const std::optional<structured_light::OtherAxes> found = structured_light::other_axes(nearest, cloud);
+  if (!found) {
+    return "";
+  }
+  std::string options;
+  for (const auto& [needed, name] :
+       {std::pair{found->axes.exchange_xy, "exchange-xy"}, {found->axes.opengl, "opengl"}}) {
+    if (needed) {
+      options += (options.empty() ? "" : " ") + prefix + name;
+    }
+  }
+  return fmt::format(
+      "its points are {:.3f} mm from {} as they are, and {:.3f} mm with {}: are the clouds in one frame?",
+      found->as_they_are_mm, other, found->median_mm, options);
 }
 
 void add_limit_options(CLI::App& command, structured_light::DepthGeometry& geometry) {
@@ -237,13 +257,15 @@ MatchResult MatchRun::measure(images::ImageSequence& images, files::OutputFolder
   all.all_shares =
       match_images(rig_, static_cast<std::size_t>(patterns()), images, scanner, folder, list, contradiction);
   all.depth_images = all.all_shares.size();
+  const std::string doubt = contradiction.empty() ? structured_light::doubt_of(scanner) : std::string();
+  all.doubt = contradiction.empty() ? doubt : contradiction;
   report::MatchPictures pictures = report::write_match(table, scanner, all, folder);
   std::string page = report::match_page(all, table, scanner, pictures);
   return {.text = report::match_text(table, all, folder.name()),
           .page = std::move(page),
           .pictures = std::move(pictures),
           .contradiction = std::move(contradiction),
-          .doubt = structured_light::doubt_of(scanner)};
+          .doubt = doubt};
 }
 
 MatchStream::MatchStream(const MatchRun& run, std::string uri)

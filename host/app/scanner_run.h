@@ -82,6 +82,12 @@ class DepthList {
   std::optional<files::OutputStream> stream_;
 };
 
+// Why a cloud that is compared with `other` seems to have other axes; empty: it does not. `prefix` is that of the
+// options that exchange them, "--".
+std::string doubt_about_axes(const structured_light::NearestPoint& nearest,
+                             const std::vector<structured_light::Point3f>& cloud, const std::string& other,
+                             const std::string& prefix);
+
 // What a run gives besides its files.
 struct MatchResult {
   std::string text;                // for the terminal, one line

@@ -54,6 +54,9 @@ void ProfileCutter::begin(double belt, const model::PacketHeader& header) {
   part_ = {};
   part_.first = header.sequence;
   part_.cut_off = std::exchange(began_with_a_part_, false);
+  if (rule_.cut == rig::PartCut::profile && !part_.cut_off) {
+    part_.missing = lost_before(header);  // they may have been of the part, too
+  }
   present_from_ = present_to_ = belt;
   part_.begin_mm = belt;
   const std::size_t size = before_.size();
@@ -73,10 +76,14 @@ void ProfileCutter::begin(double belt, const model::PacketHeader& header) {
   kept_ = 0;
 }
 
+std::uint64_t ProfileCutter::lost_before(const model::PacketHeader& header) const {
+  return header.sequence > last_sequence_ ? header.sequence - last_sequence_ - 1 : 0;
+}
+
 void ProfileCutter::put(double belt, const model::PacketHeader& header, const light_section::ProfileView& profile) {
   const bool first = present_to_ == present_from_ && part_.first == header.sequence;
   if (!first) {
-    part_.missing += header.sequence > last_sequence_ ? header.sequence - last_sequence_ - 1 : 0;
+    part_.missing += lost_before(header);
     part_.restarted = part_.restarted || belt_.restarted();
   }
   grid_.add(belt, profile);
@@ -112,6 +119,7 @@ std::optional<CutPart> ProfileCutter::add(const model::PacketHeader& header, con
       const double width = grid_.width_above(profile);
       const bool present = width > 0 && width >= rule_.min_width_mm;
       if (in_part_ && !present && belt - present_to_ > rule_.gap_mm) {
+        part_.missing += lost_before(header);
         complete = end();
       } else if (in_part_ && belt - present_from_ > rule_.length_mm) {
         part_.too_long = true;

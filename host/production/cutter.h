@@ -19,17 +19,19 @@ namespace selfproj::production {
 
 // A part as it was cut out of the stream.
 struct CutPart {
-  HeightCells cells;          // along counts from begin_mm
-  double begin_mm = 0;        // where the belt was, since the start, at the first frame in the map
-  double length_mm = 0;       // belt from the first frame that made it a part to the last
-  std::uint64_t first = 0;    // sequence numbers of these frames
-  std::uint64_t last = 0;     //
-  std::uint64_t frames = 0;   // frames in the map
-  std::uint64_t missing = 0;  // frames in between that did not come, or gave no profile
-  bool too_long = false;      // cut at length_mm, although it goes on
-  bool restarted = false;     // the board was restarted meanwhile: where the belt went is not known
-  bool cut_off = false;       // cut by the profile: it lay in the first frame of the run, or in the last
-  std::int64_t last_ns = 0;   // when its last frame came in, as `arrival_ns` of add()
+  HeightCells cells;         // along counts from begin_mm
+  double begin_mm = 0;       // where the belt was, since the start, at the first frame in the map
+  double length_mm = 0;      // belt from the first frame that made it a part to the last
+  std::uint64_t first = 0;   // sequence numbers of these frames
+  std::uint64_t last = 0;    //
+  std::uint64_t frames = 0;  // frames in the map
+  // Frames that did not come, or gave no profile: in between, and cut by the profile those right before and behind,
+  // which may have been of it
+  std::uint64_t missing = 0;
+  bool too_long = false;     // cut at length_mm, although it goes on
+  bool restarted = false;    // the board was restarted meanwhile: where the belt went is not known
+  bool cut_off = false;      // cut by the profile: it lay in the first frame of the run, or in the last
+  std::int64_t last_ns = 0;  // when its last frame came in, as `arrival_ns` of add()
 };
 
 // A profile, or a depth image, with the header of its last frame. What is not measured is empty.
@@ -91,6 +93,7 @@ class ProfileCutter final : public Cutter {
   };
 
   void keep(double belt, const light_section::ProfileView& profile);
+  [[nodiscard]] std::uint64_t lost_before(const model::PacketHeader& header) const;
   void begin(double belt, const model::PacketHeader& header);
   void put(double belt, const model::PacketHeader& header, const light_section::ProfileView& profile);
   void extend(double belt, const model::PacketHeader& header, std::int64_t arrival_ns);

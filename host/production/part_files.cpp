@@ -94,7 +94,7 @@ std::string part_picture(const PartResult& result, const PlacedMaps& maps) {
     scale.high = std::min(scale.high, deepest);
     scale.low = -scale.high;
   }
-  const report::MapPitch pitch{.row_mm = maps.grid.pitch_mm, .column_mm = maps.grid.pitch_mm};
+  const report::MapPitch pitch{maps.grid.pitch_mm, maps.grid.pitch_mm, "along", "across"};
   return report::labelled_map_png(maps.difference, scale, pitch,
                                   fmt::format("part {}: {}", result.number, verdict_name(result.verdict)), marks);
 }

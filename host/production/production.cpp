@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstddef>
@@ -9,6 +10,8 @@
 #include <exception>
 #include <memory>
 #include <mutex>
+#include <numbers>
+#include <optional>
 #include <string>
 #include <thread>
 #include <utility>
@@ -33,6 +36,23 @@ constexpr std::int64_t kBeatNs = 100'000'000;
 // A pause of frames that ends a part by trigger is found by the time stamps. Where no further frame comes, the clock of
 // this machine ends it, so much later.
 constexpr double kLateS = 0.1;
+constexpr std::size_t kPartsInReport = 100;
+
+std::vector<std::string> report_row(const PartResult& result) {
+  const auto mm = [](const std::optional<double>& value) { return value ? fmt::format("{:.2f}", *value) : "–"; };
+  const Placement placed = result.placement.value_or(Placement{});
+  const bool lies = result.placement && !placed.edges.empty();
+  return {std::to_string(result.number),
+          verdict_name(result.verdict),
+          mm(placed.length_mm),
+          mm(placed.width_mm),
+          lies ? fmt::format("{:.2f}", placed.across_mm) : "–",
+          lies ? fmt::format("{:.2f}", placed.turn_rad * 180 / std::numbers::pi) : "–",
+          std::to_string(result.defects.size()),
+          result.defects.empty() ? "–" : fmt::format("{:.2f}", result.defects.front().area_mm2),
+          result.defects.empty() ? "–" : fmt::format("{:+.3f}", result.defects.front().depth_mm),
+          result.reason};
+}
 
 }  // namespace
 
@@ -240,6 +260,13 @@ void Production::classify(const std::optional<CutPart>& part) {
     }
     delays_.add(result.delay_ns);
     add_figures(result, statistics_);
+    for (const Defect& defect : result.defects) {
+      deepest_mm_ = std::max(deepest_mm_, std::abs(defect.depth_mm));
+    }
+    newest_parts_.push_back(report_row(result));
+    if (newest_parts_.size() > kPartsInReport) {
+      newest_parts_.pop_front();
+    }
   }
   new_counts_.put(std::make_unique<PartCounts>(counts_));  // no other thread changes them
   if (files_) {
@@ -323,6 +350,30 @@ std::vector<report::Fact> Production::facts() const {
     facts.push_back({"part_folders_left_out", "folders left out", report::fact_number(files_->folders_left_out())});
   }
   return facts;
+}
+
+void Production::describe(report::ReportParts& report) const {
+  const std::lock_guard lock(mutex_);
+  if (!classifier_) {
+    return;
+  }
+  report.settings.push_back({"tolerance", "tolerance", options_.tolerance});
+  for (std::size_t i = 0; i < kVerdictNames.size(); ++i) {
+    report.highlights.push_back({kVerdictNames.at(i), fmt::format("{} parts", kVerdictNames.at(i)),
+                                 report::fact_number(counts_.verdicts.at(i))});
+  }
+  double widest = 0;
+  for (const ToleranceRegion& region : tolerance_->regions) {
+    widest = std::max({widest, std::abs(region.low_mm), std::abs(region.high_mm)});
+  }
+  report.difference_mm = deepest_mm_ > 0 ? deepest_mm_ : widest;
+  report.tables.push_back({newest_parts_.size() < counts_.parts()
+                               ? fmt::format("The last {} of {} parts", newest_parts_.size(), counts_.parts())
+                               : "The parts",
+                           {"part", "verdict", "length, mm", "width, mm", "across, mm", "turned, °", "defects",
+                            "largest, mm²", "its depth, mm", "reason"},
+                           {newest_parts_.begin(), newest_parts_.end()},
+                           options_.folder.empty() ? "" : "All of them are in parts.csv of " + options_.folder + "."});
 }
 
 std::string Production::doubt() const {

@@ -7,6 +7,7 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <exception>
 #include <memory>
 #include <mutex>
@@ -29,6 +30,7 @@
 #include "host/production/tolerance.h"
 #include "host/production/verdict_run.h"
 #include "host/report/facts.h"
+#include "host/report/report.h"
 #include "selfproj/driver/counters.h"
 #include "selfproj/images/float_image.h"
 #include "selfproj/model/packet.h"
@@ -114,6 +116,10 @@ class Production {
   [[nodiscard]] std::string status_text() const;
   [[nodiscard]] std::string end_text() const;
 
+  // What a report says of the parts: the last ones as a table, the counts, and the deepest of their defects in mm, or
+  // the widest limit of the tolerance where there was none. After finish(); only where parts are classified.
+  void describe(report::ReportParts& report) const;
+
  private:
   // Of the verdict by moments: frames of parts, those with a defect, parts by its own rule, those with a defect; and of
   // the parts that both judged, those on which it agrees with the classifier, where it finds a defect that the
@@ -155,12 +161,14 @@ class Production {
   model::PacketHeader newest_;
   bool encoder_counts_ = false;  // it has changed between two frames
 
-  mutable std::mutex mutex_;       // of the next seven
+  mutable std::mutex mutex_;       // of the next nine
   std::string last_inconclusive_;  // the reason of the last inconclusive part that the run did not cut off
   std::uint64_t cut_off_ = 0;      // parts that the run cut off
   MomentCounts moments_;
   PartCounts counts_;
   PartStatistics statistics_;
+  std::deque<std::vector<std::string>> newest_parts_;  // the rows of the report's table
+  double deepest_mm_ = 0;
   driver::DurationHistogram delays_;  // from the arrival of a part's last frame to its result
   std::exception_ptr fault_;
   std::atomic<bool> failed_{false};

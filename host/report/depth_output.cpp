@@ -78,7 +78,7 @@ ReportPicture shown_depth(const structured_light::Triangulation& triangulation, 
   const double down = depth.rows > 1 ? distance(middle, triangulation.point(at + columns, z)) : 1;
   const double right = columns > 1 ? distance(middle, triangulation.point(at + 1, z)) : 1;
   const bool rows_are_x = triangulation.rows_are_x();
-  const MapPitch pitch{down, right, rows_are_x ? 'x' : 'y', rows_are_x ? 'y' : 'x'};
+  const MapPitch pitch{down, right, rows_are_x ? "x" : "y", rows_are_x ? "y" : "x"};
   return shown_map(title, depth, height_scale(depth), pitch);
 }
 
@@ -214,8 +214,8 @@ std::string summary(const structured_light::DepthRun& run, const DepthReport& re
   json["depth_images"] = run.depth_images;
   json["depth_png_mm_per_unit"] = depth_unit(run.depth);
   json["newest"] = newest_json(run, geometry);
-  if (!report.doubt.empty()) {
-    json["doubts"] = {report.doubt};
+  if (!report.doubts.empty()) {
+    json["doubts"] = report.doubts;
   }
   if (report.comparison) {
     const structured_light::CloudComparison& comparison = *report.comparison;
@@ -331,9 +331,7 @@ std::string depth_page(const structured_light::DepthRun& run, const DepthReport&
     page.highlights.push_back(
         {"median_mm", "median distance from " + report.cloud, report.comparison->median_mm, "mm"});
   }
-  if (!report.doubt.empty()) {
-    page.doubts = {report.doubt};
-  }
+  page.doubts = report.doubts;
   page.pictures = {picture};
   page.tables = {shares_table(run.shares)};
   page.settings = {
@@ -355,14 +353,17 @@ std::string match_page(const MatchReport& report, const structured_light::MatchT
   page.title = "Depth by self-projected stripes";
   page.subtitle = fmt::format("rig {} · reference {} · {} bits", report.rig, report.reference, report.bits);
   page.highlights = depth_highlights(report.all_shares.back().value, scanner.depth(), report.depth_images);
+  if (!report.doubt.empty()) {
+    page.doubts = {report.doubt};
+  }
   page.pictures = {pictures.difference, pictures.depth};
   page.tables = {shares_table(report.all_shares.back().value)};
   page.counters = report.line;
   page.settings = {
       {"e", "cells below the reference that are searched (e)", static_cast<std::int64_t>(report.settings.e)},
       {"threshold", "threshold of a pair's difference", static_cast<std::int64_t>(report.threshold)},
-      {"missing", "codes without a match", fmt::format("{:.2f}", 100 * table.missing()), "%"},
-      {"doubled", "codes with several candidates", fmt::format("{:.2f}", 100 * table.doubled()), "%"}};
+      {"missing", "codes of the reference without a match", fmt::format("{:.2f}", 100 * table.missing()), "%"},
+      {"doubled", "codes of the reference with several candidates", fmt::format("{:.2f}", 100 * table.doubled()), "%"}};
   return page_html(page);
 }
 
@@ -421,6 +422,9 @@ std::string summary(const structured_light::MatchTable& table, const images::Flo
                               {"depth_png_mm_per_unit", depth_unit(depth)},
                               {"codes_without_match", table.missing()},
                               {"codes_with_several_candidates", table.doubled()}};
+  if (!report.doubt.empty()) {
+    json["doubts"] = {report.doubt};
+  }
   if (report.counts) {
     json["device"] = device_json(report.device, *report.counts);
   }
@@ -459,8 +463,8 @@ std::string match_text(const structured_light::MatchTable& table, const MatchRep
   const structured_light::DepthShares& newest = report.all_shares.back().value;
   const std::string losses = report.counts ? losses_of(*report.counts) + "; " : std::string();
   return fmt::format(
-      "{} depth image{}: {}{} of {} pixels valid; codes without a match {:.2f} %, with several candidates {:.2f} % "
-      "→ {}\n",
+      "{} depth image{}: {}{} of {} pixels valid; of the reference's codes {:.2f} % have no match, {:.2f} % several "
+      "candidates → {}\n",
       report.depth_images, report.depth_images == 1 ? "" : "s", losses, newest.of(structured_light::PointState::valid),
       newest.total(), 100 * table.missing(), 100 * table.doubled(), folder);
 }

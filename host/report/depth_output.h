@@ -57,7 +57,7 @@ struct DepthReport {
   std::string cloud;       // file with which the points are compared
   std::optional<structured_light::CloudComparison> comparison;
   std::optional<structured_light::PlaneFit> plane;
-  std::string doubt;  // why the result may be wrong; empty: nothing is known
+  std::vector<std::string> doubts;  // why the result may be wrong
 };
 
 // Writes pictures, cloud, tables and summary of the run, without the single depth images, and returns the picture of
@@ -86,6 +86,7 @@ struct MatchReport {
   std::size_t depth_images = 0;
   std::optional<structured_light::DeviceCounts> counts = {};
   std::vector<Fact> line = {};  // what was counted of the parts of a running line
+  std::string doubt = {};       // why the result may be wrong; empty: nothing is known
 };
 
 // The newest depth image and its difference from the reference in colours.

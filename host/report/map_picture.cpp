@@ -290,7 +290,7 @@ std::string labelled_map_png(const images::FloatImage& map, const MapScale& scal
   const int x_length = static_cast<int>(std::lround(along_x / height_length * place.height));
   cv::rectangle(picture, cv::Rect(place.x - 21, place.y + place.height - x_length, 5, x_length), kInk, cv::FILLED);
   const int middle = place.y + place.height - x_length / 2;
-  put_text(picture, std::string(1, pitch.row_axis), {12, middle - 10});
+  put_text(picture, pitch.row_axis, {12, middle - 10});
   put_text(picture, fmt::format("{} {}", tick_text(along_x, along_x), known ? pitch.unit : "fr."), {12, middle + 10});
   return png(picture);
 }

@@ -32,8 +32,8 @@ Colour colour_at(ColourMap map, double t);
 struct MapPitch {
   double row_mm = 0;
   double column_mm = 0;
-  char row_axis = 'x';
-  char column_axis = 'y';
+  std::string row_axis = "x";
+  std::string column_axis = "y";
   std::string_view unit = "mm";  // of the scale bars
 };
 

@@ -214,7 +214,7 @@ std::string report_html(const ReportData& data) {
   add_map(html, "Difference from the reference",
           std::string("Positive: nearer to the camera than the reference.") +
               (data.of_parts ? " Frames without a part are left out." : ""),
-          data.difference, difference_scale(data.difference), data.pitch);
+          data.difference, data.difference_colours, data.pitch);
   add_map(html, "Height over the plane", "Rows are frames (along the belt), columns image columns.", data.height,
           height_scale(data.height), data.pitch);
   html += "</div>\n";

@@ -22,6 +22,8 @@ struct ReportParts {
   std::vector<std::string> doubts = {};  // why the result is to be doubted, each a sentence
   std::vector<ReportTable> tables;
   std::optional<CameraPicture> camera;
+  std::vector<Fact> highlights;         // after those of the map
+  std::optional<double> difference_mm;  // at most at this difference the colours of the page end
 };
 
 // The contents of the report.
@@ -37,7 +39,8 @@ struct ReportData {
   images::FloatImage height;      // mm; rows are frames
   images::FloatImage difference;  // mm
   bool of_parts = false;          // frames without a part have no difference
-  images::FloatImage y;           // mm, of the same shape
+  MapScale difference_colours;
+  images::FloatImage y;  // mm, of the same shape
   MapPitch pitch;
 };
 

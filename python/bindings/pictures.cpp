@@ -19,7 +19,6 @@ nb::bytes map_png_of(const FloatArray& map, const std::string& title, bool signe
                      double column_mm, std::optional<double> low, std::optional<double> high,
                      const std::string& row_axis, const std::string& column_axis) {
   require(row_mm >= 0 && column_mm > 0, "row_mm, column_mm: must be above 0; row_mm may be 0 if it is not known");
-  require(row_axis.size() == 1 && column_axis.size() == 1, "row_axis, column_axis: must be one letter");
   const images::FloatImage image = float_image_of(map);
   return bytes_of_png(without_gil([&] {
     report::MapScale scale = signed_values ? report::difference_scale(image) : report::height_scale(image);
@@ -27,7 +26,7 @@ nb::bytes map_png_of(const FloatArray& map, const std::string& title, bool signe
     scale.high = high.value_or(scale.high);
     require(std::isfinite(scale.low) && std::isfinite(scale.high) && scale.low < scale.high,
             "low, high: low must be below high");
-    return report::labelled_map_png(image, scale, {row_mm, column_mm, row_axis[0], column_axis[0]}, title);
+    return report::labelled_map_png(image, scale, {row_mm, column_mm, row_axis, column_axis}, title);
   }));
 }
 

@@ -153,9 +153,8 @@ class ScannerCosim final : public DepthCosim {
     const images::FloatImage difference = difference_of(depth(), background_);
     folder.append("background.tiff", images::encode_float_tiff("background.tiff", background_));
     folder.append("difference.tiff", images::encode_float_tiff("difference.tiff", difference));
-    folder.append("difference.png",
-                  report::labelled_map_png(difference, report::difference_scale(difference), {1, 1, 'x', 'y'},
-                                           "background − depth, newest; a pixel is shown as 1 mm"));
+    folder.append("difference.png", report::labelled_map_png(difference, report::difference_scale(difference), {1, 1},
+                                                             "background − depth, newest; a pixel is shown as 1 mm"));
     const DepthFindings found = findings_of(info().analysis, samples_);
     folder.append(found.table_name, found.table);
   }

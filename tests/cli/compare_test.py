@@ -99,8 +99,14 @@ class Compare(Case):
             self.assertEqual(status, 0)
             self.assertRegex(errors, rf"^selfproj: b.ply: warning: its points are \S+ mm from A as they are, and 0.000 mm "
                                      rf"with {option}: are the clouds in one frame\?\n$")
+            self.assertIn(f"with {option}: are the clouds", self.summary()["doubts"][0])
+            self.assertIn("are the clouds in one frame?", (self.folder / "out/report.html").read_text(encoding="utf-8"))
             status, _, errors = self.compare(*option.split(), "a.ply", "b.ply")
-            self.assertEqual((status, errors, self.summary()["largest_mm"]), (0, "", 0))
+            summary = self.summary()
+            self.assertEqual((status, errors, summary["largest_mm"]), (0, "", 0))
+            self.assertNotIn("doubts", summary)
+            self.assertEqual([name for name in ("exchange_xy", "opengl") if summary[name]],
+                             [name[2:].replace("-", "_") for name in option.split()])
 
     def test_refusals(self):
         (self.folder / "a.ply").write_text(ply([(0, 0, 1)]), encoding="ascii")

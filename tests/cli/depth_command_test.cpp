@@ -275,6 +275,21 @@ TEST_F(DepthCommand, TakesACalibrationAndComparesClouds) {
   EXPECT_EQ(std::count_if(depth.values.begin(), depth.values.end(), [](float z) { return !std::isnan(z); }), 1);
   EXPECT_NEAR(static_cast<double>(depth.values[10 * kColumns + 20]), 500, 20);  // half a column is worth 16 mm
   EXPECT_NE(outcome.out.find("our 1 points to its 2"), std::string::npos) << outcome.out;
+
+  // A cloud in other axes is told, in the files too.
+  structured_light::PlyText other(1);
+  other.add({-45, -5, -500}, 0, 0, 0);
+  write_text(folder_ / "cloud.ply", other.file("that point, x and y exchanged"));
+  std::vector<std::string> words = {"--calibration", "cal.yaml", "--bits",    "6",
+                                    "--row-bits",    "6",        "--compare", "cloud.ply"};
+  const std::string doubt = depth_of_files(words).err;
+  EXPECT_NE(doubt.find("mm with --compare-exchange-xy --compare-opengl: are the clouds in one frame?"),
+            std::string::npos)
+      << doubt;
+  EXPECT_NE(read_text(folder_ / "out/summary.json").find("--compare-opengl: are the"), std::string::npos);
+  words.insert(words.end(), {"--compare-exchange-xy", "--compare-opengl"});
+  EXPECT_EQ(depth_of_files(words).err, "");
+  EXPECT_EQ(read_text(folder_ / "out/summary.json").find("doubts"), std::string::npos);
 }
 
 // ------------------------------------------------------------------ codes of a board
@@ -395,6 +410,7 @@ TEST_F(DepthCommand, RefusesOptionsOutOfRange) {
       {{"--rig", "rig.yaml", "--bits", "6", "--strict", "--median"}, "--strict"},
       {{"--rig", "rig.yaml", "--bits", "6", "--min-z", "30", "--max-z", "20"}, "--min-z: is 30, --max-z 20"},
       {{"--rig", "rig.yaml", "--bits", "6", "--compare-opengl"}, "--compare-opengl: is for --compare"},
+      {{"--rig", "rig.yaml", "--bits", "6", "--compare-exchange-xy"}, "--compare-exchange-xy: is for --compare"},
       {{"--rig", "nowhere.yaml", "--bits", "6"}, "nowhere.yaml"},
       {{"--rig", "rig.yaml", "--bits", "6", "--background", "nowhere.tiff"}, "nowhere.tiff"},
       {{"--rig", "rig.yaml", "--bits", "6", "--background", "a_00.png"}, "a_00.png"},

@@ -91,7 +91,10 @@ TEST_F(ProductionCommand, FindsWhatItPlants) {
                                 rig));
   ASSERT_EQ(run.status, 0) << run.err;
   EXPECT_EQ(agrees("line", "today", 1, 0.05), 2);
-  EXPECT_NE(read_text(folder_ / "today-out/report.html").find("difference of parts, RMS"), std::string::npos);
+  const std::string page = read_text(folder_ / "today-out/report.html");
+  for (const char* const text : {"nine tenths of the parts", "bad parts", "<h2>The parts</h2>", "its depth, mm"}) {
+    EXPECT_NE(page.find(text), std::string::npos) << text;
+  }
 
   EXPECT_TRUE(std::filesystem::exists(folder_ / "line/good/frame_00640.png"));
   EXPECT_FALSE(std::filesystem::exists(folder_ / "line/good/frame_00641.png"));

@@ -168,6 +168,26 @@ TEST_F(RunsCommand, LinesLeaveOutAHotPixelAndMarkWhatIsAmbiguous) {
   const Outcome all = lines({"--threshold", "60", "--select", "all", "--out", "all", "a.png"});
   EXPECT_EQ(all.status, 0) << all.err;
   EXPECT_NE(read_text(folder_ / "all/moments.csv").find("1,8,645,"), std::string::npos);
+
+  // Each image is judged by itself.
+  EXPECT_EQ(outcome.err, "");
+  save("dark.png", cv::Mat(40, 21, CV_8UC1, cv::Scalar(5)));
+  save("bright.png", cv::Mat(40, 21, CV_8UC1, cv::Scalar(200)));
+  const auto doubts = [&](const std::vector<std::string>& images) {
+    std::vector<std::string> words{"--threshold", "60", "--out", "doubts"};
+    words.insert(words.end(), images.begin(), images.end());
+    return lines(words).err;
+  };
+  EXPECT_EQ(doubts({"a.png", "dark.png"}),
+            "selfproj: dark.png: warning: no column has a pixel above the threshold of 60\n");
+  EXPECT_EQ(doubts({"a.png", "dark.png", "dark.png"}),
+            "selfproj: dark.png: warning: no column has a pixel above the threshold of 60; so in 2 of the 3 images\n");
+  EXPECT_EQ(doubts({"dark.png", "dark.png"}),
+            "selfproj: dark.png to dark.png: warning: no column has a pixel above the threshold of 60\n");
+  EXPECT_EQ(
+      doubts({"a.png", "bright.png"})
+          .find("selfproj: bright.png: warning: most columns with light have more than 16 lit rows, which is likely"),
+      0U);
 }
 
 // The whole way: scene, board, packets, driver, profiles. A stream of another select is refused.

@@ -159,6 +159,34 @@ TEST(Parts, LostFramesAndRestartsAreTold) {
   EXPECT_NEAR(cut.parts[0].length_mm, 35.3, 0.2);
 }
 
+// Without them the part would only look shorter.
+TEST(Parts, FramesLostAtAnEdgeAreMissing) {
+  const auto missing = [](bool leading) {
+    Cut cut(rig_with_parts());
+    MadeBelt belt(cut.cutter.rig(), 1);
+    const auto lose = [&belt] {
+      belt.sequence += 30;
+      belt.belt_mm += 3;
+    };
+    const auto box = [](double y) { return std::abs(y) < 20 ? 20 : kNone; };
+    belt.bare(cut, 5);
+    if (leading) {
+      lose();
+    }
+    for (int i = 0; i < 200; ++i) {
+      belt.send(cut, box, 0);
+    }
+    if (!leading) {
+      lose();
+    }
+    belt.bare(cut, 5);
+    EXPECT_EQ(cut.parts.size(), 1U);
+    return cut.parts.empty() ? 0 : cut.parts[0].missing;
+  };
+  EXPECT_EQ(missing(true), 30U);
+  EXPECT_EQ(missing(false), 30U);
+}
+
 // A wall between two halves of a part hides a strip along it, here one of 2 mm. It is one part while the strip is
 // narrower than gap_mm.
 TEST(Parts, AShadowDoesNotSplitThem) {
