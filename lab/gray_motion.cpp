@@ -381,7 +381,9 @@ class Following {
 
 StructuredLightResult run_fist(const GrayMotionOptions& options, const ProgressOfImages& progress) {
   const rig::Rig& rig = options.rig;
-  const int frames = options.frames > 0 ? options.frames : 416;  // a turn at 2.5 Hz, the slowest drawn, and a cycle
+  constexpr int kTwoTurns =
+      816;  // at 2.5 Hz, the slowest drawn, and a cycle; of one turn the light may show a short arc
+  const int frames = options.frames > 0 ? options.frames : kTwoTurns;
   std::size_t done = 0;
   const bool with_thesis = options.path_seed == 0;
   const std::size_t all = images_of((with_thesis ? 1 : 0) + options.paths, frames);

@@ -40,7 +40,7 @@ std::optional<T> number_of_text(std::string_view text) {
 // not 0.00030000000000000003. `decimals` is 0..15; NaN and infinities stay.
 inline double rounded(double value, int decimals) {
   const double units = std::pow(10.0, decimals);
-  return std::round(value * units) / units;
+  return std::round(value * units) / units + 0.0;  // never -0
 }
 
 // The median of one or more values, none of them NaN; the upper of the two middle values if their number is even.

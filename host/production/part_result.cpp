@@ -102,10 +102,10 @@ std::string part_csv(const PartResult& result) {
   }
   const Defect worst = result.defects.empty() ? Defect{} : result.defects.front();
   return fmt::format("{},{},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{},{:.4f},{:.4f},{},{},{},{}\n", result.number,
-                     verdict_name(result.verdict), result.begin_mm, result.length_mm, placed.across_mm,
-                     degrees(placed.turn_rad), placed.residual_mm, missing, result.defects.size(), worst.area_mm2,
-                     worst.depth_mm, result.first_frame, result.last_frame, result.missing_frames,
-                     csv_field(result.reason));
+                     verdict_name(result.verdict), short_number(result.begin_mm), result.length_mm,
+                     short_number(placed.across_mm), short_number(degrees(placed.turn_rad)), placed.residual_mm,
+                     missing, result.defects.size(), worst.area_mm2, worst.depth_mm, result.first_frame,
+                     result.last_frame, result.missing_frames, csv_field(result.reason));
 }
 
 void add_figures(const PartResult& result, PartStatistics& statistics) {

@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "host/driver/clock.h"
+#include "host/files/numbers.h"
 #include "host/files/signals_held.h"
 #include "host/production/endpoint.h"
 #include "host/production/height_map.h"
@@ -39,15 +40,16 @@ constexpr double kLateS = 0.1;
 constexpr std::size_t kPartsInReport = 100;
 
 std::vector<std::string> report_row(const PartResult& result) {
-  const auto mm = [](const std::optional<double>& value) { return value ? fmt::format("{:.2f}", *value) : "–"; };
+  const auto text = [](double value) { return fmt::format("{:.2f}", files::rounded(value, 2)); };
+  const auto mm = [&](const std::optional<double>& value) { return value ? text(*value) : "–"; };
   const Placement placed = result.placement.value_or(Placement{});
   const bool lies = result.placement && !placed.edges.empty();
   return {std::to_string(result.number),
           verdict_name(result.verdict),
           mm(placed.length_mm),
           mm(placed.width_mm),
-          lies ? fmt::format("{:.2f}", placed.across_mm) : "–",
-          lies ? fmt::format("{:.2f}", placed.turn_rad * 180 / std::numbers::pi) : "–",
+          lies ? text(placed.across_mm) : "–",
+          lies ? text(placed.turn_rad * 180 / std::numbers::pi) : "–",
           std::to_string(result.defects.size()),
           result.defects.empty() ? "–" : fmt::format("{:.2f}", result.defects.front().area_mm2),
           result.defects.empty() ? "–" : fmt::format("{:+.3f}", result.defects.front().depth_mm),

@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "host/files/numbers.h"
 #include "model/cpu_clones.h"
 #include "selfproj/structured_light/depth_geometry.h"
 
@@ -261,7 +262,7 @@ std::string contradiction_of(const SequenceCheck& check, const std::vector<std::
              : fmt::format(
                    "down the image the code does not count on as the reference's stripes do ({:.2f} times as often): "
                    "were these images taken under the patterns of this reference, and are they not mirrored?",
-                   (std::round(100 * *pace) / 100) + 0.0);  // no "-0.00"
+                   files::rounded(*pace, 2));
 }
 
 std::string doubt_of(const SelfScanner& scanner) {

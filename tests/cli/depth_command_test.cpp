@@ -402,6 +402,7 @@ TEST_F(DepthCommand, RefusesOptionsOutOfRange) {
       {{"--rig", "rig.yaml", "--calibration", "cal.yaml", "--bits", "6"}, "--rig, --calibration"},
       {{"--rig", "rig.yaml", "--bits", "6", "--row-bits", "6"}, "IMAGE: 12 images are too few; 24 are needed"},
       {{"--rig", "rig.yaml", "--bits", "6", "--lines", "6"}, "--lines: is 6, but no code"},
+      {{"--rig", "rig.yaml", "--bits", "6", "--lines", "96"}, "--lines: is 96, but the projector of rig.yaml has 64;"},
       {{"--rig", "rig.yaml", "--bits", "6", "--row-lines", "64"}, "--row-lines: goes only with --row-bits"},
       {{"--rig", "rig.yaml", "--bits", "6", "--plane-region", "1,2,3,4"}, "--plane-region: is for --plane"},
       {{"--rig", "rig.yaml", "--bits", "6", "--plane", "--plane-region", "1,2,3"}, "--plane-region: '1,2,3' is not"},
