@@ -63,8 +63,8 @@ class Effort:
 # Poses of the scanner's chessboard. Heights of the light section's plates in mm under the lines, which is all that the
 # image's rows can see around the treads; and under the chessboard, which must be seen as a whole.
 HEIGHTS = (0, 12, 24, 36, 48, 60)
-FULL = Effort(12, HEIGHTS, (0, 12, 24, 36, 48), 4, 1)
-QUICK = Effort(12, HEIGHTS, (0, 16, 32, 48), 8, 5)
+FULL = Effort(20, HEIGHTS, (0, 12, 24, 36, 48), 4, 1)
+QUICK = Effort(20, HEIGHTS, (0, 16, 32, 48), 8, 5)
 SMALL = Effort(0, (0, 20, 40, 60), (0, 24, 48), 10, 20)
 
 
