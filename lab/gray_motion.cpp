@@ -372,6 +372,25 @@ class Following {
 
   [[nodiscard]] std::size_t images() const { return t_.size(); }
 
+  // x, y and z over time, beside those of all that the camera sees of the fist.
+  [[nodiscard]] std::vector<report::ReportPlot> plots() const {
+    using structured_light::Foreground;
+    std::vector<report::ReportPlot> plots;
+    for (const auto& [axis, place] : {std::pair{"x", &Foreground::x}, {"y", &Foreground::y}, {"z", &Foreground::z}}) {
+      std::vector<double> found;
+      std::vector<double> truth;
+      for (std::size_t i = 0; i < t_.size(); ++i) {
+        found.push_back(found_[i].*place);
+        truth.push_back(true_[i].whole.*place);
+      }
+      plots.push_back({fmt::format("Centroid of what moved, {}", axis),
+                       "time, s",
+                       fmt::format("{}, mm", axis),
+                       {{t_, std::move(found), "a", "measured"}, {t_, std::move(truth), "b", "true"}}});
+    }
+    return plots;
+  }
+
  private:
   structured_light::SteadyFilter filter_;
   std::vector<double> t_;
@@ -381,8 +400,8 @@ class Following {
 
 StructuredLightResult run_fist(const GrayMotionOptions& options, const ProgressOfImages& progress) {
   const rig::Rig& rig = options.rig;
-  constexpr int kTwoTurns =
-      816;  // at 2.5 Hz, the slowest drawn, and a cycle; of one turn the light may show a short arc
+  // Two turns at 2.5 Hz, the slowest drawn, and a cycle. In one turn the light may reach a short arc only.
+  constexpr int kTwoTurns = 816;
   const int frames = options.frames > 0 ? options.frames : kTwoTurns;
   std::size_t done = 0;
   const bool with_thesis = options.path_seed == 0;
@@ -426,6 +445,7 @@ StructuredLightResult run_fist(const GrayMotionOptions& options, const ProgressO
                           figure_text(f.rms, 1), figure_text(f.most, 1), figure_text(f.rms_whole, 1),
                           figure_text(100 * f.kept, 0), figure_text(unfiltered.figures().rms, 1)});
     if (k == 0) {
+      result.page.plots = filtered.plots();
       continue;  // the filter was chosen on it
     }
     const auto wanted = [&](const char* what, double value, double most) {

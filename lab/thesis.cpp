@@ -11,6 +11,7 @@
 #include <optional>
 #include <regex>
 #include <sstream>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -101,14 +102,20 @@ std::string page_name(const std::string& number) { return "figure-" + number + "
 
 void write_figure(const std::vector<ThesisTable>& tables, const ThesisFigure& figure, double seconds,
                   files::OutputFolder& folder) {
+  if (figure.pictures.empty() &&
+      std::all_of(figure.plots.begin(), figure.plots.end(), [](const auto& plot) { return plot.traces.empty(); })) {
+    throw std::logic_error("figure " + figure.number + " shows nothing");
+  }
   report::ReportPage page;
+  page.links = {{"the book", "index.html"}};
   page.title = "Figure " + figure.number;
   page.subtitle = figure.caption;
   page.plots = figure.plots;
   page.pictures = figure.pictures;
   page.tables = rows_of_figure(tables, figure.number);
   page.settings = {{"command", "command", "selfproj-lab thesis --figure " + figure.number},
-                   {"core_seconds", "made in", fmt::format("{:.1f} s of one processor core", seconds)}};
+                   {"core_seconds", "made in",
+                    fmt::format("{:.1f} s of one processor core, less what figures before it had made", seconds)}};
   if (!figure.source.empty()) {
     page.settings.push_back({"experiment", "the whole experiment", "selfproj-lab experiment " + figure.source});
   }
@@ -117,9 +124,12 @@ void write_figure(const std::vector<ThesisTable>& tables, const ThesisFigure& fi
   }
   for (const auto& [name, map] : figure.maps) {
     folder.append(name + ".tiff", images::encode_float_tiff(name + ".tiff", map));
+    page.links.emplace_back(name + ".tiff", name + ".tiff");
   }
   if (!figure.csv.empty()) {
-    folder.append("figure-" + figure.number + ".csv", figure.csv);
+    const std::string file = "figure-" + figure.number + ".csv";
+    folder.append(file, figure.csv);
+    page.links.emplace_back(file, file);
   }
   folder.append(page_name(figure.number), report::page_html(page));
 }
@@ -221,10 +231,11 @@ void run_thesis(const ThesisOptions& options) {
   std::string current;
   std::optional<cli::Progress> progress;
   std::size_t images = 0;
+  std::size_t begun = 0;
   ThesisFigures figures([&] { progress->update(++images); });
   for (const std::string& number : numbers) {
     const std::clock_t begin = std::clock();
-    progress.emplace("figure " + number + ", image", 0);
+    progress.emplace(fmt::format("figure {} ({} of {}), image", number, ++begun, numbers.size()), 0);
     images = 0;
     const ThesisFigure figure = figures.make(number);
     progress.reset();

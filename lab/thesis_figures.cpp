@@ -14,6 +14,7 @@
 #include <span>
 #include <stdexcept>
 
+#include "host/files/numbers.h"
 #include "host/images/image_files.h"
 #include "host/light_section/line_finder.h"
 #include "host/light_section/pattern.h"
@@ -52,6 +53,7 @@ using Done = std::function<void()>;
 constexpr double kMountainHeight = 23.6;  // mm
 constexpr int kStairsEvery = 5;           // of 1400 frames
 constexpr int kTapFrames = 600;           // three taps
+constexpr int kTurnFrames = 588;          // two turns of the fist, and a cycle
 // 42 images in the place of the thesis's 1792, one under each line; whole experiments use those.
 constexpr sim::ScanMethod kScan = sim::ScanMethod::gray_codes;
 
@@ -306,8 +308,8 @@ ThesisFigure figure_3_8(const Stairs& s) {
   const report::MapScale scale = report::height_scale(s.height);
   figure.pictures.push_back({"3.8: heights over the belt", relief_png(s.height, scale, s.pitch, 1),
                              fmt::format("Every {}th frame; heights from {:.1f} to {:.1f} mm in the colours of the map "
-                                         "below; heights drawn to scale.",
-                                         kStairsEvery, scale.low, scale.high)});
+                                         "beside it; heights drawn to scale.",
+                                         kStairsEvery, files::rounded(scale.low, 1), scale.high)});
   figure.pictures.push_back(map_picture("3.8: heights over the belt (mm)", s.height, scale, s.pitch));
   figure.maps = {{"figure-3.8", s.height}};
   figure.csv = csv_of_map(s.height);
@@ -452,8 +454,8 @@ ThesisFigure motion_figure(const std::string& number, const std::string& caption
                            std::size_t plots, const Done& done) {
   GrayMotionOptions options;
   options.rig = rig::load_rig("scanner");
-  options.paths = 1;
-  options.frames = experiment == "B3" ? kTapFrames : 0;
+  options.paths = 0;  // besides that of the thesis
+  options.frames = experiment == "B3" ? kTapFrames : kTurnFrames;
   const StructuredLightResult result = run_gray_motion(experiment, options, [&](std::size_t, std::size_t) { done(); });
   ThesisFigure figure{number, caption, experiment, {}, result.page.plots, {}, "", {}};
   figure.plots.resize(std::min(figure.plots.size(), plots));

@@ -70,6 +70,8 @@ std::size_t finite(const images::FloatImage& map) {
       std::count_if(map.values.begin(), map.values.end(), [](float value) { return std::isfinite(value); }));
 }
 
+const report::MapPitch kCells{1, 1, "rows", "columns", "cells"};  // a map does not say how far apart they are
+
 Comparison compare_maps(const CompareOptions& options, files::OutputFolder& folder) {
   const images::FloatImage a = images::read_float_tiff(options.a);
   const images::FloatImage b = images::read_float_tiff(options.b);
@@ -90,9 +92,9 @@ Comparison compare_maps(const CompareOptions& options, files::OutputFolder& fold
   }
   result.pictures.push_back(
       {"Difference, B less A (mm)",
-       report::labelled_map_png(difference, report::difference_scale(difference), {1, 1}, "difference (mm)"),
+       report::labelled_map_png(difference, report::difference_scale(difference), kCells, "difference (mm)"),
        "Red: B is greater. Grey: one of them has no value. Bars are in cells.",
-       report::ReportMap{difference, report::difference_scale(difference), {1, 1}}});
+       report::ReportMap{difference, report::difference_scale(difference), kCells}});
   folder.append("difference.tiff", images::encode_float_tiff("difference.tiff", difference));
   folder.append("difference.png", result.pictures.front().png);
   return result;

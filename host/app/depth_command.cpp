@@ -243,6 +243,7 @@ void run_depth(const DepthOptions& options) {
                              .device = options.receive.device,
                              .images = came,
                              .cloud = options.compare,
+                             .axes = options.compare_axes,
                              .comparison = {},
                              .plane = {},
                              .doubts = {}};
@@ -275,13 +276,14 @@ void add_depth_command(CLI::App& app) {
       app,
       {.name = "depth",
        .purpose = "Computes depth images from Gray-code images, or from a board that decodes them.",
-       .details = "The images are the positive and the negative of each bit in turn, most significant bit first: pos0 "
-                  "neg0 pos1 neg1 ... From pair M on, every pair completes a depth image. With --row-bits the pairs of "
-                  "the projector's columns come first, then those of its rows, and all of them give one depth "
-                  "image.\n\n"
-                  "The output folder gets depth.tiff (z in mm, NaN where there is none) and pictures of the newest "
-                  "depth image, cloud.ply, shares.csv (why pixels have no depth), summary.json, depth_KKKK.tiff of "
-                  "each pair K where there are several, and with --background moved.csv and moved.tiff.",
+       .details =
+           "The images are the positive and the negative of each bit in turn, most significant bit first: pos0 "
+           "neg0 pos1 neg1 ... From pair M on, every pair completes a depth image. With --row-bits the pairs of "
+           "the projector's columns come first, then those of its rows, and all of them give one depth "
+           "image.\n\n"
+           "The output folder gets depth.tiff (z in mm, NaN where there is none) and pictures of the newest "
+           "depth image, cloud.ply, shares.csv (why pixels have no depth), summary.json, report.html, "
+           "depth_KKKK.tiff of each pair K where there are several, and with --background moved.csv and moved.tiff.",
        .examples = R"(
 # Render a scene under 8-bit Gray codes, and compute its depth image.
 selfproj-sim scene render desk --count 16 --out codes

@@ -148,7 +148,8 @@ void print_outcome(const InspectOptions& options, const SectionCounts& work,
                                                  : std::string(),
                inspection->frames() > 0 ? options.out : "nothing written");
     const std::string reference = options.reference_name();
-    fmt::print("reference: {}\n", reference == "plane" ? "the empty plane under a straight line" : reference);
+    fmt::print("reference: {}\n",
+               reference == "plane" ? "none given: the empty plane under a straight line" : reference);
   }
 }
 

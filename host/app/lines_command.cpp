@@ -105,18 +105,17 @@ void run_lines(const LinesOptions& options) {
   if (!options.preparation.background.empty()) {
     settings.push_back({"background", "subtracted from them", options.preparation.background.front()});
   }
-  lines.write(folder, {.title = "Lines in recorded images", .counters = {}, .settings = settings}, images.count(),
-              pictures);
-  folder.commit();
   const std::string all = images.count() == 1 ? images.files().front()
                                               : fmt::format("{} to {}", images.files().front(), images.files().back());
+  std::vector<std::string> doubts;
   const auto say = [&](const std::vector<std::string>& which, const std::string& what) {
-    if (which.size() == images.count()) {
-      note_doubt(all, what);
-    } else if (!which.empty()) {
-      note_doubt(
-          which.front(),
-          what + (which.size() == 1 ? "" : fmt::format("; so in {} of the {} images", which.size(), images.count())));
+    if (!which.empty()) {
+      const bool some = which.size() > 1 && which.size() < images.count();
+      const std::string& subject = which.size() == images.count() ? all : which.front();
+      const std::string doubt =
+          what + (some ? fmt::format("; so in {} of the {} images", which.size(), images.count()) : "");
+      note_doubt(subject, doubt);
+      doubts.push_back(subject + ": " + doubt);
     }
   };
   say(dark, fmt::format("no column has a pixel above the threshold of {}", measure.threshold));
@@ -124,8 +123,11 @@ void run_lines(const LinesOptions& options) {
       fmt::format("most columns with light have more than {} lit rows, which is likely no line: raise --threshold, "
                   "subtract the view without the line (--background), or choose another --channel",
                   widest));
+  lines.write(folder, {.title = "Lines in recorded images", .counters = {}, .settings = settings, .doubts = doubts},
+              images.count(), pictures);
+  folder.commit();
   const std::string select = images::select_text(measure);
-  fmt::print("{} {} of {}, {}, threshold {}{}{}: {} columns with light, {} ambiguous → {}\n", images.count(),
+  fmt::print("{} {} of {}, {}, threshold {}{}{}\n{} columns with light, {} ambiguous → {}\n", images.count(),
              images.count() == 1 ? "image" : "images", images::size_text(images.rows(), images.columns()), options.mode,
              measure.threshold, select.empty() ? "" : ", ", select, lines.lit(), lines.ambiguous(), options.out);
 }

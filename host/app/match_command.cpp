@@ -109,6 +109,7 @@ void match_device(const MatchCommand& options) {
   if (production) {
     production->finish();
     report.line = production->facts();
+    production->describe(report.parts);
   }
   std::vector<structured_light::PointState> states;
   stream.scanner().explain(states);

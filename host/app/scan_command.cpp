@@ -125,6 +125,7 @@ std::string scan_by_gray_codes(const ScanOptions& options, files::OutputFolder& 
                                    .device = {},
                                    .images = captured.images.size(),
                                    .cloud = {},
+                                   .axes = {},
                                    .comparison = {},
                                    .plane = {},
                                    .doubts = doubt.empty() ? std::vector<std::string>{} : std::vector{doubt}};

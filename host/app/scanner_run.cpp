@@ -133,7 +133,7 @@ std::string doubt_about_axes(const structured_light::NearestPoint& nearest,
     }
   }
   return fmt::format(
-      "its points are {:.3f} mm from {} as they are, and {:.3f} mm with {}: are the clouds in one frame?",
+      "its points are about {:.3f} mm from {} as they are, and about {:.3f} mm with {}: are the clouds in one frame?",
       found->as_they_are_mm, other, found->median_mm, options);
 }
 

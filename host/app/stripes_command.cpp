@@ -40,7 +40,8 @@ struct StripesOptions {
   std::string out;
 };
 
-void make_sweep(const rig::Rig& rig, files::OutputFolder& folder) {
+// Returns the number of patterns.
+int make_sweep(const rig::Rig& rig, files::OutputFolder& folder) {
   const int count = structured_light::LinePointScan(rig).count();
   cli::Progress progress("pattern", static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i) {
@@ -48,6 +49,7 @@ void make_sweep(const rig::Rig& rig, files::OutputFolder& folder) {
                   light_section::encode_pattern_png(structured_light::scan_pattern(rig, i)));
     progress.update(static_cast<std::size_t>(i) + 1);
   }
+  return count;
 }
 
 // `look` sees each image as well.
@@ -114,8 +116,9 @@ void run_stripes(const StripesOptions& options) {
   const rig::Rig rig = scanner_rig(options.rig);
   files::OutputFolder folder(options.out);
   if (options.sweep) {
-    make_sweep(rig, folder);
+    const int count = make_sweep(rig, folder);
     folder.commit();
+    fmt::print("{} patterns → {}\n", count, options.out);
     return;
   }
   const structured_light::ProjectorPoints points = scanned(rig, options);

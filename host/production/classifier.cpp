@@ -12,6 +12,7 @@
 #include <opencv2/imgproc.hpp>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "host/production/placement.h"
@@ -215,6 +216,9 @@ void Classifier::find_defects(const PlacedMaps& maps, PartResult& result) const 
       double unused = 0;
       cv::minMaxLoc(levels.high, &unused, &figures.highest_mm, nullptr, nullptr, seen);
       cv::minMaxLoc(levels.low, &figures.lowest_mm, &unused, nullptr, nullptr, seen);
+      // Where neighbouring cells differ by more than the whole surface does, as by whole codes, they come in the other
+      // order.
+      std::tie(figures.lowest_mm, figures.highest_mm) = std::minmax({figures.lowest_mm, figures.highest_mm});
     }
     cv::Mat1b high;
     cv::compare(levels.high, region.high_mm, high, cv::CMP_GT);

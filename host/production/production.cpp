@@ -30,12 +30,12 @@ namespace {
 
 constexpr std::size_t kQueuedProfiles = 2048;
 constexpr std::size_t kQueuedDepthImages = 8;
-// Sleeps that are short beside 20 ms, and long beside the way into the kernel.
+// Short beside the 20 ms in which a result is wanted, and long beside a call of the kernel.
 constexpr auto kNap = std::chrono::microseconds(500);
 constexpr auto kNapWhenFull = std::chrono::microseconds(100);
 constexpr std::int64_t kBeatNs = 100'000'000;
-// A pause of frames that ends a part by trigger is found by the time stamps. Where no further frame comes, the clock of
-// this machine ends it, so much later.
+// A pause that ends a part by trigger is found by the time stamps of the next frame. Where none comes, the part ends
+// this long after its pause by the clock of this machine.
 constexpr double kLateS = 0.1;
 constexpr std::size_t kPartsInReport = 100;
 
@@ -44,6 +44,8 @@ std::vector<std::string> report_row(const PartResult& result) {
   const auto mm = [&](const std::optional<double>& value) { return value ? text(*value) : "–"; };
   const Placement placed = result.placement.value_or(Placement{});
   const bool lies = result.placement && !placed.edges.empty();
+  const Defect worst = result.defects.empty() ? Defect{} : result.defects.front();
+  const std::string none = result.defects.empty() ? "–" : "";
   return {std::to_string(result.number),
           verdict_name(result.verdict),
           mm(placed.length_mm),
@@ -51,8 +53,8 @@ std::vector<std::string> report_row(const PartResult& result) {
           lies ? text(placed.across_mm) : "–",
           lies ? text(placed.turn_rad * 180 / std::numbers::pi) : "–",
           std::to_string(result.defects.size()),
-          result.defects.empty() ? "–" : fmt::format("{:.2f}", result.defects.front().area_mm2),
-          result.defects.empty() ? "–" : fmt::format("{:+.3f}", result.defects.front().depth_mm),
+          none.empty() ? text(worst.area_mm2) : none,
+          none.empty() ? fmt::format("{:+.3f}", files::rounded(worst.depth_mm, 3)) : none,
           result.reason};
 }
 
@@ -116,7 +118,7 @@ void Production::start(const std::string& title, std::size_t queued, const Measu
       return modbus_registers(shown, lost_, heartbeat_, driver::now_ns());
     });
   }
-  if (page_) {  // now whoever reads this finds both servers
+  if (page_) {  // Modbus answers by now, too
     fmt::print(stderr, "live page: {}\n", page_->url());
   }
   if (!options_.folder.empty()) {
@@ -168,13 +170,8 @@ void Production::run(const std::stop_token& stop) {
     }
     if (cutter_) {
       classify(cutter_->finish());
-      {
-        const std::lock_guard lock(mutex_);
-        counts_.specks = cutter_->specks();
-        count_moments();
-      }
-      new_counts_.put(std::make_unique<PartCounts>(counts_));
     }
+    count();
   } catch (...) {
     const std::lock_guard lock(mutex_);
     fault_ = std::current_exception();
@@ -195,17 +192,22 @@ void Production::work(MeasuredFrame& measured) {
   if (cutter_) {
     classify(cutter_->add(measured));
   }
-  if (verdict_) {
-    const std::lock_guard lock(mutex_);
-    count_moments();
-  }
+  count();
   if (page_) {
     page_->measured(measured);
   }
 }
 
-void Production::count_moments() {
+void Production::count() {
+  if (cutter_ && cutter_->specks() != counts_.specks) {  // no other thread changes them
+    {
+      const std::lock_guard lock(mutex_);
+      counts_.specks = cutter_->specks();
+    }
+    new_counts_.put(std::make_unique<PartCounts>(counts_));
+  }
   if (verdict_) {
+    const std::lock_guard lock(mutex_);
     moments_.frames = verdict_->judged_frames();
     moments_.defect_frames = verdict_->defect_frames();
     moments_.parts = verdict_->parts();
@@ -245,7 +247,6 @@ void Production::classify(const std::optional<CutPart>& part) {
     const std::int64_t now = driver::now_ns();
     result.delay_ns = now - part->last_ns;
     ++counts_.verdicts.at(static_cast<std::size_t>(result.verdict));
-    counts_.specks = cutter_->specks();
     counts_.last_part = result.number;
     counts_.last_verdict = result.verdict;
     counts_.last_defects = result.defects.size();
@@ -303,7 +304,7 @@ void Production::finish() {
     files_->finish(statistics_);
   }
   if (fault_) {
-    std::rethrow_exception(std::exchange(fault_, nullptr));
+    std::rethrow_exception(fault_);
   }
 }
 
@@ -317,14 +318,15 @@ std::vector<report::Fact> Production::facts() const {
   if (verdict_) {
     const std::vector<report::Fact> of_moments = {
         {"verdict_frames", "frames judged by moments", report::fact_number(moments_.frames)},
-        {"verdict_defect_frames", "of these with a defect", report::fact_number(moments_.defect_frames)},
+        {"verdict_defect_frames", "frames with a defect by moments", report::fact_number(moments_.defect_frames)},
         {"verdict_parts", "parts judged by moments", report::fact_number(moments_.parts)},
-        {"verdict_parts_with_defect", "of these with a defect", report::fact_number(moments_.parts_with_defect)}};
+        {"verdict_parts_with_defect", "parts with a defect by moments",
+         report::fact_number(moments_.parts_with_defect)}};
     facts.insert(facts.end(), of_moments.begin(), of_moments.end());
     const BoardAgreement& board = moments_.board;
     if (board.frames > 0) {
       facts.push_back({"board_frames", "frames judged by the board", report::fact_number(board.frames)});
-      facts.push_back({"board_defect_frames", "of these with a defect", report::fact_number(board.defects)});
+      facts.push_back({"board_defect_frames", "frames with a defect by the board", report::fact_number(board.defects)});
       facts.push_back({"board_after_gap", "not compared, behind missing frames", report::fact_number(board.after_gap)});
       facts.push_back({"board_disagrees", "judged otherwise by the model", report::fact_number(board.disagree)});
     }
@@ -343,7 +345,9 @@ std::vector<report::Fact> Production::facts() const {
       {"parts_good", "good parts", report::fact_number(counts_.verdicts[0])},
       {"parts_bad", "bad parts", report::fact_number(counts_.verdicts[1])},
       {"parts_inconclusive", "inconclusive parts", report::fact_number(counts_.verdicts[2])},
-      {"specks", "objects too short to be a part", report::fact_number(counts_.specks)},
+      {"specks",
+       rig_.kind == rig::RigKind::scanner ? "pauses without a depth image before" : "objects too short to be a part",
+       report::fact_number(counts_.specks)},
       {"result_delay_p50_ms", "a part's last frame to its result, median", ms(delays_.percentile_ns(0.5)), "ms"},
       {"result_delay_p99_ms", "a part's last frame to its result, 99 %", ms(delays_.percentile_ns(0.99)), "ms"}};
   facts.insert(facts.end(), of_parts.begin(), of_parts.end());
@@ -369,13 +373,18 @@ void Production::describe(report::ReportParts& report) const {
     widest = std::max({widest, std::abs(region.low_mm), std::abs(region.high_mm)});
   }
   report.difference_mm = deepest_mm_ > 0 ? deepest_mm_ : widest;
+  if (newest_parts_.empty()) {
+    return;
+  }
   report.tables.push_back({newest_parts_.size() < counts_.parts()
                                ? fmt::format("The last {} of {} parts", newest_parts_.size(), counts_.parts())
                                : "The parts",
                            {"part", "verdict", "length, mm", "width, mm", "across, mm", "turned, °", "defects",
                             "largest, mm²", "its depth, mm", "reason"},
                            {newest_parts_.begin(), newest_parts_.end()},
-                           options_.folder.empty() ? "" : "All of them are in parts.csv of " + options_.folder + "."});
+                           options_.folder.empty()
+                               ? ""
+                               : "All parts, with all that was found, are in parts.jsonl of " + options_.folder + "."});
 }
 
 std::string Production::doubt() const {
@@ -391,9 +400,8 @@ std::string Production::doubt() const {
   }
   const rig::RigParts& parts = *rig_.parts;
   if (rig_.kind == rig::RigKind::light_section && parts.by_encoder && !encoder_counts_) {
-    return "the encoder did not count, so the belt stood still or its encoder is not connected; the rig's section "
-           "`parts` "
-           "says with belt: clock that speed and time are taken instead";
+    return "the encoder did not count, so the belt stood still or its encoder is not connected; `belt: clock` in the "
+           "rig's section `parts` takes speed and time instead";
   }
   const std::uint64_t inconclusive = counts_.verdicts[static_cast<std::size_t>(Verdict::inconclusive)] - cut_off_;
   if (inconclusive > 0) {
@@ -403,23 +411,25 @@ std::string Production::doubt() const {
   if (counts_.parts() > 0) {
     return "";
   }
-  const std::string specks = counts_.specks > 0
-                                 ? fmt::format(", and what was shorter than min_length_mm ({} mm) came {} times",
-                                               parts.min_length_mm, counts_.specks)
-                                 : std::string();
+  if (counts_.specks > 0 && rig_.kind == rig::RigKind::light_section) {
+    return fmt::format(
+        "no part was cut: {} times something came that is shorter than min_length_mm ({} mm) of the rig's "
+        "section `parts`",
+        counts_.specks, parts.min_length_mm);
+  }
   switch (parts.cut) {
     case rig::PartCut::profile:
       return fmt::format(
           "no part was cut: nothing was higher than above_mm ({} mm) over min_width_mm ({} mm) of a "
-          "profile{}; the rig's section `parts` and plane_z_mm say where the belt is and what a part",
-          parts.above_mm, parts.min_width_mm, specks);
+          "profile; the rig's section `parts` and plane_z_mm say where the belt is and what a part",
+          parts.above_mm, parts.min_width_mm);
     case rig::PartCut::distance:
       return fmt::format("no part was cut: the belt moved less than length_mm ({} mm)", parts.length_mm);
     case rig::PartCut::trigger:
     case rig::PartCut::image:
       break;
   }
-  return "no part was cut" + specks;
+  return "no part was cut: no depth image came complete between two pauses";
 }
 
 std::string Production::odd_rate() const {
@@ -466,9 +476,11 @@ std::string Production::end_text() const {
   if (!classifier_) {
     return moments;
   }
-  return moments + fmt::format("{}; result after the last frame p50 {}, p99 {}{}\n", parts,
-                               time_text(delays_.percentile_ns(0.5)), time_text(delays_.percentile_ns(0.99)),
-                               files_ ? " → " + options_.folder : std::string());
+  const std::string delay =
+      counts_.parts() > 0 ? fmt::format("; result after the last frame p50 {}, p99 {}",
+                                        time_text(delays_.percentile_ns(0.5)), time_text(delays_.percentile_ns(0.99)))
+                          : std::string();
+  return moments + parts + delay + (files_ ? " → " + options_.folder : std::string()) + "\n";
 }
 
 }  // namespace selfproj::production

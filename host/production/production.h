@@ -135,7 +135,8 @@ class Production {
   void run(const std::stop_token& stop);
   void work(MeasuredFrame& measured);
   void look_at_the_clock();
-  void count_moments();
+  // What changes without a part, too: objects that are too short, and the verdict by moments.
+  void count();
   void classify(const std::optional<CutPart>& part);
   [[nodiscard]] PartCounts counts() const;
   // Where frames came at another rate than the rig's, and the belt's way follows from it: the end of a sentence.

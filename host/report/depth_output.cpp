@@ -220,6 +220,8 @@ std::string summary(const structured_light::DepthRun& run, const DepthReport& re
   if (report.comparison) {
     const structured_light::CloudComparison& comparison = *report.comparison;
     json["compare"] = {{"file", report.cloud},
+                       {"exchange_xy", report.axes.exchange_xy},
+                       {"opengl", report.axes.opengl},
                        {"points", comparison.ours},
                        {"points_of_file", comparison.theirs},
                        {"median_mm", number(comparison.median_mm)},
@@ -353,17 +355,20 @@ std::string match_page(const MatchReport& report, const structured_light::MatchT
   page.title = "Depth by self-projected stripes";
   page.subtitle = fmt::format("rig {} · reference {} · {} bits", report.rig, report.reference, report.bits);
   page.highlights = depth_highlights(report.all_shares.back().value, scanner.depth(), report.depth_images);
+  page.highlights.insert(page.highlights.end(), report.parts.highlights.begin(), report.parts.highlights.end());
   if (!report.doubt.empty()) {
     page.doubts = {report.doubt};
   }
   page.pictures = {pictures.difference, pictures.depth};
-  page.tables = {shares_table(report.all_shares.back().value)};
+  page.tables = report.parts.tables;
+  page.tables.push_back(shares_table(report.all_shares.back().value));
   page.counters = report.line;
   page.settings = {
       {"e", "cells below the reference that are searched (e)", static_cast<std::int64_t>(report.settings.e)},
       {"threshold", "threshold of a pair's difference", static_cast<std::int64_t>(report.threshold)},
       {"missing", "codes of the reference without a match", fmt::format("{:.2f}", 100 * table.missing()), "%"},
       {"doubled", "codes of the reference with several candidates", fmt::format("{:.2f}", 100 * table.doubled()), "%"}};
+  page.settings.insert(page.settings.end(), report.parts.settings.begin(), report.parts.settings.end());
   return page_html(page);
 }
 
@@ -378,8 +383,8 @@ std::string depth_text(const structured_light::DepthRun& run, const DepthReport&
   const std::string how =
       report.device.empty() ? fmt::format("threshold {}", report.setup.scanner.threshold) : report.device;
   std::string text = fmt::format(
-      "{} {} of {}, {} bits, {}: {} → {}\n", run.depth_images, run.depth_images == 1 ? "depth image" : "depth images",
-      images::size_text(run.depth.rows, run.depth.columns), report.setup.geometry.bits, how, shares, folder);
+      "{} {} of {}, {} bits, {} → {}\n{}\n", run.depth_images, run.depth_images == 1 ? "depth image" : "depth images",
+      images::size_text(run.depth.rows, run.depth.columns), report.setup.geometry.bits, how, folder, shares);
   const auto to = std::back_inserter(text);
   if (report.comparison) {
     const structured_light::CloudComparison& comparison = *report.comparison;
@@ -445,8 +450,9 @@ MatchPictures write_match(const structured_light::MatchTable& table, const struc
   const images::FloatImage& depth = scanner.depth();
   const images::FloatImage& difference = scanner.difference();
   MatchPictures pictures{.depth = shown_depth(scanner.triangulation(), depth, "depth z"), .difference = {}};
-  pictures.difference = shown_map("difference from the reference, mm", difference, difference_scale(difference),
-                                  pictures.depth.map.value().pitch);
+  pictures.difference =
+      shown_map("difference from the reference, mm", difference,
+                difference_scale(difference, report.parts.difference_mm), pictures.depth.map.value().pitch);
   folder.append("depth.tiff", images::encode_float_tiff("depth.tiff", depth));
   folder.append("depth.png", depth_png(depth));
   folder.append("depth_colour.png", pictures.depth.png);
@@ -463,10 +469,10 @@ std::string match_text(const structured_light::MatchTable& table, const MatchRep
   const structured_light::DepthShares& newest = report.all_shares.back().value;
   const std::string losses = report.counts ? losses_of(*report.counts) + "; " : std::string();
   return fmt::format(
-      "{} depth image{}: {}{} of {} pixels valid; of the reference's codes {:.2f} % have no match, {:.2f} % several "
-      "candidates → {}\n",
+      "{} depth image{}: {}{} of {} pixels valid → {}\n"
+      "of the reference's codes {:.2f} % have no match, {:.2f} % several candidates\n",
       report.depth_images, report.depth_images == 1 ? "" : "s", losses, newest.of(structured_light::PointState::valid),
-      newest.total(), 100 * table.missing(), 100 * table.doubled(), folder);
+      newest.total(), folder, 100 * table.missing(), 100 * table.doubled());
 }
 
 }  // namespace selfproj::report

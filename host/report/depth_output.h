@@ -11,6 +11,7 @@
 #include "host/files/output_folder.h"
 #include "host/report/facts.h"
 #include "host/report/report.h"
+#include "host/structured_light/cloud_axes.h"
 #include "host/structured_light/depth_run.h"
 #include "host/structured_light/match_table.h"
 #include "host/structured_light/plane_fit.h"
@@ -52,9 +53,10 @@ std::string losses_of(const structured_light::DeviceCounts& counts);
 // The measurements, and the values computed from the newest depth image.
 struct DepthReport {
   structured_light::DepthSetup setup;
-  std::string device;      // URI; empty for recorded images
-  std::size_t images = 0;  // number of recorded images
-  std::string cloud;       // file with which the points are compared
+  std::string device;                // URI; empty for recorded images
+  std::size_t images = 0;            // number of recorded images
+  std::string cloud;                 // file with which the points are compared
+  structured_light::CloudAxes axes;  // that it was given
   std::optional<structured_light::CloudComparison> comparison;
   std::optional<structured_light::PlaneFit> plane;
   std::vector<std::string> doubts;  // why the result may be wrong
@@ -86,6 +88,7 @@ struct MatchReport {
   std::size_t depth_images = 0;
   std::optional<structured_light::DeviceCounts> counts = {};
   std::vector<Fact> line = {};  // what was counted of the parts of a running line
+  ReportParts parts = {};       // the parts on its page
   std::string doubt = {};       // why the result may be wrong; empty: nothing is known
 };
 

@@ -190,7 +190,7 @@ void write_profile(const light_section::Inspection& inspection, files::OutputFol
       for (const float value :
            {values.x[at], values.y[at], values.z[at], values.dx[at], values.dy[at], values.dz[at]}) {
         *to++ = ',';
-        if (!std::isnan(value)) {  // a difference without a reference is
+        if (!std::isnan(value)) {  // without a reference there is no difference
           to = append_tenth_micrometres(to, static_cast<double>(value));
         }
       }
@@ -312,14 +312,17 @@ std::optional<images::FloatImage> differences_of_parts(const light_section::Insp
   return frames > 0 ? std::optional(std::move(difference)) : std::nullopt;
 }
 
-// Where nine tenths of the differences lie, to both sides of 0. Walls of a part, where the least shift makes much, are
-// few.
-double usual_difference(const images::FloatImage& difference) {
+// What nine tenths of the differences on parts do not exceed, to both sides of 0; 0 where there is none. Without the
+// tenth at walls, where a small shift makes a large difference.
+double usual_difference(const Maps& maps, double above_mm) {
   std::vector<float> values;
-  for (const float value : difference.values) {
-    if (!std::isnan(value)) {
-      values.push_back(std::abs(value));
+  for (std::size_t i = 0; i < maps.difference.values.size(); ++i) {
+    if (!std::isnan(maps.difference.values[i]) && static_cast<double>(maps.height.values[i]) > above_mm) {
+      values.push_back(std::abs(maps.difference.values[i]));
     }
+  }
+  if (values.empty()) {
+    return 0;
   }
   const auto at = values.begin() + static_cast<std::ptrdiff_t>(0.9 * static_cast<double>(values.size() - 1));
   std::nth_element(values.begin(), at, values.end());
@@ -343,13 +346,12 @@ ReportData report_data(const light_section::Inspection& inspection, Maps maps, c
   }
   std::optional<images::FloatImage> of_parts = differences_of_parts(inspection, maps);
   data.of_parts = of_parts.has_value();
-  data.height = std::move(maps.height);
-  data.difference = of_parts ? std::move(*of_parts) : std::move(maps.difference);
-  data.difference_colours = difference_scale(data.difference);
-  if (parts.difference_mm) {
-    data.difference_colours.high = std::min(data.difference_colours.high, *parts.difference_mm);
-    data.difference_colours.low = -data.difference_colours.high;
+  if (of_parts) {
+    maps.difference = std::move(*of_parts);
   }
+  data.height = maps.height;
+  data.difference = maps.difference;
+  data.difference_colours = difference_scale(data.difference, parts.difference_mm);
   data.y = inspection.y();
   data.pitch = pitch_of(inspection);
   data.counters = parts.counters;
@@ -358,6 +360,7 @@ ReportData report_data(const light_section::Inspection& inspection, Maps maps, c
   data.camera = parts.camera;
   data.doubts = parts.doubts;
 
+  const auto two = [](double value) { return selfproj::files::rounded(value, 2); };
   const ValidityCounts counts = count_validity(inspection);
   const auto all = static_cast<double>(inspection.values().validity.size());
   const Statistics h = statistics(data.height);
@@ -367,15 +370,16 @@ ReportData report_data(const light_section::Inspection& inspection, Maps maps, c
       {"points", "points", counts[0]},
       {"valid", "of all columns", fmt::format("{:.1f}", 100 * static_cast<double>(counts[0]) / all), "%"}};
   if (counts[0] > 0) {
-    data.highlights.push_back({"height", "height", fmt::format("{:.2f} … {:.2f}", h.least, h.greatest), "mm"});
+    data.highlights.push_back(
+        {"height", "height", fmt::format("{:.2f} … {:.2f}", two(h.least), two(h.greatest)), "mm"});
   }
   if (d.count > 0) {
     if (data.of_parts) {
       data.highlights.push_back({"difference", "nine tenths of the parts' difference within",
-                                 fmt::format("±{:.3f}", usual_difference(data.difference)), "mm"});
+                                 fmt::format("±{:.3f}", usual_difference(maps, rig.parts->above_mm)), "mm"});
     } else {
       data.highlights.push_back(
-          {"difference", "difference", fmt::format("{:+.2f} … {:+.2f}", d.least, d.greatest), "mm"});
+          {"difference", "difference", fmt::format("{:+.2f} … {:+.2f}", two(d.least), two(d.greatest)), "mm"});
       data.highlights.push_back({"difference_rms", "difference, RMS", fmt::format("{:.3f}", d.rms), "mm"});
     }
   }

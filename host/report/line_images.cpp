@@ -86,6 +86,9 @@ std::string LineImages::summary(const LineFacts& facts) const {
   if (measure.window != model::RowWindow{}) {
     json["rows"] = {measure.window.first, measure.window.last};
   }
+  if (!facts.doubts.empty()) {
+    json["doubts"] = facts.doubts;
+  }
   json["counters"] = facts_json(facts.counters);
   json["settings"] = facts_json(facts.settings);
   return files::json_text(json, 2) + "\n";
@@ -101,6 +104,7 @@ MomentsReport LineImages::report(const LineFacts& facts, std::size_t frames,
                                       {"lit", "columns with light", lit()},
                                       {"lit_share", "of all columns",
                                        fmt::format("{:.1f}", 100 * static_cast<double>(lit()) / all), "%"}},
+                       .doubts = facts.doubts,
                        .counters = facts.counters,
                        .settings = facts.settings,
                        .cameras = pictures};

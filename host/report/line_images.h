@@ -21,6 +21,7 @@ struct LineFacts {
   std::string title;
   std::vector<Fact> counters;
   std::vector<Fact> settings;
+  std::vector<std::string> doubts = {};  // why the result is to be doubted, each a sentence
 };
 
 class LineImages {

@@ -189,7 +189,7 @@ std::vector<int> full_rows(const images::FloatImage& map) {
   return rows;
 }
 
-MapScale difference_scale(const images::FloatImage& difference) {
+MapScale difference_scale(const images::FloatImage& difference, double at_most) {
   std::vector<float> values;
   for (const int r : full_rows(difference)) {
     for (const float* value = difference.row(r); value < difference.row(r) + difference.columns; ++value) {
@@ -205,6 +205,7 @@ MapScale difference_scale(const images::FloatImage& difference) {
     reach = static_cast<double>(*at);
   }
   reach = round_up(std::max(reach, 0.1));
+  reach = at_most > 0 ? std::min(reach, at_most) : reach;
   return {ColourMap::diverging, -reach, reach};
 }
 

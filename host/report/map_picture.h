@@ -55,8 +55,9 @@ struct MapSize {
 // and behind it.
 std::vector<int> full_rows(const images::FloatImage& map);
 
-// A diverging scale, symmetric about 0, that covers 99.5 % of the values in full rows; at least +-0.1 mm.
-MapScale difference_scale(const images::FloatImage& difference);
+// A diverging scale, symmetric about 0, that covers 99.5 % of the values in full rows, at least +-0.1 mm; but no more
+// than `at_most`, if it is given and above 0.
+MapScale difference_scale(const images::FloatImage& difference, double at_most = 0);
 
 // A sequential scale over the middle 99.8 % of the values; at least 1 mm wide.
 MapScale height_scale(const images::FloatImage& height);

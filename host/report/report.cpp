@@ -161,6 +161,13 @@ void add_doubts(std::string& html, const std::vector<std::string>& doubts) {
 std::string page_html(const ReportPage& page) {
   std::string html;
   add_head(html, page.title, page.subtitle, page.highlights);
+  if (!page.links.empty()) {
+    html += "<p class=\"small\">";
+    for (const auto& [text, file] : page.links) {
+      html += "<a href=\"" + escaped(file) + "\">" + escaped(text) + "</a> ";
+    }
+    html += "</p>\n";
+  }
   add_doubts(html, page.doubts);
   for (const ReportPlot& plot : page.plots) {
     add_plot(html, plot);
@@ -187,6 +194,7 @@ std::string page_html(const ReportPage& page) {
 std::string report_html(const MomentsReport& data) {
   std::string html;
   add_head(html, data.title, data.subtitle, data.highlights);
+  add_doubts(html, data.doubts);
   ReportTable table{"The line in the images",
                     {"", "columns with light", "row: least", "median", "greatest", "lit pixels a column",
                      "columns cut off by the border"},
@@ -213,7 +221,7 @@ std::string report_html(const ReportData& data) {
   html += "<div class=\"two\">";
   add_map(html, "Difference from the reference",
           std::string("Positive: nearer to the camera than the reference.") +
-              (data.of_parts ? " Frames without a part are left out." : ""),
+              (data.of_parts ? " Frames without a part are hatched." : ""),
           data.difference, data.difference_colours, data.pitch);
   add_map(html, "Height over the plane", "Rows are frames (along the belt), columns image columns.", data.height,
           height_scale(data.height), data.pitch);

@@ -4,6 +4,7 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "host/report/facts.h"
@@ -22,8 +23,8 @@ struct ReportParts {
   std::vector<std::string> doubts = {};  // why the result is to be doubted, each a sentence
   std::vector<ReportTable> tables;
   std::optional<CameraPicture> camera;
-  std::vector<Fact> highlights;         // after those of the map
-  std::optional<double> difference_mm;  // at most at this difference the colours of the page end
+  std::vector<Fact> highlights;  // after those of the map
+  double difference_mm = 0;      // at most at this difference the colours of the page end
 };
 
 // The contents of the report.
@@ -66,7 +67,8 @@ ReportPicture shown_map(const std::string& title, const images::FloatImage& map,
 struct ReportPage {
   std::string title;
   std::string subtitle;
-  std::vector<Fact> highlights;  // shown first
+  std::vector<std::pair<std::string, std::string>> links = {};  // text, file beside the page
+  std::vector<Fact> highlights;                                 // shown first
   std::vector<std::string> doubts;
   std::vector<ReportPlot> plots;
   std::vector<ReportPicture> pictures;
@@ -84,6 +86,7 @@ struct MomentsReport {
   std::string title;
   std::string subtitle;  // source of the images, mode, threshold
   std::vector<Fact> highlights;
+  std::vector<std::string> doubts;
   std::vector<Fact> counters;
   std::vector<Fact> settings;
   std::vector<CameraPicture> cameras;  // images to show

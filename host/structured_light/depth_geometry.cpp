@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <bit>
 #include <cmath>
 #include <memory>
 #include <stdexcept>
@@ -43,23 +44,22 @@ rig::Rig rig_for(const DepthGeometry& geometry, const ImageSource& source) {
   return rig;
 }
 
-// Throws UserError about lines that the projector does not have and that are not those of a longer code, whose first
-// pairs have 2^k lines a code.
-void check_projector(const char* option, double lines, int bits, int there, const std::string& rig) {
-  const double power = std::log2(lines / std::ldexp(1.0, bits));
-  if (lines > there && power != std::floor(power)) {
-    throw UserError(option,
-                    fmt::format("is {}, but the projector of {} has {}; more can only be those of a longer code, "
-                                "of whose first pairs a code covers 2, 4, 8, ... lines",
-                                lines, rig, there));
+// Throws UserError about lines that the projector does not have and that are not those of the shortest code in which
+// each of them has a code of its own.
+void check_projector(const char* option, double lines, int there, const std::string& rig) {
+  const double all = std::bit_ceil(static_cast<unsigned>(there));
+  if (lines > there && lines != all) {
+    throw UserError(option, fmt::format("is {}, but the projector of {} has {}; up to {} are possible, or {} for the "
+                                        "first pairs of a code in which each line has a code of its own",
+                                        lines, rig, there, there, all));
   }
 }
 
 // The first code is that of the projector's lines, the second that of its columns: those of the images exchanged.
 std::unique_ptr<LensTriangulation> rig_triangulation_of_both(const DepthGeometry& geometry, const ImageSource& source) {
   const rig::Rig rig = rig_for(geometry, source);
-  check_projector("--lines", geometry.lines, geometry.bits, rig.projector.columns, geometry.rig);
-  check_projector("--row-lines", geometry.row_lines, geometry.row_bits, rig.projector.lines, geometry.rig);
+  check_projector("--lines", geometry.lines, rig.projector.columns, geometry.rig);
+  check_projector("--row-lines", geometry.row_lines, rig.projector.lines, geometry.rig);
   LensSettings settings = settings_of(rig, geometry.limits);
   settings.bits = geometry.row_bits;
   settings.row_bits = geometry.bits;
@@ -117,7 +117,7 @@ std::unique_ptr<Triangulation> make_triangulation(const DepthGeometry& geometry,
   }
   check_lines(geometry);
   const rig::Rig rig = rig_for(geometry, source);
-  check_projector("--lines", geometry.lines, geometry.bits, rig.projector.lines, geometry.rig);
+  check_projector("--lines", geometry.lines, rig.projector.lines, geometry.rig);
   if (!rig.calibration) {
     return std::make_unique<PlaneTriangulation>(rig, geometry.bits, geometry.limits,
                                                 rig::CodedLines{0, geometry.lines});

@@ -123,22 +123,31 @@ TEST(MovingThings, HandsAreMeasuredInEveryDepthImage) {
 // Rig B with so many times fewer pixels along each side.
 rig::Rig small_rig(int factor = 4) { return small_scanner(factor, factor); }
 
-report::ReportTable table_of(const std::string& name, const lab::GrayMotionOptions& options, std::size_t table) {
+lab::StructuredLightResult result_of(const std::string& name, const lab::GrayMotionOptions& options) {
   std::size_t done = 0;
   std::size_t all = 1;
-  const lab::StructuredLightResult result = lab::run_gray_motion(name, options, [&](std::size_t now, std::size_t of) {
+  lab::StructuredLightResult result = lab::run_gray_motion(name, options, [&](std::size_t now, std::size_t of) {
     EXPECT_EQ(now, done + 1);
     done = now;
     all = of;
   });
   EXPECT_EQ(done, all) << "all images were foreseen";
-  return result.tables.at(table);
+  return result;
 }
 
 // A scanner with a quarter of the pixels, and a third of a turn.
 TEST(GrayMotion, FistOnAnotherPath) {
-  const report::ReportTable table =
-      table_of("B1", {.rig = small_rig(), .render = {}, .paths = 1, .pools = 0, .frames = 120}, 0);
+  const lab::StructuredLightResult result =
+      result_of("B1", {.rig = small_rig(), .render = {}, .paths = 1, .pools = 0, .frames = 120});
+  ASSERT_EQ(result.page.plots.size(), 3U);  // figure 4.4
+  for (const report::ReportPlot& plot : result.page.plots) {
+    ASSERT_EQ(plot.traces.size(), 2U);
+    for (const report::ReportTrace& trace : plot.traces) {
+      EXPECT_EQ(trace.x.size(), 53U);
+      EXPECT_TRUE(std::any_of(trace.y.begin(), trace.y.end(), [](double y) { return std::isfinite(y); }));
+    }
+  }
+  const report::ReportTable& table = result.tables.at(0);
   ASSERT_EQ(table.rows.size(), 3U);
   for (const auto& row : table.rows) {
     ASSERT_EQ(row.size(), table.header.size());
@@ -170,7 +179,7 @@ TEST(GrayMotion, WavesAreThoseOfThreeCentimetres) {
 
 TEST(GrayMotion, BothSetsOfTaps) {
   const report::ReportTable table =
-      table_of("B3", {.rig = small_rig(2), .render = {}, .paths = 0, .pools = 0, .frames = 320}, 0);
+      result_of("B3", {.rig = small_rig(2), .render = {}, .paths = 0, .pools = 0, .frames = 320}).tables.at(0);
   ASSERT_EQ(table.rows.size(), 4U);
   for (const auto& row : table.rows) {
     EXPECT_NEAR(std::stod(row[2]), std::stod(row[1]), 0.4) << row[0];

@@ -356,13 +356,13 @@ void bind_structured_light(nb::module_& module) {
         new (&self) Scan{depths, depth, intensity, quality};
       });
   module.def(
-      "scan", &scan, nb::arg("images").noconvert(), nb::arg("rig") = "", nb::arg("calibration") = "", nb::arg("bits"),
-      nb::arg("row_bits") = 0, nb::arg("threshold") = 5, nb::arg("median") = false, nb::arg("strict") = false,
-      nb::arg("channel") = "", nb::arg("shift") = nb::none(), nb::arg("unchecked") = false, nb::arg("lines") = 0.0,
-      nb::arg("row_lines") = 0.0,
+      "scan", &scan, nb::arg("images").noconvert(), nb::kw_only(), nb::arg("rig") = "", nb::arg("calibration") = "",
+      nb::arg("bits"), nb::arg("row_bits") = 0, nb::arg("threshold") = 5, nb::arg("median") = false,
+      nb::arg("strict") = false, nb::arg("channel") = "", nb::arg("shift") = nb::none(), nb::arg("unchecked") = false,
+      nb::arg("lines") = 0.0, nb::arg("row_lines") = 0.0,
       "The depth image of captured images: a uint8 array (images, rows, columns), a list of arrays, a folder, or\n"
       "the files in order. rig: a built-in rig or a file; or calibration: OpenCV's YAML. With row_bits both axes\n"
-      "are coded. Otherwise as `selfproj depth`:\n"
+      "are coded. The other arguments are the options of `selfproj depth`.\n"
       "InputError where the images contradict each other or the geometry, unless unchecked.");
   module.def("save_ply", &save_ply, nb::arg("file"), nb::arg("points").noconvert(),
              nb::arg("colours").noconvert() = nb::none(), nb::arg("intensity").noconvert() = nb::none(),

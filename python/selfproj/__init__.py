@@ -9,8 +9,12 @@ another shape or a value out of range a ValueError. Where images are taken they 
 work runs without the GIL. Objects that keep state are for one thread at a time, and say so.
 """
 
+from importlib.metadata import version as _version
+
 from . import calibration, cameras, driver, light_section, model, packets, parts, pictures, structured_light
-from ._core import SPEC_HASH, InputError, __version__, read_image
+from ._core import SPEC_HASH, InputError, read_image
+
+__version__ = _version("selfproj")
 
 __all__ = ["InputError", "SPEC_HASH", "__version__", "calibration", "cameras", "driver", "light_section", "model",
            "packets", "parts", "pictures", "read_image", "structured_light"]

@@ -97,7 +97,7 @@ class Compare(Case):
             (self.folder / "b.ply").write_text(ply(seen), encoding="ascii")
             status, _, errors = self.compare("a.ply", "b.ply")
             self.assertEqual(status, 0)
-            self.assertRegex(errors, rf"^selfproj: b.ply: warning: its points are \S+ mm from A as they are, and 0.000 mm "
+            self.assertRegex(errors, rf"^selfproj: b.ply: warning: its points are about \S+ mm from A as they are, and about 0.000 mm "
                                      rf"with {option}: are the clouds in one frame\?\n$")
             self.assertIn(f"with {option}: are the clouds", self.summary()["doubts"][0])
             self.assertIn("are the clouds in one frame?", (self.folder / "out/report.html").read_text(encoding="utf-8"))
@@ -150,7 +150,7 @@ class References(Case):
         self.assertEqual(self.compared("good"), 0)
         (self.folder / "part.packets.reference.csv").rename(self.folder / "elsewhere.csv")
         text = self.must("selfproj", "inspect", "--device", "file:part.packets", "--out", "plane")
-        self.assertIn("\nreference: the empty plane under a straight line\n", text)
+        self.assertIn("\nreference: none given: the empty plane under a straight line\n", text)
         self.assertEqual(self.compared("plane"), 1)
         (self.folder / "codes.packets.reference.csv").write_text("of another run", encoding="utf-8")
         status, _, errors = self.run_program("selfproj-sim", "cosim", "--engine", "model", "--scene", "fist", "--count",

@@ -172,7 +172,7 @@ TEST_F(DepthCommand, WritesTheDepthOfOneCycle) {
   const Outcome outcome = depth_of_files({"--rig", "rig.yaml", "--bits", "6"});
   EXPECT_EQ(outcome.err, "");
   EXPECT_EQ(outcome.status, 0);
-  EXPECT_EQ(outcome.out.rfind("1 depth image of 40 x 30, 6 bits, threshold 5: ", 0), 0U) << outcome.out;
+  EXPECT_EQ(outcome.out.rfind("1 depth image of 40 x 30, 6 bits, threshold 5 → out\n", 0), 0U) << outcome.out;
   const images::FloatImage depth = expected(codes);
   EXPECT_TRUE(same(tiff("depth.tiff"), depth));
   EXPECT_FALSE(fs::exists(folder_ / "out/depth_0005.tiff"));
@@ -336,7 +336,7 @@ TEST_F(DepthCommand, TakesTheCodesOfADevice) {
                                  "--background", "background.tiff", "--min-difference", "20"});
   EXPECT_EQ(outcome.err, "");
   EXPECT_EQ(outcome.status, 0);
-  EXPECT_EQ(outcome.out.rfind("2 depth images of 40 x 30, 6 bits, file:codes.bin: ", 0), 0U) << outcome.out;
+  EXPECT_EQ(outcome.out.rfind("2 depth images of 40 x 30, 6 bits, file:codes.bin → out\n", 0), 0U) << outcome.out;
   EXPECT_TRUE(same(tiff("depth.tiff"), expected(object)));
   const std::string table = read_text(folder_ / "out/moved.csv");
   EXPECT_EQ(table.rfind("pair,pixels,x,y,z\n11,0,,,\n15,100,", 0), 0U) << table;
@@ -403,6 +403,8 @@ TEST_F(DepthCommand, RefusesOptionsOutOfRange) {
       {{"--rig", "rig.yaml", "--bits", "6", "--row-bits", "6"}, "IMAGE: 12 images are too few; 24 are needed"},
       {{"--rig", "rig.yaml", "--bits", "6", "--lines", "6"}, "--lines: is 6, but no code"},
       {{"--rig", "rig.yaml", "--bits", "6", "--lines", "96"}, "--lines: is 96, but the projector of rig.yaml has 64;"},
+      {{"--rig", "rig.yaml", "--bits", "6", "--lines", "128"},
+       "--lines: is 128, but the projector of rig.yaml has 64;"},
       {{"--rig", "rig.yaml", "--bits", "6", "--row-lines", "64"}, "--row-lines: goes only with --row-bits"},
       {{"--rig", "rig.yaml", "--bits", "6", "--plane-region", "1,2,3,4"}, "--plane-region: is for --plane"},
       {{"--rig", "rig.yaml", "--bits", "6", "--plane", "--plane-region", "1,2,3"}, "--plane-region: '1,2,3' is not"},

@@ -145,7 +145,7 @@ TEST_F(RunsCommand, LinesLeaveOutAHotPixelAndMarkWhatIsAmbiguous) {
   EXPECT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_EQ(
       outcome.out,
-      "1 image of 21 x 40, grey-over, threshold 60, strongest, gap 0: 21 columns with light, 1 ambiguous → seen\n");
+      "1 image of 21 x 40, grey-over, threshold 60, strongest, gap 0\n21 columns with light, 1 ambiguous → seen\n");
   std::string expected = "frame,column,m0,m1,n,runs,second\n";
   for (int column = 1; column <= 21; ++column) {
     fmt::format_to(std::back_inserter(expected), "1,{},450,5850,5,{},{}\n", column, column == 8 || column == 13 ? 2 : 1,
@@ -182,6 +182,8 @@ TEST_F(RunsCommand, LinesLeaveOutAHotPixelAndMarkWhatIsAmbiguous) {
             "selfproj: dark.png: warning: no column has a pixel above the threshold of 60\n");
   EXPECT_EQ(doubts({"a.png", "dark.png", "dark.png"}),
             "selfproj: dark.png: warning: no column has a pixel above the threshold of 60; so in 2 of the 3 images\n");
+  EXPECT_NE(read_text(folder_ / "doubts/summary.json").find("\"dark.png: no column has"), std::string::npos);
+  EXPECT_NE(read_text(folder_ / "doubts/report.html").find("dark.png: no column has"), std::string::npos);
   EXPECT_EQ(doubts({"dark.png", "dark.png"}),
             "selfproj: dark.png to dark.png: warning: no column has a pixel above the threshold of 60\n");
   EXPECT_EQ(

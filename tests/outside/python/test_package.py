@@ -936,6 +936,22 @@ class Documentation(unittest.TestCase):
                 if word not in ("split", "cut"):  # written in Python
                     self.assertRegex(known, rf"(?m)^(def|class) {word}\b|^{word}: ", word)
 
+    def test_a_type_checker_reads_the_types(self):
+        def checked(*lines):
+            with tempfile.TemporaryDirectory() as folder:
+                source = pathlib.Path(folder) / "user.py"
+                source.write_text("\n".join(lines) + "\n", encoding="utf-8")
+                done = subprocess.run([sys.executable, "-m", "mypy", "--cache-dir", folder, source], cwd=folder,
+                                      capture_output=True, text=True, check=False)
+                return done.stdout + done.stderr
+
+        program = ("import selfproj", "from selfproj import light_section, packets, parts, structured_light",
+                   "version: str = selfproj.__version__",
+                   "rig: light_section.Rig = light_section.load_rig('light-section')",
+                   "scan: structured_light.Scan = structured_light.scan('captures', bits=8, rig='scanner')")
+        self.assertIn("Success: no issues found in 1 source file", checked(*program))
+        self.assertIn("user.py:6: error", checked(*program, "number: int = scan.depth"))
+
 
 if __name__ == "__main__":
     unittest.main()
