@@ -133,6 +133,22 @@ TEST_F(PartsCommand, KeepsNoMoreFoldersThanTold) {
   EXPECT_EQ(nlohmann::json::parse(read_text(*folder_ / "few.json")).at("part_folders_left_out"), 1);
 }
 
+TEST_F(PartsCommand, SaysThatAllWasTooShort) {
+  std::string rig = read_text(*folder_ / "rig.yaml");
+  const std::size_t at = rig.find("min_length_mm: ");
+  ASSERT_NE(at, std::string::npos);
+  rig.replace(at, rig.find('\n', at) - at, "min_length_mm: 22");
+  write_text(*folder_ / "long.yaml", rig);
+  const Outcome run = host({"inspect", "--rig", "long.yaml", "--device", "file:run.packets", "--tolerance",
+                            "tolerance.yaml", "--parts", "none", "--json", "none.json"});
+  ASSERT_EQ(run.status, 0) << run.err;
+  EXPECT_NE(run.out.find("0 parts: 0 good, 0 bad, 0 inconclusive → none\n"), std::string::npos) << run.out;
+  EXPECT_NE(run.err.find("no part was cut: 6 times something came that is shorter than min_length_mm (22 mm)"),
+            std::string::npos)
+      << run.err;
+  EXPECT_EQ(nlohmann::json::parse(read_text(*folder_ / "none.json")).at("specks"), 6);
+}
+
 // The run's parts, which come every 30 mm, judged by moments: as by heights. The line meets the first one 4.8 mm behind
 // its leading edge's place at 55 mm.
 TEST_F(PartsCommand, JudgesMomentsByATable) {

@@ -435,6 +435,9 @@ TEST_F(ProductionCommand, FindsWhatItPlantsWithStructuredLight) {
                                 words));
   ASSERT_EQ(run.status, 0) << run.err;
   EXPECT_EQ(agrees("scans", "today", 5, 2), 2);  // whole codes of this coarse rig are worth 2 mm to both sides
+  const std::string page = read_text(folder_ / "newest/report.html");
+  EXPECT_NE(page.find("<h2>The parts</h2>"), std::string::npos);
+  EXPECT_NE(page.find("bad parts"), std::string::npos);
 }
 
 TEST_F(ProductionCommand, RefusesWhatItCannotShow) {
