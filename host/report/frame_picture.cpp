@@ -66,6 +66,8 @@ std::string frame_png(const CameraPicture& camera) {
                   cv::Scalar(255, 255, 255));
   enlarged.copyTo(picture(cv::Rect(kMargin, kTop, enlarged.cols, enlarged.rows)));
   put_label(picture, fmt::format("frame {}: image and centroid", camera.frame), {kMargin, kTop - 10});
+  put_label(picture, "row 1", {6, kTop + 10});
+  put_label(picture, std::to_string(camera.image.rows), {6, kTop + enlarged.rows});
 
   const auto count = static_cast<std::size_t>(columns);
   std::vector<double> x(count);
@@ -101,6 +103,8 @@ std::string frame_png(const CameraPicture& camera) {
     draw_trace(picture, x, y, kPlot);
     top += kPlot + kGap;
   }
+  put_label(picture, "column 1", {kMargin, top - kGap + 16});
+  put_label(picture, std::to_string(columns), {kMargin + enlarged.cols - 24, top - kGap + 16});
   std::vector<std::uint8_t> bytes;
   cv::imencode(".png", picture, bytes);
   return {bytes.begin(), bytes.end()};

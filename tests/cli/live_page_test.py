@@ -199,6 +199,8 @@ class Browser(Made):
         self.assertGreater(int(figures["profiles"]), 1000)
         self.assertEqual(figures["lost_ring"], "0")
         self.assertIn("verdict_parts_with_defect", figures)
+        self.assertRegex(self.page.script("return document.getElementById('rate').textContent"),
+                         r"^\d+ frames/s, nothing lost$")
         self.assertEqual(self.page.script("return document.querySelectorAll('#parts th:not([hidden])').length"), 8)
         # The program restarts, and the page finds it again.
         line.stop()

@@ -315,6 +315,11 @@
       dd.dataset.key = key;
       return [dt, dd];
     }));
+    const figures = head.figures;
+    const rate = figures.frames_per_second ?? figures.depth_images_per_second;
+    const lost = ['lost_board', 'lost_ring', 'lost_network'].reduce((sum, key) => sum + (figures[key] || 0), 0);
+    text($('rate'), rate === undefined ? '' :
+      `${rate.toFixed(0)} ${depth ? 'depth images' : 'frames'}/s, ${lost ? `${lost} lost` : 'nothing lost'}`);
     if (head.camera !== imageShown && !asking) {
       imageShown = head.camera;
       asking = true;
