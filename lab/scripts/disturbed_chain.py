@@ -12,10 +12,10 @@ each column counts, unless another one has --ambiguous-from of its light: 0.75 w
 compared with the truth of the simulation.
 
 False is a point away from height steps that is more than 0.3 mm off. Lost are places that have a point in the ideal
-world and none here. A place without a line is one with no light of the pattern within 3 columns, and as far along the
-belt. --small takes one frame in twenty. --known does so with the rig of the drawings, which nothing needs to calibrate.
-The exit status is 1 where a bound is not held. With --out, all files are kept in DIR, a new folder. With
-SELFPROJ_RESULTS set, disturbed_chain.json is written. Standard library only.
+world and none here. A place without a line is one where in the ideal world's images no pixel is lit within 3 columns,
+and as far along the belt. --small takes one frame in twenty. --known does so with the rig of the drawings, which nothing
+needs to calibrate. The exit status is 1 where a bound is not held. With --out, all files are kept in DIR, a new folder.
+With SELFPROJ_RESULTS set, disturbed_chain.json is written. Standard library only.
 """
 
 import argparse
@@ -88,12 +88,20 @@ def measured(chain, calibrated, effort):
     return float_tiff.read(chain.folder / "result/height.tiff"), float_tiff.read(chain.folder / "truth.tiff")
 
 
-def counts_of(height, truth, spacing, ideal):
+def lit_columns(moments, columns):
+    """A row of flags for each frame of moments.csv: the columns that have a lit pixel."""
+    with moments.open(encoding="ascii") as table:
+        next(table)
+        flags = bytearray(line.split(",", 5)[4] != "0" for line in table)
+    return [flags[i:i + columns] for i in range(0, len(flags), columns)]
+
+
+def counts_of(height, truth, spacing, ideal, lit):
     """Points away from steps, false ones, the sum of their squares; places with a point in the ideal world, lost ones;
-    places without a line, points there."""
+    places without a lit column of the ideal world near them, points there."""
     reach = math.ceil(figures.STEP_COLUMNS * figures.COLUMN_MM / spacing)
     edges = figures.near_steps(truth, figures.STEP_COLUMNS, reach, apart=reach)
-    lit = figures.spread([bytearray(not math.isnan(t) for t in row) for row in truth], figures.STEP_COLUMNS)
+    lit = figures.spread(lit, figures.STEP_COLUMNS)
     lit = zip(*figures.spread([bytearray(column) for column in zip(*lit)], reach))
     found = dict.fromkeys(COUNTS, 0)
     for heights, true, edge, near, wanted in zip(height, truth, edges, lit, ideal):
@@ -132,7 +140,7 @@ def run_seed(seed, root, options, effort, sums, refused):
         board.calibrate(RIG, ("--heights", boards, "--moves", hidden_rigs.MOVES, "--bend", 0.01),
                         ("--plates", boards, "--moves", hidden_rigs.MOVES))
         calibrated = (board.folder / "calibration/rig.yaml").read_text(encoding="utf-8")
-    ideal = None
+    ideal = lit = None
     for world in (IDEAL, *options.disturb):
         chain = DisturbedChain(root / world, programs, seed, world, options.known, options.ambiguous_from)
         one = sums.setdefault(world, dict.fromkeys(COUNTS, 0))
@@ -142,8 +150,9 @@ def run_seed(seed, root, options, effort, sums, refused):
             refused[f"{seed}, {world}"] = str(error)
             print(f"{seed}, {world}: {error}", flush=True)
             continue
-        ideal = height if world == IDEAL else ideal
-        counts = counts_of(height, truth, effort.spacing_mm, ideal)
+        if world == IDEAL:
+            ideal, lit = height, lit_columns(chain.folder / "result/moments.csv", len(height[0]))
+        counts = counts_of(height, truth, effort.spacing_mm, ideal, lit)
         for key, value in counts.items():
             one[key] += value
         print(f"seed {seed}, {world}: {counts}", flush=True)
