@@ -310,6 +310,11 @@ void check_starts(const std::vector<View>& views, const ModelSettings& settings,
   // little to matter beside the deviations themselves.
   constexpr double kSame = 0.3;
   constexpr int kMaxBetter = 3;
+  const auto excess_of = [&](const BundleResult& other) { return 2 * (other.cost - choice.result.cost); };
+  const auto seems_another = [&](const BundleResult& other) {
+    const double excess = excess_of(other);
+    return excess >= -kBetter && excess <= kClear && difference(choice.result, other.bundle).deviations >= kSame;
+  };
   for (int round = 0; round <= kMaxBetter; ++round) {
     choice.agreeing = choice.worse = choice.failed = 0;
     choice.refusal = undetermined(choice.result, settings);
@@ -318,12 +323,15 @@ void check_starts(const std::vector<View>& views, const ModelSettings& settings,
     for (std::size_t i = 0; i < choice.starts.size(); ++i) {
       if (i == 0 || !is_same(choice.starts[i], choice.starts[i - 1])) {
         found = follow(views, settings, choice, choice.starts[i]);
+        if (found && seems_another(*found)) {  // or the solver has stopped in a flat valley, and goes on from there
+          found = follow(views, settings, choice, found->bundle);
+        }
       }
       if (!found) {
         ++choice.failed;
         continue;
       }
-      const double excess = 2 * (found->cost - choice.result.cost);
+      const double excess = excess_of(*found);
       const Difference off = difference(choice.result, found->bundle);
       if (off.deviations < kSame) {
         ++choice.agreeing;
