@@ -85,11 +85,7 @@ std::string part_picture(const PartResult& result, const PlacedMaps& maps) {
                      defect.size_along_mm / maps.grid.pitch_mm, defect.size_across_mm / maps.grid.pitch_mm});
   }
   // Belt and walls may differ by much more than a defect, whose colour would be pale.
-  double deepest = 0;
-  for (const Defect& defect : result.defects) {
-    deepest = std::max(deepest, std::abs(defect.depth_mm));
-  }
-  const report::MapScale scale = report::difference_scale(maps.difference, deepest);
+  const report::MapScale scale = report::difference_scale(maps.difference, deepest_mm(result.defects));
   const report::MapPitch pitch{maps.grid.pitch_mm, maps.grid.pitch_mm, "along", "across"};
   return report::labelled_map_png(maps.difference, scale, pitch,
                                   fmt::format("part {}: {}", result.number, verdict_name(result.verdict)), marks);

@@ -57,6 +57,15 @@ struct PartMoments {
   [[nodiscard]] bool defect() const { return defect_frames > 0; }
 };
 
+// The depth of the deepest one, to either side, in mm; 0 if there is none.
+inline double deepest_mm(const std::vector<Defect>& defects) {
+  double deepest = 0;
+  for (const Defect& defect : defects) {
+    deepest = std::max(deepest, std::abs(defect.depth_mm));
+  }
+  return deepest;
+}
+
 struct PartResult {
   std::uint64_t number = 0;  // from 1
   Verdict verdict = Verdict::inconclusive;

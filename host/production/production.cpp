@@ -44,8 +44,7 @@ std::vector<std::string> report_row(const PartResult& result) {
   const auto mm = [&](const std::optional<double>& value) { return value ? text(*value) : "–"; };
   const Placement placed = result.placement.value_or(Placement{});
   const bool lies = result.placement && !placed.edges.empty();
-  const Defect worst = result.defects.empty() ? Defect{} : result.defects.front();
-  const std::string none = result.defects.empty() ? "–" : "";
+  const Defect* const worst = result.defects.empty() ? nullptr : &result.defects.front();
   return {std::to_string(result.number),
           verdict_name(result.verdict),
           mm(placed.length_mm),
@@ -53,8 +52,8 @@ std::vector<std::string> report_row(const PartResult& result) {
           lies ? text(placed.across_mm) : "–",
           lies ? text(placed.turn_rad * 180 / std::numbers::pi) : "–",
           std::to_string(result.defects.size()),
-          none.empty() ? text(worst.area_mm2) : none,
-          none.empty() ? fmt::format("{:+.3f}", files::rounded(worst.depth_mm, 3)) : none,
+          worst != nullptr ? text(worst->area_mm2) : "–",
+          worst != nullptr ? fmt::format("{:+.3f}", files::rounded(worst->depth_mm, 3)) : "–",
           result.reason};
 }
 
@@ -171,7 +170,7 @@ void Production::run(const std::stop_token& stop) {
     if (cutter_) {
       classify(cutter_->finish());
     }
-    count();
+    update_counts();
   } catch (...) {
     const std::lock_guard lock(mutex_);
     fault_ = std::current_exception();
@@ -192,13 +191,13 @@ void Production::work(MeasuredFrame& measured) {
   if (cutter_) {
     classify(cutter_->add(measured));
   }
-  count();
+  update_counts();
   if (page_) {
     page_->measured(measured);
   }
 }
 
-void Production::count() {
+void Production::update_counts() {
   if (cutter_ && cutter_->specks() != counts_.specks) {  // no other thread changes them
     {
       const std::lock_guard lock(mutex_);
@@ -263,9 +262,7 @@ void Production::classify(const std::optional<CutPart>& part) {
     }
     delays_.add(result.delay_ns);
     add_figures(result, statistics_);
-    for (const Defect& defect : result.defects) {
-      deepest_mm_ = std::max(deepest_mm_, std::abs(defect.depth_mm));
-    }
+    deepest_mm_ = std::max(deepest_mm_, deepest_mm(result.defects));
     newest_parts_.push_back(report_row(result));
     if (newest_parts_.size() > kPartsInReport) {
       newest_parts_.pop_front();

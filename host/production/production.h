@@ -136,7 +136,7 @@ class Production {
   void work(MeasuredFrame& measured);
   void look_at_the_clock();
   // What changes without a part, too: objects that are too short, and the verdict by moments.
-  void count();
+  void update_counts();
   void classify(const std::optional<CutPart>& part);
   [[nodiscard]] PartCounts counts() const;
   // Where frames came at another rate than the rig's, and the belt's way follows from it: the end of a sentence.

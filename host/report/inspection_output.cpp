@@ -314,11 +314,11 @@ std::optional<images::FloatImage> differences_of_parts(const light_section::Insp
 
 // What nine tenths of the differences on parts do not exceed, to both sides of 0; 0 where there is none. Without the
 // tenth at walls, where a small shift makes a large difference.
-double usual_difference(const Maps& maps, double above_mm) {
+double usual_difference(const images::FloatImage& difference, const images::FloatImage& height, double above_mm) {
   std::vector<float> values;
-  for (std::size_t i = 0; i < maps.difference.values.size(); ++i) {
-    if (!std::isnan(maps.difference.values[i]) && static_cast<double>(maps.height.values[i]) > above_mm) {
-      values.push_back(std::abs(maps.difference.values[i]));
+  for (std::size_t i = 0; i < difference.values.size(); ++i) {
+    if (!std::isnan(difference.values[i]) && static_cast<double>(height.values[i]) > above_mm) {
+      values.push_back(std::abs(difference.values[i]));
     }
   }
   if (values.empty()) {
@@ -346,11 +346,8 @@ ReportData report_data(const light_section::Inspection& inspection, Maps maps, c
   }
   std::optional<images::FloatImage> of_parts = differences_of_parts(inspection, maps);
   data.of_parts = of_parts.has_value();
-  if (of_parts) {
-    maps.difference = std::move(*of_parts);
-  }
-  data.height = maps.height;
-  data.difference = maps.difference;
+  data.height = std::move(maps.height);
+  data.difference = of_parts ? std::move(*of_parts) : std::move(maps.difference);
   data.difference_colours = difference_scale(data.difference, parts.difference_mm);
   data.y = inspection.y();
   data.pitch = pitch_of(inspection);
@@ -375,8 +372,9 @@ ReportData report_data(const light_section::Inspection& inspection, Maps maps, c
   }
   if (d.count > 0) {
     if (data.of_parts) {
-      data.highlights.push_back({"difference", "nine tenths of the parts' difference within",
-                                 fmt::format("±{:.3f}", usual_difference(maps, rig.parts->above_mm)), "mm"});
+      data.highlights.push_back(
+          {"difference", "nine tenths of the parts' difference within",
+           fmt::format("±{:.3f}", usual_difference(data.difference, data.height, rig.parts->above_mm)), "mm"});
     } else {
       data.highlights.push_back(
           {"difference", "difference", fmt::format("{:+.2f} … {:+.2f}", two(d.least), two(d.greatest)), "mm"});

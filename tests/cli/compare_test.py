@@ -97,8 +97,8 @@ class Compare(Case):
             (self.folder / "b.ply").write_text(ply(seen), encoding="ascii")
             status, _, errors = self.compare("a.ply", "b.ply")
             self.assertEqual(status, 0)
-            self.assertRegex(errors, rf"^selfproj: b.ply: warning: its points are about \S+ mm from A as they are, and about 0.000 mm "
-                                     rf"with {option}: are the clouds in one frame\?\n$")
+            self.assertRegex(errors, r"^selfproj: b.ply: warning: its points are about \S+ mm from A as they are, and about "
+                                     rf"0.000 mm with {option}: are the clouds in one frame\?\n$")
             self.assertIn(f"with {option}: are the clouds", self.summary()["doubts"][0])
             self.assertIn("are the clouds in one frame?", (self.folder / "out/report.html").read_text(encoding="utf-8"))
             status, _, errors = self.compare(*option.split(), "a.ply", "b.ply")

@@ -12,7 +12,8 @@ sys.path.insert(0, str(ROOT / "scripts"))
 from lib import pypi  # noqa: E402
 
 PACKAGE = pypi.Environment(ROOT / "build" / "python-tests",
-                           ["mypy==2.4.1", "nanobind==3.1.0", "numpy==2.4.6", "plyfile==1.1.5", "scikit-build-core==1.1.2"], "--only-binary", ":all:")
+                           ["mypy==2.4.1", "nanobind==3.1.0", "numpy==2.4.6", "plyfile==1.1.5",
+                            "scikit-build-core==1.1.2"], "--only-binary", ":all:")
 USER = pypi.Environment(ROOT / "build" / "python-user", ["numpy==2.4.6"], "--only-binary", ":all:")
 
 
