@@ -112,8 +112,7 @@ Classifier::Classifier(const rig::Rig& rig, const SectionReference& section, con
     : rule_(rig.parts.value()), tolerance_(tolerance) {
   check_tolerance(tolerance, rig, section, source);
   grid_ = placed_grid(rig.parts->grid_mm, tolerance.length_mm, tolerance.left_mm, tolerance.right_mm);
-  const double column = pixel_mm(rig);
-  const double widest = 3 * column;
+  const double widest = 3 * pixel_mm(rig);
   reference_ = images::FloatImage(grid_.rows, grid_.columns);
   for (int c = 0; c < grid_.columns; ++c) {
     const auto height = static_cast<float>(section.at(grid_.across_of(c), widest));
@@ -121,9 +120,7 @@ Classifier::Classifier(const rig::Rig& rig, const SectionReference& section, con
       reference_.row(r)[c] = height;
     }
   }
-  for (const auto& [from, to] : section.walls(widest)) {
-    walls_.emplace_back(from - light_section::kBesideWalls * column, to + light_section::kBesideWalls * column);
-  }
+  jumps_ = section.jumps(rig, widest);
   set_regions(source);
 }
 
@@ -181,14 +178,14 @@ void Classifier::place(const CutPart& part, PartResult& result) const {
   }
 }
 
-HeightCells Classifier::without_walls(HeightCells cells) const {
-  if (walls_.empty()) {
+HeightCells Classifier::without_jumps(HeightCells cells) const {
+  if (jumps_.empty()) {
     return cells;
   }
   for (int c = 0; c < cells.grid.columns; ++c) {
     const double across = cells.grid.across_of(c);
-    if (std::none_of(walls_.begin(), walls_.end(),
-                     [&](const auto& wall) { return across > wall.first && across < wall.second; })) {
+    if (std::none_of(jumps_.begin(), jumps_.end(),
+                     [&](const auto& jump) { return across > jump.first && across < jump.second; })) {
       continue;
     }
     for (int r = 0; r < cells.grid.rows; ++r) {
@@ -259,7 +256,7 @@ PartResult Classifier::classify(const CutPart& part, PlacedMaps& maps) const {
     maps.height = maps.difference = images::FloatImage(grid_.rows, grid_.columns, images::kNoValue);
     return result;
   }
-  maps.height = placed_heights(without_walls(part.cells), *result.placement, grid_);
+  maps.height = placed_heights(without_jumps(part.cells), *result.placement, grid_);
   maps.difference = difference(maps.height);
   // What does not lie as it should differs everywhere, and that is no defect.
   const bool lies_well = result.verdict == Verdict::good;

@@ -57,14 +57,14 @@ class Classifier {
  private:
   void set_regions(const std::string& source);
   void place(const CutPart& part, PartResult& result) const;
-  [[nodiscard]] HeightCells without_walls(HeightCells cells) const;
+  [[nodiscard]] HeightCells without_jumps(HeightCells cells) const;
   void find_defects(const PlacedMaps& maps, PartResult& result) const;
 
   rig::RigParts rule_;
   Tolerance tolerance_;
   MapGrid grid_;
   images::FloatImage reference_;                  // heights, NaN where there is none
-  std::vector<std::pair<double, double>> walls_;  // of the reference, and what is beside them: across, mm
+  std::vector<std::pair<double, double>> jumps_;  // of the pattern: across, mm
   std::vector<cv::Mat1b> regions_;
 };
 

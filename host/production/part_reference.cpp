@@ -39,14 +39,18 @@ double SectionReference::at(double across, double widest_mm) const {
   return height_mm[i - 1] + rise * (across - across_mm[i - 1]) / width;
 }
 
-std::vector<std::pair<double, double>> SectionReference::walls(double widest_mm) const {
-  std::vector<std::pair<double, double>> walls;
+std::vector<std::pair<double, double>> SectionReference::jumps(const rig::Rig& rig, double widest_mm) const {
+  std::vector<std::pair<double, double>> jumps;
+  if (rig.light_plane) {
+    return jumps;
+  }
+  const double beside = light_section::kBesideWalls * pixel_mm(rig);
   for (std::size_t i = 1; i < across_mm.size(); ++i) {
     if (std::isnan(at(0.5 * (across_mm[i - 1] + across_mm[i]), widest_mm))) {
-      walls.emplace_back(across_mm[i - 1], across_mm[i]);
+      jumps.emplace_back(across_mm[i - 1] - beside, across_mm[i] + beside);
     }
   }
-  return walls;
+  return jumps;
 }
 
 SectionReference section_of(const rig::Rig& rig, const light_section::ReferenceProfile& reference,

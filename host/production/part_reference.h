@@ -22,8 +22,9 @@ struct SectionReference {
   // `widest_mm`, or steeper than a wall (kSteepest): heights there say more about the place than about the part.
   [[nodiscard]] double at(double across_mm, double widest_mm) const;
 
-  // The stretches between neighbouring points where at() has no height: walls and gaps.
-  [[nodiscard]] std::vector<std::pair<double, double>> walls(double widest_mm) const;
+  // Where at() has no height between neighbouring points, walls and gaps, and kBesideWalls camera pixels beside: there
+  // the pattern of the rig jumps, wherever the part lies. The straight line of a laser jumps nowhere.
+  [[nodiscard]] std::vector<std::pair<double, double>> jumps(const rig::Rig& rig, double widest_mm) const;
 };
 
 // Asks the profiler itself where its reference lies, by moments that are exactly those of the reference. It holds for

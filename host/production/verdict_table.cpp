@@ -153,10 +153,7 @@ VerdictTables::VerdictTables(const rig::Rig& rig, const light_section::Reference
   }
   check_tolerance(tolerance, rig, section_, source);
   widest_mm_ = 3 * pixel_mm(rig);
-  for (const auto& [from, to] : section_.walls(widest_mm_)) {
-    walls_.emplace_back(from - light_section::kBesideWalls * pixel_mm(rig),
-                        to + light_section::kBesideWalls * pixel_mm(rig));
-  }
+  jumps_ = section_.jumps(rig, widest_mm_);
   const light_section::LineRules rules =
       light_section::line_rules(rig.camera, rig.measure, sent_.row_offset, sent_.rows);
   first_ = static_cast<double>(rules.first) + sent_.row_offset;
@@ -276,11 +273,10 @@ VerdictTables::Placed VerdictTables::placed(double shift_mm, double play_along_m
         return (1 - share) * static_cast<double>(values[above]) + share * static_cast<double>(values[below]);
       };
       const double across = between(across_);
-      const bool beside_wall = std::any_of(walls_.begin(), walls_.end(), [&](const auto& wall) {
-        return across > wall.first && across < wall.second;  // of the pattern, which is where it is
-      });
+      const bool at_jump = std::any_of(jumps_.begin(), jumps_.end(),
+                                       [&](const auto& jump) { return across > jump.first && across < jump.second; });
       const double on_part = across - shift_mm;
-      if (beside_wall || on_part < left || on_part > right) {
+      if (at_jump || on_part < left || on_part > right) {
         continue;
       }
       const double per_mm =

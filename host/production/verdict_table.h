@@ -91,7 +91,7 @@ struct VerdictFacts {
 // Computes tables for one rig, reference and tolerance.
 //
 // A column of a section is judged if
-//   - it has a reference, which is no wall and not within kBesideWalls columns of one,
+//   - the pattern does not jump there or within kBesideWalls columns (SectionReference::jumps),
 //   - all places of the part that may pass it in this section lie in the same region of the tolerance: the part may be
 //     beside its place by play_across_mm, and begin earlier or later by play_along_mm,
 //   - the line stays within the rows that count as long as the part is within the tolerance, so that it is not cut off,
@@ -176,7 +176,7 @@ class VerdictTables {
   std::string source_;
   light_section::DifferentialProfiler profiler_;  // of the whole sensor; all its rows count
   SectionReference section_;
-  std::vector<std::pair<double, double>> walls_;
+  std::vector<std::pair<double, double>> jumps_;
   double widest_mm_ = 0;  // between neighbouring points of the section
   double lit_rows_ = 0;
   double first_ = 0, last_ = 0;  // rows of the sensor that count

@@ -319,6 +319,33 @@ TEST_F(Classified, DefectsAreFoundWithPlaceSizeAndDepth) {
   EXPECT_EQ(result.reason.rfind("2 defects; the largest, ", 0), 0U) << result.reason;
 }
 
+// A pattern jumps where its part has a wall, and then lights the surface of a part that lies shifted. The line of a
+// laser jumps nowhere: columns in which the good part hid it take nothing from a part that lies elsewhere.
+TEST_F(Classified, OnlyAPatternJumpsOnAShiftedPart) {
+  production::SectionReference gap = box_section(rig_);
+  for (std::size_t i = gap.across_mm.size(); i-- > 0;) {
+    if (gap.across_mm[i] > -22 && gap.across_mm[i] < -18.8) {
+      gap.across_mm.erase(gap.across_mm.begin() + static_cast<std::ptrdiff_t>(i));
+      gap.height_mm.erase(gap.height_mm.begin() + static_cast<std::ptrdiff_t>(i));
+    }
+  }
+  rig::Rig laser = rig_;
+  laser.light_plane = rig::RigLightPlane{.normal = {0, 0.6, 0.8}, .distance_mm = 0.8 * rig_.plane_z_mm};
+  const auto shifted = [&](const rig::Rig& rig) {
+    Cut cut(rig_);
+    MadeBelt belt(rig_, 99);
+    belt.pass(cut, {.length = 30, .across = -1.5, .noise = 0.02});
+    belt.bare(cut, 5);
+    return production::Classifier(rig, gap, tolerance_, "t.yaml").classify(cut.parts.at(0), maps_);
+  };
+  const production::PartResult by_pattern = shifted(rig_);
+  EXPECT_EQ(by_pattern.verdict, production::Verdict::inconclusive);
+  EXPECT_GT(by_pattern.regions.at(0).missing, 0.03);
+  const production::PartResult by_laser = shifted(laser);
+  EXPECT_EQ(by_laser.verdict, production::Verdict::good) << by_laser.reason;
+  EXPECT_EQ(by_laser.regions.at(0).missing, 0);
+}
+
 TEST_F(Classified, WhatCannotBeSeenCannotBeTold) {
   const production::PartResult holes =
       classify({.length = 30, .height = [](double v, double w) { return v > 10 && v < 14 && w > 0 ? kNone : 20.0; }});
