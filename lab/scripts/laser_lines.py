@@ -22,7 +22,7 @@ import results  # noqa: E402
 FIRST, LAST = 2, 10
 NEAR = 2  # rows
 HALF = 8  # a column is ambiguous if its second run has so many sixteenths of the strongest one, as by default
-LINE = ["--channel", "red-difference", "--threshold", "15"]
+LINE = ["--channel", "red", "--threshold", "15"]
 
 
 def moments(images, options, folder):
