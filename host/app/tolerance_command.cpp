@@ -50,8 +50,9 @@ struct LearnCommandOptions {
 
 void write_tolerance(const LearnCommandOptions& options, const rig::Rig& rig, const files::OutputFile& out,
                      const production::Learner& learner, std::uint64_t specks) {
-  std::vector<std::string> left_out;
-  const production::Tolerance tolerance = learner.learn(options.source(), &left_out);
+  production::LeftOut not_learned;
+  const production::Tolerance tolerance = learner.learn(options.source(), &not_learned);
+  const std::vector<std::string>& left_out = not_learned.parts;
   if (options.strict && !left_out.empty()) {
     throw CheckFailed(fmt::format("--strict: {}: {} not as the others; {}", options.source(),
                                   left_out.size() == 1 ? "a part is" : fmt::format("{} parts are", left_out.size()),
@@ -69,6 +70,10 @@ void write_tolerance(const LearnCommandOptions& options, const rig::Rig& rig, co
   for (const production::ToleranceRegion& region : tolerance.regions) {
     fmt::print("  {}: {:+.3f} to {:+.3f} mm, {:.2f} % may be missing\n", region.name, region.low_mm, region.high_mm,
                100 * region.max_missing);
+  }
+  if (not_learned.unseen_mm2 > 0) {
+    fmt::print("  not inspected: {:.1f} mm² that most of the parts do not show, with the strip around it\n",
+               not_learned.unseen_mm2);
   }
 }
 

@@ -73,6 +73,35 @@ std::pair<std::optional<double>, std::optional<double>> section_edges(const Sect
   return edges;
 }
 
+cv::Mat1b block(int side) { return cv::Mat1b(side, side, std::uint8_t{1}); }
+
+std::string name_of(std::size_t number) { return fmt::format("surface {}", number); }
+
+// Along and across the part, mm.
+using Places = std::vector<std::pair<double, double>>;
+
+Places places_of(const std::vector<cv::Point>& cells, const MapGrid& grid) {
+  Places places;
+  for (const cv::Point& cell : cells) {
+    places.emplace_back(grid.along_of(cell.y), grid.across_of(cell.x));
+  }
+  return places;
+}
+
+// A region with a band of no meaning.
+ToleranceRegion surface(std::size_t number, const Places& corners) {
+  ToleranceRegion region;
+  region.name = name_of(number);
+  for (const auto& [along, across] : corners) {
+    region.corners_mm.push_back(files::rounded(along, 2));
+    region.corners_mm.push_back(files::rounded(across, 2));
+  }
+  region.low_mm = -1e6;
+  region.high_mm = 1e6;
+  region.max_missing = 1;
+  return region;
+}
+
 }  // namespace
 
 Learner::Learner(const rig::Rig& rig, SectionReference section, const LearnOptions& options)
@@ -198,17 +227,7 @@ std::vector<ToleranceRegion> tolerance_regions(const Tolerance& outline, const S
     const double first = edge_mm;
     const double last = outline.length_mm - edge_mm;
     if (high > low + edge_mm && last > first + edge_mm) {
-      ToleranceRegion region;
-      region.name = fmt::format("surface {}", regions.size() + 1);
-      for (const auto& [along, across] :
-           {std::pair(first, low), std::pair(last, low), std::pair(last, high), std::pair(first, high)}) {
-        region.corners_mm.push_back(files::rounded(along, 2));
-        region.corners_mm.push_back(files::rounded(across, 2));
-      }
-      region.low_mm = -1e6;
-      region.high_mm = 1e6;
-      region.max_missing = 1;
-      regions.push_back(std::move(region));
+      regions.push_back(surface(regions.size() + 1, {{first, low}, {last, low}, {last, high}, {first, high}}));
     }
     begin = std::isnan(height) ? c + 1 : c;
   }
@@ -224,7 +243,6 @@ std::vector<ToleranceRegion> map_regions(const images::FloatImage& comparable, c
     }
   }
   // Single places without a height are no border.
-  const auto block = [](int side) { return cv::Mat1b(side, side, std::uint8_t{1}); };
   cv::morphologyEx(there, there, cv::MORPH_CLOSE, block(3));
   cv::erode(there, there, block(2 * static_cast<int>(std::ceil(edge_mm / grid.pitch_mm)) + 1), {-1, -1}, 1,
             cv::BORDER_CONSTANT, cv::Scalar(0));
@@ -241,18 +259,62 @@ std::vector<ToleranceRegion> map_regions(const images::FloatImage& comparable, c
         cv::contourArea(corners) * grid.pitch_mm * grid.pitch_mm < kMinAreas * min_defect_mm2) {
       continue;
     }
-    ToleranceRegion region;
-    region.name = fmt::format("surface {}", regions.size() + 1);
-    for (const cv::Point& corner : corners) {
-      region.corners_mm.push_back(files::rounded(grid.along_of(corner.y), 2));
-      region.corners_mm.push_back(files::rounded(grid.across_of(corner.x), 2));
-    }
-    region.low_mm = -1e6;
-    region.high_mm = 1e6;
-    region.max_missing = 1;
-    regions.push_back(std::move(region));
+    regions.push_back(surface(regions.size() + 1, places_of(corners, grid)));
   }
   return regions;
+}
+
+std::vector<ToleranceRegion> without_unseen(const std::vector<ToleranceRegion>& regions, const cv::Mat1b& unseen,
+                                            const MapGrid& grid, double edge_mm, int side) {
+  cv::Mat1b blind;
+  cv::morphologyEx(unseen, blind, cv::MORPH_OPEN, block(side));
+  const int edge = static_cast<int>(std::ceil(edge_mm / grid.pitch_mm));
+  std::vector<ToleranceRegion> result;
+  for (const ToleranceRegion& region : regions) {
+    cv::Mat1b cells = region_cells(region, grid);
+    cv::Mat labels;
+    cv::Mat1i stretches;
+    cv::Mat middles;
+    const int count = cv::connectedComponentsWithStats(blind & cells, labels, stretches, middles);
+    if (count == 1) {  // the background
+      result.push_back(region);
+      result.back().name = name_of(result.size());
+      continue;
+    }
+    for (int i = 1; i < count; ++i) {
+      const cv::Rect around(stretches(i, cv::CC_STAT_LEFT) - edge, stretches(i, cv::CC_STAT_TOP) - edge,
+                            stretches(i, cv::CC_STAT_WIDTH) + 2 * edge, stretches(i, cv::CC_STAT_HEIGHT) + 2 * edge);
+      cells(around & cv::Rect(0, 0, cells.cols, cells.rows)) = std::uint8_t{0};
+    }
+    std::vector<std::vector<cv::Point>> contours;
+    cv::findContours(cells, contours, cv::RETR_EXTERNAL, cv::CHAIN_APPROX_SIMPLE);
+    for (const std::vector<cv::Point>& corners : contours) {
+      if (corners.size() > 2) {
+        result.push_back(surface(result.size() + 1, places_of(corners, grid)));
+      }
+    }
+  }
+  return result;
+}
+
+cv::Mat1b Learner::unseen(const Classifier& classifier, const MapGrid& grid, const Reasons& reasons) const {
+  cv::Mat1i missing(grid.rows, grid.columns, 0);
+  int parts = 0;
+  PlacedMaps maps;
+  for (std::size_t part = 0; part < parts_.size(); ++part) {
+    if (!reasons[part].empty() || classifier.classify(parts_[part], maps).verdict != Verdict::good) {
+      continue;
+    }
+    ++parts;
+    for (int r = 0; r < grid.rows; ++r) {
+      for (int c = 0; c < grid.columns; ++c) {
+        missing(r, c) += std::isnan(maps.difference.row(r)[c]) ? 1 : 0;
+      }
+    }
+  }
+  cv::Mat1b most;
+  cv::compare(missing, parts / 2, most, cv::CMP_GT);
+  return most;
 }
 
 // Classifies all parts by an outline. Those that are not as the others get a reason; what is seen of those that are
@@ -297,7 +359,7 @@ void Learner::compare(const Classifier& classifier, const Tolerance& outline, Re
   }
 }
 
-Tolerance Learner::learn(const std::string& source, std::vector<std::string>* left_out) const {
+Tolerance Learner::learn(const std::string& source, LeftOut* left_out) const {
   if (parts_.size() < kMinGoodParts) {
     throw UserError(source, fmt::format("{} good parts came; at least {} are needed", parts_.size(), kMinGoodParts));
   }
@@ -309,20 +371,37 @@ Tolerance Learner::learn(const std::string& source, std::vector<std::string>* le
   for (bool again = true; again;) {
     const auto left = std::count(reasons.begin(), reasons.end(), "");
     tolerance = map_ ? whole_view() : outline(source, reasons);
+    const MapGrid grid = placed_grid(rig_.parts->grid_mm, tolerance.length_mm, tolerance.left_mm, tolerance.right_mm);
+    const int side = defect_side(tolerance.min_defect_mm2, grid.pitch_mm);
+    const auto keep_those_with_room = [&] {
+      std::erase_if(tolerance.regions,
+                    [&](const ToleranceRegion& region) { return !has_room(region_cells(region, grid), side); });
+      if (tolerance.regions.empty()) {
+        throw UserError(source,
+                        fmt::format("within the strips of {} mm at its edges, no surface of the part has room for "
+                                    "a square of the smallest defect's area, {:g} mm²",
+                                    options_.edge_mm, tolerance.min_defect_mm2));
+      }
+    };
     if (!map_) {
       tolerance.regions =
           tolerance_regions(tolerance, section_, rig_.parts->grid_mm, widest_of(rig_), options_.edge_mm);
+      keep_those_with_room();
+      const auto area = [&] {
+        double cells = 0;
+        for (const ToleranceRegion& region : tolerance.regions) {
+          cells += cv::countNonZero(region_cells(region, grid));
+        }
+        return cells * grid.pitch_mm * grid.pitch_mm;
+      };
+      const double whole = area();
+      tolerance.regions = without_unseen(tolerance.regions, unseen(classifier_of(tolerance, source), grid, reasons),
+                                         grid, options_.edge_mm, side);
+      if (left_out != nullptr) {
+        left_out->unseen_mm2 = whole - area();
+      }
     }
-    const MapGrid grid = placed_grid(rig_.parts->grid_mm, tolerance.length_mm, tolerance.left_mm, tolerance.right_mm);
-    const int side = defect_side(tolerance.min_defect_mm2, grid.pitch_mm);
-    std::erase_if(tolerance.regions,
-                  [&](const ToleranceRegion& region) { return !has_room(region_cells(region, grid), side); });
-    if (tolerance.regions.empty()) {
-      throw UserError(source,
-                      fmt::format("within the strips of {} mm at its edges, no surface of the part has room for "
-                                  "a square of the smallest defect's area, {:g} mm²",
-                                  options_.edge_mm, tolerance.min_defect_mm2));
-    }
+    keep_those_with_room();
     seen.assign(tolerance.regions.size(), {});
     residual = {};
     compare(classifier_of(tolerance, source), tolerance, reasons, seen, residual);
@@ -330,7 +409,7 @@ Tolerance Learner::learn(const std::string& source, std::vector<std::string>* le
   }
   for (std::size_t part = 0; part < parts_.size() && left_out != nullptr; ++part) {
     if (!reasons[part].empty()) {
-      left_out->push_back(fmt::format("part {} of {}: {}", part + 1, parts_.size(), reasons[part]));
+      left_out->parts.push_back(fmt::format("part {} of {}: {}", part + 1, parts_.size(), reasons[part]));
     }
   }
   if (residual.count() < kMinGoodParts) {

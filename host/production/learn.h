@@ -3,6 +3,7 @@
 #define SELFPROJ_HOST_PRODUCTION_LEARN_H
 
 #include <cstddef>
+#include <opencv2/core.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -25,12 +26,19 @@ struct LearnOptions {
   double max_turn_deg = 3;
 };
 
+// What was not learned from.
+struct LeftOut {
+  std::vector<std::string> parts;  // that are not as the others, a reason each
+  double unseen_mm2 = 0;           // of the regions, which most of the parts do not show (without_unseen)
+};
+
 inline constexpr std::size_t kMinGoodParts = 5;
 inline constexpr std::size_t kMaxGoodParts = 200;
 
 // Collects good parts, and learns from them
 //   - the outline: mean length and width; its middle across is that of the section, if the section has edges
-//   - the regions: a rectangle for each stretch of the section between two walls (tolerance_regions)
+//   - the regions: a rectangle for each stretch of the section between two walls (tolerance_regions), less what most of
+//     the parts do not show (without_unseen)
 //   - the band of each: mean over the parts of the highest level that the smallest area reaches (defect_levels), and
 //     `spreads` standard deviations; likewise the lowest
 //   - the share of missing points and the residual of the placement: mean and `spreads` standard deviations
@@ -48,11 +56,11 @@ class Learner {
   [[nodiscard]] std::size_t parts() const { return parts_.size(); }
   [[nodiscard]] std::size_t not_kept() const { return not_kept_; }
 
-  // Parts that are not as the others are left out, and named in `left_out`, a reason each: those whose length, width,
+  // Parts that are not as the others are left out, and named in `left_out`: those whose length, width,
   // heights or missing points are further from the parts' median than their spread explains, and those that cannot be
   // placed. Throws UserError, naming `source`, if fewer than kMinGoodParts came or remain, or no stretch between edges
   // is wide enough for a region.
-  [[nodiscard]] Tolerance learn(const std::string& source, std::vector<std::string>* left_out = nullptr) const;
+  [[nodiscard]] Tolerance learn(const std::string& source, LeftOut* left_out = nullptr) const;
 
  private:
   // A reason for each part that is left out; empty for the others.
@@ -64,6 +72,8 @@ class Learner {
   void compare(const Classifier& classifier, const Tolerance& outline, Reasons& reasons, std::vector<Seen>& seen,
                RunningFigures& residual) const;
   [[nodiscard]] Tolerance outline(const std::string& source, Reasons& reasons) const;
+  // The cells that more than half of the parts do not show, 255; parts with a reason do not count.
+  [[nodiscard]] cv::Mat1b unseen(const Classifier& classifier, const MapGrid& grid, const Reasons& reasons) const;
   [[nodiscard]] Tolerance whole_view() const;
   [[nodiscard]] Classifier classifier_of(const Tolerance& tolerance, const std::string& source) const;
 
@@ -79,6 +89,13 @@ class Learner {
 // bands of no meaning.
 std::vector<ToleranceRegion> tolerance_regions(const Tolerance& outline, const SectionReference& section,
                                                double pitch_mm, double widest_mm, double edge_mm);
+
+// Regions without the places that parts do not show, as by a shadow or a second line in the column: of each, the
+// rectangle around each connected stretch of cells that are `unseen`, and a strip of edge_mm around it. A stretch into
+// which no square of `side` cells fits stays, and so does one that the region surrounds. What falls apart becomes
+// several regions.
+std::vector<ToleranceRegion> without_unseen(const std::vector<ToleranceRegion>& regions, const cv::Mat1b& unseen,
+                                            const MapGrid& grid, double edge_mm, int side);
 
 // The surfaces of a reference as polygons on its placed map: each connected stretch of places that can be compared
 // with, less a strip of edge_mm at its border, if it has at least 16 times the smallest area. A surface within another

@@ -430,13 +430,54 @@ TEST(Parts, AHiddenSideIsLearned) {
   }
 }
 
+// Where good parts show no height, as by a shadow or a second line in the column, there is no region. Around it there
+// is: what is behind the shadow is inspected, and no points may be missing there.
+TEST(Parts, WhatGoodPartsDoNotShowIsNoRegion) {
+  const rig::Rig rig = rig_with_parts();
+  production::Learner learner(rig, box_section(rig), {});
+  const auto part = [](double bump, double across) {
+    const auto height = [=](double v, double w) {
+      const bool shadow = v < 12 && w > 6 && w < 10;
+      const bool speck = std::hypot(v - 20, w + 10) < 0.4;
+      return shadow || speck ? kNone : 20 + (std::hypot(v - 22, w - 8) < 1.5 ? bump : 0);
+    };
+    return MadePart{.length = 30, .height = height, .across = across, .noise = 0.02};
+  };
+  Cut cut(rig);
+  MadeBelt belt(rig, 7);
+  for (const double across : {-0.5, -0.3, 0.0, 0.2, 0.4, 0.5}) {
+    belt.pass(cut, part(0, across));
+  }
+  belt.pass(cut, part(0.4, 0.3));
+  belt.bare(cut, 5);
+  ASSERT_EQ(cut.parts.size(), 7U);
+  for (std::size_t i = 0; i < 6; ++i) {
+    learner.add(production::CutPart(cut.parts[i]));
+  }
+  production::LeftOut left_out;
+  const production::Tolerance tolerance = learner.learn("good", &left_out);
+  ASSERT_EQ(tolerance.regions.size(), 1U);
+  EXPECT_NEAR(left_out.unseen_mm2, (12 + 1.5 - 1.5) * (4 + 3), 12);
+  EXPECT_LT(tolerance.regions[0].max_missing, 0.02);  // the speck stays in the region
+  production::PlacedMaps maps;
+  const production::Classifier classifier(rig, box_section(rig), tolerance, "t.yaml");
+  for (std::size_t i = 0; i < 6; ++i) {
+    EXPECT_EQ(classifier.classify(cut.parts[i], maps).verdict, production::Verdict::good);
+  }
+  const production::PartResult bad = classifier.classify(cut.parts[6], maps);
+  EXPECT_EQ(bad.verdict, production::Verdict::bad);
+  ASSERT_EQ(bad.defects.size(), 1U);
+  EXPECT_NEAR(bad.defects[0].along_mm, 22, 0.3);
+  EXPECT_NEAR(bad.defects[0].across_mm, 8, 0.3);
+}
+
 // Eleven good parts, and one that is not whole, first or last.
 TEST(Parts, APartCutShortIsLeftOutOfTheTolerance) {
   const rig::Rig rig = rig_with_parts();
   const auto from = [](double first, double last) {
     return [=](double v, double) { return v >= first && v <= last ? 20.0 : kNone; };
   };
-  const auto learn = [&](const MadePart& odd, int place, std::vector<std::string>& left_out) {
+  const auto learn = [&](const MadePart& odd, int place, production::LeftOut& left_out) {
     production::Learner learner(rig, box_section(rig), {});
     Cut cut(rig);
     MadeBelt belt(rig, 7);
@@ -467,10 +508,12 @@ TEST(Parts, APartCutShortIsLeftOutOfTheTolerance) {
     for (const int place : {0, 11}) {
       SCOPED_TRACE(std::to_string(odd.length) + " x " + std::to_string(odd.width) + " in place " +
                    std::to_string(place));
-      std::vector<std::string> left_out;
+      production::LeftOut left_out;
       const production::Tolerance tolerance = learn(odd, place, left_out);
-      ASSERT_EQ(left_out.size(), 1U);
-      EXPECT_EQ(left_out[0].rfind("part " + std::to_string(place + 1) + " of 12: ", 0), 0U) << left_out[0];
+      ASSERT_EQ(left_out.parts.size(), 1U);
+      const std::string& reason = left_out.parts[0];
+      EXPECT_EQ(reason.rfind("part " + std::to_string(place + 1) + " of 12: ", 0), 0U) << reason;
+      EXPECT_EQ(left_out.unseen_mm2, 0);
       EXPECT_NEAR(tolerance.length_mm, 30, 0.2);
       EXPECT_NEAR(tolerance.right_mm - tolerance.left_mm, 40, 0.4);
       ASSERT_EQ(tolerance.regions.size(), 1U);
