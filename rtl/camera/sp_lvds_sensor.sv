@@ -31,8 +31,8 @@
 // PYTHON family, with Checked = 1: a check word that is not that of its line counts as a damaged word.
 // It comes when the line has left, and does not cut off the frame.
 //
-// Loss: a lane is lost after about seven wrong words in a row, or as many more wrong than a fifth of
-// the right ones (a data lane: of those where the training word must be). lost_o is high for one clock,
+// Loss: a lane is lost when too many of its words are wrong (sp_lvds_loss); of a data lane those count
+// where the training word must be. lost_o is high for one clock,
 // the frame is cut off, and sp_lvds_training aligns the lane again. aligned_o is low meanwhile. A lane
 // that does not train has its bit in failed_o. If the sensor's clock stops within a frame, the frame
 // stays open until words come again; the board has a time-out for this.
@@ -128,7 +128,7 @@ module sp_lvds_sensor #(
   logic [(Lanes+1)*Bits-1:0] words;
   logic [Bits-1:0]           control;
   logic                      decoded, idle, illegal;
-  logic [Lanes:0]            lost_q;
+  logic [Lanes:0]            lost;
 
   assign control = words[Bits*Lanes+:Bits];
 
@@ -163,7 +163,7 @@ module sp_lvds_sensor #(
     .lanes_i   (lanes_i),
     .decoded_i (decoded),
     .idle_i    (idle),
-    .lost_i    (lost_q),
+    .lost_i    (lost),
     .slips_o   (slips),
     .newer_o   (newer),
     .aligned_o (aligned),
@@ -269,29 +269,25 @@ module sp_lvds_sensor #(
     assign unlike = '0;
   end
 
-  // --- Damage: counted, and by lane: five for a wrong word, less one for a right one ---
-  logic [5*(Lanes+1)-1:0] level_q;
-  logic [Lanes:0]         looked, wrong;
-  logic [15:0]            count_q, gray_q;
-  logic                   damaged;
-  logic                   lost_any_q;  // changes with every loss
+  // --- Damage: counted, and by lane ---
+  logic [Lanes:0] looked, wrong;
+  logic [15:0]    count_q, gray_q;
+  logic           damaged;
+  logic           lost_any_q;  // changes with every loss
 
   assign looked  = {decoded, {Lanes{idle}}};
   assign wrong   = {illegal, odd_q};
   assign damaged = ready_q && (bad || idle && odd_q != '0 || unlike != '0);
 
-  for (genvar i = 0; i <= Lanes; i++) begin : gen_level
-    logic [4:0] level;
-    assign level = level_q[5*i+:5];
-    always_ff @(posedge sensor_clk_i) begin
-      lost_q[i] <= 1'b0;
-      if (sensor_rst || !aligned[i]) level_q[5*i+:5] <= '0;
-      else if (looked[i]) begin
-        if (!wrong[i]) level_q[5*i+:5] <= level == '0 ? '0 : level - 1'b1;
-        else if (level < 5'd27) level_q[5*i+:5] <= level + 5'd5;
-        else lost_q[i] <= 1'b1;
-      end
-    end
+  for (genvar i = 0; i <= Lanes; i++) begin : gen_loss
+    sp_lvds_loss u_loss (
+      .clk_i    (sensor_clk_i),
+      .rst_i    (sensor_rst),
+      .aligned_i(aligned[i]),
+      .look_i   (looked[i]),
+      .wrong_i  (wrong[i]),
+      .lost_o   (lost[i])
+    );
   end
 
   always_ff @(posedge sensor_clk_i) begin
