@@ -353,8 +353,8 @@ module sp_lvds_sensor #(
     ) u_gather (
       .clk_i   (sensor_clk_i),
       .rst_i   (sensor_rst),
-      .take_i  (full),
-      .clear_i (ending || cut && !full),
+      .take_i  (full && !cut),
+      .clear_i (ending || cut),
       .pixels_i(group),
       .full_o  (wide_full),
       .beat_o  (wide)

@@ -47,6 +47,48 @@ struct LvdsWord {
 
 constexpr int kLvdsTicks = 1000;  // of time, in a bit
 
+// Frame start and end, line start and end, start of black pixels, black and other pixels, check word, training.
+constexpr std::array<unsigned, 9> kLvdsCodes = {0x2AA, 0x32A, 0x0AA, 0x12A, 0x22A, 0x015, 0x035, 0x059, 0x3A6};
+
+// What protects the words of a lane: their remainder, with ten bits more, divided by the polynomial of the data sheet,
+// x^10 + x^9 + x^6 + x^3 + x^2 + x + 1.
+template <typename WordAt>
+unsigned lvds_check_word(std::size_t words, WordAt word_at) {
+  unsigned rest = 0;
+  const auto bring = [&rest](bool bit) {
+    rest = rest << 1U | static_cast<unsigned>(bit);
+    rest = (rest & 0x400U) != 0 ? rest ^ 0x64FU : rest;
+  };
+  for (std::size_t at = 0; at < words; ++at) {
+    for (unsigned bit = 0x200U; bit != 0; bit >>= 1U) {
+      bring((word_at(at) & bit) != 0);
+    }
+  }
+  for (int i = 0; i < 10; ++i) {
+    bring(false);
+  }
+  return rest;
+}
+
+// The pixel of a lane in a word of a line of kernels, as the figure in the data sheet has it: even kernels upwards, odd
+// ones downwards, two pixels a lane one after the other.
+inline std::size_t lvds_kernel_column(std::size_t lanes, std::size_t at, std::size_t lane) {
+  const std::size_t kernel = at / 2;
+  const std::size_t within = 2 * lane + at % 2;
+  return kernel * 2 * lanes + (kernel % 2 == 0 ? within : 2 * lanes - 1 - within);
+}
+
+// Beats of pixels of `bits` bits, four in each, their upper 8 bits. `whole`: they end a line.
+inline void add_lvds_beats(const std::vector<unsigned>& pixels, int bits, bool whole, Frame& frame) {
+  for (std::size_t column = 0; column + 4 <= pixels.size(); column += 4) {
+    Beat beat{0, frame.empty(), whole && column + 4 == pixels.size()};
+    for (std::size_t i = 0; i < 4; ++i) {
+      beat.pixels |= pixels[column + i] >> static_cast<unsigned>(bits - 8) << 8 * i;
+    }
+    frame.push_back(beat);
+  }
+}
+
 // Makes the words of frames.
 class LvdsFrames {
  public:
@@ -85,7 +127,7 @@ class LvdsFrames {
       } else {
         line_of_columns(pixels, row + 1 == rows, max_gap);
       }
-      add_beats(pixels, due);
+      add_lvds_beats(pixels, format_.bits, true, due);
       if (format_.codes && row + 1 < rows) {
         pause(random_.between(0, max_gap));
       }
@@ -96,31 +138,19 @@ class LvdsFrames {
 
   // The beats of a line of kernels, the only one of its frame, from its words in the queue.
   [[nodiscard]] Frame line_of(std::size_t first, std::size_t end) const {
-    const int words = static_cast<int>(end - first);
-    std::vector<unsigned> pixels(static_cast<std::size_t>(words * format_.lanes));
-    for (int at = 0; at < words; ++at) {
-      for (int lane = 0; lane < format_.lanes; ++lane) {
-        pixels[static_cast<std::size_t>(kernel_column(at, lane))] =
-            queue_[first + static_cast<std::size_t>(at)].data[static_cast<std::size_t>(lane)];
+    const auto lanes = static_cast<std::size_t>(format_.lanes);
+    std::vector<unsigned> pixels((end - first) * lanes);
+    for (std::size_t at = 0; at < end - first; ++at) {
+      for (std::size_t lane = 0; lane < lanes; ++lane) {
+        pixels[lvds_kernel_column(lanes, at, lane)] = queue_[first + at].data[lane];
       }
     }
     Frame line;
-    add_beats(pixels, line);
+    add_lvds_beats(pixels, format_.bits, true, line);
     return line;
   }
 
  private:
-  // A line's pixels, their upper 8 bits, four in a beat
-  void add_beats(const std::vector<unsigned>& pixels, Frame& frame) const {
-    for (std::size_t column = 0; column < pixels.size(); column += 4) {
-      Beat beat{0, frame.empty(), column + 4 == pixels.size()};
-      for (std::size_t i = 0; i < 4; ++i) {
-        beat.pixels |= pixels[column + i] >> static_cast<unsigned>(format_.bits - 8) << 8 * i;
-      }
-      frame.push_back(beat);
-    }
-  }
-
   [[nodiscard]] LvdsWord word(unsigned control, unsigned data) const {
     LvdsWord all{control, {}, 0};
     all.data.fill(data);
@@ -148,22 +178,14 @@ class LvdsFrames {
     }
   }
 
-  // The pixel of a lane in a word of a line, as the figure in the data sheet has it: even kernels upwards, odd ones
-  // downwards, two pixels a lane one after the other.
-  [[nodiscard]] int kernel_column(int at, int lane) const {
-    const int kernel = at / 2;
-    const int within = 2 * lane + at % 2;
-    const int size = 2 * format_.lanes;
-    return kernel * size + (kernel % 2 == 0 ? within : size - 1 - within);
-  }
-
   void line_of_kernels(const std::vector<unsigned>& pixels, bool first, bool last) {
+    const auto lanes = static_cast<std::size_t>(format_.lanes);
     const int words = static_cast<int>(pixels.size()) / format_.lanes;
     const std::size_t begin = queue_.size();
     for (int at = 0; at < words; ++at) {
       std::array<unsigned, 16> data{};
-      for (int lane = 0; lane < format_.lanes; ++lane) {
-        data[static_cast<std::size_t>(lane)] = pixels[static_cast<std::size_t>(kernel_column(at, lane))];
+      for (std::size_t lane = 0; lane < lanes; ++lane) {
+        data[lane] = pixels[lvds_kernel_column(lanes, static_cast<std::size_t>(at), lane)];
       }
       push(line_code(at, words, first ? 0x2AAU : 0x0AAU, last ? 0x32AU : 0x12AU, 0x035U), data);
     }
@@ -187,26 +209,13 @@ class LvdsFrames {
     return format_.code(at == 0 ? first : at == words - 2 ? last : inner);
   }
 
-  // Behind a line of pixels, of each lane what protects its words: the remainder of them, ten bits more, divided by the
-  // polynomial of the data sheet, x^10 + x^9 + x^6 + x^3 + x^2 + x + 1. (With 8 bits, anything.)
+  // Behind a line of pixels, of each lane what protects its words. (With 8 bits, anything.)
   void check_word(std::size_t first) {
     std::array<unsigned, 16> data{};
     data.fill(static_cast<unsigned>(random_.bits()) & 0xFFU);
     for (std::size_t lane = 0; format_.bits == 10 && lane < static_cast<std::size_t>(format_.lanes); ++lane) {
-      unsigned rest = 0;
-      const auto bring = [&rest](bool bit) {
-        rest = rest << 1U | static_cast<unsigned>(bit);
-        rest = (rest & 0x400U) != 0 ? rest ^ 0x64FU : rest;
-      };
-      for (std::size_t at = first; at < queue_.size(); ++at) {
-        for (unsigned bit = 0x200U; bit != 0; bit >>= 1U) {
-          bring((queue_[at].data[lane] & bit) != 0);
-        }
-      }
-      for (int i = 0; i < 10; ++i) {
-        bring(false);
-      }
-      data[lane] = rest;
+      data[lane] =
+          lvds_check_word(queue_.size() - first, [&](std::size_t at) { return queue_[first + at].data[lane]; });
     }
     push(format_.code(0x059U), data);
   }
@@ -376,9 +385,7 @@ class LvdsBench {
       frames_.queue().pop_front();
     }
     if (damage_percent != 0 && random_.chance(damage_percent)) {
-      const int lane = random_.chance(50) ? format_.lanes : random_.between(0, format_.lanes - 1);
-      unsigned& hit = lane == format_.lanes ? sent.control : sent.data[static_cast<std::size_t>(lane)];
-      hit ^= 1U << static_cast<unsigned>(random_.between(0, format_.bits - 1));
+      damage(sent);
     }
     if (record != nullptr) {
       record->push_back(sent);
@@ -394,6 +401,20 @@ class LvdsBench {
       raw[static_cast<std::size_t>(lane)] = sample(lane);
     }
     put_lanes(raw);
+  }
+
+  // One bit of the control lane or of another one; with codes, there are also two bits, and other codes.
+  void damage(LvdsWord& word) {
+    const int lane = random_.chance(50) ? format_.lanes : random_.between(0, format_.lanes - 1);
+    unsigned& hit = lane == format_.lanes ? word.control : word.data[static_cast<std::size_t>(lane)];
+    if (format_.codes && lane == format_.lanes && random_.chance(30)) {
+      hit = random_.chance(30) ? static_cast<unsigned>(random_.between(0, 15)) << (format_.bits == 8 ? 2U : 0U)
+                               : format_.code(kLvdsCodes.at(static_cast<std::size_t>(random_.between(0, 8))));
+      return;
+    }
+    for (int bits = format_.codes && random_.chance(50) ? 2 : 1; bits > 0; --bits) {
+      hit ^= 1U << static_cast<unsigned>(random_.between(0, format_.bits - 1));
+    }
   }
 
   // The word in the order of arrival, the first bit in bit 0.

@@ -1,11 +1,13 @@
-// What a front end for serial sensors must make of the words of a sensor with flags (CMV), damaged or not, from a gap
-// between frames on, with all lanes aligned. Written from the description of sp_lvds_flags and sp_lvds_sensor.
+// What a front end for serial sensors must make of the words of a sensor with flags (CMV) or codes (PYTHON), damaged or
+// not, from a gap between frames on, with all lanes aligned and a word in every clock. Written from the descriptions of
+// sp_lvds_flags, sp_lvds_codes and sp_lvds_sensor.
 #ifndef SELFPROJ_TESTS_RTL_BLOCKS_LVDS_REFERENCE_H
 #define SELFPROJ_TESTS_RTL_BLOCKS_LVDS_REFERENCE_H
 
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <set>
 #include <vector>
 
 #include "tests/rtl/blocks/camera_beats.h"
@@ -14,7 +16,7 @@
 namespace selfproj::test {
 
 struct LvdsExpected {
-  std::vector<Frame> frames;    // as far as they are whole lines
+  std::vector<Frame> frames;    // as far as they are whole lines, or kernels
   std::vector<bool> may_break;  // those that are cut off
   unsigned damaged = 0;         // words
   int cuts = 0;
@@ -124,6 +126,136 @@ class LvdsFlagsReference {
   int burst_ = 0;
   int lines_ = 0;
   std::vector<LvdsWord> line_;
+};
+
+class LvdsCodesReference {
+ public:
+  LvdsCodesReference(const LvdsFormat& format, bool checked) : format_(format), checked_(checked) {}
+
+  LvdsExpected of(const std::vector<LvdsWord>& words) {
+    for (const LvdsWord& word : words) {
+      ++now_;
+      take(word);
+    }
+    expected_.damaged = static_cast<unsigned>(damaged_.size());
+    return expected_;
+  }
+
+ private:
+  enum class Line { none, taken, left_out };
+
+  void take(const LvdsWord& word) {
+    const auto is = [&](unsigned of_ten_bits) { return word.control == format_.code(of_ten_bits); };
+    const bool frame_start = is(0x2AA);
+    const bool frame_end = is(0x32A);
+    const bool start = frame_start || is(0x0AA) || is(0x22A);
+    const bool finish = frame_end || is(0x12A);
+    const bool pixels = is(0x035);
+    const bool check = is(0x059);
+    const bool training = is(0x3A6);
+    const bool number = format_.bits == 10 ? word.control < 16 : (word.control & 0x83U) == 0;
+    const bool code = start || finish || pixels || is(0x015) || check || training || (number && marked_);
+    marked_ = start || finish;
+
+    bool wrong = !(start || training || check);  // between lines
+    if (numbered_) {
+      wrong = !number || (line_ == Line::taken && closing_ && words_.size() % 2 == 0);  // an odd count with this one
+    } else if (line_ != Line::none) {
+      wrong = !(pixels || finish || (line_ == Line::left_out && is(0x015)));
+    }
+    if (!code || (open_ && (wrong || frame_start)) || (training && !all_training(word))) {
+      damaged_.insert(now_);
+    }
+    if (checked_ && check && line_ended_ && !are_check_words(word)) {
+      damaged_.insert(now_ + 1);  // counted with the next word
+    }
+    line_ended_ = false;
+    if (wrong) {
+      cut();
+      return;
+    }
+    if (frame_start) {
+      open_ = true;
+      expected_.frames.emplace_back();
+      expected_.may_break.push_back(false);
+    }
+    if (start) {
+      line_ = open_ && !is(0x22A) ? Line::taken : Line::left_out;
+      words_.clear();
+    }
+    if (line_ == Line::taken) {
+      words_.push_back(word);
+    }
+    if (closing_) {
+      if (line_ == Line::taken) {
+        add_line(true);
+        line_ended_ = true;
+        last_line_ = now_;
+      }
+      line_ = Line::none;
+      open_ = open_ && !ending_;
+    }
+    numbered_ = start || finish;
+    closing_ = finish;
+    ending_ = frame_end;
+  }
+
+  void cut() {
+    if (open_) {
+      ++expected_.cuts;
+      expected_.may_break.back() = true;
+      if (line_ == Line::taken) {
+        add_line(false);
+      }
+      // The last line of the frame before may still be on its way.
+      if (expected_.frames.size() > 1 && now_ - last_line_ < 8) {
+        expected_.may_break[expected_.frames.size() - 2] = true;
+      }
+    }
+    open_ = numbered_ = closing_ = ending_ = false;
+    line_ = Line::none;
+  }
+
+  [[nodiscard]] bool all_training(const LvdsWord& word) const {
+    return std::all_of(word.data.begin(), word.data.begin() + format_.lanes,
+                       [&](unsigned data) { return data == format_.training(); });
+  }
+  [[nodiscard]] bool are_check_words(const LvdsWord& word) const {
+    for (std::size_t lane = 0; lane < static_cast<std::size_t>(format_.lanes); ++lane) {
+      if (word.data[lane] != lvds_check_word(words_.size(), [&](std::size_t at) { return words_[at].data[lane]; })) {
+        return false;
+      }
+    }
+    return true;
+  }
+
+  // Of a line that is cut off, the kernels that are whole.
+  void add_line(bool whole) {
+    const auto lanes = static_cast<std::size_t>(format_.lanes);
+    const std::size_t count = words_.size() / 2 * 2;
+    std::vector<unsigned> pixels(count * lanes);
+    for (std::size_t at = 0; at < count; ++at) {
+      for (std::size_t lane = 0; lane < lanes; ++lane) {
+        pixels[lvds_kernel_column(lanes, at, lane)] = words_[at].data[lane];
+      }
+    }
+    add_lvds_beats(pixels, format_.bits, whole, expected_.frames.back());
+  }
+
+  LvdsFormat format_;
+  bool checked_;
+  LvdsExpected expected_;
+  std::set<std::int64_t> damaged_;  // words
+  std::int64_t now_ = 0;
+  std::int64_t last_line_ = -1'000'000;
+  bool open_ = false;  // a frame is taken
+  Line line_ = Line::none;
+  bool line_ended_ = false;  // with the word before, one that was taken
+  bool marked_ = false;      // the word before was a start or an end
+  bool numbered_ = false;    // the window's number must come
+  bool closing_ = false;     // and ends the line
+  bool ending_ = false;      // and the frame
+  std::vector<LvdsWord> words_;
 };
 
 }  // namespace selfproj::test
