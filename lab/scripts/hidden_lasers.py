@@ -160,12 +160,14 @@ def level(heights, around):
 
 
 def heights_off(found, truth):
-    """Differences away from steps."""
+    """Differences away from steps, across and along the belt. Of the first and the last frame nobody knows: there the part
+    begins and ends, and the line falls partly beside it."""
     off = []
-    for heights, true in zip(found, truth):
+    for before, heights, true, after in zip(truth, found[1:], truth[1:], truth[2:]):
         for c, (h, t) in enumerate(zip(heights, true)):
             beside = true[max(0, c - 4):c + 5]
-            if not math.isnan(h - t) and all(abs(a - b) < 1 for a, b in zip(beside, beside[1:])):
+            steps = [*zip(beside, beside[1:]), (before[c], t), (t, after[c])]
+            if not math.isnan(h - t) and all(abs(a - b) < 1 for a, b in steps):
                 off.append(h - t)
     return off
 

@@ -43,6 +43,7 @@ struct LvdsWord {
   unsigned control = 0;
   std::array<unsigned, 16> data{};
   std::size_t frame = 0;  // to which it belongs, counted from 1; 0: to none
+  bool at_once = false;   // it came in the clock behind that of the word before
 };
 
 constexpr int kLvdsTicks = 1000;  // of time, in a bit
@@ -115,10 +116,10 @@ class LvdsFrames {
     Frame due;
     ++frames_;
     std::vector<unsigned> pixels(static_cast<std::size_t>(columns));
-    if (format_.codes && random_.chance(50)) {
-      black_line(kernels);
-    }
     for (int row = 0; row < rows; ++row) {
+      if (format_.codes && random_.chance(row == 0 ? 50 : 10)) {
+        black_line(kernels);
+      }
       for (unsigned& pixel : pixels) {
         pixel = static_cast<unsigned>(random_.bits()) & ((1U << static_cast<unsigned>(format_.bits)) - 1U);
       }
@@ -152,11 +153,13 @@ class LvdsFrames {
 
  private:
   [[nodiscard]] LvdsWord word(unsigned control, unsigned data) const {
-    LvdsWord all{control, {}, 0};
+    LvdsWord all{control, {}};
     all.data.fill(data);
     return all;
   }
-  void push(unsigned control, const std::array<unsigned, 16>& data) { queue_.push_back({control, data, frames_}); }
+  void push(unsigned control, const std::array<unsigned, 16>& data) {
+    queue_.push_back({control, data, frames_, false});
+  }
 
   // Of each lane its columns; between bursts and behind the line, words without data valid.
   void line_of_columns(const std::vector<unsigned>& pixels, bool last_line, int max_gap) {
@@ -275,6 +278,15 @@ class LvdsBench {
 
   // The deserializer cuts its words elsewhere.
   void set_place(int place) { place_ = place; }
+  // A control word that is on its way is all zeros, as on a cable that is pulled.
+  [[nodiscard]] bool zeros_on_their_way() const {
+    bool zero = false;
+    for (std::int64_t back = 0; back < 4 && back < words_; ++back) {
+      zero =
+          zero || ring_[static_cast<std::size_t>(format_.lanes)][static_cast<std::size_t>(words_ - back) % kRing] == 0;
+    }
+    return zero;
+  }
   // Words that the front end keeps when it loses its lanes: a frame that has ended may not be out.
   void watch() { watching_ = true; }
 
@@ -345,11 +357,10 @@ class LvdsBench {
         dut_, dut_->sensor_clk_i, dut_->clk_i, rises,
         [&] {
           if (rises.a) {
+            const bool before = dut_->valid_i;
             dut_->valid_i = valid_percent == 100 || random_.chance(valid_percent);
             if (dut_->valid_i) {
-              next_word();
-            } else {
-              dut_->valid_i = 0;
+              next_word(before);
             }
           }
         },
@@ -376,7 +387,7 @@ class LvdsBench {
  private:
   static constexpr std::size_t kRing = 8;
 
-  void next_word() {
+  void next_word(bool at_once) {
     ++words_;
     // The sensor is three words ahead of what is sampled.
     LvdsWord sent = frames_.idle();
@@ -389,6 +400,7 @@ class LvdsBench {
     }
     if (record != nullptr) {
       record->push_back(sent);
+      record->back().at_once = at_once;
     }
     for (int lane = 0; lane <= format_.lanes; ++lane) {
       const unsigned word = lane == format_.lanes ? sent.control : sent.data[static_cast<std::size_t>(lane)];
@@ -403,8 +415,18 @@ class LvdsBench {
     put_lanes(raw);
   }
 
-  // One bit of the control lane or of another one; with codes, there are also two bits, and other codes.
+  // One bit of the control lane or of another one. With codes, there are also two bits and other codes, and words that
+  // are missing or come twice.
   void damage(LvdsWord& word) {
+    if (format_.codes && random_.chance(20) && !frames_.queue().empty()) {
+      if (random_.chance(50)) {
+        word = frames_.queue().front();
+        frames_.queue().pop_front();
+      } else {
+        frames_.queue().push_front(word);
+      }
+      return;
+    }
     const int lane = random_.chance(50) ? format_.lanes : random_.between(0, format_.lanes - 1);
     unsigned& hit = lane == format_.lanes ? word.control : word.data[static_cast<std::size_t>(lane)];
     if (format_.codes && lane == format_.lanes && random_.chance(30)) {

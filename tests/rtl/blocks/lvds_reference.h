@@ -1,13 +1,12 @@
 // What a front end for serial sensors must make of the words of a sensor with flags (CMV) or codes (PYTHON), damaged or
-// not, from a gap between frames on, with all lanes aligned and a word in every clock. Written from the descriptions of
-// sp_lvds_flags, sp_lvds_codes and sp_lvds_sensor.
+// not, from a gap between frames on, with all lanes aligned. Written from the descriptions of sp_lvds_flags,
+// sp_lvds_codes and sp_lvds_sensor.
 #ifndef SELFPROJ_TESTS_RTL_BLOCKS_LVDS_REFERENCE_H
 #define SELFPROJ_TESTS_RTL_BLOCKS_LVDS_REFERENCE_H
 
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <set>
 #include <vector>
 
 #include "tests/rtl/blocks/camera_beats.h"
@@ -135,16 +134,20 @@ class LvdsCodesReference {
   LvdsExpected of(const std::vector<LvdsWord>& words) {
     for (const LvdsWord& word : words) {
       ++now_;
-      take(word);
+      const bool damaged = take(word);
+      // A wrong check word is noticed a clock later, and not counted once more if the word of that clock is damaged.
+      expected_.damaged += (damaged ? 1U : 0U) + (unlike_ && !(word.at_once && damaged) ? 1U : 0U);
+      unlike_ = unlike_next_;
     }
-    expected_.damaged = static_cast<unsigned>(damaged_.size());
+    expected_.damaged += unlike_ ? 1U : 0U;
     return expected_;
   }
 
  private:
   enum class Line { none, taken, left_out };
 
-  void take(const LvdsWord& word) {
+  // Returns whether damage is noticed in it.
+  bool take(const LvdsWord& word) {
     const auto is = [&](unsigned of_ten_bits) { return word.control == format_.code(of_ten_bits); };
     const bool frame_start = is(0x2AA);
     const bool frame_end = is(0x32A);
@@ -163,16 +166,12 @@ class LvdsCodesReference {
     } else if (line_ != Line::none) {
       wrong = !(pixels || finish || (line_ == Line::left_out && is(0x015)));
     }
-    if (!code || (open_ && (wrong || frame_start)) || (training && !all_training(word))) {
-      damaged_.insert(now_);
-    }
-    if (checked_ && check && line_ended_ && !are_check_words(word)) {
-      damaged_.insert(now_ + 1);  // counted with the next word
-    }
+    const bool damaged = !code || (open_ && (wrong || frame_start)) || (training && !all_training(word));
+    unlike_next_ = checked_ && check && line_ended_ && !are_check_words(word);
     line_ended_ = false;
     if (wrong) {
       cut();
-      return;
+      return damaged;
     }
     if (frame_start) {
       open_ = true;
@@ -198,6 +197,7 @@ class LvdsCodesReference {
     numbered_ = start || finish;
     closing_ = finish;
     ending_ = frame_end;
+    return damaged;
   }
 
   void cut() {
@@ -245,7 +245,8 @@ class LvdsCodesReference {
   LvdsFormat format_;
   bool checked_;
   LvdsExpected expected_;
-  std::set<std::int64_t> damaged_;  // words
+  bool unlike_ = false;       // the word before was a wrong check word
+  bool unlike_next_ = false;  // this one is
   std::int64_t now_ = 0;
   std::int64_t last_line_ = -1'000'000;
   bool open_ = false;  // a frame is taken
