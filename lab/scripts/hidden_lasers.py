@@ -23,8 +23,8 @@ the same packets. Bounds: the step within 0.02 mm, heights 0.03 mm RMS, places w
 wrong.
 
 --small takes smaller images and fewer boards. With --out, all files are kept in DIR, a new folder. With SELFPROJ_RESULTS
-set, hidden_lasers.json is written; with --add it keeps the rigs that an earlier run has measured. The exit status is 1
-where a bound is not held. Standard library only.
+set, hidden_lasers.json is written after each rig; with --add it keeps the rigs that an earlier run has measured. The
+exit status is 1 where a bound is not held. Standard library only.
 """
 
 import argparse
@@ -272,6 +272,18 @@ def line_of(name, found):
             f"{found['defects']} defects, {found['false_by_moments']} false; {found['seconds']} s")
 
 
+def record(found, options):
+    """Written after each rig, so that a run that is ended early keeps what it has."""
+    seen = [one for one in found.values() if "refused" not in one]
+    results.write("hidden_lasers", "Simulated laser rigs calibrated from images alone, compared with their true values",
+                  "lab/scripts/hidden_lasers.py" + (" --small" if options.small else ""),
+                  {"rigs": dict(sorted(found.items())), "within": sum(not one["missed"] for one in found.values()),
+                   "of": len(found), "parts": sum(one["parts"] for one in seen),
+                   "wrong_verdicts": sum(one["wrong_verdicts"] for one in seen),
+                   "false_by_moments": sum(one["false_by_moments"] for one in seen),
+                   "worst": hidden_rigs.worst({k: v for k, v in found.items() if "refused" not in v})})
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--seeds", type=hidden_rigs.seeds_of, default=hidden_rigs.seeds_of("1-20"), metavar="N-M")
@@ -292,13 +304,9 @@ def main():
             one["missed"] = ["refused"] if "refused" in one else [k for k, b in BOUNDS.items() if not one[k] <= b]
             found[name_of(seed, lean)] = one
             print(line_of(name_of(seed, lean), one), *one["missed"], flush=True)
-    found = dict(sorted(found.items()))
+            record(found, options)
     good = sum(not one["missed"] for one in found.values())
     print(f"{good} of {len(found)} within all bounds")
-    results.write("hidden_lasers", "Simulated laser rigs calibrated from images alone, compared with their true values",
-                  "lab/scripts/hidden_lasers.py" + (" --small" if options.small else ""),
-                  {"rigs": found, "within": good, "of": len(found),
-                   "worst": hidden_rigs.worst({k: v for k, v in found.items() if "refused" not in v})})
     return 0 if good == len(found) else 1
 
 
