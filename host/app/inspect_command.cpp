@@ -322,6 +322,7 @@ class Run {
                                      .play_across_mm = table.play_across_mm,
                                      .play_along_mm = table.play_along_mm,
                                      .lit_rows = table.lit_rows,
+                                     .section_mm = table.section_mm,
                                      .start = 0,
                                      .pitch = model::kCountMask / 2},
           options_.production.tolerance);

@@ -106,6 +106,7 @@ void run_table(TableOptions options) {
                         options.tolerance, rig.name, options.shift_mm, model::kRowParts) +
             production::to_yaml(table));
   print_table(table);
+  fmt::print("judged: {:.0f} % of the area of the regions\n", 100 * facts.judged);
   fmt::print("bands: ±{:.4f} mm in the best column, ±{:.4f} in the worst; rounded outwards by up to {:.4f} mm\n",
              facts.narrowest_mm, facts.widest_mm, facts.rounding_mm);
   fmt::print("found: {:.2f} mm across × {:.2f} mm along, off by {:.3f} mm; a frame is {:.3f} mm\n",
@@ -124,6 +125,16 @@ void run_table(TableOptions options) {
                fmt::format("parts are {} mm apart, and the circuit ends one after {} dark frames, {:.2f} mm: a hole of "
                            "that length ends it; --start and --pitch do not look at the light",
                            rig.parts->gap_mm, table.rule.dark_frames, table.rule.dark_frames * facts.frame_mm));
+  }
+  constexpr double kFewJudged = 0.5;
+  if (facts.judged < kFewJudged) {
+    note_doubt(options.tolerance,
+               fmt::format("of its regions {:.0f} % are judged: plays of {} mm across and {:.3g} mm along leave out as "
+                           "much at each border{}",
+                           100 * facts.judged, table.play_across_mm, table.play_along_mm,
+                           options.verdict.section_mm ? ""
+                                                      : "; where columns meet the part one after another, as on a belt "
+                                                        "that runs askew, a short --section helps"));
   }
   if (!facts.finds_defect) {
     note_doubt("--defect " + options.defect, "is smaller than what is found for certain");
@@ -216,6 +227,13 @@ selfproj inspect --rig line/rig.yaml --reference line/part --device file:line/ru
       ->transform(cli::real_number(0, 100))
       ->type_name("MM")
       ->default_str("half the width of the line, and a frame");
+  command
+      ->add_option("--section", options->verdict.section_mm,
+                   "Limits change every so many mm along the part, instead of where regions begin and end: for belts "
+                   "that run askew, whose columns meet the part one after another.")
+      ->transform(cli::real_number(0.01, 1000))
+      ->type_name("MM")
+      ->default_str("where regions begin and end");
   CLI::Option* const start = command
                                  ->add_option("--start", options->verdict.start,
                                               "Encoder count at which a part begins, for parts that come evenly.")

@@ -45,6 +45,9 @@ void visit_made_with(TableT& table, Visitor& v) {
   v.number("play_across_mm", table.play_across_mm, 1, rig::kNotNegative);
   v.number("play_along_mm", table.play_along_mm, 1, rig::kNotNegative);
   v.number("lit_rows", table.lit_rows, 1, rig::kPositive);
+  if (v.has_any({"section_mm"}, table.section_mm)) {
+    v.number("section_mm", *table.section_mm, 1, rig::kPositive);
+  }
   if (v.has_any({"shift_mm"}, table.shift_mm)) {  // not in files of earlier versions
     v.number("shift_mm", *table.shift_mm, 1, rig::kAny);
   }

@@ -10,6 +10,8 @@
 #include <functional>
 #include <limits>
 #include <numeric>
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
 #include <optional>
 #include <string>
 #include <utility>
@@ -102,6 +104,10 @@ double deviations_of_all(int count) {
     deviations += 0.01;
   }
   return deviations;
+}
+
+std::ptrdiff_t judged_in(const VerdictTable::Section& section) {
+  return std::count_if(section.limits.begin(), section.limits.end(), [](const auto& limits) { return limits.judged; });
 }
 
 }  // namespace
@@ -211,14 +217,16 @@ void VerdictTables::measure_scale() {
   // Regions are met one after another where heights differ and the light leans: from the middle of them.
   double first = 1e9;
   double last = -1e9;
+  double end = -1e9;
   for (const SeenRegion& region : part.regions) {
     if (std::any_of(region.places.begin(), region.places.end(), [](const auto& at) { return at.has_value(); })) {
       first = std::min(first, region.along_mm);
       last = std::max(last, region.along_mm);
+      end = std::max(end, region.along_mm + region.spread_mm);
     }
   }
   meets_mm_ = 0.5 * (first + last);
-  reach_mm_ = last - meets_mm_;
+  reach_mm_ = end - meets_mm_;
   column_mm_ = files::median_of(columns);
   row_mm_ = files::median_of(rows);
 }
@@ -281,12 +289,14 @@ VerdictTables::Placed VerdictTables::placed(double shift_mm, double play_along_m
       }
       const double per_mm =
           static_cast<double>(across_[below] - across_[above]) / (static_cast<double>(part.difference[below]) - from);
-      place = SeenPlace{on_part, std::abs(per_mm) * (0.5 * (region.high_mm - region.low_mm) + options_.margin_mm)};
-      low = std::min(low, between(along_) - light_mm_);
-      high = std::max(high, between(along_) - light_mm_);
+      const double along = between(along_) - light_mm_ - meets_mm_;
+      place =
+          SeenPlace{on_part, along, std::abs(per_mm) * (0.5 * (region.high_mm - region.low_mm) + options_.margin_mm)};
+      low = std::min(low, along);
+      high = std::max(high, along);
     }
     if (low <= high) {
-      seen.along_mm = 0.5 * (low + high) - meets_mm_;
+      seen.along_mm = 0.5 * (low + high);
       seen.spread_mm = 0.5 * (high - low);
     }
     part.regions.push_back(std::move(seen));
@@ -313,14 +323,14 @@ VerdictTables::Wanted VerdictTables::wanted(const Placed& part, double from_mm, 
   for (std::size_t r = 0; r < part.regions.size(); ++r) {
     const SeenRegion& seen = part.regions[r];
     const ToleranceRegion& region = tolerance_.regions[r];
-    const double from = from_mm - seen.along_mm - part.play_along_mm - seen.spread_mm;
-    const double to = to_mm - seen.along_mm + part.play_along_mm + seen.spread_mm;
     for (std::size_t c = 0; c < result.size(); ++c) {
       if (!seen.places[c]) {
         continue;
       }
       const double across = seen.places[c]->across_mm;
       const double play = options_.play_across_mm + seen.places[c]->play_mm;
+      const double from = from_mm - seen.places[c]->along_mm - part.play_along_mm;
+      const double to = to_mm - seen.places[c]->along_mm + part.play_along_mm;
       if (!covers(region, from, to, across - play, across + play)) {
         continue;
       }
@@ -464,6 +474,7 @@ VerdictTable VerdictTables::table(double shift_mm, double play_along_mm) const {
                      .play_across_mm = options_.play_across_mm,
                      .play_along_mm = play_along_mm,
                      .lit_rows = lit_rows_,
+                     .section_mm = options_.section_mm,
                      .shift_mm = shift_mm};
   table.max_shift_columns = static_cast<int>(std::ceil(options_.max_shift_mm / std::abs(column_mm_) - 1e-9));
   if (table.max_shift_columns > model::kMaxShiftColumns) {
@@ -472,9 +483,17 @@ VerdictTable VerdictTables::table(double shift_mm, double play_along_mm) const {
   }
   const int most = table.max_shift_columns;
   std::vector<double> begins = {0};
-  for (int s = -most; s <= most; ++s) {
+  for (int s = -most; s <= most && !options_.section_mm; ++s) {
     const std::vector<double> more = boundaries(placed(shift_mm + s * column_mm_, play_along_mm));
     begins.insert(begins.end(), more.begin(), more.end());
+  }
+  if (options_.section_mm.value_or(2 * frame_mm_) < 2 * frame_mm_) {
+    throw UserError("--section", fmt::format("is {:g} mm; it must be two frames or more, {:.3g} mm",
+                                             *options_.section_mm, 2 * frame_mm_));
+  }
+  const double end = length_counts() * rig_.conveyor.encoder_mm_per_count;
+  while (options_.section_mm && begins.back() < end) {
+    begins.push_back(begins.back() + *options_.section_mm);
   }
   std::sort(begins.begin(), begins.end());
   begins.erase(std::remove_if(begins.begin(), begins.end(), [](double begin) { return begin < 0; }), begins.end());
@@ -520,7 +539,7 @@ VerdictTable VerdictTables::table(double shift_mm, double play_along_mm) const {
     b = last + 1;
   }
   if (table.sections.size() > kMaxVerdictSections) {
-    throw UserError(source_, fmt::format("its regions make {} sections along the part; a table has at most {}",
+    throw UserError(source_, fmt::format("there are {} sections along the part; a table has at most {}",
                                          table.sections.size(), kMaxVerdictSections));
   }
   if (table.judged() == 0) {
@@ -597,12 +616,8 @@ double VerdictTables::false_alarms(const VerdictTable& table) const {
   }
   const double frames = tolerance_.length_mm / frame_mm_;
   const VerdictTable::Section& most = *std::max_element(
-      table.sections.begin(), table.sections.end(), [](const VerdictTable::Section& a, const VerdictTable::Section& b) {
-        const auto judged = [](const VerdictTable::Section& s) {
-          return std::count_if(s.limits.begin(), s.limits.end(), [](const auto& limits) { return limits.judged; });
-        };
-        return judged(a) < judged(b);
-      });
+      table.sections.begin(), table.sections.end(),
+      [](const VerdictTable::Section& a, const VerdictTable::Section& b) { return judged_in(a) < judged_in(b); });
   std::vector<double> out;
   double places = 0;
   for (std::size_t i = 0; i < most.limits.size(); ++i) {
@@ -667,6 +682,21 @@ VerdictFacts VerdictTables::facts(const VerdictTable& table) const {
     }
   }
   facts.rounding_mm = std::abs(row_mm_) / kParts;
+  double judged_mm2 = 0;
+  for (std::size_t s = 0; s < table.sections.size(); ++s) {
+    const std::uint32_t end = s + 1 < table.sections.size() ? table.sections[s + 1].begin : length_counts();
+    const double length = (end - table.sections[s].begin) * rig_.conveyor.encoder_mm_per_count;
+    judged_mm2 += length * std::abs(column_mm_) * static_cast<double>(judged_in(table.sections[s]));
+  }
+  double all_mm2 = 0;
+  for (const ToleranceRegion& region : tolerance_.regions) {
+    std::vector<cv::Point2f> corners;
+    for (std::size_t i = 0; i + 1 < region.corners_mm.size(); i += 2) {
+      corners.emplace_back(static_cast<float>(region.corners_mm[i]), static_cast<float>(region.corners_mm[i + 1]));
+    }
+    all_mm2 += cv::contourArea(corners);
+  }
+  facts.judged = judged_mm2 / all_mm2;
   facts.found_across_mm = (table.settings.width + 1) * std::abs(column_mm_);
   facts.found_along_mm = (table.settings.hits + 1) * frame_mm_;
   facts.noise_mm = noise_rows() * std::abs(row_mm_);

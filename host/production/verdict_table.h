@@ -35,6 +35,7 @@ struct VerdictTable {
   double play_across_mm = 0;
   double play_along_mm = 0;
   double lit_rows = 0;
+  std::optional<double> section_mm = {};
   std::optional<double> shift_mm = {};  // for parts so far across from where the reference lay; nothing: not known
   int max_shift_columns = 0;            // the limits hold for settings.shift_columns of up to this, both ways
   model::VerdictSettings settings = {};
@@ -66,6 +67,7 @@ struct VerdictOptions {
   std::optional<double> play_along_mm{};    // and begin so much earlier or later; nothing: half a line and a frame
   std::optional<double> lit_rows{};         // that the line lights; nothing: usual_lit_rows
   double max_shift_mm = 0;                  // the shift of settings may be so large
+  std::optional<double> section_mm{};       // length of a section; nothing: they begin where regions begin or end
   std::optional<int> max_unlit{};           // judged columns of a frame; nothing: light is not judged
   std::optional<std::uint32_t> start{};     // parts by the encoder: count at which part 0 begins; nothing: by light
   std::optional<std::uint32_t> pitch = {};  // and counts from part to part
@@ -85,6 +87,7 @@ struct VerdictFacts {
   double found_depth_mm = 0;
   double noise_mm = 0;       // standard deviation of a column's height by the rig's section `imaging`
   double false_alarms = 0;   // of noise, in a good part, at most
+  double judged = 0;         // share of the regions' area that is judged, about
   bool finds_defect = true;  // found_across_mm and found_along_mm are within the defect that was asked for
 };
 
@@ -130,9 +133,10 @@ class VerdictTables {
   };
   // Where a region of the tolerance is seen: of each column the place across at the middle of the band, on the part,
   // and how far from there it is at other heights of the band; nothing where it is not seen. Along the belt it is seen
-  // `along_mm` behind where the light meets the part, more or less by `spread_mm`.
+  // `along_mm` behind where the light meets the part: of the region in the middle, more or less by `spread_mm`.
   struct SeenPlace {
     double across_mm = 0;
+    double along_mm = 0;
     double play_mm = 0;
   };
   struct SeenRegion {

@@ -182,8 +182,8 @@ def judged(chain, seed, parts, encoder):
     chain.host("pattern", "--rig", "line/rig.yaml", "--residual", "golden", "--out", "good_part")
     chain.host("tolerance", "learn", *line, "--device", "file:parts/good.packets", "--out", "tolerance.yaml")
     # The line on the belt is in view all the time, so that light does not tell where parts begin. `inspect` places them.
-    chain.host("verdict", "table", *line, "--tolerance", "tolerance.yaml", "--defect", "2x2", "--start", 0, "--pitch",
-               round(PITCH_MM / encoder), "--out", "verdict.yaml")
+    chain.host("verdict", "table", *line, "--tolerance", "tolerance.yaml", "--defect", "2x2", "--section", 1.5, "--start",
+               0, "--pitch", round(PITCH_MM / encoder), "--out", "verdict.yaml")
     chain.host("inspect", *line, "--device", "file:parts/run.packets", "--tolerance", "tolerance.yaml", "--verdict",
                "verdict.yaml", "--verdict-placed", "--parts", "judged", "--check")
     with (chain.folder / "parts/run.csv").open(encoding="utf-8") as table:

@@ -24,6 +24,7 @@
 #include "selfproj/model/column_moments.h"
 #include "selfproj/rig/rig.h"
 #include "tests/host/production/made_parts.h"
+#include "tests/support/error_of.h"
 
 namespace selfproj::test {
 namespace {
@@ -192,6 +193,55 @@ TEST(VerdictTables, WhatIsWithinTheToleranceIsNeverOut) {
       }
     }
   }
+}
+
+// On a belt that runs askew, columns meet the part one after another, and each is judged while it sees the region.
+TEST(VerdictTables, ShortSectionsJudgeMoreOnABeltThatRunsAskew) {
+  GoodPart setup = laser();
+  const auto& [nx, ny, nz] = setup.rig.belt_pose->normal;
+  auto& direction = setup.rig.belt_pose->direction;
+  const auto [dx, dy, dz] = direction;
+  const double c = std::cos(0.2), s = std::sin(0.2);
+  direction = {c * dx + s * (ny * dz - nz * dy), c * dy + s * (nz * dx - nx * dz), c * dz + s * (nx * dy - ny * dx)};
+  VerdictOptions options = evenly();
+  const VerdictTables whole(setup.rig, setup.reference, setup.tolerance, options, "tolerance");
+  options.section_mm = 2;
+  const VerdictTables tables(setup.rig, setup.reference, setup.tolerance, options, "tolerance");
+  const VerdictTable table = tables.table(0);
+  EXPECT_GT(tables.facts(table).judged, 1.3 * whole.facts(whole.table(0)).judged);
+  EXPECT_LT(tables.facts(table).judged, 1);
+  EXPECT_GT(compare_with_profiler(setup, table, 0, 1), 1000U);
+
+  // Where the columns that are judged see the part while a section lasts
+  const light_section::DifferentialProfiler profiler(setup.rig, setup.reference);
+  model::Moments moments;
+  moments.resize(table.columns);
+  light_section::Profile profile;
+  profile.resize(table.columns);
+  const double count_mm = setup.rig.conveyor.encoder_mm_per_count;
+  const double meets = production::belt_view(setup.rig).along_mm + tables.leading_edge_mm({});
+  const std::vector<double>& corners = setup.tolerance.regions[0].corners_mm;
+  for (std::size_t i = 0; i + 1 < table.sections.size(); ++i) {
+    for (std::size_t at = 0; at < static_cast<std::size_t>(table.columns); ++at) {
+      const model::ColumnLimits& limits = table.sections[i].limits[at];
+      moments.m0[at] = 2 * model::kRowParts;
+      moments.m1[at] = limits.low + limits.high;
+      moments.n[at] = static_cast<std::uint32_t>(setup.rig.measure.min_lit_px);
+    }
+    profiler.profile(moments.view(), profile.view());
+    for (std::size_t at = 0; at < static_cast<std::size_t>(table.columns); ++at) {
+      if (table.sections[i].limits[at].judged) {
+        const double behind = static_cast<double>(profile.x[at]) - meets;
+        EXPECT_GE(table.sections[i].begin * count_mm - behind, corners[0]) << i << ", column " << at;
+        EXPECT_LE(table.sections[i + 1].begin * count_mm - behind, corners[2]) << i << ", column " << at;
+      }
+    }
+  }
+  options.section_mm = 0.01;
+  EXPECT_EQ(error_of([&] {
+              (void)VerdictTables(setup.rig, setup.reference, setup.tolerance, options, "tolerance").table(0);
+            }).rfind("--section: is 0.01 mm; it must be two frames or more, ", 0),
+            0U);
 }
 
 TEST(VerdictTables, WallsAndPlacesOutsideOfRegionsAreNotJudged) {
