@@ -313,7 +313,7 @@ cv::Mat1b Learner::unseen(const Classifier& classifier, const MapGrid& grid, con
     }
   }
   cv::Mat1b most;
-  cv::compare(missing, parts / 2, most, cv::CMP_GT);
+  cv::compare(2 * missing, parts, most, cv::CMP_GT);
   return most;
 }
 
