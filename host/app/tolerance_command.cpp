@@ -72,8 +72,19 @@ void write_tolerance(const LearnCommandOptions& options, const rig::Rig& rig, co
                100 * region.max_missing);
   }
   if (not_learned.unseen_mm2 > 0) {
-    fmt::print("  not inspected: {:.1f} mm² that most of the parts do not show, with the strip around it\n",
-               not_learned.unseen_mm2);
+    fmt::print("  not inspected: {:.1f} of {:.1f} mm² that most of the parts do not show, with the strip around it\n",
+               not_learned.unseen_mm2, not_learned.regions_mm2);
+  }
+  if (not_learned.unseen_mm2 > 0.5 * not_learned.regions_mm2) {
+    note_doubt(options.source(), "more than half of the surfaces is not inspected");
+  }
+  for (const std::string& region : not_learned.unlike_reference) {
+    note_doubt(
+        options.source(),
+        fmt::format("in region '{}' each good part is up to {:g} mm further from the reference in one place than in "
+                    "another, and defects are only what is outside of all of it; is the reference (--reference) "
+                    "that of these parts?",
+                    region, rig.parts->above_mm));
   }
 }
 

@@ -126,6 +126,12 @@ void run_table(TableOptions options) {
                            "that length ends it; --start and --pitch do not look at the light",
                            rig.parts->gap_mm, table.rule.dark_frames, table.rule.dark_frames * facts.frame_mm));
   }
+  if (rig.sources && rig.sources->speed == rig::ValueSource::drawing) {
+    note_doubt(options.section.rig,
+               fmt::format("the belt's speed was never measured: w, h, m and the plays are for frames {:.3g} mm apart, "
+                           "by conveyor.speed_mm_per_s {:g} and the frame rate",
+                           facts.frame_mm, rig.conveyor.speed_mm_per_s));
+  }
   constexpr double kFewJudged = 0.5;
   if (facts.judged < kFewJudged) {
     note_doubt(options.tolerance,

@@ -262,9 +262,10 @@ MovedBoard::Fit fit_of(const std::vector<BoardView>& views, const rig::Lens& len
   return best;
 }
 
-// The straight line along = offset + slope given, and the greatest distance from it.
+// The straight line along = offset + slope given, and the greatest distance from it, and of which place.
 struct EvenWay {
   double slope = 0, greatest = 0;
+  std::size_t worst = 0;
 };
 EvenWay even_way(const std::vector<double>& given, const std::vector<BeltPlace>& places) {
   const auto n = static_cast<double>(given.size());
@@ -280,9 +281,13 @@ EvenWay even_way(const std::vector<double>& given, const std::vector<BeltPlace>&
     xx += (given[i] - x) * (given[i] - x);
     xy += (given[i] - x) * (places[i].along_mm - y);
   }
-  EvenWay way{xy / xx, 0};
+  EvenWay way{xy / xx};
   for (std::size_t i = 0; i < given.size(); ++i) {
-    way.greatest = std::max(way.greatest, std::abs(places[i].along_mm - y - way.slope * (given[i] - x)));
+    const double off = std::abs(places[i].along_mm - y - way.slope * (given[i] - x));
+    if (off > way.greatest) {
+      way.greatest = off;
+      way.worst = i;
+    }
   }
   return way;
 }
@@ -290,13 +295,21 @@ EvenWay even_way(const std::vector<double>& given, const std::vector<BeltPlace>&
 // What moves, counts and seconds say of the conveyor.
 void apply_ways(const BeltSettings& settings, BeltCalibration& result) {
   rig::RigSources& sources = *result.rig.sources;
-  const auto way_of = [&](const std::vector<double>& given) {
+  const auto way_of = [&](const std::vector<double>& given, const char* option) {
+    constexpr double kRead = 0.5;  // mm: as a way is read, or stopped at
     const EvenWay way = even_way(given, result.places);
+    const double length = std::abs(result.places.back().along_mm - result.places.front().along_mm);
+    if (way.greatest > std::max(kRead, settings.scale_tolerance * length)) {
+      throw UserError(option,
+                      fmt::format("by the other places, {} is {:.2f} mm from where its value puts it; a value is "
+                                  "wrong, or the images are in another order",
+                                  result.places[way.worst].name, way.greatest));
+    }
     result.spread_mm = std::max(result.spread_mm, way.greatest);
     return way.slope;
   };
   if (!settings.moves_mm.empty()) {
-    result.way = way_of(settings.moves_mm);
+    result.way = way_of(settings.moves_mm, "--moves");
     if (!(std::abs(result.way - 1) <= settings.scale_tolerance)) {
       throw UserError("--moves", fmt::format("a millimetre of the belt moves the chessboard by {:.4f} mm; --moves or "
                                              "--square is wrong",
@@ -304,7 +317,7 @@ void apply_ways(const BeltSettings& settings, BeltCalibration& result) {
     }
   }
   if (!settings.counts.empty()) {
-    const double slope = way_of(settings.counts);
+    const double slope = way_of(settings.counts, "--counts");
     if (!(slope > 0)) {
       throw UserError("--counts", "the encoder counts down along the belt's way; exchange its two channels");
     }
@@ -312,7 +325,7 @@ void apply_ways(const BeltSettings& settings, BeltCalibration& result) {
     sources.encoder = rig::ValueSource::measured;
   }
   if (!settings.seconds.empty()) {
-    result.rig.conveyor.speed_mm_per_s = way_of(settings.seconds);
+    result.rig.conveyor.speed_mm_per_s = way_of(settings.seconds, "--seconds");
     sources.speed = rig::ValueSource::measured;
   }
 }
@@ -429,11 +442,21 @@ double reach_of(const std::vector<LineAtHeight>& lines, std::size_t line, double
 void apply_lines(const std::vector<LineAtHeight>& lines, const BeltSettings& settings, BeltCalibration& result) {
   rig::Rig& rig = result.rig;
   const auto measured = [&](std::size_t i, double wide) {
-    const HeightLine line = line_through(points_on(rig, lines[i]), lines[i].height_mm, wide);
+    const std::vector<cv::Vec3d> points = points_on(rig, lines[i]);
+    const HeightLine line = line_through(points, lines[i].height_mm, wide);
+    if (points.empty()) {
+      throw UserError(lines[i].name, "nothing in it is brighter than --laser-threshold");
+    }
     if (line.points == 0) {
-      throw UserError(lines[i].name, fmt::format("the laser's line is not found within {:.3g} mm of the height {:g} mm "
-                                                 "that it shows; is the height, or --thickness, right?",
-                                                 wide, lines[i].height_mm));
+      std::vector<double> heights;
+      std::transform(points.begin(), points.end(), std::back_inserter(heights),
+                     [](const cv::Vec3d& p) { return p[2]; });
+      throw UserError(
+          lines[i].name,
+          fmt::format("what is bright in it is {:.3g} mm high (median), not within {:.3g} mm of the height "
+                      "{:g} mm; is the image that of the line, and are the height, --thickness and --square "
+                      "right?",
+                      files::median_of(heights), wide, lines[i].height_mm));
     }
     return line;
   };

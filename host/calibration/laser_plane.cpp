@@ -367,6 +367,13 @@ LaserPlane laser_plane(const CameraReport& camera, const std::vector<images::Ima
   const double factor = static_cast<double>(result.images - 1) / static_cast<double>(result.images);
   result.turn_sd_deg = std::sqrt(factor * turns) * 180 / std::numbers::pi;
   result.shift_sd_mm = std::sqrt(factor * shifts);
+  constexpr double kKnown = 1;  // degree
+  if (!(result.turn_sd_deg <= kKnown)) {
+    throw UserError("--laser",
+                    fmt::format("the lines do not lie in one plane: {:.2g} mm RMS, and the plane is known to "
+                                "± {:.2g}° only; are boards and lines in the same order, and these the lines?",
+                                result.rms_mm, result.turn_sd_deg));
+  }
   return result;
 }
 

@@ -264,31 +264,47 @@ std::vector<ToleranceRegion> map_regions(const images::FloatImage& comparable, c
   return regions;
 }
 
+namespace {
+
+// A hole is opened to the nearer end of the part, so that a polygon can leave it out.
+void open_holes(cv::Mat1b& cells) {
+  std::vector<std::vector<cv::Point>> contours;
+  std::vector<cv::Vec4i> places;
+  cv::findContours(cells, contours, places, cv::RETR_CCOMP, cv::CHAIN_APPROX_NONE);
+  for (std::size_t i = 0; i < contours.size(); ++i) {
+    if (places[i][3] >= 0) {
+      const cv::Rect hole = cv::boundingRect(contours[i]);
+      const bool up = hole.y < cells.rows - hole.y - hole.height;
+      cells(cv::Rect(hole.x, up ? 0 : hole.y, hole.width, up ? hole.y + hole.height : cells.rows - hole.y)) =
+          std::uint8_t{0};
+    }
+  }
+}
+
+}  // namespace
+
 std::vector<ToleranceRegion> without_unseen(const std::vector<ToleranceRegion>& regions, const cv::Mat1b& unseen,
                                             const MapGrid& grid, double edge_mm, int side) {
   cv::Mat1b blind;
   cv::morphologyEx(unseen, blind, cv::MORPH_OPEN, block(side));
-  const int edge = static_cast<int>(std::ceil(edge_mm / grid.pitch_mm));
   std::vector<ToleranceRegion> result;
   for (const ToleranceRegion& region : regions) {
     cv::Mat1b cells = region_cells(region, grid);
-    cv::Mat labels;
-    cv::Mat1i stretches;
-    cv::Mat middles;
-    const int count = cv::connectedComponentsWithStats(blind & cells, labels, stretches, middles);
-    if (count == 1) {  // the background
+    cv::Mat1b around;  // what is outside has its strip already
+    cv::bitwise_and(blind, cells, around);
+    if (cv::countNonZero(around) == 0) {
       result.push_back(region);
       result.back().name = name_of(result.size());
       continue;
     }
-    for (int i = 1; i < count; ++i) {
-      const cv::Rect around(stretches(i, cv::CC_STAT_LEFT) - edge, stretches(i, cv::CC_STAT_TOP) - edge,
-                            stretches(i, cv::CC_STAT_WIDTH) + 2 * edge, stretches(i, cv::CC_STAT_HEIGHT) + 2 * edge);
-      cells(around & cv::Rect(0, 0, cells.cols, cells.rows)) = std::uint8_t{0};
-    }
+    cv::dilate(around, around, block(2 * static_cast<int>(std::ceil(edge_mm / grid.pitch_mm)) + 1));
+    cells.setTo(0, around);
+    open_holes(cells);
     std::vector<std::vector<cv::Point>> contours;
     cv::findContours(cells, contours, cv::RETR_EXTERNAL, cv::CHAIN_APPROX_SIMPLE);
-    for (const std::vector<cv::Point>& corners : contours) {
+    for (const std::vector<cv::Point>& contour : contours) {
+      std::vector<cv::Point> corners;
+      cv::approxPolyDP(contour, corners, 1, true);
       if (corners.size() > 2) {
         result.push_back(surface(result.size() + 1, places_of(corners, grid)));
       }
@@ -399,6 +415,7 @@ Tolerance Learner::learn(const std::string& source, LeftOut* left_out) const {
                                          grid, options_.edge_mm, side);
       if (left_out != nullptr) {
         left_out->unseen_mm2 = whole - area();
+        left_out->regions_mm2 = whole;
       }
     }
     keep_those_with_room();
@@ -431,6 +448,9 @@ Tolerance Learner::learn(const std::string& source, LeftOut* left_out) const {
     constexpr double kLeastBand = 1e-3;
     const auto [low, high] = std::minmax({seen[i].low.mean() - far(seen[i].low, options_.min_band_mm),
                                           seen[i].high.mean() + far(seen[i].high, options_.min_band_mm)});
+    if (left_out != nullptr && !map_ && seen[i].high.mean() - seen[i].low.mean() > rig_.parts->above_mm) {
+      left_out->unlike_reference.push_back(region.name);
+    }
     region.low_mm = files::rounded(low, 4);
     region.high_mm = files::rounded(std::max(high, low + kLeastBand), 4);
     region.max_missing = files::rounded(std::min(1.0, seen[i].missing.mean() + far(seen[i].missing, kMinMissing)), 4);

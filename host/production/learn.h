@@ -30,6 +30,10 @@ struct LearnOptions {
 struct LeftOut {
   std::vector<std::string> parts;  // that are not as the others, a reason each
   double unseen_mm2 = 0;           // of the regions, which most of the parts do not show (without_unseen)
+  double regions_mm2 = 0;          // with them
+  // Regions in which each good part alone is further from the reference in one place than in another than what makes a
+  // part (parts.above_mm): it is not that part's reference.
+  std::vector<std::string> unlike_reference;
 };
 
 inline constexpr std::size_t kMinGoodParts = 5;
@@ -90,10 +94,9 @@ class Learner {
 std::vector<ToleranceRegion> tolerance_regions(const Tolerance& outline, const SectionReference& section,
                                                double pitch_mm, double widest_mm, double edge_mm);
 
-// Regions without the places that parts do not show, as by a shadow or a second line in the column: of each, the
-// rectangle around each connected stretch of cells that are `unseen`, and a strip of edge_mm around it. A stretch into
-// which no square of `side` cells fits stays, and so does one that the region surrounds. What falls apart becomes
-// several regions.
+// Regions without the cells that are `unseen`, as by a shadow or a second line in the column, and without a strip of
+// edge_mm around them. Where no square of `side` unseen cells fits, they stay. What the region surrounds is left out
+// together with what is between it and the nearer end of the part. What falls apart becomes several regions.
 std::vector<ToleranceRegion> without_unseen(const std::vector<ToleranceRegion>& regions, const cv::Mat1b& unseen,
                                             const MapGrid& grid, double edge_mm, int side);
 

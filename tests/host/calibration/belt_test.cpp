@@ -212,7 +212,10 @@ TEST(Belt, ContradictionsAreRefused) {
   EXPECT_NE(refused({world.board(0, 0, 0), world.board(2, 0, 0)}).find("the chessboard moved by "), std::string::npos);
   EXPECT_NE(refused({world.board(-16, 0, 0), world.board(0, 0, 6), world.board(16, 0, 0)}).find("it was touched"),
             std::string::npos);
-  EXPECT_NE(refused(carried(world, 0, 0), {world.line(4)}).find("is the height, or --thickness, right?"),
+  EXPECT_NE(refused(carried(world, 0, 0), {world.line(4)}).find("are the height, --thickness and --square right?"),
+            std::string::npos);
+  EXPECT_NE(refused(carried(world, 0, 0), {calibration::LineAtHeight{"dark.png", 0, {}}})
+                .find("dark.png: nothing in it is brighter than --laser-threshold"),
             std::string::npos);
   calibration::LineAtHeight wrong = world.line(20);
   wrong.height_mm = 21;
@@ -221,6 +224,13 @@ TEST(Belt, ContradictionsAreRefused) {
   EXPECT_NE(refused(carried(world, 0, 0)).find("a millimetre of the belt moves the chessboard by 0.909"),
             std::string::npos);
   settings.moves_mm.clear();
+  // One value is wrong, or two images are exchanged.
+  settings.counts = {0, 100, 200, 345, 400};
+  EXPECT_NE(refused(carried(world, 0, 0)).find("--counts: by the other places, "), std::string::npos);
+  settings.counts.clear();
+  settings.seconds = {0, 2, 1, 3, 4};
+  EXPECT_NE(refused(carried(world, 0, 0)).find("--seconds: by the other places, "), std::string::npos);
+  settings.seconds.clear();
   settings.counts = {9, 8, 7, 6, 5};
   EXPECT_NE(refused(carried(world, 0, 0)).find("the encoder counts down"), std::string::npos);
 }

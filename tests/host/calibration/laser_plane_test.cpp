@@ -225,6 +225,19 @@ TEST(LaserPlane, WhatDoesNotTellIsRefused) {
     image.pixels.assign(static_cast<std::size_t>(image.rows * image.columns), 8);
   }
   EXPECT_THROW(calibration::laser_plane(camera, dark), UserError);
+  // Lines of other poses than the boards
+  const cv::Vec3d normal = test::turn(35, 0, 0) * cv::Vec3d(0, 1, 0);
+  std::vector<images::Image> lines;
+  for (const ChessboardPose& pose : poses) {
+    lines.push_back(line_on(world, pose, {normal, normal.dot(cv::Vec3d(0, 10, 560))}));
+  }
+  std::rotate(lines.begin(), lines.begin() + 1, lines.end());
+  try {
+    calibration::laser_plane(camera, lines);
+    ADD_FAILURE();
+  } catch (const UserError& error) {
+    EXPECT_NE(std::string(error.what()).find("are boards and lines in the same order"), std::string::npos);
+  }
   // Parallel poses do not determine the focal length.
   const calibration::CameraReport parallel = calibration::calibrate_camera(
       seen(world,

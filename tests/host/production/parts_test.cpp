@@ -434,41 +434,68 @@ TEST(Parts, AHiddenSideIsLearned) {
 // is: what is behind the shadow is inspected, and no points may be missing there.
 TEST(Parts, WhatGoodPartsDoNotShowIsNoRegion) {
   const rig::Rig rig = rig_with_parts();
-  production::Learner learner(rig, box_section(rig), {});
-  const auto part = [](double bump, double across) {
-    const auto height = [=](double v, double w) {
-      const bool shadow = v < 12 && w > 6 && w < 10;
-      const bool speck = std::hypot(v - 20, w + 10) < 0.4;
-      return shadow || speck ? kNone : 20 + (std::hypot(v - 22, w - 8) < 1.5 ? bump : 0);
+  const auto from_an_end = [](double v, double w) { return v < 12 && w > 6 && w < 10; };
+  const auto in_the_middle = [](double v, double w) { return v > 9 && v < 12 && w > 6 && w < 10; };
+  const auto slanting = [](double v, double w) { return std::abs(v - w - 12) < 2 && v < 16; };
+  const std::vector<std::pair<std::function<bool(double, double)>, double>> shadows = {
+      {from_an_end, 12 * (4 + 3)}, {in_the_middle, 12 * (4 + 3)}, {slanting, 150}};
+  for (const auto& [shadow, area] : shadows) {
+    const auto part = [&shadow](double bump, double across) {
+      const auto height = [=](double v, double w) {
+        const bool speck = std::hypot(v - 20, w + 10) < 0.4;
+        return shadow(v, w) || speck ? kNone : 20 + (std::hypot(v - 22, w - 8) < 1.5 ? bump : 0);
+      };
+      return MadePart{.length = 30, .height = height, .across = across, .noise = 0.02};
     };
-    return MadePart{.length = 30, .height = height, .across = across, .noise = 0.02};
-  };
+    Cut cut(rig);
+    MadeBelt belt(rig, 7);
+    for (const double across : {-0.5, -0.3, 0.0, 0.2, 0.4, 0.5}) {
+      belt.pass(cut, part(0, across));
+    }
+    belt.pass(cut, part(0.4, 0.3));
+    belt.bare(cut, 5);
+    ASSERT_EQ(cut.parts.size(), 7U);
+    production::Learner learner(rig, box_section(rig), {});
+    for (std::size_t i = 0; i < 6; ++i) {
+      learner.add(production::CutPart(cut.parts[i]));
+    }
+    production::LeftOut left_out;
+    const production::Tolerance tolerance = learner.learn("good", &left_out);
+    EXPECT_NEAR(left_out.unseen_mm2, area, 15);
+    EXPECT_NEAR(left_out.regions_mm2, 27 * 37, 25);
+    EXPECT_TRUE(left_out.unlike_reference.empty());
+    for (const production::ToleranceRegion& region : tolerance.regions) {
+      EXPECT_LT(region.max_missing, 0.02);  // the speck stays in its region
+    }
+    production::PlacedMaps maps;
+    const production::Classifier classifier(rig, box_section(rig), tolerance, "t.yaml");
+    for (std::size_t i = 0; i < 6; ++i) {
+      EXPECT_EQ(classifier.classify(cut.parts[i], maps).verdict, production::Verdict::good);
+    }
+    const production::PartResult bad = classifier.classify(cut.parts[6], maps);
+    EXPECT_EQ(bad.verdict, production::Verdict::bad);
+    ASSERT_EQ(bad.defects.size(), 1U);
+    EXPECT_NEAR(bad.defects[0].along_mm, 22, 0.3);
+    EXPECT_NEAR(bad.defects[0].across_mm, 8, 0.3);
+  }
+}
+
+// Parts with two levels, compared with a box: the band of the region holds both.
+TEST(Parts, AReferenceOfOtherPartsIsTold) {
+  const rig::Rig rig = rig_with_parts();
+  production::Learner learner(rig, box_section(rig), {});
   Cut cut(rig);
   MadeBelt belt(rig, 7);
-  for (const double across : {-0.5, -0.3, 0.0, 0.2, 0.4, 0.5}) {
-    belt.pass(cut, part(0, across));
+  for (int i = 0; i < 6; ++i) {
+    belt.pass(cut, {.length = 30, .height = [](double, double w) { return w > 0 ? 20.0 : 12.0; }, .noise = 0.03});
   }
-  belt.pass(cut, part(0.4, 0.3));
   belt.bare(cut, 5);
-  ASSERT_EQ(cut.parts.size(), 7U);
-  for (std::size_t i = 0; i < 6; ++i) {
-    learner.add(production::CutPart(cut.parts[i]));
+  for (production::CutPart& part : cut.parts) {
+    learner.add(std::move(part));
   }
   production::LeftOut left_out;
-  const production::Tolerance tolerance = learner.learn("good", &left_out);
-  ASSERT_EQ(tolerance.regions.size(), 1U);
-  EXPECT_NEAR(left_out.unseen_mm2, (12 + 1.5 - 1.5) * (4 + 3), 12);
-  EXPECT_LT(tolerance.regions[0].max_missing, 0.02);  // the speck stays in the region
-  production::PlacedMaps maps;
-  const production::Classifier classifier(rig, box_section(rig), tolerance, "t.yaml");
-  for (std::size_t i = 0; i < 6; ++i) {
-    EXPECT_EQ(classifier.classify(cut.parts[i], maps).verdict, production::Verdict::good);
-  }
-  const production::PartResult bad = classifier.classify(cut.parts[6], maps);
-  EXPECT_EQ(bad.verdict, production::Verdict::bad);
-  ASSERT_EQ(bad.defects.size(), 1U);
-  EXPECT_NEAR(bad.defects[0].along_mm, 22, 0.3);
-  EXPECT_NEAR(bad.defects[0].across_mm, 8, 0.3);
+  (void)learner.learn("good", &left_out);
+  EXPECT_EQ(left_out.unlike_reference, std::vector<std::string>{"surface 1"});
 }
 
 // Eleven good parts, and one that is not whole, first or last.

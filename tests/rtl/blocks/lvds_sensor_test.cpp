@@ -173,6 +173,9 @@ TEST(LvdsSensor, DamagedWordsAreCounted) {
 TEST(LvdsSensor, DamagedWordsAreCountedInBursts) {
   expect_damage_counted<Vsp_lvds_sensor_four>(kFour, LvdsFlagsReference(kFour), 10);
 }
+TEST(LvdsSensor, DamagedWordsAreCountedOnOneLane) {
+  expect_damage_counted<Vsp_lvds_sensor_one>(kOne, LvdsFlagsReference(kOne), 10);
+}
 TEST(LvdsSensor, DamagedWordsAreCountedWithCodes) {
   expect_damage_counted<Vsp_lvds_codes>(kCodes, LvdsCodesReference(kCodes, true), 10);
 }
@@ -299,6 +302,7 @@ void expect_cable_put_back(const LvdsFormat& format, int gap) {
 }
 TEST(LvdsSensor, TheCableIsPulledAndPutBack) { expect_cable_put_back<Vsp_lvds_sensor>(kSixteen, 200); }
 TEST(LvdsSensor, TheCableIsPulledAndPutBackWithBursts) { expect_cable_put_back<Vsp_lvds_sensor_four>(kFour, 120); }
+TEST(LvdsSensor, TheCableOfOneLaneIsPulledAndPutBack) { expect_cable_put_back<Vsp_lvds_sensor_one>(kOne, 120); }
 TEST(LvdsSensor, TheCableIsPulledAndPutBackWithCodes) { expect_cable_put_back<Vsp_lvds_codes>(kCodes, 120); }
 TEST(LvdsSensor, TheCableIsPulledAndPutBackWithCodesOfEightBits) {
   expect_cable_put_back<Vsp_lvds_codes_two>(kCodesTwo, 120);
@@ -343,6 +347,7 @@ void expect_losses_by_the_rule(const LvdsFormat& format, int cases) {
   });
 }
 TEST(LvdsSensor, LanesAreLostByTheRule) { expect_losses_by_the_rule<Vsp_lvds_sensor_four>(kFour, 10); }
+TEST(LvdsSensor, OneLaneIsLostByTheRule) { expect_losses_by_the_rule<Vsp_lvds_sensor_one>(kOne, 10); }
 TEST(LvdsSensor, LanesAreLostByTheRuleWithCodes) { expect_losses_by_the_rule<Vsp_lvds_codes>(kCodes, 10); }
 TEST(LvdsSensor, LanesAreLostByTheRuleWithCodesOfEightBits) {
   expect_losses_by_the_rule<Vsp_lvds_codes_two>(kCodesTwo, 10);
@@ -372,6 +377,7 @@ void expect_the_count_to_wrap(const LvdsFormat& format) {
   EXPECT_EQ(bench.losses(), 0);
 }
 TEST(LvdsSensor, TheCountOfDamagedWordsWraps) { expect_the_count_to_wrap<Vsp_lvds_sensor_four>(kFour); }
+TEST(LvdsSensor, TheCountOfDamagedWordsOfOneLaneWraps) { expect_the_count_to_wrap<Vsp_lvds_sensor_one>(kOne); }
 TEST(LvdsSensor, TheCountOfDamagedWordsWrapsWithCodes) { expect_the_count_to_wrap<Vsp_lvds_codes>(kCodes); }
 
 TEST(LvdsSensor, ALaneThatGoesDeadIsLost) {
