@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <functional>
 #include <memory>
@@ -12,6 +13,7 @@
 #include <vector>
 
 #include "host/app/commands.h"
+#include "host/app/scanner_run.h"
 #include "host/calibration/belt.h"
 #include "host/cli/command_line.h"
 #include "host/cli/progress.h"
@@ -145,7 +147,8 @@ std::string report_json(const BeltOptions& options, const calibration::BeltCalib
   if (!belt.heights.empty()) {
     json["laser"] = {{"zero_before_mm", belt.zero_mm},
                      {"belt_turned_deg", belt.zero_turn_deg},
-                     {"light_turned_deg", belt.light_turn_deg}};
+                     {"light_turned_deg", belt.light_turn_deg},
+                     {"light_scale", belt.light_scale}};
     for (const auto& height : belt.heights) {
       json["laser"]["heights"].push_back({{"name", height.name},
                                           {"height_mm", height.height_mm},
@@ -177,9 +180,9 @@ std::string report_text(const BeltOptions& options, const calibration::BeltCalib
   }
   if (!belt.heights.empty()) {
     text += fmt::format(
-        "laser      saw the belt {:.3f} mm high, which is now 0; belt turned by {:.3f}° about its way, "
-        "laser by {:.3f}°\n",
-        belt.zero_mm, belt.zero_turn_deg, belt.light_turn_deg);
+        "laser      saw the belt {:.3f} mm high, which is now 0, and {:.4f} mm for each mm of the heights; belt turned "
+        "by {:.3f}° about its way, laser by {:.3f}°\n",
+        belt.zero_mm, belt.light_scale, belt.zero_turn_deg, belt.light_turn_deg);
     for (const auto& height : belt.heights) {
       text += fmt::format("{}: {:g} mm is measured as {:.3f} mm, {:.3f} mm RMS, {} points\n", height.name,
                           height.height_mm, height.mean_mm, height.rms_mm, height.points);
@@ -219,6 +222,13 @@ void run_belt(BeltOptions options) {
   folder.append("report.json", report_json(options, belt));
   folder.commit();
   fmt::print("{}→ {}\n", report_text(options, belt), folder.name());
+  constexpr double kAlike = 0.005;
+  if (std::abs(belt.light_scale - 1) > kAlike) {
+    note_doubt("--heights",
+               fmt::format("by lens and chessboard the laser saw {:.4f} mm for each mm of them: they, or the "
+                           "--square of one of the calibrations, may be wrong by that much",
+                           belt.light_scale));
+  }
 }
 
 void add_list(CLI::App& command, const char* name, std::vector<double>& values, const char* type, const char* text) {

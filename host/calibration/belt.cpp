@@ -481,6 +481,7 @@ void apply_lines(const std::vector<LineAtHeight>& lines, const BeltSettings& set
       return product / square;
     };
     const double before = scale();
+    result.light_scale = before;
     if (!(std::abs(before - 1) <= settings.scale_tolerance)) {
       throw UserError("--heights", fmt::format("the laser sees {:.4f} mm for each mm of them; they, --square or the "
                                                "laser's plane are wrong",

@@ -51,6 +51,7 @@ struct BeltCalibration {
   // Of the laser: what it saw of the belt before it was taken as height 0, how much the belt was turned about its way
   // for that, and how much the laser's plane was turned for the other heights.
   double zero_mm = 0, zero_turn_deg = 0, light_turn_deg = 0;
+  double light_scale = 1;  // mm that it saw for each mm of the heights, before that
   struct Height {
     std::string name;
     double height_mm = 0, mean_mm = 0, rms_mm = 0;
