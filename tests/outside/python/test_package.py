@@ -449,7 +449,7 @@ class Calibration(Case):
         for words, name in (({"square_mm": 12, "moves_mm": [0, 5, 10, 15]}, "moves_mm.*square_mm is wrong"),
                             ({"moves_mm": [0, 5]}, "moves_mm: one for each image"),
                             ({"laser": lines}, "heights_mm: one for each image of the laser"),
-                            ({"laser": lines, "heights_mm": [0, 40]}, "or thickness_mm, right")):
+                            ({"laser": lines, "heights_mm": [0, 40]}, "thickness_mm and square_mm right")):
             with self.assertRaisesRegex(ValueError, name):
                 calibration.calibrate_belt(rig, boards, corners=(9, 6), **{"square_mm": 6, **words})
 
