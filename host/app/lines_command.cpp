@@ -151,7 +151,7 @@ void add_lines_command(CLI::App& app) {
 selfproj-sim scene render stairs --count 3 --out frames
 selfproj lines --threshold 20 --out lines frames/frame_*.png
 
-# A red laser in colour images, with an image taken while it was off, and without one (needs your files)
+# A red laser in colours, with an image taken while it was off, and without (needs your files)
 selfproj lines --channel red --threshold 15 --background off.jpg --out lines on.jpg
 selfproj lines --channel red-difference --threshold 15 --out lines on.jpg
 )"});
