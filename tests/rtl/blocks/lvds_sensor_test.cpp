@@ -308,7 +308,6 @@ TEST(LvdsSensor, TheCableIsPulledAndPutBackWithCodesOfEightBits) {
   expect_cable_put_back<Vsp_lvds_codes_two>(kCodesTwo, 120);
 }
 
-// A single data lane goes dead within frames: it is lost and told, and frames come again when it is back.
 // The rule by which a lane is lost, from its description: wrong words are worth five, right ones take one away, and a
 // wrong word at 27 or more is the last. Random patterns come close to it in the gaps, of one lane at a time.
 template <typename Dut>
@@ -380,6 +379,7 @@ TEST(LvdsSensor, TheCountOfDamagedWordsWraps) { expect_the_count_to_wrap<Vsp_lvd
 TEST(LvdsSensor, TheCountOfDamagedWordsOfOneLaneWraps) { expect_the_count_to_wrap<Vsp_lvds_sensor_one>(kOne); }
 TEST(LvdsSensor, TheCountOfDamagedWordsWrapsWithCodes) { expect_the_count_to_wrap<Vsp_lvds_codes>(kCodes); }
 
+// A single data lane goes dead within frames: it is lost and told, and frames come again when it is back.
 TEST(LvdsSensor, ALaneThatGoesDeadIsLost) {
   for_cases(8, [&](Random& random, std::uint64_t seed) {
     LvdsBench<Vsp_lvds_sensor_four> bench(seed, kFour, 1000, 700);
