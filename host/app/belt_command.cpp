@@ -13,7 +13,6 @@
 #include <vector>
 
 #include "host/app/commands.h"
-#include "host/app/scanner_run.h"
 #include "host/calibration/belt.h"
 #include "host/cli/command_line.h"
 #include "host/cli/progress.h"
@@ -224,10 +223,10 @@ void run_belt(BeltOptions options) {
   fmt::print("{}→ {}\n", report_text(options, belt), folder.name());
   constexpr double kAlike = 0.005;
   if (std::abs(belt.light_scale - 1) > kAlike) {
-    note_doubt("--heights",
-               fmt::format("by lens and chessboard the laser saw {:.4f} mm for each mm of them: they, or the "
-                           "--square of one of the calibrations, may be wrong by that much",
-                           belt.light_scale));
+    cli::note_doubt("--heights",
+                    fmt::format("by lens and chessboard the laser saw {:.4f} mm for each mm of them: they, or the "
+                                "--square of one of the calibrations, may be wrong by that much",
+                                belt.light_scale));
   }
 }
 

@@ -12,7 +12,6 @@
 #include "host/app/capture_run.h"
 #include "host/app/commands.h"
 #include "host/app/guided_poses.h"
-#include "host/app/scanner_run.h"
 #include "host/calibration/calibrate.h"
 #include "host/calibration/calibration_output.h"
 #include "host/calibration/capture.h"
@@ -162,7 +161,7 @@ std::vector<calibration::PoseReport> observe(const std::vector<std::string>& fol
     const calibration::Capture capture = calibration::decode_capture(folders[i], images, sequence, options.decode);
     calibration::PoseReport& pose = poses.emplace_back(calibration::observe_pose(folders[i], capture, settings));
     if (options.unchecked) {
-      note_doubt(folders[i], capture.contradiction);
+      cli::note_doubt(folders[i], capture.contradiction);
     } else if (pose.reason.empty() && pose.used() > 0) {
       pose.reason = capture.contradiction;
     }
@@ -346,7 +345,7 @@ selfproj calibrate --camera camera:192.168.1.20 --display 1 --chessboard 9x6 --s
       ->type_name("T")
       ->capture_default_str();
   cli::add_pixel_options(*command, options->pixels);
-  add_unchecked_option(*command, options->unchecked);
+  cli::add_unchecked_option(*command, options->unchecked);
   cli::begin_group(*command, "Corners");
   command
       ->add_option("--corners", options->corners,

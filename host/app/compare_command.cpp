@@ -253,7 +253,7 @@ void run_compare(const CompareOptions& options) {
   const Figures f = figures_of(comparison, options.within_mm);
   write_report(options, comparison, f, folder);
   folder.commit();
-  note_doubt(options.b, comparison.doubt);
+  cli::note_doubt(options.b, comparison.doubt);
   fmt::print("{}: mean {}, RMS {}, largest {} mm; {:.2f} % within {:g} mm → {}\n", clouds ? "distance" : "difference",
              mm_text(f.mean), mm_text(f.rms), mm_text(f.largest), 100 * f.within, options.within_mm, options.out);
   if (options.most_mm && !(f.largest <= *options.most_mm)) {

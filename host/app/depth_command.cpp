@@ -149,11 +149,12 @@ structured_light::DepthRun depth_of_files(const DepthOptions& options, files::Ou
   if (!extra.empty()) {
     images::ImageSequence last(extra, options.pixels.rule());
     const images::Image white = last.read(0);
-    refuse_contradiction(fmt::format("{}, {}", extra[0], extra[1]),
-                         structured_light::SequenceCheck::is_white_and_black(white.view(), last.read(1).view())
-                             ? ""
-                             : "the last two of the folder's images are not white and black, which follow the codes",
-                         options.unchecked);
+    cli::refuse_contradiction(
+        fmt::format("{}, {}", extra[0], extra[1]),
+        structured_light::SequenceCheck::is_white_and_black(white.view(), last.read(1).view())
+            ? ""
+            : "the last two of the folder's images are not white and black, which follow the codes",
+        options.unchecked);
   }
   const structured_light::DepthGeometry& geometry = options.setup.geometry;
   cli::Progress progress("image", images.count());
@@ -202,7 +203,7 @@ structured_light::CloudComparison compare_with_file(const DepthOptions& options,
   const std::vector<structured_light::Point3f> ours = report::points_of(*run.triangulation, run.depth);
   if (options.compare_axes.as_they_are() && !ours.empty() && !theirs.empty()) {
     const std::string doubt = doubt_about_axes(structured_light::NearestPoint(ours), theirs, "ours", "--compare-");
-    note_doubt(options.compare, doubt);
+    cli::note_doubt(options.compare, doubt);
     if (!doubt.empty()) {
       doubts.push_back(options.compare + ": " + doubt);
     }
@@ -227,17 +228,18 @@ void run_depth(const DepthOptions& options) {
     if (options.receive.check && !options.unchecked && !run.contradiction.empty()) {
       throw CheckFailed(fmt::format("--check: {}", run.contradiction));
     }
-    note_doubt(options.receive.device, run.contradiction);
+    cli::note_doubt(options.receive.device, run.contradiction);
   } else {
     const std::size_t need =
         2 * static_cast<std::size_t>(options.setup.geometry.bits + options.setup.geometry.row_bits);
-    refuse_contradiction(came == need ? "IMAGE"
-                                      : fmt::format("IMAGE ({} came; a code of {} bits has {}, and more show it again)",
-                                                    came, options.setup.geometry.bits, need),
-                         run.contradiction, options.unchecked);
+    cli::refuse_contradiction(came == need
+                                  ? "IMAGE"
+                                  : fmt::format("IMAGE ({} came; a code of {} bits has {}, and more show it again)",
+                                                came, options.setup.geometry.bits, need),
+                              run.contradiction, options.unchecked);
   }
   if (run.contradiction.empty()) {
-    note_doubt(receiver ? options.receive.device : "IMAGE", run.doubt);
+    cli::note_doubt(receiver ? options.receive.device : "IMAGE", run.doubt);
   }
   report::DepthReport report{.setup = options.setup,
                              .device = options.receive.device,
@@ -325,7 +327,7 @@ selfproj depth --rig scanner --bits 8 --device ring:line1 \
   command->add_flag("--median", scanner.median, "Apply a 3 x 3 median to the code image; with one axis only.");
   add_strict_option(*command, scanner);
   cli::add_pixel_options(*command, options->pixels);
-  add_unchecked_option(*command, options->unchecked);
+  cli::add_unchecked_option(*command, options->unchecked);
   add_limit_options(*command, geometry);
   cli::begin_group(*command, "What moved");
   command

@@ -10,9 +10,9 @@
 #include <utility>
 #include <vector>
 
-#include "host/app/scanner_run.h"
 #include "host/calibration/calibrate.h"
 #include "host/calibration/pose_advice.h"
+#include "host/cli/command_line.h"
 #include "host/images/image_files.h"
 #include "host/images/image_sequence.h"
 #include "selfproj/files/user_error.h"
@@ -45,7 +45,7 @@ CapturedPose capture_pose(CaptureOptions& options, const calibration::DecodeSett
   options.settle_ms = captured.record.settle.settle_ms;  // so that only the first capture measures it
   images::ImageSequence images = captured.sequence();
   const calibration::Capture capture = calibration::decode_capture(name, images, *gray, decode);
-  note_doubt(name, capture.contradiction);
+  cli::note_doubt(name, capture.contradiction);
   CapturedPose pose{.report = calibration::observe_pose(name, capture, settings), .images = {}};
   if (pose.report.reason.empty()) {
     for (const images::Image& image : captured.images) {

@@ -12,7 +12,6 @@
 #include <vector>
 
 #include "host/app/commands.h"
-#include "host/app/scanner_run.h"
 #include "host/cli/command_line.h"
 #include "host/cli/progress.h"
 #include "host/files/json_text.h"
@@ -70,7 +69,7 @@ light_section::HeightPosition read_position(const HeightsOptions& options, const
       check.add(lines[i], image.view(), files[i]);
     }
   }
-  refuse_contradiction(folder, check.contradiction(), options.unchecked);
+  cli::refuse_contradiction(folder, check.contradiction(), options.unchecked);
   return position;
 }
 
@@ -253,7 +252,7 @@ void add_heights_options(CLI::App& command, HeightsOptions& options) {
       ->type_name("N")
       ->capture_default_str();
   cli::add_pixel_options(command, options.pixels);
-  add_unchecked_option(command, options.unchecked);
+  cli::add_unchecked_option(command, options.unchecked);
   cli::begin_group(command, "Measuring");
   cli::add_select_options(command, options.select, cli::kRigsSelect);
   cli::begin_group(command, "Output");

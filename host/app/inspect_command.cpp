@@ -17,7 +17,6 @@
 #include "host/app/image_source.h"
 #include "host/app/receive.h"
 #include "host/app/region_mover.h"
-#include "host/app/scanner_run.h"
 #include "host/app/section_run.h"
 #include "host/camera/camera_device.h"
 #include "host/cli/command_line.h"
@@ -432,7 +431,7 @@ class Run {
       throw CheckFailed(fmt::format("--check: {}", fmt::join(all, "; ")));
     }
     for (const std::string& doubt : all) {
-      note_doubt(options_.source(), doubt);
+      cli::note_doubt(options_.source(), doubt);
     }
   }
 

@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "host/app/commands.h"
-#include "host/app/scanner_run.h"
 #include "host/cli/command_line.h"
 #include "host/cli/progress.h"
 #include "host/files/notes.h"
@@ -114,7 +113,7 @@ void run_lines(const LinesOptions& options) {
       const std::string& subject = which.size() == images.count() ? all : which.front();
       const std::string doubt =
           what + (some ? fmt::format("; so in {} of the {} images", which.size(), images.count()) : "");
-      note_doubt(subject, doubt);
+      cli::note_doubt(subject, doubt);
       doubts.push_back(subject + ": " + doubt);
     }
   };

@@ -133,7 +133,7 @@ void match_device(const MatchCommand& options) {
   if (options.receive.check && !options.unchecked && !contradiction.empty()) {
     throw CheckFailed(fmt::format("--check: {}", contradiction));
   }
-  note_doubt(uri, report.doubt);
+  cli::note_doubt(uri, report.doubt);
   receiver.check(report.counts->incomplete);
 }
 
@@ -155,8 +155,8 @@ void run_match(const MatchCommand& options) {
   DepthList list(options.list);
   const MatchResult result = run.measure(images, folder, &list);
   folder.append("report.html", result.page);
-  refuse_contradiction("IMAGE", result.contradiction, options.unchecked);
-  note_doubt("IMAGE", result.doubt);
+  cli::refuse_contradiction("IMAGE", result.contradiction, options.unchecked);
+  cli::note_doubt("IMAGE", result.doubt);
   folder.commit();
   list.commit();
   fmt::print("{}", result.text);
@@ -200,7 +200,7 @@ selfproj match --reference reference --e 8 --device ring:line1 --out today
   cli::begin_group(*command, "Decoding");
   add_threshold_option(*command, options->match.threshold, "the rig's");
   cli::add_pixel_options(*command, options->pixels);
-  add_unchecked_option(*command, options->unchecked);
+  cli::add_unchecked_option(*command, options->unchecked);
   add_search_options(*command, options->match);
   CLI::Option* const device =
       add_receive_options(*command, options->receive, "depth images", kImagesOfPatterns, DeviceIs::instead_of_images);

@@ -15,7 +15,6 @@
 #include <vector>
 
 #include "host/app/commands.h"
-#include "host/app/scanner_run.h"
 #include "host/cli/command_line.h"
 #include "host/cli/progress.h"
 #include "host/files/output_folder.h"
@@ -88,7 +87,7 @@ light_section::ReferenceProfile scanned(const rig::Rig& rig, const PatternOption
     scan.add(lines[i], image.view());
     check.add(lines[i], image.view(), files[i]);
   });
-  refuse_contradiction(options.scan, check.contradiction(), options.unchecked);
+  cli::refuse_contradiction(options.scan, check.contradiction(), options.unchecked);
   return scan.reference();
 }
 
@@ -97,6 +96,7 @@ light_section::ReferenceProfile with_residual_out(const rig::Rig& rig, const Pat
   light_section::CentroidMean mean(rig);
   for_each_image(rig, images::files_of_folder(options.residual), options.pixels.rule(),
                  [&](std::size_t, const images::Image& image) { mean.add(image.view()); });
+  cli::refuse_contradiction(options.residual, mean.contradiction(), options.unchecked);
   return light_section::without_residual(rig, reference, mean.centroids());
 }
 
@@ -352,7 +352,7 @@ void add_source_options(CLI::App& command, PatternOptions& options) {
                    .add_option("--scan", options.scan,
                                "Folder of the camera images under the lines of --sweep, numbered in their order.")
                    ->type_name("DIR");
-  add_unchecked_option(command, options.unchecked)->needs(scan);
+  auto* unchecked = cli::add_unchecked_option(command, options.unchecked);
   auto* line =
       command
           .add_option("--line", options.line, "Without a part: a straight line at this projector line, counted from 0.")
@@ -361,6 +361,7 @@ void add_source_options(CLI::App& command, PatternOptions& options) {
   auto* sweep = command.add_flag("--sweep", options.sweep, "Writes the straight lines with which a part is scanned.");
   reference->excludes(scan)->excludes(line)->excludes(sweep);
   scan->excludes(line)->excludes(sweep);
+  unchecked->excludes(line)->excludes(sweep);
   line->excludes(sweep);
   cli::begin_group(command, "Refinement");
   auto* across =

@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "host/app/commands.h"
-#include "host/app/scanner_run.h"
 #include "host/app/section_run.h"
 #include "host/cli/command_line.h"
 #include "host/files/output_file.h"
@@ -133,15 +132,15 @@ void run_rows(const RowsOptions& options) {
                                               rows));
       }
       if (options.range_mm && choice.both_sides_mm() < *options.range_mm) {
-        note_doubt("--rows",
-                   fmt::format("{} measure {:.2f} mm to both sides in {:.0f} % of the columns, not {} "
-                               "(--range)",
-                               rows, std::max(0.0, choice.both_sides_mm()), 100 * options.share, *options.range_mm));
+        cli::note_doubt(
+            "--rows", fmt::format("{} measure {:.2f} mm to both sides in {:.0f} % of the columns, not {} "
+                                  "(--range)",
+                                  rows, std::max(0.0, choice.both_sides_mm()), 100 * options.share, *options.range_mm));
       }
       if (file && rate > wire) {
-        note_doubt("--rate", fmt::format("Gigabit Ethernet carries {:.0f} of {:.0f} frames a second; with `words: "
-                                         "compact` in section measure of the rig packets are shorter",
-                                         wire, rate));
+        cli::note_doubt("--rate", fmt::format("Gigabit Ethernet carries {:.0f} of {:.0f} frames a second; with `words: "
+                                              "compact` in section measure of the rig packets are shorter",
+                                              wire, rate));
       }
       threshold = shot.threshold;
       chosen = rig::RigRegion{.row_offset = choice.first_row,

@@ -120,7 +120,7 @@ std::string scan_by_gray_codes(const ScanOptions& options, files::OutputFolder& 
   images::ImageSequence images = captured.sequence();
   const structured_light::DepthRun run = structured_light::depth_of_both_axes(setup, images);
   const std::string& doubt = run.contradiction.empty() ? run.doubt : run.contradiction;
-  note_doubt(options.capture.camera, doubt);
+  cli::note_doubt(options.capture.camera, doubt);
   const report::DepthReport report{.setup = setup,
                                    .device = {},
                                    .images = captured.images.size(),
@@ -164,7 +164,7 @@ std::string scan_self_projected(const ScanOptions& options, files::OutputFolder&
   });
   images::ImageSequence images = captured.sequence();
   const MatchResult result = run.measure(images, folder);
-  note_doubt(options.capture.camera, result.contradiction);
+  cli::note_doubt(options.capture.camera, result.contradiction);
   write_capture(options, captured, folder);
   report::ReportPage page = page_of(options, captured.record);
   page.settings.push_back({"reference", "reference", match.reference});

@@ -98,26 +98,6 @@ void add_strict_option(CLI::App& command, structured_light::ScannerSettings& sca
       "Leave out pixels with one ambiguous pair. Without it, two or more ambiguous pairs leave a pixel out.");
 }
 
-CLI::Option* add_unchecked_option(CLI::App& command, bool& unchecked) {
-  return command.add_flag(
-      "--unchecked", unchecked,
-      "Only warn where the images contradict each other, the options or the geometry. Without it they are refused.");
-}
-
-void refuse_contradiction(const std::string& subject, const std::string& contradiction, bool unchecked) {
-  if (!contradiction.empty() && !unchecked) {
-    throw CheckFailed(fmt::format("{}: {}{} --unchecked goes on all the same", subject, contradiction,
-                                  contradiction.ends_with('?') ? "" : ";"));
-  }
-  note_doubt(subject, contradiction);
-}
-
-void note_doubt(const std::string& subject, const std::string& doubt) {
-  if (!doubt.empty()) {
-    files::note(fmt::format("{}: warning: {}", subject, doubt));
-  }
-}
-
 std::string doubt_about_axes(const structured_light::NearestPoint& nearest,
                              const std::vector<structured_light::Point3f>& cloud, const std::string& other,
                              const std::string& prefix) {

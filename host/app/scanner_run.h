@@ -33,14 +33,6 @@ void add_geometry_options(CLI::App& command, structured_light::DepthGeometry& ge
 void add_threshold_option(CLI::App& command, int& threshold, const std::string& by_default);
 void add_strict_option(CLI::App& command, structured_light::ScannerSettings& scanner);
 
-// Adds --unchecked.
-CLI::Option* add_unchecked_option(CLI::App& command, bool& unchecked);
-
-// Throws CheckFailed, naming `subject`, if images, options or geometry contradict each other; with `unchecked`, and for
-// a doubt, there is a note. Empty texts: nothing.
-void refuse_contradiction(const std::string& subject, const std::string& contradiction, bool unchecked);
-void note_doubt(const std::string& subject, const std::string& doubt);
-
 // Adds the group of --min-z, --max-z, --max-z-per-line and --max-residual.
 void add_limit_options(CLI::App& command, structured_light::DepthGeometry& geometry);
 

@@ -92,7 +92,7 @@ structured_light::ProjectorPoints scanned(const rig::Rig& rig, const StripesOpti
       contradiction =
           structured_light::contradiction_of(of_lines, {files.begin() + sequence.first_of_rows(), files.end()});
     }
-    refuse_contradiction(options.scan, contradiction, options.unchecked);
+    cli::refuse_contradiction(options.scan, contradiction, options.unchecked);
     return scan.points();
   }
   structured_light::LinePointScan scan(rig);
@@ -178,7 +178,7 @@ selfproj pattern stripes --sweep --out lines
   command->add_flag("--gray-code", options->gray_code,
                     "The images of --scan were taken under the patterns of `selfproj pattern gray`.");
   cli::add_pixel_options(*command, options->pixels);
-  add_unchecked_option(*command, options->unchecked);
+  cli::add_unchecked_option(*command, options->unchecked);
   cli::begin_group(*command, "Stripes");
   command->add_option("--rig", options->rig, "Built-in rig or YAML file of kind scanner.")
       ->type_name("RIG")

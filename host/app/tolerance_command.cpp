@@ -59,7 +59,7 @@ void write_tolerance(const LearnCommandOptions& options, const rig::Rig& rig, co
                                   left_out.front()));
   }
   for (const std::string& part : left_out) {
-    note_doubt(options.source(), "left out as not good: " + part);
+    cli::note_doubt(options.source(), "left out as not good: " + part);
   }
   out.write(fmt::format("# learned from {} good parts on rig {}\n", learner.parts() - left_out.size(), rig.name) +
             production::to_yaml(tolerance));
@@ -76,10 +76,10 @@ void write_tolerance(const LearnCommandOptions& options, const rig::Rig& rig, co
                not_learned.unseen_mm2, not_learned.regions_mm2);
   }
   if (not_learned.unseen_mm2 > 0.5 * not_learned.regions_mm2) {
-    note_doubt(options.source(), "more than half of the surfaces is not inspected");
+    cli::note_doubt(options.source(), "more than half of the surfaces is not inspected");
   }
   for (const std::string& region : not_learned.unlike_reference) {
-    note_doubt(
+    cli::note_doubt(
         options.source(),
         fmt::format("in region '{}' each good part is up to {:g} mm further from the reference in one place than in "
                     "another, and defects are only what is outside of all of it; is the reference (--reference) "
@@ -154,7 +154,7 @@ void learn_section(const LearnCommandOptions& options) {
   const auto finish = [&] {
     add_part(learner, cutter.finish());
     if (const std::string doubt = doubt_about(section.counts(), rig); !doubt.empty()) {
-      note_doubt(options.source(), doubt);
+      cli::note_doubt(options.source(), doubt);
     }
     write_tolerance(options, rig, out, learner, cutter.specks());
   };

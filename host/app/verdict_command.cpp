@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "host/app/commands.h"
-#include "host/app/scanner_run.h"
 #include "host/app/section_run.h"
 #include "host/cli/command_line.h"
 #include "host/files/numbers.h"
@@ -114,41 +113,45 @@ void run_table(TableOptions options) {
   fmt::print("noise of a column {:.4f} mm; it makes {:.2g} defects in a good part\n", facts.noise_mm,
              facts.false_alarms);
   if (std::sqrt(tolerance.min_defect_mm2) > (model::kMaxHistory + 1.5) * facts.frame_mm) {
-    note_doubt(
+    cli::note_doubt(
         options.tolerance,
         fmt::format("the circuit looks at the last {} frames, {:.2f} mm of the part: a defect need not be longer, "
                     "though the smallest one here has {:.2f} mm",
                     model::kMaxHistory, model::kMaxHistory * facts.frame_mm, std::sqrt(tolerance.min_defect_mm2)));
   }
   if (!table.rule.by_encoder && rig.parts->gap_mm > 1.5 * table.rule.dark_frames * facts.frame_mm) {
-    note_doubt(options.section.rig,
-               fmt::format("parts are {} mm apart, and the circuit ends one after {} dark frames, {:.2f} mm: a hole of "
-                           "that length ends it; --start and --pitch do not look at the light",
-                           rig.parts->gap_mm, table.rule.dark_frames, table.rule.dark_frames * facts.frame_mm));
+    cli::note_doubt(
+        options.section.rig,
+        fmt::format("parts are {} mm apart, and the circuit ends one after {} dark frames, {:.2f} mm: a hole of "
+                    "that length ends it; --start and --pitch do not look at the light",
+                    rig.parts->gap_mm, table.rule.dark_frames, table.rule.dark_frames * facts.frame_mm));
   }
   if (rig.sources && rig.sources->speed == rig::ValueSource::drawing) {
-    note_doubt(options.section.rig,
-               fmt::format("the belt's speed was never measured: w, h, m and the plays are for frames {:.3g} mm apart, "
-                           "by conveyor.speed_mm_per_s {:g} and the frame rate",
-                           facts.frame_mm, rig.conveyor.speed_mm_per_s));
+    cli::note_doubt(
+        options.section.rig,
+        fmt::format("the belt's speed was never measured: w, h, m and the plays are for frames {:.3g} mm apart, "
+                    "by conveyor.speed_mm_per_s {:g} and the frame rate",
+                    facts.frame_mm, rig.conveyor.speed_mm_per_s));
   }
   constexpr double kFewJudged = 0.5;
   if (facts.judged < kFewJudged) {
-    note_doubt(options.tolerance,
-               fmt::format("of its regions {:.0f} % are judged: plays of {} mm across and {:.3g} mm along leave out as "
-                           "much at each border{}",
-                           100 * facts.judged, table.play_across_mm, table.play_along_mm,
-                           options.verdict.section_mm ? ""
-                                                      : "; where columns meet the part one after another, as on a belt "
-                                                        "that runs askew, a short --section helps"));
+    cli::note_doubt(
+        options.tolerance,
+        fmt::format("of its regions {:.0f} % are judged: plays of {} mm across and {:.3g} mm along leave out as "
+                    "much at each border{}",
+                    100 * facts.judged, table.play_across_mm, table.play_along_mm,
+                    options.verdict.section_mm ? ""
+                                               : "; where columns meet the part one after another, as on a belt "
+                                                 "that runs askew, a short --section helps"));
   }
   if (!facts.finds_defect) {
-    note_doubt("--defect " + options.defect, "is smaller than what is found for certain");
+    cli::note_doubt("--defect " + options.defect, "is smaller than what is found for certain");
   }
   if (facts.false_alarms > options.verdict.false_alarms) {
-    note_doubt(options.tolerance, fmt::format("noise makes more than {} defects in a good part; a larger --defect or "
-                                              "--margin helps",
-                                              options.verdict.false_alarms));
+    cli::note_doubt(options.tolerance,
+                    fmt::format("noise makes more than {} defects in a good part; a larger --defect or "
+                                "--margin helps",
+                                options.verdict.false_alarms));
   }
   fmt::print("→ {}\n", options.out);
 }

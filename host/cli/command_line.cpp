@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "host/files/notes.h"
 #include "host/files/numbers.h"
 #include "host/images/frame_options.h"
 #include "host/images/natural_order.h"
@@ -179,6 +180,26 @@ CLI::Option* add_files(CLI::App& command, const std::string& name, std::vector<s
       .add_option_function<std::vector<std::string>>(
           name, [&files](const std::vector<std::string>& given) { files = images::in_listed_order(given); }, text)
       ->type_name("FILE");
+}
+
+CLI::Option* add_unchecked_option(CLI::App& command, bool& unchecked) {
+  return command.add_flag(
+      "--unchecked", unchecked,
+      "Only warn where the images contradict each other, the options or the geometry. Without it they are refused.");
+}
+
+void refuse_contradiction(const std::string& subject, const std::string& contradiction, bool unchecked) {
+  if (!contradiction.empty() && !unchecked) {
+    throw CheckFailed(fmt::format("{}: {}{} --unchecked goes on all the same", subject, contradiction,
+                                  contradiction.ends_with('?') ? "" : ";"));
+  }
+  note_doubt(subject, contradiction);
+}
+
+void note_doubt(const std::string& subject, const std::string& doubt) {
+  if (!doubt.empty()) {
+    files::note(fmt::format("{}: warning: {}", subject, doubt));
+  }
 }
 
 void add_pixel_options(CLI::App& command, images::PixelOptions& pixels) {

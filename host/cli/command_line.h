@@ -63,6 +63,14 @@ std::vector<double> ascending_lengths(const char* option, const std::string& tex
 CLI::Option* add_files(CLI::App& command, const std::string& name, std::vector<std::string>& files,
                        const std::string& text);
 
+// Adds --unchecked.
+CLI::Option* add_unchecked_option(CLI::App& command, bool& unchecked);
+
+// Throws CheckFailed, naming `subject`, if images, options or geometry contradict each other; with `unchecked`, and for
+// a doubt, there is a note. Empty texts: nothing.
+void refuse_contradiction(const std::string& subject, const std::string& contradiction, bool unchecked);
+void note_doubt(const std::string& subject, const std::string& doubt);
+
 // Adds --channel and --shift: how the pixels of images become one channel of 8 bits.
 void add_pixel_options(CLI::App& command, images::PixelOptions& pixels);
 

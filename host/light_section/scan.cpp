@@ -307,6 +307,7 @@ ReferenceProfile scan_reference(const rig::Rig& rig,
 CentroidMean::CentroidMean(const rig::Rig& rig)
     : finder_(rig),
       sums_(static_cast<std::size_t>(rig.camera.columns)),
+      squares_(static_cast<std::size_t>(rig.camera.columns)),
       counts_(static_cast<std::size_t>(rig.camera.columns)) {}
 
 void CentroidMean::add(const model::ImageView& image) {
@@ -315,6 +316,7 @@ void CentroidMean::add(const model::ImageView& image) {
   for (std::size_t i = 0; i < sums_.size(); ++i) {
     if (finder_.has_line(i)) {
       sums_[i] += finder_.centroid(i);
+      squares_[i] += finder_.centroid(i) * finder_.centroid(i);
       ++counts_[i];
     }
   }
@@ -328,6 +330,27 @@ std::vector<double> CentroidMean::centroids() const {
     }
   }
   return means;
+}
+
+std::string CentroidMean::contradiction() const {
+  constexpr double kStill = 1;      // rows, standard deviation from image to image
+  constexpr double kMayMove = 0.1;  // of the lit columns
+  std::size_t lit = 0;
+  std::size_t moving = 0;
+  for (std::size_t i = 0; i < sums_.size(); ++i) {
+    if (counts_[i] > 0) {
+      const double mean = sums_[i] / counts_[i];
+      ++lit;
+      moving += squares_[i] / counts_[i] - mean * mean > kStill * kStill ? 1 : 0;
+    }
+  }
+  if (static_cast<double>(moving) <= kMayMove * static_cast<double>(lit)) {
+    return "";
+  }
+  return fmt::format(
+      "in {} of {} columns the line moves by more than {:g} row from image to image; are they images of one part that "
+      "stands still?",
+      moving, lit, kStill);
 }
 
 }  // namespace selfproj::light_section

@@ -127,10 +127,15 @@ class CentroidMean {
   // C, rows from 1, one for each column; NaN if more than half of the images had no line there.
   [[nodiscard]] std::vector<double> centroids() const;
 
+  // Why the images are not those of a part that stands still; empty if they are. A tenth of the lit columns may move:
+  // at the edges of good parts that were laid one after another.
+  [[nodiscard]] std::string contradiction() const;
+
  private:
   LineFinder finder_;
   int images_ = 0;
   std::vector<double> sums_;
+  std::vector<double> squares_;
   std::vector<int> counts_;
 };
 

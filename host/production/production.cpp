@@ -431,7 +431,8 @@ std::string Production::doubt() const {
 
 std::string Production::odd_rate() const {
   constexpr double kOdd = 0.05;
-  if (rig_.kind != rig::RigKind::light_section || rig_.parts->by_encoder || !first_) {
+  const bool calibrated = rig_.sources && rig_.sources->speed == rig::ValueSource::measured;  // of it no rate is known
+  if (rig_.kind != rig::RigKind::light_section || rig_.parts->by_encoder || !first_ || calibrated) {
     return "";
   }
   const double seconds = model::seconds_of_clocks(newest_.time_stamp - first_->time_stamp, rig_.pixel_clock_hz());

@@ -270,8 +270,10 @@ std::string summary(const light_section::Inspection& inspection, const Maps& map
   const MapPitch pitch = pitch_of(inspection);
   json["belt"] = {{"x_from", inspection.encoder_counts() ? "encoder" : "speed"},
                   {"mm", rounded(inspection.belt_mm().back())},
-                  {"mm_per_frame", rounded(pitch.row_mm)},
                   {"mm_per_column", rounded(pitch.column_mm)}};
+  if (inspection.frames() > 1) {
+    json["belt"]["mm_per_frame"] = rounded(pitch.row_mm);
+  }
   json["first_sequence"] = first.sequence;
   json["last_sequence"] = inspection.frame(inspection.frames() - 1).sequence;
   json["mode"] = images::mode_name(static_cast<model::Mode>(first.mode));
@@ -393,7 +395,9 @@ ReportData report_data(const light_section::Inspection& inspection, Maps maps, c
   }
   data.settings.push_back(
       {"belt", "x of the belt from", std::string(inspection.encoder_counts() ? "encoder" : "speed and time stamp")});
-  data.settings.push_back({"mm_per_frame", "way from frame to frame", rounded(data.pitch.row_mm), "mm"});
+  if (inspection.frames() > 1) {
+    data.settings.push_back({"mm_per_frame", "way from frame to frame", rounded(data.pitch.row_mm), "mm"});
+  }
   data.settings.push_back(
       {"mm_per_column", "way from column to column, on the plane", rounded(data.pitch.column_mm), "mm"});
   data.settings.push_back({"spec", "specification",

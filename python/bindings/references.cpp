@@ -93,7 +93,7 @@ ReferenceProfile sweep_reference(const rig::Rig& rig, const ImagesArgument& imag
 }
 
 ReferenceProfile residual_out(const rig::Rig& rig, const ReferenceProfile& reference, const ImagesArgument& images,
-                              const std::string& channel, std::optional<int> shift) {
+                              const std::string& channel, std::optional<int> shift, bool unchecked) {
   const GivenImages given(images, {channel, shift});
   return checked(without_gil([&] {
                    light_section::CentroidMean mean(rig);
@@ -102,6 +102,9 @@ ReferenceProfile residual_out(const rig::Rig& rig, const ReferenceProfile& refer
                      const images::Image image = sequence.read(i);
                      check_camera(rig, given.names()[i], image);
                      mean.add(image.view());
+                   }
+                   if (const std::string contradiction = mean.contradiction(); !unchecked && !contradiction.empty()) {
+                     throw UserError("images", contradiction);
                    }
                    return light_section::without_residual(rig, reference, mean.centroids());
                  }),
@@ -206,8 +209,9 @@ void bind_reference_class(nb::module_& module) {
              "The reference that a sweep of straight lines found: one image under each line of sweep_lines(rig,\n"
              "every), as an array (images, rows, columns), a list of arrays, a folder or files.");
   module.def("without_residual", &residual_out, nb::arg("rig"), nb::arg("reference"), nb::arg("images").noconvert(),
-             nb::arg("channel") = "", nb::arg("shift") = nb::none(),
-             "The reference with its residual taken out: images of its pattern on the reference part itself.");
+             nb::arg("channel") = "", nb::arg("shift") = nb::none(), nb::arg("unchecked") = false,
+             "The reference with its residual taken out: images of its pattern on the reference part itself. "
+             "InputError if the line moves from image to image, unless unchecked.");
 }
 
 void bind_line_patterns(nb::module_& module) {

@@ -1,6 +1,7 @@
 // Tests selfproj pattern from the command line.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -218,6 +219,29 @@ TEST(PatternCommand, WrongInputIsOneLine) {
   refused({"--reference", "images", "--out", "out"}, "--reference: images is a finished reference; give --residual");
   refused({"--line", "3", "--across", "1", "--out", "out"}, "");
   refused({"--reference", "plane.csv", "--across", "-500", "--out", "out"}, "--across: is -500 mm: there the camera");
+}
+
+// Images in which the line wanders are not those of one part that stands still.
+TEST(PatternCommand, ResidualsOfAMovingPartAreRefused) {
+  const ScratchFolder folder;
+  write_text(folder / "plane.csv", kPlane);
+  std::filesystem::create_directory(folder / "moving");
+  for (const int row : {40, 50}) {
+    images::Image image{96, 512, std::vector<std::uint8_t>(std::size_t{96} * 512, 5)};
+    std::fill_n(image.pixels.begin() + std::ptrdiff_t{512} * row, 5 * 512, std::uint8_t{200});
+    write_text(folder / "moving" / (std::to_string(row) + ".png"), images::encode_png(image));
+  }
+  const std::vector<std::string> arguments = {"--reference", "plane.csv", "--residual", "moving", "--out", "out"};
+  const Outcome refused = pattern(folder, arguments);
+  EXPECT_EQ(refused.status, 1);
+  EXPECT_TRUE(refused.err.starts_with("selfproj: moving: in 512 of 512 columns the line moves by more than 1 row"))
+      << refused.err;
+  EXPECT_FALSE(std::filesystem::exists(folder / "out"));
+  std::vector<std::string> unchecked = arguments;
+  unchecked.emplace_back("--unchecked");
+  const Outcome told = pattern(folder, unchecked);
+  EXPECT_EQ(told.status, 0) << told.err;
+  EXPECT_NE(told.err.find("warning: in 512 of 512 columns"), std::string::npos) << told.err;
 }
 
 }  // namespace

@@ -293,6 +293,25 @@ TEST(CentroidMean, IsTheMeanOfGoodColumns) {
   EXPECT_TRUE(std::isnan(centroids[3]));
 }
 
+// A line that wanders in a tenth of its columns is that of good parts laid one after another; in more, of moving ones.
+TEST(CentroidMean, AMovingPartIsToldFromAStandingOne) {
+  const rig::Rig rig = rig::load_rig("light-section");
+  for (const int moving : {0, 10, 11, 100}) {
+    light_section::CentroidMean mean(rig);
+    for (int k = 0; k < 4; ++k) {
+      images::Image image{rig.camera.rows, rig.camera.columns, {}};
+      image.pixels.assign(static_cast<std::size_t>(image.rows * image.columns), 5);
+      for (int column = 0; column < 100; ++column) {
+        draw(image, column, column < moving ? 45 + k : 45, 180);
+      }
+      mean.add(image.view());
+    }
+    const std::string told = mean.contradiction();
+    EXPECT_EQ(told.empty(), moving <= 10) << told;
+    EXPECT_EQ(told.find(std::to_string(moving) + " of 100 columns") != std::string::npos, moving > 10) << told;
+  }
+}
+
 // A second line of a third of the light, and a hot pixel: the strongest run is the line, all lit pixels are not.
 TEST(CentroidMean, TakesWhatTheRigSelects) {
   rig::Rig rig = rig::load_rig("light-section");
