@@ -89,19 +89,59 @@ TEST(LvdsSensor, AnyPlaceOfTwelve) { expect_every_place<Vsp_lvds_sensor_four>(kF
 TEST(LvdsSensor, AnyPlaceOfTenWithTaps) { expect_every_place<Vsp_lvds_sensor_one>(kOne); }
 TEST(LvdsSensor, AnyPlaceOfEight) { expect_every_place<Vsp_lvds_codes_two>(kCodesTwo); }
 
-// Each lane's tap puts the edges as far from the samples as its steps allow.
-TEST(LvdsSensor, TapsInTheMiddleOfTheBits) {
+// Each lane's tap puts the edges as far from the samples as its steps allow, in ticks.
+template <typename Dut>
+void expect_middle_taps(const LvdsFormat& format, int from_edges) {
   for_cases(6, [&](std::uint64_t seed) {
-    LvdsBench<Vsp_lvds_codes> bench(seed, kCodes, 1000, 990);
-    disturb(bench, kCodes);
-    ASSERT_TRUE(bench.wait_aligned(training_words(kCodes)));
-    for (int lane = 0; lane <= kCodes.lanes; ++lane) {
+    LvdsBench<Dut> bench(seed, format, 1000, 990);
+    disturb(bench, format);
+    ASSERT_TRUE(bench.wait_aligned(training_words(format)));
+    for (int lane = 0; lane <= format.lanes; ++lane) {
       const int edge = bench.skew[static_cast<std::size_t>(lane)] + bench.tap(lane) * bench.tap_ticks;
       const int from_sample = std::abs(((edge - kLvdsTicks / 2) % kLvdsTicks + kLvdsTicks) % kLvdsTicks);
-      EXPECT_GE(std::min(from_sample, kLvdsTicks - from_sample), 330) << "lane " << lane << ", tap " << bench.tap(lane);
+      EXPECT_GE(std::min(from_sample, kLvdsTicks - from_sample), from_edges)
+          << "lane " << lane << ", tap " << bench.tap(lane);
     }
   });
 }
+TEST(LvdsSensor, TapsInTheMiddleOfTheBits) { expect_middle_taps<Vsp_lvds_codes>(kCodes, 330); }
+TEST(LvdsSensor, FewTapsInTheMiddleOfTheBits) { expect_middle_taps<Vsp_lvds_sensor_one>(kOne, 300); }
+
+// A word that comes often, but never as many times in a row as a measurement takes, trains no lane, whatever clocks
+// without a word lie between.
+TEST(LvdsSensor, WordsThatChangeTrainNoLane) {
+  for_cases(4, [&](std::uint64_t seed) {
+    LvdsBench<Vsp_lvds_sensor_one> bench(seed, kOne, 1000, 990);
+    bench.valid_percent = 40;
+    auto& queue = bench.frames().queue();
+    for (int word = 0; word < 2 * training_words(kOne); ++word) {
+      queue.push_back(bench.frames().idle());
+      if (word % 12 == 0) {
+        queue.back().control ^= 0x80U;
+      }
+    }
+    while (!queue.empty()) {
+      bench.words_in(1);
+      ASSERT_FALSE(bench.aligned());
+    }
+    EXPECT_EQ(bench.failed(), 2U);
+    EXPECT_TRUE(bench.wait_aligned(training_words(kOne)));
+  });
+}
+
+// A frame that lasts longer than any measurement of a lane.
+template <typename Dut>
+void expect_long_frame(const LvdsFormat& format) {
+  LvdsBench<Dut> bench(1, format, 1000 * std::max(format.lanes, 4) / 4, 900);
+  ASSERT_TRUE(bench.wait_aligned(training_words(format)));
+  bench.send(200, 12, 1, 20);
+  bench.drain();
+  EXPECT_EQ(bench.expect_frames_sent(), 0);
+  EXPECT_EQ(bench.cuts() + bench.losses() + bench.overruns(), 0);
+}
+TEST(LvdsSensor, ALongFrameOfFourLanes) { expect_long_frame<Vsp_lvds_sensor_four>(kFour); }
+TEST(LvdsSensor, ALongFrameOfOneLane) { expect_long_frame<Vsp_lvds_sensor_one>(kOne); }
+TEST(LvdsSensor, ALongFrameOfCodes) { expect_long_frame<Vsp_lvds_codes_two>(kCodesTwo); }
 
 // The rates of the mission by the clocks' ratios: words of 48 MHz (480 Mbit/s), the board's 151.2 MHz. `gap`: words
 // between the frames, as the exposure needs them.
@@ -207,6 +247,20 @@ void expect_every_word(const LvdsFormat& format, const LvdsCodesReference& refer
         while (!queue.empty()) {
           bench.step();
         }
+      }
+    }
+    // And directly before the code that starts a frame
+    for (const unsigned word : kLvdsCodes) {
+      bench.send(3, 3, 1, 9);
+      while (queue.front().control != format.code(0x2AA)) {
+        queue.pop_front();
+      }
+      LvdsWord before = bench.frames().idle();
+      queue.push_front(before);
+      before.control = format.code(word);
+      queue.insert(queue.begin() + 1, before);
+      while (!queue.empty()) {
+        bench.step();
       }
     }
     bench.drain();
@@ -407,6 +461,71 @@ TEST(LvdsSensor, ALaneThatGoesDeadIsLost) {
   });
 }
 
+// The control lane is lost while a data lane is measured: that lane is not told as one that gives no result.
+template <typename Dut>
+void expect_no_lane_blamed(const LvdsFormat& format) {
+  for_cases(4, [&](Random& random, std::uint64_t seed) {
+    LvdsBench<Dut> bench(seed, format, 1000 * std::max(format.lanes, 4) / 4, 700);
+    ASSERT_TRUE(bench.wait_aligned(training_words(format)));
+    bench.words_in(40);
+    const auto lane = static_cast<std::size_t>(random.between(0, format.lanes - 1));
+    bench.dead[lane] = true;
+    bench.words_in(random.between(30, 100));
+    EXPECT_EQ(bench.losses(), 1);
+    bench.pulled = true;
+    bench.words_in(random.between(30, 100));
+    bench.pulled = false;
+    bench.dead[lane] = false;
+    unsigned failed = 0;
+    for (int i = 0; i < 5000; ++i) {
+      bench.step([&] { failed |= bench.failed(); });
+    }
+    EXPECT_EQ(failed, 0U);
+    EXPECT_TRUE(bench.aligned());
+  });
+}
+TEST(LvdsSensor, NoLaneIsBlamedForTheControlLane) { expect_no_lane_blamed<Vsp_lvds_sensor_four>(kFour); }
+TEST(LvdsSensor, TheOnlyLaneIsNotBlamedForTheControlLane) { expect_no_lane_blamed<Vsp_lvds_sensor_one>(kOne); }
+TEST(LvdsSensor, NoLaneOfCodesIsBlamedForTheControlLane) { expect_no_lane_blamed<Vsp_lvds_codes_two>(kCodesTwo); }
+
+// With codes, a data lane is lost between two lines of a frame and trained before the next one. The frame has ended,
+// and the start of the next one stands at no wrong place.
+TEST(LvdsSensor, ALaneLostBetweenLinesEndsTheFrame) {
+  for_cases(4, [&](Random& random, std::uint64_t seed) {
+    LvdsBench<Vsp_lvds_codes_two> bench(seed, kCodesTwo, 1000, 700);
+    ASSERT_TRUE(bench.wait_aligned(training_words(kCodesTwo)));
+    bench.words_in(40);
+    bench.send(2, random.between(2, 6), 0, 0);
+    bench.may_break().back() = true;
+    auto& queue = bench.frames().queue();
+    while (queue.back().control != kCodesTwo.code(0x059)) {
+      queue.pop_back();  // not yet all of it, if the frame ends otherwise
+    }
+    const auto is_line_start = [](const LvdsWord& word) { return word.control == kCodesTwo.code(0x0AA); };
+    queue.erase(std::find_if(queue.begin(), queue.end(), is_line_start), queue.end());
+    bench.frames().pause(60);
+    while (queue.size() > 50) {
+      bench.step();
+    }
+    bench.dead[0] = true;
+    while (!queue.empty()) {
+      bench.step();
+    }
+    EXPECT_EQ(bench.losses(), 1);
+    const unsigned damaged = bench.damaged();
+    EXPECT_GT(damaged, 0U);
+    bench.dead[0] = false;
+    ASSERT_TRUE(bench.wait_aligned(4000));
+    bench.words_in(40);
+    EXPECT_EQ(bench.cuts(), 1);
+    bench.send(3, random.between(2, 6), 2, 40);
+    bench.drain();
+    EXPECT_EQ(bench.damaged(), damaged);
+    EXPECT_EQ(bench.cuts(), 1);
+    EXPECT_EQ(bench.expect_frames_sent(), 1);
+  });
+}
+
 // The sensor's clock stops within a frame, and the deserializer cuts its words elsewhere afterwards.
 TEST(LvdsSensor, TheClockStopsAndStarts) {
   for_cases(6, [&](Random& random, std::uint64_t seed) {
@@ -454,15 +573,17 @@ TEST(LvdsSensor, ALaneThatNeverTrainsIsTold) {
   });
 }
 
-// A board that is too slow: each frame comes whole, or it is the beginning of one, and counted.
-TEST(LvdsSensor, AFrameThatIsTooFastIsCutOffAndCounted) {
+// A board that is too slow, with a clock `slower` than that of the words: each frame comes whole, or it is the
+// beginning of one, and counted.
+template <typename Dut>
+void expect_overruns_counted(const LvdsFormat& format, int slower, int rows, int min_gap, int max_gap) {
   int cut = 0;
   int whole = 0;
   for_cases(3, [&](Random& random, std::uint64_t seed) {
-    LvdsBench<Vsp_lvds_sensor> bench(seed, kSixteen, 1000, 1000);
-    ASSERT_TRUE(bench.wait_aligned(training_words(kSixteen)));
+    LvdsBench<Dut> bench(seed, format, 1000, 1000 * slower);
+    ASSERT_TRUE(bench.wait_aligned(training_words(format)));
     for (int frame = 0; frame < 30; ++frame) {
-      bench.send(random.between(2, 60), 0, 1, random.between(4, 1500));
+      bench.send(random.between(2, rows), 0, 1, random.between(min_gap, max_gap));
       bench.may_break().back() = true;
     }
     bench.set_beats_waiting(8000);
@@ -477,6 +598,12 @@ TEST(LvdsSensor, AFrameThatIsTooFastIsCutOffAndCounted) {
     EXPECT_GT(cut, 10);
     EXPECT_GT(whole, 10);
   }
+}
+TEST(LvdsSensor, AFrameThatIsTooFastIsCutOffAndCounted) {
+  expect_overruns_counted<Vsp_lvds_sensor>(kSixteen, 1, 60, 4, 1500);
+}
+TEST(LvdsSensor, AFrameOfOneLaneThatIsTooFastIsCutOffAndCounted) {
+  expect_overruns_counted<Vsp_lvds_sensor_one>(kOne, 20, 300, 200, 9000);
 }
 
 // A reset within a frame: everything is trained anew, and the next frame is the first.
