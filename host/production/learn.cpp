@@ -102,6 +102,45 @@ ToleranceRegion surface(std::size_t number, const Places& corners) {
   return region;
 }
 
+// A surface around each set of neighbouring cells; holes in it are not left out.
+void add_surfaces(const cv::Mat1b& cells, const MapGrid& grid, double min_area_mm2,
+                  std::vector<ToleranceRegion>& regions) {
+  std::vector<std::vector<cv::Point>> contours;
+  std::vector<cv::Vec4i> places;  // of a contour; the last number is that of the contour around a hole
+  cv::findContours(cells, contours, places, cv::RETR_CCOMP, cv::CHAIN_APPROX_SIMPLE);
+  for (std::size_t i = 0; i < contours.size(); ++i) {
+    std::vector<cv::Point> corners;
+    cv::approxPolyDP(contours[i], corners, 1, true);
+    const bool hole = places[i][3] >= 0;
+    if (corners.size() > 2 && !hole && cv::contourArea(corners) * grid.pitch_mm * grid.pitch_mm >= min_area_mm2) {
+      regions.push_back(surface(regions.size() + 1, places_of(corners, grid)));
+    }
+  }
+}
+
+// A hole is opened to the nearer end of the part, so that a polygon can leave it out.
+void open_holes(cv::Mat1b& cells) {
+  std::vector<std::vector<cv::Point>> contours;
+  std::vector<cv::Vec4i> places;
+  cv::findContours(cells, contours, places, cv::RETR_CCOMP, cv::CHAIN_APPROX_NONE);
+  for (std::size_t i = 0; i < contours.size(); ++i) {
+    if (places[i][3] >= 0) {
+      const cv::Rect hole = cv::boundingRect(contours[i]);
+      const bool up = hole.y < cells.rows - hole.y - hole.height;
+      cells(cv::Rect(hole.x, up ? 0 : hole.y, hole.width, up ? hole.y + hole.height : cells.rows - hole.y)) =
+          std::uint8_t{0};
+    }
+  }
+}
+
+double area_mm2(const std::vector<ToleranceRegion>& regions, const MapGrid& grid) {
+  double cells = 0;
+  for (const ToleranceRegion& region : regions) {
+    cells += cv::countNonZero(region_cells(region, grid));
+  }
+  return cells * grid.pitch_mm * grid.pitch_mm;
+}
+
 }  // namespace
 
 Learner::Learner(const rig::Rig& rig, SectionReference section, const LearnOptions& options)
@@ -246,42 +285,11 @@ std::vector<ToleranceRegion> map_regions(const images::FloatImage& comparable, c
   cv::morphologyEx(there, there, cv::MORPH_CLOSE, block(3));
   cv::erode(there, there, block(2 * static_cast<int>(std::ceil(edge_mm / grid.pitch_mm)) + 1), {-1, -1}, 1,
             cv::BORDER_CONSTANT, cv::Scalar(0));
-  std::vector<std::vector<cv::Point>> contours;
-  std::vector<cv::Vec4i> places;  // of a contour; the last number is that of the contour around a hole
-  cv::findContours(there, contours, places, cv::RETR_CCOMP, cv::CHAIN_APPROX_SIMPLE);
+  constexpr double kMinAreas = 16;
   std::vector<ToleranceRegion> regions;
-  for (std::size_t i = 0; i < contours.size(); ++i) {
-    std::vector<cv::Point> corners;
-    cv::approxPolyDP(contours[i], corners, 1, true);
-    constexpr double kMinAreas = 16;
-    const bool hole = places[i][3] >= 0;
-    if (corners.size() < 3 || hole ||
-        cv::contourArea(corners) * grid.pitch_mm * grid.pitch_mm < kMinAreas * min_defect_mm2) {
-      continue;
-    }
-    regions.push_back(surface(regions.size() + 1, places_of(corners, grid)));
-  }
+  add_surfaces(there, grid, kMinAreas * min_defect_mm2, regions);
   return regions;
 }
-
-namespace {
-
-// A hole is opened to the nearer end of the part, so that a polygon can leave it out.
-void open_holes(cv::Mat1b& cells) {
-  std::vector<std::vector<cv::Point>> contours;
-  std::vector<cv::Vec4i> places;
-  cv::findContours(cells, contours, places, cv::RETR_CCOMP, cv::CHAIN_APPROX_NONE);
-  for (std::size_t i = 0; i < contours.size(); ++i) {
-    if (places[i][3] >= 0) {
-      const cv::Rect hole = cv::boundingRect(contours[i]);
-      const bool up = hole.y < cells.rows - hole.y - hole.height;
-      cells(cv::Rect(hole.x, up ? 0 : hole.y, hole.width, up ? hole.y + hole.height : cells.rows - hole.y)) =
-          std::uint8_t{0};
-    }
-  }
-}
-
-}  // namespace
 
 std::vector<ToleranceRegion> without_unseen(const std::vector<ToleranceRegion>& regions, const cv::Mat1b& unseen,
                                             const MapGrid& grid, double edge_mm, int side) {
@@ -300,15 +308,7 @@ std::vector<ToleranceRegion> without_unseen(const std::vector<ToleranceRegion>& 
     cv::dilate(around, around, block(2 * static_cast<int>(std::ceil(edge_mm / grid.pitch_mm)) + 1));
     cells.setTo(0, around);
     open_holes(cells);
-    std::vector<std::vector<cv::Point>> contours;
-    cv::findContours(cells, contours, cv::RETR_EXTERNAL, cv::CHAIN_APPROX_SIMPLE);
-    for (const std::vector<cv::Point>& contour : contours) {
-      std::vector<cv::Point> corners;
-      cv::approxPolyDP(contour, corners, 1, true);
-      if (corners.size() > 2) {
-        result.push_back(surface(result.size() + 1, places_of(corners, grid)));
-      }
-    }
+    add_surfaces(cells, grid, 0, result);
   }
   return result;
 }
@@ -375,6 +375,40 @@ void Learner::compare(const Classifier& classifier, const Tolerance& outline, Re
   }
 }
 
+void Learner::keep_regions_with_room(Tolerance& tolerance, const MapGrid& grid, const std::string& source) const {
+  const int side = defect_side(tolerance.min_defect_mm2, grid.pitch_mm);
+  std::erase_if(tolerance.regions,
+                [&](const ToleranceRegion& region) { return !has_room(region_cells(region, grid), side); });
+  if (tolerance.regions.empty()) {
+    throw UserError(source, fmt::format("within the strips of {} mm at its edges, no surface of the part has room for "
+                                        "a square of the smallest defect's area, {:g} mm²",
+                                        options_.edge_mm, tolerance.min_defect_mm2));
+  }
+}
+
+void Learner::set_limits(Tolerance& tolerance, const std::vector<Seen>& seen, const RunningFigures& residual) const {
+  const auto far = [&](const RunningFigures& figures, double least) {
+    return std::max(least, options_.spreads * factor_of_few(figures.count()) * figures.spread());
+  };
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    ToleranceRegion& region = tolerance.regions[i];
+    // The closing that looks for dents lifts noise, and the opening that looks for bumps lowers it. So in a small
+    // region of noisy maps the limit for dents may come out higher than that for bumps.
+    constexpr double kLeastBand = 1e-3;
+    const auto [low, high] = std::minmax({seen[i].low.mean() - far(seen[i].low, options_.min_band_mm),
+                                          seen[i].high.mean() + far(seen[i].high, options_.min_band_mm)});
+    region.low_mm = files::rounded(low, 4);
+    region.high_mm = files::rounded(std::max(high, low + kLeastBand), 4);
+    region.max_missing = files::rounded(std::min(1.0, seen[i].missing.mean() + far(seen[i].missing, kMinMissing)), 4);
+  }
+  const double least_residual = std::max(kMinResidual, kMinResidualCells * rig_.parts->grid_mm);
+  tolerance.max_residual_mm = files::rounded(residual.mean() + far(residual, least_residual), 3);
+  const auto round_mm = [&](double& mm) { mm = files::rounded(mm, 3); };
+  round_mm(tolerance.length_mm);
+  round_mm(tolerance.left_mm);
+  round_mm(tolerance.right_mm);
+}
+
 Tolerance Learner::learn(const std::string& source, LeftOut* left_out) const {
   if (parts_.size() < kMinGoodParts) {
     throw UserError(source, fmt::format("{} good parts came; at least {} are needed", parts_.size(), kMinGoodParts));
@@ -388,37 +422,19 @@ Tolerance Learner::learn(const std::string& source, LeftOut* left_out) const {
     const auto left = std::count(reasons.begin(), reasons.end(), "");
     tolerance = map_ ? whole_view() : outline(source, reasons);
     const MapGrid grid = placed_grid(rig_.parts->grid_mm, tolerance.length_mm, tolerance.left_mm, tolerance.right_mm);
-    const int side = defect_side(tolerance.min_defect_mm2, grid.pitch_mm);
-    const auto keep_those_with_room = [&] {
-      std::erase_if(tolerance.regions,
-                    [&](const ToleranceRegion& region) { return !has_room(region_cells(region, grid), side); });
-      if (tolerance.regions.empty()) {
-        throw UserError(source,
-                        fmt::format("within the strips of {} mm at its edges, no surface of the part has room for "
-                                    "a square of the smallest defect's area, {:g} mm²",
-                                    options_.edge_mm, tolerance.min_defect_mm2));
-      }
-    };
     if (!map_) {
       tolerance.regions =
           tolerance_regions(tolerance, section_, rig_.parts->grid_mm, widest_of(rig_), options_.edge_mm);
-      keep_those_with_room();
-      const auto area = [&] {
-        double cells = 0;
-        for (const ToleranceRegion& region : tolerance.regions) {
-          cells += cv::countNonZero(region_cells(region, grid));
-        }
-        return cells * grid.pitch_mm * grid.pitch_mm;
-      };
-      const double whole = area();
+      keep_regions_with_room(tolerance, grid, source);
+      const double whole = area_mm2(tolerance.regions, grid);
       tolerance.regions = without_unseen(tolerance.regions, unseen(classifier_of(tolerance, source), grid, reasons),
-                                         grid, options_.edge_mm, side);
+                                         grid, options_.edge_mm, defect_side(tolerance.min_defect_mm2, grid.pitch_mm));
       if (left_out != nullptr) {
-        left_out->unseen_mm2 = whole - area();
+        left_out->unseen_mm2 = whole - area_mm2(tolerance.regions, grid);
         left_out->regions_mm2 = whole;
       }
     }
-    keep_those_with_room();
+    keep_regions_with_room(tolerance, grid, source);
     seen.assign(tolerance.regions.size(), {});
     residual = {};
     compare(classifier_of(tolerance, source), tolerance, reasons, seen, residual);
@@ -438,29 +454,12 @@ Tolerance Learner::learn(const std::string& source, LeftOut* left_out) const {
                     parts_.size(), kMinGoodParts,
                     odd == reasons.end() ? "" : fmt::format("; of part {}, {}", odd - reasons.begin() + 1, *odd)));
   }
-  const auto far = [&](const RunningFigures& figures, double least) {
-    return std::max(least, options_.spreads * factor_of_few(figures.count()) * figures.spread());
-  };
-  for (std::size_t i = 0; i < seen.size(); ++i) {
-    ToleranceRegion& region = tolerance.regions[i];
-    // The closing that looks for dents lifts noise, and the opening that looks for bumps lowers it. So in a small
-    // region of noisy maps the limit for dents may come out higher than that for bumps.
-    constexpr double kLeastBand = 1e-3;
-    const auto [low, high] = std::minmax({seen[i].low.mean() - far(seen[i].low, options_.min_band_mm),
-                                          seen[i].high.mean() + far(seen[i].high, options_.min_band_mm)});
-    if (left_out != nullptr && !map_ && seen[i].high.mean() - seen[i].low.mean() > rig_.parts->above_mm) {
-      left_out->unlike_reference.push_back(region.name);
+  set_limits(tolerance, seen, residual);
+  for (std::size_t i = 0; i < seen.size() && left_out != nullptr && !map_; ++i) {
+    if (seen[i].high.mean() - seen[i].low.mean() > rig_.parts->above_mm) {
+      left_out->unlike_reference.push_back(tolerance.regions[i].name);
     }
-    region.low_mm = files::rounded(low, 4);
-    region.high_mm = files::rounded(std::max(high, low + kLeastBand), 4);
-    region.max_missing = files::rounded(std::min(1.0, seen[i].missing.mean() + far(seen[i].missing, kMinMissing)), 4);
   }
-  const double least_residual = std::max(kMinResidual, kMinResidualCells * rig_.parts->grid_mm);
-  tolerance.max_residual_mm = files::rounded(residual.mean() + far(residual, least_residual), 3);
-  const auto round_mm = [&](double& mm) { mm = files::rounded(mm, 3); };
-  round_mm(tolerance.length_mm);
-  round_mm(tolerance.left_mm);
-  round_mm(tolerance.right_mm);
   return tolerance;
 }
 

@@ -79,6 +79,10 @@ class Learner {
   // The cells that more than half of the parts do not show, 255; parts with a reason do not count.
   [[nodiscard]] cv::Mat1b unseen(const Classifier& classifier, const MapGrid& grid, const Reasons& reasons) const;
   [[nodiscard]] Tolerance whole_view() const;
+  // Throws UserError about `source` if none is left.
+  void keep_regions_with_room(Tolerance& tolerance, const MapGrid& grid, const std::string& source) const;
+  // Bands, missing places and residual, by what was seen of the good parts.
+  void set_limits(Tolerance& tolerance, const std::vector<Seen>& seen, const RunningFigures& residual) const;
   [[nodiscard]] Classifier classifier_of(const Tolerance& tolerance, const std::string& source) const;
 
   rig::Rig rig_;
