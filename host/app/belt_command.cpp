@@ -159,7 +159,19 @@ std::string report_json(const BeltOptions& options, const calibration::BeltCalib
   return files::json_text(json, 2) + "\n";
 }
 
-std::string report_text(const BeltOptions& options, const calibration::BeltCalibration& belt) {
+// Where the chessboard went from the first image to the last one.
+const char* way_in_image(const calibration::BoardImage& first, const calibration::BoardImage& last) {
+  cv::Point2d way;
+  for (std::size_t i = 0; i < first.corners.size(); ++i) {
+    way += last.corners[i] - first.corners[i];  // a board that was found turned has the same middle
+  }
+  return std::abs(way.y) > std::abs(way.x) ? (way.y > 0 ? "down" : "up")
+         : way.x > 0                       ? "to the right in"
+                                           : "to the left in";
+}
+
+std::string report_text(const BeltOptions& options, const calibration::BeltCalibration& belt,
+                        const char* way_in_image) {
   const rig::Rig& rig = belt.rig;
   std::string text;
   for (const calibration::BeltPlace& place : belt.places) {
@@ -168,8 +180,8 @@ std::string report_text(const BeltOptions& options, const calibration::BeltCalib
   const auto& [direction, normal] = *rig.belt_pose;
   text += fmt::format("belt       {:.3f} ± {:.3f} mm away, normal ({:.5f}, {:.5f}, {:.5f}) ± {:.3f}°\n", rig.plane_z_mm,
                       belt.distance_sd_mm, normal[0], normal[1], normal[2], belt.normal_sd_deg);
-  text += fmt::format("way        ({:.5f}, {:.5f}, {:.5f}) ± {:.3f}°{}\n", direction[0], direction[1], direction[2],
-                      belt.direction_sd_deg,
+  text += fmt::format("way        ({:.5f}, {:.5f}, {:.5f}) ± {:.3f}°, {} the image{}\n", direction[0], direction[1],
+                      direction[2], belt.direction_sd_deg, way_in_image,
                       belt.way > 0 ? fmt::format(", {:.4f} mm for each mm of --moves", belt.way) : "");
   if (!options.settings.counts.empty()) {
     text += fmt::format("encoder    {:.6g} mm for each count\n", rig.conveyor.encoder_mm_per_count);
@@ -179,9 +191,12 @@ std::string report_text(const BeltOptions& options, const calibration::BeltCalib
   }
   if (!belt.heights.empty()) {
     text += fmt::format(
-        "laser      saw the belt {:.3f} mm high, which is now 0, and {:.4f} mm for each mm of the heights; belt turned "
-        "by {:.3f}° about its way, laser by {:.3f}°\n",
-        belt.zero_mm, belt.light_scale, belt.zero_turn_deg, belt.light_turn_deg);
+        "laser      saw the belt {:.3f} mm high, which is now 0{}; belt turned by {:.3f}° about its way, laser by "
+        "{:.3f}°\n",
+        belt.zero_mm,
+        belt.heights.size() > 1 ? fmt::format(", and {:.4f} mm for each mm of the heights", belt.light_scale)
+                                : ", and nothing of a known height, so the scale of heights is the chessboards'",
+        belt.zero_turn_deg, belt.light_turn_deg);
     for (const auto& height : belt.heights) {
       text += fmt::format("{}: {:g} mm is measured as {:.3f} mm, {:.3f} mm RMS, {} points\n", height.name,
                           height.height_mm, height.mean_mm, height.rms_mm, height.points);
@@ -217,10 +232,17 @@ void run_belt(BeltOptions options) {
   }
   calibration::BeltCalibration belt = calibration::calibrate_belt(rig, boards, lines, options.settings);
   belt.rig.parts = parts_of(options, belt.rig);
-  folder.append("rig.yaml", rig::to_yaml(belt.rig));
+  const std::string yaml = rig::to_yaml(belt.rig);
+  static_cast<void>(rig::parse_rig(yaml, "--counts, --seconds, --moves"));  // their scale may be none that a rig takes
+  folder.append("rig.yaml", yaml);
   folder.append("report.json", report_json(options, belt));
   folder.commit();
-  fmt::print("{}→ {}\n", report_text(options, belt), folder.name());
+  fmt::print("{}→ {}\n", report_text(options, belt, way_in_image(boards.front(), boards.back())), folder.name());
+  if (options.settings.counts.empty() && options.settings.seconds.empty()) {
+    cli::note_doubt("--counts, --seconds",
+                    "none is given, so the rig does not say how far the belt moves: it measures images with "
+                    "--mm-per-image, and no device");
+  }
   constexpr double kAlike = 0.005;
   if (std::abs(belt.light_scale - 1) > kAlike) {
     cli::note_doubt("--heights",

@@ -47,15 +47,15 @@ std::optional<Numbered> numbered(const std::string& file) {
   return Numbered{name.substr(0, end), std::stoull(name.substr(end))};
 }
 
-// Notes the first place where numbers of files leave out more than elsewhere: the belt went on there.
-void note_gap(const std::vector<std::string>& files) {
+// Says the first place where numbers of files leave out more than elsewhere: the belt went on there.
+std::string gap_in(const std::vector<std::string>& files) {
   std::uint64_t least = std::numeric_limits<std::uint64_t>::max();
   std::vector<std::uint64_t> steps;
   std::optional<Numbered> last;
   for (const std::string& file : files) {
     std::optional<Numbered> next = numbered(file);
     if (!next || (last && (next->before != last->before || next->number <= last->number))) {
-      return;
+      return "";
     }
     if (last) {
       steps.push_back(next->number - last->number);
@@ -64,13 +64,13 @@ void note_gap(const std::vector<std::string>& files) {
     last = std::move(next);
   }
   const auto gap = std::find_if(steps.begin(), steps.end(), [&](std::uint64_t step) { return step != least; });
-  if (gap != steps.end()) {
-    const auto at = static_cast<std::size_t>(gap - steps.begin());
-    files::note(
-        fmt::format("{}: numbers are missing between it and {}, but the belt is taken to move as far as between "
-                    "any other two images",
-                    files[at], files[at + 1]));
+  if (gap == steps.end()) {
+    return "";
   }
+  const auto at = static_cast<std::size_t>(gap - steps.begin());
+  return fmt::format(
+      "numbers are missing between {} and {}, but the belt is taken to move as far as between any other two images",
+      files[at], files[at + 1]);
 }
 
 }  // namespace
@@ -100,7 +100,8 @@ ImageSource::ImageSource(const ImageSourceOptions& options, const rig::Rig& rig,
       rig_(rig),
       measure_(measure),
       sent_(rig.camera.sent()),
-      spacing_mm_(options.spacing_mm.value_or(rig.conveyor.speed_mm_per_s / sent_.frame_rate_hz)) {
+      spacing_mm_(options.spacing_mm.value_or(rig.conveyor.speed_mm_per_s / sent_.frame_rate_hz)),
+      doubt_(images_.count() > 1 ? gap_in(images_.files()) : "") {
   const rig::RigCamera& camera = rig.camera;
   const auto has_size = [&](int rows, int columns) { return images_.rows() == rows && images_.columns() == columns; };
   if (!has_size(sent_.rows, sent_.columns) && !has_size(camera.rows, camera.columns)) {
@@ -120,7 +121,6 @@ ImageSource::ImageSource(const ImageSourceOptions& options, const rig::Rig& rig,
         "nothing says how far the belt moves from one to the next, as the frame rate of a calibrated rig is "
         "the drawing's: say it with --mm-per-image");
   }
-  note_gap(images_.files());
   if (sent_.rows > spec::kMaxRows) {
     files::note(fmt::format("{}: has {} rows and a board takes at most {}: this program alone measures them", first(),
                             sent_.rows, spec::kMaxRows));

@@ -21,6 +21,9 @@ struct ImageSourceOptions {
   std::vector<std::string> images;       // files, folders or patterns; empty: a device
   images::Preparation preparation = {};  // its background, too
   std::optional<double> spacing_mm;      // of the belt, from image to image; empty: by the rig's speed and rate
+
+  // Whether the user says how far the belt moves, so that the rig need not know it.
+  [[nodiscard]] bool says_way() const { return !images.empty() && spacing_mm.has_value(); }
 };
 
 // Adds --images, --channel, --shift, --roi, --transpose, --background and --mm-per-image, which exclude --device.
@@ -30,11 +33,13 @@ class ImageSource {
  public:
   // Reads the first image. Throws UserError as PreparedImages does, or if the images have neither the size of the
   // rig's camera nor that of its region, or more than kMaxSoftwareRows rows. Notes if they have more rows than a board
-  // takes, and if numbers are missing in the names of their files.
+  // takes.
   ImageSource(const ImageSourceOptions& options, const rig::Rig& rig, const model::Measure& measure);
 
   [[nodiscard]] std::size_t count() const { return images_.count(); }
   [[nodiscard]] const std::string& first() const { return images_.files().front(); }
+  // That numbers are missing in the names of their files; empty: they are not.
+  [[nodiscard]] const std::string& doubt() const { return doubt_; }
 
   // Measures up to `most` images (0: all), and calls take(header, columns) with what a board would have sent of each.
   // Ctrl-C ends the run. Encoder and time stamps are those of a belt that moves evenly.
@@ -48,6 +53,7 @@ class ImageSource {
   model::Measure measure_;
   rig::RigRegion sent_;  // of a whole image of the sensor, this part is measured
   double spacing_mm_;
+  std::string doubt_;
 };
 
 }  // namespace selfproj::app

@@ -115,6 +115,9 @@ void write_outputs(const InspectOptions& options, const light_section::Inspectio
   if (device) {
     parts.settings.push_back({"wait", "waiting", options.receive.wait});
   }
+  if (options.images.says_way()) {
+    parts.settings.push_back({"mm_per_image", "way from image to image, as given", *options.images.spacing_mm, "mm"});
+  }
   if (production != nullptr) {
     production->describe(parts);
   }
@@ -164,7 +167,7 @@ class Run {
  public:
   explicit Run(const InspectOptions& options)
       : options_(options),
-        rig_(options.section.load_rig()),
+        rig_(options.section.load_rig(options.images.says_way())),
         folder_(options.out.empty() ? nullptr : std::make_unique<files::OutputFolder>(options.out)),
         json_(options.json.empty() ? nullptr : std::make_unique<files::OutputFile>(options.json)),
         reference_(reference_of(options, rig_)),
@@ -241,6 +244,7 @@ class Run {
 
   void measure_images() {
     ImageSource source(options_.images, rig_, measure_);
+    gap_in_images_ = source.doubt();
     produce();
     std::int64_t next_report_ns = 0;
     source.run(options_.receive.count, [&](const model::PacketHeader& header, const model::RunsView& runs) {
@@ -322,6 +326,7 @@ class Run {
                                      .play_along_mm = table.play_along_mm,
                                      .lit_rows = table.lit_rows,
                                      .section_mm = table.section_mm,
+                                     .frame_mm = table.frame_mm,
                                      .start = 0,
                                      .pitch = model::kCountMask / 2},
           options_.production.tolerance);
@@ -379,8 +384,8 @@ class Run {
   // Why there are too few points or verdicts, each a line.
   [[nodiscard]] std::vector<std::string> doubts() const {
     std::vector<std::string> all;
-    for (const std::string& doubt :
-         {doubt_about(counts(), rig_), production_ && counts().profiles > 0 ? production_->doubt() : std::string()}) {
+    for (const std::string& doubt : {gap_in_images_, doubt_about(counts(), rig_),
+                                     production_ && counts().profiles > 0 ? production_->doubt() : std::string()}) {
       if (!doubt.empty()) {
         all.push_back(doubt);
       }
@@ -404,7 +409,8 @@ class Run {
       const std::vector<report::Fact> more = production_->facts();
       facts.insert(facts.end(), more.begin(), more.end());
     }
-    if (inspection_ && inspection_->frames() > 1 && (!rig_.parts || !inspection_->encoder_counts())) {
+    if (inspection_ && inspection_->frames() > 1 && !options_.images.says_way() &&
+        (!rig_.parts || !inspection_->encoder_counts())) {
       rig::expect_way_measured(rig_, inspection_->encoder_counts(), options_.section.rig);
     }
     if (inspection_ && inspection_->frames() > 0) {
@@ -447,6 +453,7 @@ class Run {
   std::optional<production::Production> production_;
   std::optional<light_section::RegionFollower> follower_;
   std::optional<production::VerdictTable> verdict_;
+  std::string gap_in_images_;
   std::uint64_t frames_of_moves_ = 0;  // whose place on the sensor was not said
   NewestDoubt newest_doubt_;
   light_section::Profile own_;

@@ -176,6 +176,7 @@ void make_reference(const rig::Rig& rig, const PatternOptions& options) {
                             : rig.light_plane     ? "no camera column sees the laser on the part"
                                                   : "no camera column sees the part in the projector's light");
   }
+  const int before = reference.valid_columns();
   if (!options.residual.empty()) {
     reference = with_residual_out(rig, options, reference);
     if (reference.valid_columns() == 0) {
@@ -189,6 +190,13 @@ void make_reference(const rig::Rig& rig, const PatternOptions& options) {
   folder.append("preview.png", light_section::draw_preview(rig, pattern, reference));
   folder.commit();
   fmt::print("{}: reference in {} of {} columns\n", options.out, reference.valid_columns(), reference.columns());
+  if (!options.residual.empty() && reference.valid_columns() < before / 2) {
+    cli::note_doubt(
+        options.residual,
+        fmt::format("in {} of {} columns of the reference no line was found, and nothing is compared there: "
+                    "no light above the threshold, too much of it, or a line outside of the rows that count",
+                    before - reference.valid_columns(), before));
+  }
 }
 
 void make_line(const rig::Rig& rig, const PatternOptions& options) {

@@ -22,7 +22,7 @@
 
 namespace selfproj::app {
 
-rig::Rig SectionOptions::load_rig() const {
+rig::Rig SectionOptions::load_rig(bool way_is_said) const {
   rig::Rig result = rig::load_any_rig(rig);
   if (result.kind != rig::RigKind::light_section) {
     throw UserError(rig, "is not a rig of kind light-section");
@@ -30,7 +30,7 @@ rig::Rig SectionOptions::load_rig() const {
   if (!assume.empty()) {
     rig::assume(result, assume, "--assume");
   }
-  rig::expect_measured(result, rig);
+  rig::expect_measured(result, rig, way_is_said ? rig::Millimetres::of_section : rig::Millimetres::of_part);
   if (pixel_clock_hz) {
     result.board = rig::RigBoard{.pixel_clock_hz = *pixel_clock_hz};
   }

@@ -27,8 +27,9 @@ struct SectionOptions {
   std::string assume;                    // values that are taken though they were never measured
 
   // The rig, with the pixel clock. Throws UserError if it is none of kind light-section, or if millimetres would come
-  // from a value that was never measured (rig::expect_measured).
-  [[nodiscard]] rig::Rig load_rig() const;
+  // from a value that was never measured (rig::expect_measured). With `way_is_said` the rig need not know how the belt
+  // moves.
+  [[nodiscard]] rig::Rig load_rig(bool way_is_said = false) const;
 
   // The reference of the folder, or the rig's empty table or conveyor. Beside a recording, the device "file:PATH", may
   // lie the one under which it was taken (reference_file_of), and in the folder of images as reference.csv: it is the

@@ -48,11 +48,12 @@ struct LearnCommandOptions {
   }
 };
 
+// `doubts` are those about what came.
 void write_tolerance(const LearnCommandOptions& options, const rig::Rig& rig, const files::OutputFile& out,
-                     const production::Learner& learner, std::uint64_t specks) {
-  production::LeftOut not_learned;
-  const production::Tolerance tolerance = learner.learn(options.source(), &not_learned);
-  const std::vector<std::string>& left_out = not_learned.parts;
+                     const production::Learner& learner, std::uint64_t specks, std::vector<std::string> doubts = {}) {
+  production::LearnRemarks remarks;
+  const production::Tolerance tolerance = learner.learn(options.source(), &remarks);
+  const std::vector<std::string>& left_out = remarks.left_out;
   if (options.strict && !left_out.empty()) {
     throw CheckFailed(fmt::format("--strict: {}: {} not as the others; {}", options.source(),
                                   left_out.size() == 1 ? "a part is" : fmt::format("{} parts are", left_out.size()),
@@ -60,6 +61,10 @@ void write_tolerance(const LearnCommandOptions& options, const rig::Rig& rig, co
   }
   for (const std::string& part : left_out) {
     cli::note_doubt(options.source(), "left out as not good: " + part);
+  }
+  doubts.insert(doubts.end(), remarks.doubts.begin(), remarks.doubts.end());
+  if (options.receive.check && !doubts.empty()) {
+    throw CheckFailed(fmt::format("--check: {}: {}", options.source(), fmt::join(doubts, "; ")));
   }
   out.write(fmt::format("# learned from {} good parts on rig {}\n", learner.parts() - left_out.size(), rig.name) +
             production::to_yaml(tolerance));
@@ -71,20 +76,12 @@ void write_tolerance(const LearnCommandOptions& options, const rig::Rig& rig, co
     fmt::print("  {}: {:+.3f} to {:+.3f} mm, {:.2f} % may be missing\n", region.name, region.low_mm, region.high_mm,
                100 * region.max_missing);
   }
-  if (not_learned.unseen_mm2 > 0) {
+  if (remarks.unseen_mm2 > 0) {
     fmt::print("  not inspected: {:.1f} of {:.1f} mm² that most of the parts do not show, with the strip around it\n",
-               not_learned.unseen_mm2, not_learned.regions_mm2);
+               remarks.unseen_mm2, remarks.regions_mm2);
   }
-  if (not_learned.unseen_mm2 > 0.5 * not_learned.regions_mm2) {
-    cli::note_doubt(options.source(), "more than half of the surfaces is not inspected");
-  }
-  for (const std::string& region : not_learned.unlike_reference) {
-    cli::note_doubt(
-        options.source(),
-        fmt::format("in region '{}' each good part is up to {:g} mm further from the reference in one place than in "
-                    "another, and defects are only what is outside of all of it; is the reference (--reference) "
-                    "that of these parts?",
-                    region, rig.parts->above_mm));
+  for (const std::string& doubt : doubts) {
+    cli::note_doubt(options.source(), doubt);
   }
 }
 
@@ -138,7 +135,7 @@ void learn_depth(const LearnCommandOptions& options) {
 }
 
 void learn_section(const LearnCommandOptions& options) {
-  const rig::Rig rig = options.section.load_rig();
+  const rig::Rig rig = options.section.load_rig(options.images.says_way());
   const files::OutputFile out(options.out);
   const light_section::ReferenceProfile reference =
       options.section.load_reference(rig, options.receive.device, options.images.images);
@@ -151,15 +148,19 @@ void learn_section(const LearnCommandOptions& options) {
   const model::Measure measure = measure_of_rig(rig);
   light_section::Profile profile;
   profile.resize(profiler.columns());
+  std::vector<std::string> doubts;
   const auto finish = [&] {
     add_part(learner, cutter.finish());
-    if (const std::string doubt = doubt_about(section.counts(), rig); !doubt.empty()) {
-      cli::note_doubt(options.source(), doubt);
+    if (std::string doubt = doubt_about(section.counts(), rig); !doubt.empty()) {
+      doubts.push_back(std::move(doubt));
     }
-    write_tolerance(options, rig, out, learner, cutter.specks());
+    write_tolerance(options, rig, out, learner, cutter.specks(), doubts);
   };
   if (options.receive.device.empty()) {
     ImageSource source(options.images, rig, measure);
+    if (!source.doubt().empty()) {
+      doubts.push_back(source.doubt());
+    }
     source.run(options.receive.count, [&](const model::PacketHeader& header, const model::RunsView& runs) {
       section.profile(header, runs, source.first(), 0, profile.view());
       add_part(learner, cutter.add(header, profile.view(), 0));

@@ -90,6 +90,11 @@ void run_table(TableOptions options) {
   options.verdict.look_for = options.look_for == "high"  ? production::TooFar::high
                              : options.look_for == "low" ? production::TooFar::low
                                                          : production::TooFar::either;
+  if (rig.sources && rig.sources->speed != rig::ValueSource::assumed && !options.verdict.frame_mm) {
+    throw UserError("--mm-per-frame",
+                    "is needed: nothing says how far the belt moves from frame to frame, as the frame rate of a "
+                    "calibrated rig is the drawing's");
+  }
   const files::OutputFile out(options.out);
   const production::Tolerance tolerance = production::load_tolerance(options.tolerance);
   if (!(std::abs(options.shift_mm) + options.verdict.max_shift_mm <= tolerance.max_shift_mm)) {
@@ -125,13 +130,6 @@ void run_table(TableOptions options) {
         fmt::format("parts are {} mm apart, and the circuit ends one after {} dark frames, {:.2f} mm: a hole of "
                     "that length ends it; --start and --pitch do not look at the light",
                     rig.parts->gap_mm, table.rule.dark_frames, table.rule.dark_frames * facts.frame_mm));
-  }
-  if (rig.sources && rig.sources->speed == rig::ValueSource::drawing) {
-    cli::note_doubt(
-        options.section.rig,
-        fmt::format("the belt's speed was never measured: w, h, m and the plays are for frames {:.3g} mm apart, "
-                    "by conveyor.speed_mm_per_s {:g} and the frame rate",
-                    facts.frame_mm, rig.conveyor.speed_mm_per_s));
   }
   constexpr double kFewJudged = 0.5;
   if (facts.judged < kFewJudged) {
@@ -243,12 +241,19 @@ selfproj inspect --rig line/rig.yaml --reference line/part --device file:line/ru
       ->transform(cli::real_number(0.01, 1000))
       ->type_name("MM")
       ->default_str("where regions begin and end");
-  CLI::Option* const start = command
-                                 ->add_option("--start", options->verdict.start,
-                                              "Encoder count at which a part begins, for parts that come evenly.")
-                                 ->transform(cli::whole_number(0, model::kCountMask))
-                                 ->type_name("COUNT")
-                                 ->default_str("parts begin by their light");
+  command
+      ->add_option("--mm-per-frame", options->verdict.frame_mm,
+                   "How far the belt moves from frame to frame. A calibrated rig does not know it.")
+      ->transform(cli::number_above_zero(1000))
+      ->type_name("MM")
+      ->default_str("by the rig's speed and frame rate");
+  CLI::Option* const start =
+      command
+          ->add_option("--start", options->verdict.start,
+                       "Encoder count at which a part's leading edge passes, for parts that come evenly.")
+          ->transform(cli::whole_number(0, model::kCountMask))
+          ->type_name("COUNT")
+          ->default_str("parts begin by their light");
   CLI::Option* const pitch = command->add_option("--pitch", options->verdict.pitch, "Counts from part to part.")
                                  ->transform(cli::whole_number(2, model::kCountMask / 2))
                                  ->type_name("COUNTS")

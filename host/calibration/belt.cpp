@@ -449,14 +449,22 @@ void apply_lines(const std::vector<LineAtHeight>& lines, const BeltSettings& set
     }
     if (line.points == 0) {
       std::vector<double> heights;
-      std::transform(points.begin(), points.end(), std::back_inserter(heights),
-                     [](const cv::Vec3d& p) { return p[2]; });
+      for (const cv::Vec3d& p : points) {
+        if (i == 0 || std::abs(p[2]) > settings.height_tolerance) {
+          heights.push_back(p[2]);
+        }
+      }
+      if (heights.empty()) {
+        throw UserError(lines[i].name, fmt::format("nothing in it is higher than the belt; the height is said to be "
+                                                   "{:g} mm",
+                                                   lines[i].height_mm));
+      }
       throw UserError(
           lines[i].name,
-          fmt::format("what is bright in it is {:.3g} mm high (median), not within {:.3g} mm of the height "
+          fmt::format("what is bright in it{} is {:.3g} mm high (median), not within {:.3g} mm of the height "
                       "{:g} mm; is the image that of the line, and are the height, --thickness and --square "
                       "right?",
-                      files::median_of(heights), wide, lines[i].height_mm));
+                      i == 0 ? "" : ", beside the belt,", files::median_of(heights), wide, lines[i].height_mm));
     }
     return line;
   };

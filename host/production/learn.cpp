@@ -409,7 +409,43 @@ void Learner::set_limits(Tolerance& tolerance, const std::vector<Seen>& seen, co
   round_mm(tolerance.right_mm);
 }
 
-Tolerance Learner::learn(const std::string& source, LeftOut* left_out) const {
+// Reasons to think that the reference is not that of these parts, or that little of them is inspected.
+std::vector<std::string> Learner::doubts_about(const Tolerance& tolerance, const std::vector<Seen>& seen,
+                                               const LearnRemarks& remarks) const {
+  constexpr double kMostOfIt = 0.5;
+  constexpr double kMostOfWidth = 0.25;
+  std::vector<std::string> doubts;
+  if (remarks.unseen_mm2 > kMostOfIt * remarks.regions_mm2) {
+    doubts.emplace_back("more than half of the surfaces is not inspected");
+  }
+  const double pitch = rig_.parts->grid_mm;
+  const int columns = static_cast<int>((tolerance.right_mm - tolerance.left_mm) / pitch);
+  int without = 0;
+  for (int c = 0; c < columns; ++c) {
+    without += std::isnan(section_.at(tolerance.left_mm + (c + 0.5) * pitch, widest_of(rig_))) ? 1 : 0;
+  }
+  if (without > kMostOfWidth * columns) {
+    doubts.push_back(
+        fmt::format("in {:.0f} % of the parts' width the reference shows nothing, so nothing is inspected there",
+                    100.0 * without / columns));
+  }
+  // Heights of parts are compared with the empty belt, too.
+  const bool of_a_part = std::ranges::any_of(section_.height_mm, [&](double h) { return h > rig_.parts->above_mm; });
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    const double low = seen[i].low.mean();
+    const double high = seen[i].high.mean();
+    const double off = of_a_part ? std::max(std::abs(low), std::abs(high)) : 0;
+    if (std::max(high - low, off) > rig_.parts->above_mm) {
+      doubts.push_back(fmt::format(
+          "in region '{}' each good part is {:+.3f} to {:+.3f} mm from the reference, and defects are only what is "
+          "outside of all of it; is the reference (--reference) that of these parts?",
+          tolerance.regions[i].name, low, high));
+    }
+  }
+  return doubts;
+}
+
+Tolerance Learner::learn(const std::string& source, LearnRemarks* remarks) const {
   if (parts_.size() < kMinGoodParts) {
     throw UserError(source, fmt::format("{} good parts came; at least {} are needed", parts_.size(), kMinGoodParts));
   }
@@ -429,9 +465,9 @@ Tolerance Learner::learn(const std::string& source, LeftOut* left_out) const {
       const double whole = area_mm2(tolerance.regions, grid);
       tolerance.regions = without_unseen(tolerance.regions, unseen(classifier_of(tolerance, source), grid, reasons),
                                          grid, options_.edge_mm, defect_side(tolerance.min_defect_mm2, grid.pitch_mm));
-      if (left_out != nullptr) {
-        left_out->unseen_mm2 = whole - area_mm2(tolerance.regions, grid);
-        left_out->regions_mm2 = whole;
+      if (remarks != nullptr) {
+        remarks->unseen_mm2 = whole - area_mm2(tolerance.regions, grid);
+        remarks->regions_mm2 = whole;
       }
     }
     keep_regions_with_room(tolerance, grid, source);
@@ -440,9 +476,9 @@ Tolerance Learner::learn(const std::string& source, LeftOut* left_out) const {
     compare(classifier_of(tolerance, source), tolerance, reasons, seen, residual);
     again = !map_ && std::count(reasons.begin(), reasons.end(), "") < left && residual.count() >= kMinGoodParts;
   }
-  for (std::size_t part = 0; part < parts_.size() && left_out != nullptr; ++part) {
+  for (std::size_t part = 0; part < parts_.size() && remarks != nullptr; ++part) {
     if (!reasons[part].empty()) {
-      left_out->parts.push_back(fmt::format("part {} of {}: {}", part + 1, parts_.size(), reasons[part]));
+      remarks->left_out.push_back(fmt::format("part {} of {}: {}", part + 1, parts_.size(), reasons[part]));
     }
   }
   if (residual.count() < kMinGoodParts) {
@@ -455,10 +491,8 @@ Tolerance Learner::learn(const std::string& source, LeftOut* left_out) const {
                     odd == reasons.end() ? "" : fmt::format("; of part {}, {}", odd - reasons.begin() + 1, *odd)));
   }
   set_limits(tolerance, seen, residual);
-  for (std::size_t i = 0; i < seen.size() && left_out != nullptr && !map_; ++i) {
-    if (seen[i].high.mean() - seen[i].low.mean() > rig_.parts->above_mm) {
-      left_out->unlike_reference.push_back(tolerance.regions[i].name);
-    }
+  if (remarks != nullptr && !map_) {
+    remarks->doubts = doubts_about(tolerance, seen, *remarks);
   }
   return tolerance;
 }

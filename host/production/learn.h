@@ -26,14 +26,12 @@ struct LearnOptions {
   double max_turn_deg = 3;
 };
 
-// What was not learned from.
-struct LeftOut {
-  std::vector<std::string> parts;  // that are not as the others, a reason each
-  double unseen_mm2 = 0;           // of the regions, which most of the parts do not show (without_unseen)
-  double regions_mm2 = 0;          // with them
-  // Regions in which each good part alone is further from the reference in one place than in another than what makes a
-  // part (parts.above_mm): it is not that part's reference.
-  std::vector<std::string> unlike_reference;
+// What a user should know of what was learned.
+struct LearnRemarks {
+  std::vector<std::string> left_out;  // parts that are not as the others, a reason each
+  double unseen_mm2 = 0;              // of the regions, which most of the parts do not show (without_unseen)
+  double regions_mm2 = 0;             // with them
+  std::vector<std::string> doubts;    // why good parts and reference hardly belong together, or little is inspected
 };
 
 inline constexpr std::size_t kMinGoodParts = 5;
@@ -60,11 +58,11 @@ class Learner {
   [[nodiscard]] std::size_t parts() const { return parts_.size(); }
   [[nodiscard]] std::size_t not_kept() const { return not_kept_; }
 
-  // Parts that are not as the others are left out, and named in `left_out`: those whose length, width,
+  // Parts that are not as the others are left out, and named in `remarks`: those whose length, width,
   // heights or missing points are further from the parts' median than their spread explains, and those that cannot be
   // placed. Throws UserError, naming `source`, if fewer than kMinGoodParts came or remain, or no stretch between edges
   // is wide enough for a region.
-  [[nodiscard]] Tolerance learn(const std::string& source, LeftOut* left_out = nullptr) const;
+  [[nodiscard]] Tolerance learn(const std::string& source, LearnRemarks* remarks = nullptr) const;
 
  private:
   // A reason for each part that is left out; empty for the others.
@@ -78,6 +76,8 @@ class Learner {
   [[nodiscard]] Tolerance outline(const std::string& source, Reasons& reasons) const;
   // The cells that more than half of the parts do not show, 255; parts with a reason do not count.
   [[nodiscard]] cv::Mat1b unseen(const Classifier& classifier, const MapGrid& grid, const Reasons& reasons) const;
+  [[nodiscard]] std::vector<std::string> doubts_about(const Tolerance& tolerance, const std::vector<Seen>& seen,
+                                                      const LearnRemarks& remarks) const;
   [[nodiscard]] Tolerance whole_view() const;
   // Throws UserError about `source` if none is left.
   void keep_regions_with_room(Tolerance& tolerance, const MapGrid& grid, const std::string& source) const;

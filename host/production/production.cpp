@@ -405,6 +405,19 @@ std::string Production::doubt() const {
     return fmt::format("{} of {} parts {} no verdict; the last: {}{}", inconclusive, counts_.parts(),
                        inconclusive == 1 ? "has" : "have", last_inconclusive_, odd_rate());
   }
+  if (verdict_ && moments_.parts == 0 && counts_.parts() > 0) {
+    return fmt::format(
+        "by moments no part began: --start, --pitch or the light that begins one are not those of the {} "
+        "parts that came",
+        counts_.parts());
+  }
+  const std::uint64_t bad = counts_.verdicts[static_cast<std::size_t>(Verdict::bad)];
+  if (verdict_ && bad > 0 && moments_.less == bad) {
+    return fmt::format(
+        "by moments none of the {} bad parts has a defect: are w, h, m and the places of parts (--start, "
+        "--pitch, --shift) of the table those of these parts?",
+        bad);
+  }
   if (counts_.parts() > 0) {
     return "";
   }
@@ -418,7 +431,7 @@ std::string Production::doubt() const {
     case rig::PartCut::profile:
       return fmt::format(
           "no part was cut: nothing was higher than above_mm ({} mm) over min_width_mm ({} mm) of a "
-          "profile; the rig's section `parts` and plane_z_mm say where the belt is and what a part",
+          "profile; the rig's section `parts` and plane_z_mm say where the belt is and what a part is",
           parts.above_mm, parts.min_width_mm);
     case rig::PartCut::distance:
       return fmt::format("no part was cut: the belt moved less than length_mm ({} mm)", parts.length_mm);

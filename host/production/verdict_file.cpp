@@ -48,6 +48,9 @@ void visit_made_with(TableT& table, Visitor& v) {
   if (v.has_any({"section_mm"}, table.section_mm)) {
     v.number("section_mm", *table.section_mm, 1, rig::kPositive);
   }
+  if (v.has_any({"frame_mm"}, table.frame_mm)) {
+    v.number("frame_mm", *table.frame_mm, 1, rig::kPositive);
+  }
   if (v.has_any({"shift_mm"}, table.shift_mm)) {  // not in files of earlier versions
     v.number("shift_mm", *table.shift_mm, 1, rig::kAny);
   }
@@ -267,6 +270,11 @@ void check_verdict_table(const VerdictTable& table, const rig::Rig& rig, const s
                                 "{} x {} from row {}, column {} on",
                                 table.columns, table.rows, table.row_offset + 1, table.column_offset + 1, rig.name,
                                 sent.columns, sent.rows, sent.row_offset + 1, sent.column_offset + 1));
+  }
+  if (rig.parts && !rig.parts->by_encoder) {
+    throw UserError(source, fmt::format("its parts and sections are those of an encoder's counts, and the section "
+                                        "`parts` of {} says belt: clock",
+                                        rig.name));
   }
 }
 

@@ -164,7 +164,7 @@ VerdictTables::VerdictTables(const rig::Rig& rig, const light_section::Reference
       light_section::line_rules(rig.camera, rig.measure, sent_.row_offset, sent_.rows);
   first_ = static_cast<double>(rules.first) + sent_.row_offset;
   last_ = static_cast<double>(rules.last) + sent_.row_offset;
-  frame_mm_ = rig.conveyor.speed_mm_per_s / sent_.frame_rate_hz;
+  frame_mm_ = options.frame_mm.value_or(rig.conveyor.speed_mm_per_s / sent_.frame_rate_hz);
   play_along_mm_ = options.play_along_mm.value_or(0.5 * lit_rows_ * pixel_mm(rig) + frame_mm_);
   light_mm_ = belt_view(rig).along_mm;
   sample();
@@ -475,6 +475,7 @@ VerdictTable VerdictTables::table(double shift_mm, double play_along_mm) const {
                      .play_along_mm = play_along_mm,
                      .lit_rows = lit_rows_,
                      .section_mm = options_.section_mm,
+                     .frame_mm = options_.frame_mm,
                      .shift_mm = shift_mm};
   table.max_shift_columns = static_cast<int>(std::ceil(options_.max_shift_mm / std::abs(column_mm_) - 1e-9));
   if (table.max_shift_columns > model::kMaxShiftColumns) {

@@ -36,6 +36,7 @@ struct VerdictTable {
   double play_along_mm = 0;
   double lit_rows = 0;
   std::optional<double> section_mm = {};
+  std::optional<double> frame_mm = {};
   std::optional<double> shift_mm = {};  // for parts so far across from where the reference lay; nothing: not known
   int max_shift_columns = 0;            // the limits hold for settings.shift_columns of up to this, both ways
   model::VerdictSettings settings = {};
@@ -68,6 +69,7 @@ struct VerdictOptions {
   std::optional<double> lit_rows{};         // that the line lights; nothing: usual_lit_rows
   double max_shift_mm = 0;                  // the shift of settings may be so large
   std::optional<double> section_mm{};       // length of a section; nothing: they begin where regions begin or end
+  std::optional<double> frame_mm{};         // of the belt, from frame to frame; nothing: by the rig's speed and rate
   std::optional<int> max_unlit{};           // judged columns of a frame; nothing: light is not judged
   std::optional<std::uint32_t> start{};     // parts by the encoder: count at which part 0 begins; nothing: by light
   std::optional<std::uint32_t> pitch = {};  // and counts from part to part

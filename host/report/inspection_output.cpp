@@ -281,7 +281,9 @@ std::string summary(const light_section::Inspection& inspection, const Maps& map
   if (first.measure().select != model::Select::all || first.measure().window != model::RowWindow{}) {
     json["select"] = images::select_name(first.measure().select);
     json["gap"] = first.gap;
-    json["rows"] = {first.window.first, first.window.last};
+    if (first.measure().window != model::RowWindow{}) {
+      json["rows"] = {first.window.first, first.window.last};
+    }
   }
   json["counters"] = facts_json(parts.counters);
   json["settings"] = facts_json(parts.settings);

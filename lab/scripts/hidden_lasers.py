@@ -65,6 +65,7 @@ SMALL = Effort(0.625, 9, (0, 8, 16, 24), 2)
 # Parts of the simulated line (`selfproj-sim production`): heights of a part's two treads, and their width.
 TREADS_MM, TREAD_WIDTH_MM = "12,20", 22
 PITCH_MM = 100  # more than a part takes
+FRAME_MM = 0.25  # the belt moves so far from image to image
 
 PROJECTOR = {"x_mm": 100, "z_mm": 0, "tilt_deg": 0, "focal_length_mm": 20, "lines": 64, "columns": 64,
              "line_pitch_um": 10, "column_pitch_um": 10, "center_xp_mm": 0, "center_yp_mm": 0}
@@ -182,8 +183,8 @@ def judged(chain, seed, parts, encoder):
     chain.host("pattern", "--rig", "line/rig.yaml", "--residual", "golden", "--out", "good_part")
     chain.host("tolerance", "learn", *line, "--device", "file:parts/good.packets", "--out", "tolerance.yaml")
     # The line on the belt is in view all the time, so that light does not tell where parts begin. `inspect` places them.
-    chain.host("verdict", "table", *line, "--tolerance", "tolerance.yaml", "--defect", "2x2", "--section", 1.5, "--start",
-               0, "--pitch", round(PITCH_MM / encoder), "--out", "verdict.yaml")
+    chain.host("verdict", "table", *line, "--tolerance", "tolerance.yaml", "--defect", "2x2", "--section", 1.5,
+               "--mm-per-frame", FRAME_MM, "--start", 0, "--pitch", round(PITCH_MM / encoder), "--out", "verdict.yaml")
     chain.host("inspect", *line, "--device", "file:parts/run.packets", "--tolerance", "tolerance.yaml", "--verdict",
                "verdict.yaml", "--verdict-placed", "--parts", "judged", "--check")
     with (chain.folder / "parts/run.csv").open(encoding="utf-8") as table:

@@ -134,7 +134,7 @@ TEST_F(ProductionCommand, FindsWhatItPlants) {
   EXPECT_EQ(seen.err.find("numbers are missing"), std::string::npos) << seen.err;
   const std::string frame = "line/run/frame_0000";
   EXPECT_NE(host(with({"inspect", "--images", frame + "1.png", frame + "2.png", frame + "4.png"}, rig))
-                .err.find("frame_00002.png: numbers are missing between it and line/run/frame_00004.png"),
+                .err.find("numbers are missing between line/run/frame_00002.png and line/run/frame_00004.png"),
             std::string::npos);
   for (const std::string file : {"parts.jsonl", "part_000002/height.tiff"}) {
     EXPECT_EQ(read_text(folder_ / ("seen/" + file)), read_text(folder_ / ("today/" + file))) << file;
@@ -307,6 +307,36 @@ TEST_F(ProductionCommand, ALaserLineLearnsAndJudges) {
       with({"inspect", "--device", "file:line/run.packets", "--tolerance", "tolerance.yaml", "--parts", "judged"}, of));
   ASSERT_EQ(run.status, 0) << run.err;
   EXPECT_EQ(agrees("line", "judged", 1, 0.1), 1);
+
+  // What the parts are compared with is not theirs: the empty belt has no treads. With --check nothing is written.
+  const Words of_the_belt = {"tolerance", "learn", "--device", "file:line/good.packets", "--rig", "line/rig.yaml"};
+  std::filesystem::remove(folder_ / "line/good.reference.csv");
+  const Outcome told = host(with(of_the_belt, {"--out", "belt.yaml"}));
+  EXPECT_EQ(told.status, 0);
+  EXPECT_NE(told.err.find("is the reference (--reference) that of these parts?"), std::string::npos) << told.err;
+  const Outcome refused = host(with(of_the_belt, {"--check", "--out", "checked.yaml"}));
+  EXPECT_EQ(refused.status, 1);
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "checked.yaml"));
+
+  // A verdict by moments counts along the belt by its encoder, and where no part begins, that is told.
+  ASSERT_EQ(host(with({"verdict", "table", "--tolerance", "tolerance.yaml", "--start", "8000000", "--pitch", "4000000",
+                       "--out", "verdict.yaml"},
+                      of))
+                .status,
+            0);
+  Words by_moments = {"inspect",        "--device",  "file:line/run.packets", "--tolerance",
+                      "tolerance.yaml", "--verdict", "verdict.yaml",          "--check",
+                      "--parts",        "by-moments"};
+  const Outcome none = host(with(by_moments, of));
+  EXPECT_EQ(none.status, 1);
+  EXPECT_NE(none.err.find("by moments no part began"), std::string::npos) << none.err;
+  rig::Rig by_clock = rig::load_any_rig((folder_ / "line/rig.yaml").string());
+  by_clock.parts->by_encoder = false;
+  write_text(folder_ / "clock.yaml", rig::to_yaml(by_clock));
+  by_moments.back() = "by-clock";
+  const Outcome clock = host(with(by_moments, {"--rig", "clock.yaml", "--reference", "line/part"}));
+  EXPECT_EQ(clock.status, 2);
+  EXPECT_NE(clock.err.find("says belt: clock"), std::string::npos) << clock.err;
 }
 
 // Every command that gives millimetres refuses them from a value that was never measured, of either kind of rig, unless
@@ -349,6 +379,15 @@ TEST_F(ProductionCommand, NothingThatWasNeverMeasuredGivesMillimetres) {
     for (const Words& way : {Words{"light", "--mm-per-image", "0.1"}, Words{"light,speed"}}) {
       EXPECT_EQ(host(with(images, way)).err.find("nothing says"), std::string::npos);
     }
+    // If the user says it, the rig need not know it; and a verdict by moments cannot do without.
+    const Outcome said = host({"inspect", "--images", kind + "3/frame_*.png", "--rig", "begun.yaml", "--assume", "belt",
+                               "--mm-per-image", "0.1", "--out", kind + "-said"});
+    EXPECT_EQ(said.status, 0) << said.err;
+    EXPECT_NE(read_text(folder_ / (kind + "-said/summary.json")).find("\"mm_per_image\": 0.1"), std::string::npos);
+    const Words table = {"verdict", "table",       "--rig",        "dark.yaml", "--assume",
+                         "light",   "--tolerance", "nothing.yaml", "--out",     "v.yaml"};
+    EXPECT_NE(host(table).err.find("--mm-per-frame: is needed"), std::string::npos);
+    EXPECT_NE(host(with(table, {"--mm-per-frame", "0.1"})).err.find("nothing.yaml: "), std::string::npos);
   }
 }
 

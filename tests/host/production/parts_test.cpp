@@ -459,11 +459,11 @@ TEST(Parts, WhatGoodPartsDoNotShowIsNoRegion) {
     for (std::size_t i = 0; i < 6; ++i) {
       learner.add(production::CutPart(cut.parts[i]));
     }
-    production::LeftOut left_out;
-    const production::Tolerance tolerance = learner.learn("good", &left_out);
-    EXPECT_NEAR(left_out.unseen_mm2, area, 15);
-    EXPECT_NEAR(left_out.regions_mm2, 27 * 37, 25);
-    EXPECT_TRUE(left_out.unlike_reference.empty());
+    production::LearnRemarks remarks;
+    const production::Tolerance tolerance = learner.learn("good", &remarks);
+    EXPECT_NEAR(remarks.unseen_mm2, area, 15);
+    EXPECT_NEAR(remarks.regions_mm2, 27 * 37, 25);
+    EXPECT_TRUE(remarks.doubts.empty());
     for (const production::ToleranceRegion& region : tolerance.regions) {
       EXPECT_LT(region.max_missing, 0.02);  // the speck stays in its region
     }
@@ -483,19 +483,38 @@ TEST(Parts, WhatGoodPartsDoNotShowIsNoRegion) {
 // Parts with two levels, compared with a box: the band of the region holds both.
 TEST(Parts, AReferenceOfOtherPartsIsTold) {
   const rig::Rig rig = rig_with_parts();
-  production::Learner learner(rig, box_section(rig), {});
-  Cut cut(rig);
-  MadeBelt belt(rig, 7);
-  for (int i = 0; i < 6; ++i) {
-    belt.pass(cut, {.length = 30, .height = [](double, double w) { return w > 0 ? 20.0 : 12.0; }, .noise = 0.03});
+  const auto doubts = [&](const production::SectionReference& section,
+                          const std::function<double(double, double)>& height) {
+    production::Learner learner(rig, section, {});
+    Cut cut(rig);
+    MadeBelt belt(rig, 7);
+    for (int i = 0; i < 6; ++i) {
+      belt.pass(cut, {.length = 30, .height = height, .noise = 0.03});
+    }
+    belt.bare(cut, 5);
+    for (production::CutPart& part : cut.parts) {
+      learner.add(std::move(part));
+    }
+    production::LearnRemarks remarks;
+    (void)learner.learn("good", &remarks);
+    return remarks.doubts;
+  };
+  const production::SectionReference box = box_section(rig);
+  EXPECT_TRUE(doubts(box, [](double, double) { return 20.0; }).empty());
+  for (const double left : {12.0, 13.0}) {  // with a step, and all of it further away
+    const std::vector<std::string> told =
+        doubts(box, [&](double, double w) { return left == 12.0 && w > 0 ? 20.0 : left; });
+    ASSERT_EQ(told.size(), 1U);
+    EXPECT_TRUE(told[0].starts_with("in region 'surface 1' each good part is -")) << told[0];
   }
-  belt.bare(cut, 5);
-  for (production::CutPart& part : cut.parts) {
-    learner.add(std::move(part));
+  // A reference that shows the left half of the parts alone
+  production::SectionReference half = box;
+  for (std::size_t i = 0; i < half.height_mm.size(); ++i) {
+    half.height_mm[i] = half.across_mm[i] > 0 ? kNone : half.height_mm[i];
   }
-  production::LeftOut left_out;
-  (void)learner.learn("good", &left_out);
-  EXPECT_EQ(left_out.unlike_reference, std::vector<std::string>{"surface 1"});
+  const std::vector<std::string> told = doubts(half, [](double, double) { return 20.0; });
+  ASSERT_EQ(told.size(), 1U);
+  EXPECT_NE(told[0].find("% of the parts' width the reference shows nothing"), std::string::npos) << told[0];
 }
 
 // Eleven good parts, and one that is not whole, first or last.
@@ -504,7 +523,7 @@ TEST(Parts, APartCutShortIsLeftOutOfTheTolerance) {
   const auto from = [](double first, double last) {
     return [=](double v, double) { return v >= first && v <= last ? 20.0 : kNone; };
   };
-  const auto learn = [&](const MadePart& odd, int place, production::LeftOut& left_out) {
+  const auto learn = [&](const MadePart& odd, int place, production::LearnRemarks& remarks) {
     production::Learner learner(rig, box_section(rig), {});
     Cut cut(rig);
     MadeBelt belt(rig, 7);
@@ -522,7 +541,7 @@ TEST(Parts, APartCutShortIsLeftOutOfTheTolerance) {
     for (production::CutPart& part : cut.parts) {
       learner.add(std::move(part));
     }
-    return learner.learn("good", &left_out);
+    return learner.learn("good", &remarks);
   };
   const std::vector<MadePart> odd_ones = {{.length = 28},
                                           {.length = 15},
@@ -535,12 +554,12 @@ TEST(Parts, APartCutShortIsLeftOutOfTheTolerance) {
     for (const int place : {0, 11}) {
       SCOPED_TRACE(std::to_string(odd.length) + " x " + std::to_string(odd.width) + " in place " +
                    std::to_string(place));
-      production::LeftOut left_out;
-      const production::Tolerance tolerance = learn(odd, place, left_out);
-      ASSERT_EQ(left_out.parts.size(), 1U);
-      const std::string& reason = left_out.parts[0];
+      production::LearnRemarks remarks;
+      const production::Tolerance tolerance = learn(odd, place, remarks);
+      ASSERT_EQ(remarks.left_out.size(), 1U);
+      const std::string& reason = remarks.left_out[0];
       EXPECT_EQ(reason.rfind("part " + std::to_string(place + 1) + " of 12: ", 0), 0U) << reason;
-      EXPECT_EQ(left_out.unseen_mm2, 0);
+      EXPECT_EQ(remarks.unseen_mm2, 0);
       EXPECT_NEAR(tolerance.length_mm, 30, 0.2);
       EXPECT_NEAR(tolerance.right_mm - tolerance.left_mm, 40, 0.4);
       ASSERT_EQ(tolerance.regions.size(), 1U);
