@@ -99,7 +99,8 @@ module sp_lvds_training #(
   localparam logic [2:0] Measure = 3'd3;
   localparam logic [2:0] Turn = 3'd4;     // is it the training word, and turned by how much?
   localparam logic [2:0] Note = 3'd5;     // the result at a tap
-  localparam logic [2:0] Choose = 3'd6;   // the best tap
+  localparam logic [2:0] Compare = 3'd6;  // is its run of taps the longest?
+  localparam logic [2:0] Choose = 3'd7;   // the best tap
 
   logic [2:0]             state_q;
   logic [LaneBits-1:0]    lane_q;
@@ -167,7 +168,6 @@ module sp_lvds_training #(
   // --- One lane after the other ---
   logic [3:0] control_slip;
   logic       abandon;  // a data lane cannot be measured without the control lane
-  logic       longer;
   logic [7:0] run;
   logic [6:0] run_first;
   logic       joins;    // the tap belongs to the run of the one before
@@ -178,7 +178,6 @@ module sp_lvds_training #(
   assign joins     = good_q && run_good_q && turn_q == run_turn_q;
   assign run       = !good_q ? 8'd0 : joins ? run_q + 8'd1 : 8'd1;
   assign run_first = joins ? run_first_q : tap_q;
-  assign longer    = run > best_q;
 
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
@@ -259,9 +258,12 @@ module sp_lvds_training #(
           run_turn_q  <= turn_q;
           run_q       <= run;
           run_first_q <= run_first;
-          if (longer) begin
-            best_q       <= run;
-            best_first_q <= run_first;
+          state_q     <= Compare;
+        end
+        Compare: begin
+          if (run_q > best_q) begin
+            best_q       <= run_q;
+            best_first_q <= run_first_q;
           end
           if (final_q) begin
             state_q <= Pick;
@@ -365,13 +367,13 @@ module sp_lvds_training #(
       if (aligned_o[i]) assert (i == Lanes || aligned_o[Lanes]);
     end
     // The registers agree with that.
-    assert (lane_q <= Control && state_q <= Choose);
-    if (state_q == Turn || state_q == Note) assert (turn_q < 4'(Bits));
+    assert (lane_q <= Control);
+    if (state_q == Turn || state_q == Note || state_q == Compare) assert (turn_q < 4'(Bits));
     if (state_q != Pick) assert (!lane_aligned);
     if (state_q == Measure || state_q == Turn) assert (f_last_q == word_q);
     if (state_q == Measure) assert (f_times_q == same_q);
     if (state_q == Turn) assert (f_full_q && turned_q == turned(f_base_q, turn_q));
-    if (state_q == Note && good_q) begin
+    if ((state_q == Note || state_q == Compare) && good_q) begin
       assert (f_full_q && ((turned(f_base_q, turn_q) ^ wanted) & mask) == '0);
     end
   end

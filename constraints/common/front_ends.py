@@ -1,0 +1,68 @@
+"""Places and routes a front end for cameras alone on an LFE5UM5G-85F, for the place.py of each."""
+
+import argparse
+import pathlib
+import re
+import sys
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path[:0] = [str(ROOT / "scripts"), str(ROOT / "constraints" / "common")]
+import nextpnr_ecp5  # noqa: E402
+import results  # noqa: E402
+from lib import rtl_tree, tools  # noqa: E402
+
+CELLS = {"lut4": "TRELLIS_COMB", "ff": "TRELLIS_FF", "ram": "DP16KD", "gearing": "IOLOGIC", "pll": "EHXPLLL"}
+
+
+def options(description, seeds):
+    """Returns the words of the command line."""
+    parser = argparse.ArgumentParser(description=description)
+    parser.add_argument("--seeds", type=int, default=seeds, metavar="N")
+    parser.add_argument("--keep", action="store_true", help="record the figures in results/")
+    return parser.parse_args()
+
+
+def netlist(top, modules, files, parameters, home):
+    """Returns the text of the netlist of `top`, from the sources of `modules` in rtl/ and from `files`."""
+    home.mkdir(parents=True, exist_ok=True)
+    path = home / "netlist.json"
+    read = rtl_tree.read_command(top, [f"{name}={value}" for name, value in parameters.items()],
+                                 files=[*rtl_tree.sources_of_all(modules), *files])
+    tools.run(["yosys", "-q", "-p", f'{read}synth_ecp5 -abc9 -top {top} -json "{path}"'], log=home / "yosys.log")
+    return path.read_text(encoding="utf-8")
+
+
+def clocks_of(report, camera_side):
+    """Returns the clocks that a report has reached, and those wanted: that of the board, and the slower one of the
+    nets that `camera_side` matches."""
+    of_camera = re.compile(camera_side)
+    links = [clock for net, clock in report["fmax"].items() if of_camera.search(net)]
+    boards = [clock for net, clock in report["fmax"].items() if not of_camera.search(net)]
+    if len(boards) != 1 or not links:
+        raise tools.ToolError(f"nextpnr reports other clocks than expected: {', '.join(report['fmax'])}")
+    return {name: min((clock["achieved"], clock["constraint"]) for clock in clocks)
+            for name, clocks in (("link", links), ("board", boards))}
+
+
+def measure(name, text, constraints, seeds, camera_side, home):
+    """Places a netlist with the seeds 1 to `seeds`. Returns and prints what it takes, and the slowest clocks."""
+    reached = []
+    for seed in range(1, 1 + seeds):
+        report, _ = nextpnr_ecp5.place(text, constraints, seed, home / "nextpnr.log", "--lpf-allow-unconstrained")
+        reached.append(clocks_of(report, camera_side))
+    used = {key: report["utilization"].get(cell, {}).get("used", 0) for key, cell in CELLS.items()}
+    least = {clock: round(min(of[clock][0] for of in reached), 1) for clock in ("link", "board")}
+    wanted = {clock: round(reached[0][clock][1], 1) for clock in ("link", "board")}
+    print(f"{name}: {used['lut4']} LUT4, {used['ff']} flip-flops, {used['ram']} block RAMs, {used['gearing']} "
+          f"deserializers, {used['pll']} PLLs")
+    for clock, mhz in least.items():
+        print(f"    {clock}: {mhz} MHz, the least of {seeds} seeds (wanted: {wanted[clock]})", flush=True)
+    return {"used": used, "seeds": seeds, "least": least, "wanted": wanted,
+            "met": sum(all(got >= want for got, want in of.values()) for of in reached)}
+
+
+def finish(words, record, about, command, measured):
+    """Records the figures if --keep says so. Returns the exit status: 1 if a seed has not met a clock."""
+    if words.keep:
+        results.write(record, about, command, measured, ROOT / "results")
+    return 0 if all(of["met"] == of["seeds"] for of in measured.values()) else 1
