@@ -39,62 +39,26 @@ module ecp5_camera_link_pins #(
 
   localparam int Links = Taps <= 3 ? 1 : Taps == 4 ? 2 : 3;
 
-  logic [2:0] eclk, good, unused_locked;
+  logic [2:0] eclk, good, unused_clk, unused_locked;
 
   for (genvar k = 0; k < 3; k++) begin : gen_pll
     if (k < Links) begin : gen_used
-      logic clk, unused_2, unused_3, unused_intlock, unused_refclk, unused_clkintfb;
-
-      (* ICP_CURRENT = "12", LPF_RESISTOR = "8" *)
-      EHXPLLL #(
-        .PLLRST_ENA     ("DISABLED"),
-        .INTFB_WAKE     ("DISABLED"),
-        .STDBY_ENABLE   ("DISABLED"),
-        .DPHASE_SOURCE  ("DISABLED"),
-        .OUTDIVIDER_MUXA("DIVA"),
-        .OUTDIVIDER_MUXB("DIVB"),
-        .OUTDIVIDER_MUXC("DIVC"),
-        .OUTDIVIDER_MUXD("DIVD"),
-        .CLKI_DIV       (1),
-        .CLKFB_DIV      (1),
-        .FEEDBK_PATH    ("CLKOP"),
-        .CLKOP_ENABLE   ("ENABLED"),
-        .CLKOP_DIV      (Divider),
-        .CLKOP_CPHASE   (Divider - 1),
-        .CLKOP_FPHASE   (0),
-        .CLKOS_ENABLE   ("ENABLED"),
-        .CLKOS_DIV      (EdgeDivider),
-        .CLKOS_CPHASE   (EdgeDivider - 1 + Phase / 8),
-        .CLKOS_FPHASE   (Phase % 8)
+      ecp5_pll #(
+        .Divider      (Divider),
+        .SecondDivider(EdgeDivider),
+        .Phase        (Phase)
       ) u_pll (
-        .CLKI        (k == 0 ? x_pll_clk_i : k == 1 ? y_pll_clk_i : z_pll_clk_i),
-        .CLKFB       (clk),
-        .RST         (1'b0),
-        .STDBY       (1'b0),
-        .PHASESEL0   (1'b0),
-        .PHASESEL1   (1'b0),
-        .PHASEDIR    (1'b1),
-        .PHASESTEP   (1'b1),
-        .PHASELOADREG(1'b1),
-        .PLLWAKESYNC (1'b0),
-        .ENCLKOP     (1'b0),
-        .ENCLKOS     (1'b0),
-        .ENCLKOS2    (1'b0),
-        .ENCLKOS3    (1'b0),
-        .CLKOP       (clk),
-        .CLKOS       (eclk[k]),
-        .CLKOS2      (unused_2),
-        .CLKOS3      (unused_3),
-        .LOCK        (good[k]),
-        .INTLOCK     (unused_intlock),
-        .REFCLK      (unused_refclk),
-        .CLKINTFB    (unused_clkintfb)
+        .clk_i   (k == 0 ? x_pll_clk_i : k == 1 ? y_pll_clk_i : z_pll_clk_i),
+        .clk_o   (unused_clk[k]),
+        .second_o(eclk[k]),
+        .good_o  (good[k])
       );
     end else begin : gen_unused
       logic unused;
       assign unused  = k == 1 ? y_pll_clk_i : z_pll_clk_i;
       assign eclk[k] = 1'b0;
       assign good[k] = 1'b0;
+      assign unused_clk[k] = 1'b0;
     end
   end
 

@@ -41,7 +41,8 @@ def main():
     for name, (parameters, megahertz) in CONFIGURATIONS.items():
         chips = int(parameters["Taps"]) > 4
         top = BEHIND_CHIPS if chips else TOP
-        around = [] if chips else [HERE / f"{source}.sv" for source in ("ecp5_channel_link", "ecp5_camera_link", TOP)]
+        around = [] if chips else [front_ends.PLL, *(HERE / f"{source}.sv" for source in (
+            "ecp5_channel_link", "ecp5_camera_link", TOP))]
         text = front_ends.netlist(top, ["sp_camera_link", "sp_channel_link_lock"], around, parameters, HOME)
         constraints = "".join(line for line in pins.splitlines(True)
                               if not chips or re.search(r"^BLOCK|PORT .clk_i. ", line))

@@ -11,6 +11,7 @@ import nextpnr_ecp5  # noqa: E402
 import results  # noqa: E402
 from lib import rtl_tree, tools  # noqa: E402
 
+PLL = pathlib.Path(__file__).with_name("ecp5_pll.sv")
 CELLS = {"lut4": "TRELLIS_COMB", "ff": "TRELLIS_FF", "ram": "DP16KD", "gearing": "IOLOGIC", "pll": "EHXPLLL"}
 
 
@@ -44,11 +45,12 @@ def clocks_of(report, camera_side):
             for name, clocks in (("link", links), ("board", boards))}
 
 
-def measure(name, text, constraints, seeds, camera_side, home):
+def measure(name, text, constraints, seeds, camera_side, home, **package):
     """Places a netlist with the seeds 1 to `seeds`. Returns and prints what it takes, and the slowest clocks."""
     reached = []
     for seed in range(1, 1 + seeds):
-        report, _ = nextpnr_ecp5.place(text, constraints, seed, home / "nextpnr.log", "--lpf-allow-unconstrained")
+        report, _ = nextpnr_ecp5.place(text, constraints, seed, home / "nextpnr.log", "--lpf-allow-unconstrained",
+                                       **package)
         reached.append(clocks_of(report, camera_side))
     used = {key: report["utilization"].get(cell, {}).get("used", 0) for key, cell in CELLS.items()}
     least = {clock: round(min(of[clock][0] for of in reached), 1) for clock in ("link", "board")}

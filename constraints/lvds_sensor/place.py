@@ -17,24 +17,27 @@ import front_ends  # noqa: E402
 from lib import tools  # noqa: E402  front_ends has set its path
 
 HOME = front_ends.ROOT / "build" / "lvds_sensor"
-TOP = "ecp5_lvds_sensor"
-# What is placed: its parameters, and the bits of a lane in a second, in millions
+BANK = ("ecp5_lvds_sensor", "ecp5_lvds_sensor.lpf", "CABGA554", "eclk_i")
+BOARD = ("ecp5_lvds_sensor_pll", "evaluation_board.lpf", "CABGA381", "pll_clk_i")
+# What is placed: top, pins, package and port of the sensor's clock; parameters; the bits of a lane in a second, in
+# millions
 CONFIGURATIONS = {
-    "16 lanes of 10 bits, flags": ({"LogDepth": "10"}, 480),
-    "16 lanes of 12 bits, flags": ({"Bits": "12", "LogDepth": "10"}, 480),
-    "4 lanes of 10 bits, codes": ({"Lanes": "4", "Codes": "1'b1", "Checked": "1'b1"}, 720),
+    "16 lanes of 10 bits, flags": (BANK, {"LogDepth": "10"}, 480),
+    "16 lanes of 12 bits, flags": (BANK, {"Bits": "12", "LogDepth": "10"}, 480),
+    "4 lanes of 10 bits, codes": (BANK, {"Lanes": "4", "Codes": "1'b1", "Checked": "1'b1"}, 720),
+    "the same on the evaluation board": (BOARD, {"Checked": "1'b1"}, 720),
 }
 
 
 def main():
     words = front_ends.options("The front end for serial LVDS sensors alone on an ECP5.", 10)
-    pins = (HERE / "ecp5_lvds_sensor.lpf").read_text(encoding="utf-8")
     measured = {}
-    for name, (parameters, megabits) in CONFIGURATIONS.items():
-        text = front_ends.netlist(TOP, ["sp_lvds_sensor", "sp_lvds_gear"], [HERE / f"{TOP}.sv"], parameters, HOME)
-        constraints = pins + f'FREQUENCY PORT "eclk_i" {megabits / 2} MHZ;\n'
+    for name, ((top, pins, package, clock), parameters, megabits) in CONFIGURATIONS.items():
+        around = [HERE / f"{top}.sv", *([] if top == BANK[0] else [HERE / f"{BANK[0]}.sv", front_ends.PLL])]
+        text = front_ends.netlist(top, ["sp_lvds_sensor", "sp_lvds_gear"], around, parameters, HOME)
+        constraints = (HERE / pins).read_text(encoding="utf-8") + f'FREQUENCY PORT "{clock}" {megabits / 2} MHZ;\n'
         measured[name] = {"megabits": megabits, **front_ends.measure(f"{name}, {megabits} Mbit/s", text, constraints,
-                                                                     words.seeds, "sclk", HOME)}
+                                                                     words.seeds, "sclk", HOME, package=package)}
     return front_ends.finish(words, "fpga_lvds_sensor",
                              "The front end for serial LVDS sensors alone on an LFE5UM5G-85F, placed and routed: what it "
                              "takes, and the clocks that seeds reach, in MHz", "constraints/lvds_sensor/place.py --keep",

@@ -31,7 +31,7 @@ def accepts(top, parameters, files, *options):
 def main():
     status = 0
     formal = sorted((rtl_tree.ROOT / "tests" / "formal").glob("*.sv"))
-    cells = sorted((rtl_tree.ROOT / "constraints" / "common").glob("*_cells.sv"))
+    cells = sorted((rtl_tree.ROOT / "constraints" / "common").glob("*.sv"))
     for job in sys.argv[1:]:
         if job.endswith(".sv"):  # a target may use cells and cores that are not in the project
             path = pathlib.Path(job)
