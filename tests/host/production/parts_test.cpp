@@ -440,10 +440,10 @@ TEST(Parts, WhatGoodPartsDoNotShowIsNoRegion) {
   const std::vector<std::pair<std::function<bool(double, double)>, double>> shadows = {
       {from_an_end, 12 * (4 + 3)}, {in_the_middle, 12 * (4 + 3)}, {slanting, 150}};
   for (const auto& [shadow, area] : shadows) {
-    const auto part = [&shadow](double bump, double across) {
+    const auto part = [&unseen = shadow](double bump, double across) {
       const auto height = [=](double v, double w) {
         const bool speck = std::hypot(v - 20, w + 10) < 0.4;
-        return shadow(v, w) || speck ? kNone : 20 + (std::hypot(v - 22, w - 8) < 1.5 ? bump : 0);
+        return unseen(v, w) || speck ? kNone : 20 + (std::hypot(v - 22, w - 8) < 1.5 ? bump : 0);
       };
       return MadePart{.length = 30, .height = height, .across = across, .noise = 0.02};
     };
