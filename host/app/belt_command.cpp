@@ -232,12 +232,25 @@ void run_belt(BeltOptions options) {
   }
   calibration::BeltCalibration belt = calibration::calibrate_belt(rig, boards, lines, options.settings);
   belt.rig.parts = parts_of(options, belt.rig);
+  const auto back = std::ranges::adjacent_find(
+      belt.places, [](const auto& before, const auto& after) { return after.along_mm <= before.along_mm; });
+  if (back != belt.places.end()) {
+    throw UserError("IMAGE", fmt::format("from {} to {} the chessboard moves back; give the images in the order in "
+                                         "which the belt carries it",
+                                         back->name, (back + 1)->name));
+  }
   const std::string yaml = rig::to_yaml(belt.rig);
   static_cast<void>(rig::parse_rig(yaml, "--counts, --seconds, --moves"));  // their scale may be none that a rig takes
   folder.append("rig.yaml", yaml);
   folder.append("report.json", report_json(options, belt));
   folder.commit();
   fmt::print("{}→ {}\n", report_text(options, belt, way_in_image(boards.front(), boards.back())), folder.name());
+  constexpr double kFinest = 1e-4;  // mm, of usual encoders
+  constexpr double kCoarsest = 1;
+  const double count_mm = std::abs(belt.rig.conveyor.encoder_mm_per_count);
+  if (!options.settings.counts.empty() && (count_mm < kFinest || count_mm > kCoarsest)) {
+    cli::note_doubt("--counts", fmt::format("make {:.3g} mm for each count, which few encoders have", count_mm));
+  }
   if (options.settings.counts.empty() && options.settings.seconds.empty()) {
     cli::note_doubt("--counts, --seconds",
                     "none is given, so the rig does not say how far the belt moves: it measures images with "

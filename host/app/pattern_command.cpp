@@ -190,7 +190,7 @@ void make_reference(const rig::Rig& rig, const PatternOptions& options) {
   folder.append("preview.png", light_section::draw_preview(rig, pattern, reference));
   folder.commit();
   fmt::print("{}: reference in {} of {} columns\n", options.out, reference.valid_columns(), reference.columns());
-  if (!options.residual.empty() && reference.valid_columns() < before / 2) {
+  if (!options.residual.empty() && 4 * reference.valid_columns() < 3 * before) {
     cli::note_doubt(
         options.residual,
         fmt::format("in {} of {} columns of the reference no line was found, and nothing is compared there: "

@@ -51,8 +51,19 @@ struct LearnCommandOptions {
 // `doubts` are those about what came.
 void write_tolerance(const LearnCommandOptions& options, const rig::Rig& rig, const files::OutputFile& out,
                      const production::Learner& learner, std::uint64_t specks, std::vector<std::string> doubts = {}) {
+  const auto note_doubts = [&] {
+    for (const std::string& doubt : doubts) {
+      cli::note_doubt(options.source(), doubt);
+    }
+  };
   production::LearnRemarks remarks;
-  const production::Tolerance tolerance = learner.learn(options.source(), &remarks);
+  production::Tolerance tolerance;
+  try {
+    tolerance = learner.learn(options.source(), &remarks);
+  } catch (const UserError&) {
+    note_doubts();  // they may be why
+    throw;
+  }
   const std::vector<std::string>& left_out = remarks.left_out;
   if (options.strict && !left_out.empty()) {
     throw CheckFailed(fmt::format("--strict: {}: {} not as the others; {}", options.source(),
@@ -80,9 +91,7 @@ void write_tolerance(const LearnCommandOptions& options, const rig::Rig& rig, co
     fmt::print("  not inspected: {:.1f} of {:.1f} mm² that most of the parts do not show, with the strip around it\n",
                remarks.unseen_mm2, remarks.regions_mm2);
   }
-  for (const std::string& doubt : doubts) {
-    cli::note_doubt(options.source(), doubt);
-  }
+  note_doubts();
 }
 
 // Near an edge a light section's line lies partly beside it, and its centroid is pulled.

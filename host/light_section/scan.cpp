@@ -333,7 +333,7 @@ std::vector<double> CentroidMean::centroids() const {
 }
 
 std::string CentroidMean::contradiction() const {
-  constexpr double kStill = 1;      // rows, standard deviation from image to image
+  constexpr double kStill = 0.4;    // rows, standard deviation from image to image
   constexpr double kMayMove = 0.1;  // of the lit columns
   std::size_t lit = 0;
   std::size_t moving = 0;
@@ -348,7 +348,7 @@ std::string CentroidMean::contradiction() const {
     return "";
   }
   return fmt::format(
-      "in {} of {} columns the line moves by more than {:g} row from image to image; are they images of one part that "
+      "in {} of {} columns the line moves by more than {:g} rows from image to image; are they images of one part that "
       "stands still?",
       moving, lit, kStill);
 }

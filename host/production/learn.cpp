@@ -380,9 +380,10 @@ void Learner::keep_regions_with_room(Tolerance& tolerance, const MapGrid& grid, 
   std::erase_if(tolerance.regions,
                 [&](const ToleranceRegion& region) { return !has_room(region_cells(region, grid), side); });
   if (tolerance.regions.empty()) {
-    throw UserError(source, fmt::format("within the strips of {} mm at its edges, no surface of the part has room for "
-                                        "a square of the smallest defect's area, {:g} mm²",
-                                        options_.edge_mm, tolerance.min_defect_mm2));
+    throw UserError(source,
+                    fmt::format("within the strips of {:g} mm at its edges, no surface of the part has room for "
+                                "a square of the smallest defect's area, {:g} mm²",
+                                options_.edge_mm, tolerance.min_defect_mm2));
   }
 }
 
@@ -429,17 +430,19 @@ std::vector<std::string> Learner::doubts_about(const Tolerance& tolerance, const
         fmt::format("in {:.0f} % of the parts' width the reference shows nothing, so nothing is inspected there",
                     100.0 * without / columns));
   }
-  // Heights of parts are compared with the empty belt, too.
+  // From the empty belt all parts are far, and may be compared with it all the same.
   const bool of_a_part = std::ranges::any_of(section_.height_mm, [&](double h) { return h > rig_.parts->above_mm; });
   for (std::size_t i = 0; i < seen.size(); ++i) {
     const double low = seen[i].low.mean();
     const double high = seen[i].high.mean();
-    const double off = of_a_part ? std::max(std::abs(low), std::abs(high)) : 0;
-    if (std::max(high - low, off) > rig_.parts->above_mm) {
+    // Good parts lie around their reference. 0 may be outside of their band by as much as it is wide.
+    const ToleranceRegion& region = tolerance.regions[i];
+    const bool off = of_a_part && std::max(region.low_mm, -region.high_mm) > region.high_mm - region.low_mm;
+    if (high - low > rig_.parts->above_mm || off) {
       doubts.push_back(fmt::format(
           "in region '{}' each good part is {:+.3f} to {:+.3f} mm from the reference, and defects are only what is "
           "outside of all of it; is the reference (--reference) that of these parts?",
-          tolerance.regions[i].name, low, high));
+          region.name, low, high));
     }
   }
   return doubts;

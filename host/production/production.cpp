@@ -384,6 +384,34 @@ void Production::describe(report::ReportParts& report) const {
                                : "All parts, with all that was found, are in parts.jsonl of " + options_.folder + "."});
 }
 
+std::string Production::doubt_about_moments() const {
+  const std::uint64_t parts = counts_.parts();
+  if (!verdict_ || parts == 0) {
+    return "";
+  }
+  const char* const ask =
+      "; are --start, --pitch and --shift of the table, or the light that begins a part, those of "
+      "these parts?";
+  const std::uint64_t apart = std::max(moments_.parts, parts) - std::min(moments_.parts, parts);
+  if (moments_.parts == 0 || apart > 1 + parts / 10) {
+    return fmt::format("by moments {} parts came, by heights {}{}", moments_.parts, parts, ask);
+  }
+  if (moments_.parts_with_defect > counts_.by_moments + 1) {
+    return fmt::format("by moments {} parts have a defect, but only {} where heights find a part{}",
+                       moments_.parts_with_defect, counts_.by_moments, ask);
+  }
+  constexpr std::uint64_t kOneOf = 100;  // parts may be taken for bad by noise
+  if (kOneOf * moments_.more > parts) {
+    return fmt::format("by moments {} of the good parts {} a defect{}", moments_.more,
+                       moments_.more == 1 ? "has" : "have", ask);
+  }
+  const std::uint64_t bad = counts_.verdicts[static_cast<std::size_t>(Verdict::bad)];
+  if (bad > 1 && moments_.less == bad) {
+    return fmt::format("by moments none of the {} bad parts has a defect{}", bad, ask);
+  }
+  return "";
+}
+
 std::string Production::doubt() const {
   const std::lock_guard lock(mutex_);
   if (verdict_ && moments_.board.disagree > 0) {
@@ -405,18 +433,8 @@ std::string Production::doubt() const {
     return fmt::format("{} of {} parts {} no verdict; the last: {}{}", inconclusive, counts_.parts(),
                        inconclusive == 1 ? "has" : "have", last_inconclusive_, odd_rate());
   }
-  if (verdict_ && moments_.parts == 0 && counts_.parts() > 0) {
-    return fmt::format(
-        "by moments no part began: --start, --pitch or the light that begins one are not those of the {} "
-        "parts that came",
-        counts_.parts());
-  }
-  const std::uint64_t bad = counts_.verdicts[static_cast<std::size_t>(Verdict::bad)];
-  if (verdict_ && bad > 0 && moments_.less == bad) {
-    return fmt::format(
-        "by moments none of the {} bad parts has a defect: are w, h, m and the places of parts (--start, "
-        "--pitch, --shift) of the table those of these parts?",
-        bad);
+  if (const std::string moments = doubt_about_moments(); !moments.empty()) {
+    return moments;
   }
   if (counts_.parts() > 0) {
     return "";

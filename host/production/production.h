@@ -141,6 +141,7 @@ class Production {
   [[nodiscard]] PartCounts counts() const;
   // Where frames came at another rate than the rig's, and the belt's way follows from it: the end of a sentence.
   [[nodiscard]] std::string odd_rate() const;
+  [[nodiscard]] std::string doubt_about_moments() const;
 
   ProductionOptions options_;
   rig::Rig rig_;

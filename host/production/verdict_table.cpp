@@ -155,7 +155,7 @@ VerdictTables::VerdictTables(const rig::Rig& rig, const light_section::Reference
   if (!rig.parts || !rig.parts->by_encoder || !(rig.conveyor.encoder_mm_per_count > 0)) {
     throw UserError(rig.name,
                     "a verdict needs parts along a belt with an encoder that counts up: section `parts` with "
-                    "belt: encoder, conveyor.encoder_mm_per_count greater than 0");
+                    "belt: encoder, conveyor.encoder_mm_per_count greater than 0 (`selfproj calibrate belt --counts`)");
   }
   check_tolerance(tolerance, rig, section_, source);
   widest_mm_ = 3 * pixel_mm(rig);

@@ -234,7 +234,7 @@ TEST(PatternCommand, ResidualsOfAMovingPartAreRefused) {
   const std::vector<std::string> arguments = {"--reference", "plane.csv", "--residual", "moving", "--out", "out"};
   const Outcome refused = pattern(folder, arguments);
   EXPECT_EQ(refused.status, 1);
-  EXPECT_TRUE(refused.err.starts_with("selfproj: moving: in 512 of 512 columns the line moves by more than 1 row"))
+  EXPECT_TRUE(refused.err.starts_with("selfproj: moving: in 512 of 512 columns the line moves by more than 0.4 rows"))
       << refused.err;
   EXPECT_FALSE(std::filesystem::exists(folder / "out"));
   std::vector<std::string> unchecked = arguments;

@@ -329,7 +329,7 @@ TEST_F(ProductionCommand, ALaserLineLearnsAndJudges) {
                       "--parts",        "by-moments"};
   const Outcome none = host(with(by_moments, of));
   EXPECT_EQ(none.status, 1);
-  EXPECT_NE(none.err.find("by moments no part began"), std::string::npos) << none.err;
+  EXPECT_NE(none.err.find("by moments 0 parts came, by heights 2"), std::string::npos) << none.err;
   rig::Rig by_clock = rig::load_any_rig((folder_ / "line/rig.yaml").string());
   by_clock.parts->by_encoder = false;
   write_text(folder_ / "clock.yaml", rig::to_yaml(by_clock));
