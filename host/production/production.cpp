@@ -433,7 +433,7 @@ std::string Production::doubt() const {
     return fmt::format("{} of {} parts {} no verdict; the last: {}{}", inconclusive, counts_.parts(),
                        inconclusive == 1 ? "has" : "have", last_inconclusive_, odd_rate());
   }
-  if (const std::string moments = doubt_about_moments(); !moments.empty()) {
+  if (std::string moments = doubt_about_moments(); !moments.empty()) {
     return moments;
   }
   if (counts_.parts() > 0) {
