@@ -26,6 +26,7 @@ PATIENCE = 5  # seconds that a good client waits, on a machine that has other wo
 FLAT, SHORT = (8, 8), (50, 40)
 LONG_ROUND = 120  # seconds
 STALL = 6  # seconds that a program is held up while a board ends, more than socket and ring hold
+STARTING = 3  # seconds in which a board may end without a word, as a signal comes before it has begun
 SENT = re.compile(r"(\d+) packets, (?:\d+ lost in the full ring|(\d+) datagrams)")
 
 
@@ -143,7 +144,7 @@ class Soak(HostileClients):
         least = {}  # memory and open files, by quarter
         controller = None
         while time.monotonic() < until:
-            board = start_board()
+            board, started = start_board(), time.monotonic()
             board_until = min(until, time.monotonic() + chance.uniform(0.1, 0.4) * seconds)
             while time.monotonic() < board_until:
                 if host.poll() is not None:
@@ -169,7 +170,10 @@ class Soak(HostileClients):
                 killed += 1
             else:
                 out = self.ended(board, chance.choice((signal.SIGINT, signal.SIGTERM)), "a board")
-                packets, datagrams = SENT.search(out).groups()
+                said = SENT.search(out)
+                if said is None and time.monotonic() - started > STARTING:
+                    raise Fault(f"a board does not say what it has sent: {out[-300:]!r}")
+                packets, datagrams = said.groups() if said else (0, None)
                 sent += int(packets)
                 if datagrams and int(packets):
                     line.pieces = int(datagrams) // int(packets)
