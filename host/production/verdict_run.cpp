@@ -43,9 +43,8 @@ VerdictRun::VerdictRun(const rig::Rig& rig, VerdictTable table, std::string sour
   if (tables_) {
     // A part waits until it has passed.
     constexpr double kLengths = 2;
-    const double frame_mm = table_.frame_mm.value_or(rig.conveyor.speed_mm_per_s / rig.camera.sent().frame_rate_hz);
     max_waiting_ = static_cast<std::size_t>(
-        std::ceil(kLengths * (rig.parts.value().length_mm + 2 * rig.parts->gap_mm) / frame_mm));
+        std::ceil(kLengths * (rig.parts.value().length_mm + 2 * rig.parts->gap_mm) / tables_->frame_mm()));
   }
 }
 

@@ -119,6 +119,9 @@ class VerdictTables {
 
   [[nodiscard]] VerdictFacts facts(const VerdictTable& table) const;
 
+  // How far the belt moves from frame to frame.
+  [[nodiscard]] double frame_mm() const { return frame_mm_; }
+
   // The table for a part whose place is known: shifted as it lies, and with no more play along than its edges and its
   // turn leave. Throws as table() does.
   [[nodiscard]] VerdictTable table(const Placement& placement) const;
