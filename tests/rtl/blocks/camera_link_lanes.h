@@ -219,15 +219,17 @@ class LvdsBench : public LinkOutputs {
 
   void edge(std::size_t number) {
     unsigned levels = 0;
+    std::uint64_t random = window_ > 0 ? random_.bits() : 0;
     for (int lane = 0; lane < kLanes; ++lane) {
       // What changes within the window of a sample is sampled old or new.
-      const auto off = random_.between(-static_cast<int>(window_), static_cast<int>(window_));
+      const std::int64_t off = (static_cast<std::int64_t>(random & 0xfffU) * (2 * window_ + 1) >> 12) - window_;
+      random >>= 12U;
       const std::int64_t time = std::max(sampled_[number][static_cast<std::size_t>(lane)], next_edge_[number] + off);
       sampled_[number][static_cast<std::size_t>(lane)] = time;
       levels |= static_cast<unsigned>(links_[number].level(lane, time)) << static_cast<unsigned>(lane);
     }
-    lanes(number) = static_cast<std::uint8_t>(levels);
-    dut_.eval();
+    lanes(number) =
+        static_cast<std::uint8_t>(levels);  // registers take them at the edge, as if they had come before it
     eclk(number) = eclk(number) == 0;
     dut_.eval();
     next_edge_[number] += step_;
