@@ -59,13 +59,16 @@ module sp_lvds_flags #(
     burst_is_not_in_1_to_4096_or_does_not_divide_columns u_error ();
   end
 
+  localparam int BurstBits = Burst < 1 ? 1 : $clog2(Burst + 1);
+  localparam int ColumnBits = Columns < 2 ? 1 : $clog2(Columns);
+
   logic        data, line, frame, legal;
   logic        in_frame_q;  // since frame valid rose
   logic        low_q;       // the last word was without frame valid
   logic        open_q;      // the frame is taken
   logic        any_q;       // it has a line
-  logic [12:0] burst_q;     // words of the burst
-  logic [12:0] column_q;    // words of the line
+  logic [BurstBits-1:0]  burst_q;   // words of the burst
+  logic [ColumnBits-1:0] column_q;  // words of the line
   logic        begins, ends, wrong, open;
 
   assign data   = word_i[0];
@@ -77,8 +80,8 @@ module sp_lvds_flags #(
   assign ends   = legal && !frame && in_frame_q && low_q;
   assign open   = open_q || begins;
   // Of a frame that is taken
-  assign wrong  = !legal || data && burst_q == 13'(Burst) ||
-                  !data && burst_q != '0 && burst_q != 13'(Burst) || !frame && column_q != '0 ||
+  assign wrong  = !legal || data && burst_q == BurstBits'(Burst) ||
+                  !data && burst_q != '0 && burst_q != BurstBits'(Burst) || !frame && column_q != '0 ||
                   frame && in_frame_q && low_q || ends && !any_q;
 
   always_ff @(posedge clk_i) begin
@@ -87,7 +90,7 @@ module sp_lvds_flags #(
     idle_o    <= en_i && legal && !data;
     begins_o  <= en_i && begins && aligned_i && !rst_i;
     take_o    <= en_i && aligned_i && open && data && !wrong;
-    last_o    <= en_i && data && column_q == 13'(Columns - 1);
+    last_o    <= en_i && data && column_q == ColumnBits'(Columns - 1);
     cut_o     <= !rst_i && open_q && (!aligned_i || en_i && wrong);
     bad_o     <= en_i && aligned_i && (!legal || open_q && wrong) && !rst_i;
     if (rst_i || !aligned_i) begin
@@ -101,10 +104,10 @@ module sp_lvds_flags #(
       else if (ends) in_frame_q <= 1'b0;
       if (legal) low_q <= in_frame_q && !frame;
       open_q   <= open && !wrong && !ends;
-      any_q    <= any_q && !begins || data && column_q == 13'(Columns - 1);
-      burst_q  <= open && !wrong && data ? burst_q + 13'd1 : '0;
+      any_q    <= any_q && !begins || data && column_q == ColumnBits'(Columns - 1);
+      burst_q  <= open && !wrong && data ? burst_q + 1'b1 : '0;
       if (!open || wrong) column_q <= '0;
-      else if (data) column_q <= column_q == 13'(Columns - 1) ? '0 : column_q + 13'd1;
+      else if (data) column_q <= column_q == ColumnBits'(Columns - 1) ? '0 : column_q + 1'b1;
     end
   end
 
@@ -156,10 +159,10 @@ module sp_lvds_flags #(
     // Rule 4: only what has begun is cut off, and each frame once.
     if (cut_o) assert (f_frame_q && !take_o);
     // The registers agree with that.
-    assert (open_q == f_frame && column_q == f_row && f_row < 13'(Columns));
+    assert (open_q == f_frame && 13'(column_q) == f_row && f_row < 13'(Columns));
     assert (f_lows == (in_frame_q ? 2'(low_q) : 2'd2));
     assert (open_q ? in_frame_q : column_q == '0);
-    assert (burst_q <= 13'(Burst) && (burst_q == '0 || open_q));
+    assert (burst_q <= BurstBits'(Burst) && (burst_q == '0 || open_q));
   end
   always_ff @(posedge clk_i) if (f_ran_q) begin
     cover (take_o && last_o);

@@ -7,10 +7,11 @@
 // result.
 //
 // Bits: after a reset, a lane is measured at each of the Taps taps. Of the longest run of taps with
-// the same slip, the middle one is set. Meanwhile the sensor sends training words, and the control
-// lane ControlIdle; a data lane's taps can also be found in the gaps between frames. Words: one more
-// measurement gives the slip. Then aligned_o rises. Lanes are trained one after the other, the
-// control lane first.
+// the same slip, the middle one is set. Where the lane gives its word for the first time, the taps
+// begin again with the first one: before, the cable may have been out. Meanwhile the sensor sends
+// training words, and the control lane ControlIdle; a data lane's taps can also be found in the gaps
+// between frames. Words: one more measurement gives the slip. Then aligned_o rises. Lanes are trained
+// one after the other, the control lane first.
 //
 // Loss: lost_i takes a lane's aligned_o back. The loss of the control lane takes back those of all
 // lanes. Such a lane is measured again at the tap that it has: the usual reason is that the cable or
@@ -90,6 +91,7 @@ module sp_lvds_training #(
 
   localparam int LaneBits = $clog2(Lanes + 1);
   localparam logic [LaneBits-1:0] Control = LaneBits'(Lanes);
+  localparam int SettleBits = Settle < 1 ? 1 : $clog2(Settle + 1);
   localparam logic [6:0] LastTap = 7'(Taps - 1);
   localparam logic [3:0] Half = 4'(Bits / 2);
 
@@ -105,10 +107,11 @@ module sp_lvds_training #(
   logic [2:0]             state_q;
   logic [LaneBits-1:0]    lane_q;
   logic [Lanes:0]         swept_q;      // the delay stands at a tap that was found
+  logic                   alive_q;      // the lane has given its word, at some tap, since it was picked
   logic                   final_q;      // at the best tap
   logic                   load_q;       // the pulse loads
   logic [2:0]             pulse_q;      // its clocks
-  logic [7:0]             settle_q;
+  logic [SettleBits-1:0]  settle_q;
   logic [LogPatience-1:0] patience_q;
   logic [LogWindow-1:0]   same_q;       // words in a row that were equal
   logic [Bits-1:0]        word_q;       // these words; turned
@@ -183,6 +186,7 @@ module sp_lvds_training #(
     if (rst_i) begin
       state_q   <= Pick;
       lane_q    <= Control;
+      alive_q   <= 1'b0;
       swept_q   <= '0;
       first_q   <= '0;
       aligned_o <= '0;
@@ -190,7 +194,7 @@ module sp_lvds_training #(
     end else begin
       case (state_q)
         Pick: begin
-          final_q    <= 1'b0;
+          final_q    <= Taps == 1;
           load_q     <= 1'b1;
           pulse_q    <= '0;
           settle_q   <= '0;
@@ -199,19 +203,21 @@ module sp_lvds_training #(
           tap_up_o   <= 1'b1;
           best_q     <= '0;
           run_good_q <= 1'b0;
-          if (!control_aligned && !of_control) lane_q <= Control;
-          else if (lane_aligned) lane_q <= of_control ? '0 : lane_q + 1'b1;
+          if (!control_aligned && !of_control) begin
+            lane_q  <= Control;
+            alive_q <= 1'b0;
+          end else if (lane_aligned) lane_q <= of_control ? '0 : lane_q + 1'b1;
           else begin
-            state_q <= Act;
+            state_q <= Taps == 1 ? Wait : Act;
             for (int i = 0; i <= Lanes; i++) begin
-              if (lane_q == LaneBits'(i) && (swept_q[i] || Taps == 1)) begin
+              if (lane_q == LaneBits'(i) && swept_q[i]) begin
                 final_q <= 1'b1;
                 state_q <= Wait;
               end
             end
           end
         end
-        Act: begin
+        Act: if (Taps > 1) begin
           pulse_q  <= pulse_q + 1'b1;
           settle_q <= '0;
           if (pulse_q == '1) begin
@@ -226,14 +232,13 @@ module sp_lvds_training #(
           same_q     <= '0;
           word_q     <= raw_q5;
           if (en_i) settle_q <= settle_q + 1'b1;
-          if (settle_q == 8'(Settle)) state_q <= Measure;
+          if (settle_q == SettleBits'(Settle)) state_q <= Measure;
         end
         Measure: begin
           turned_q <= word_q;
           turn_q   <= '0;
           again_q  <= 1'b0;
           good_q   <= 1'b0;
-          if (en_i && patience_q != '1) patience_q <= patience_q + 1'b1;
           if (counts) begin
             word_q <= raw_q5;
             same_q <= raw_q5 == word_q ? same_q + 1'b1 : '0;
@@ -265,8 +270,9 @@ module sp_lvds_training #(
             best_q       <= run_q;
             best_first_q <= run_first_q;
           end
-          if (final_q) begin
+          if (final_q || Taps == 1) begin
             state_q <= Pick;
+            alive_q <= 1'b0;
             lane_q  <= of_control ? '0 : lane_q + 1'b1;
             for (int i = 0; i <= Lanes; i++) begin
               if (lane_q == LaneBits'(i)) begin
@@ -276,28 +282,33 @@ module sp_lvds_training #(
                 if (good_q) slips_o[4*i+:4] <= turn_q;
               end
             end
-          end else if (tap_q == LastTap) state_q <= Choose;
-          else state_q <= Act;
+          end else if (good_q && !alive_q) begin
+            alive_q <= 1'b1;
+            state_q <= Pick;
+          end else state_q <= tap_q == LastTap ? Choose : Act;
         end
-        default: begin  // Choose
+        default: if (Taps > 1) begin  // Choose
           final_q  <= 1'b1;
           tap_up_o <= 1'b0;
           target_q <= best_first_q + best_q[7:1];
           if (best_q == '0) begin
             state_q <= Pick;
+            alive_q <= 1'b0;
             lane_q  <= of_control ? '0 : lane_q + 1'b1;
             for (int i = 0; i <= Lanes; i++) if (lane_q == LaneBits'(i)) failed_o[i] <= 1'b1;
           end else state_q <= best_first_q + best_q[7:1] == LastTap ? Wait : Act;
         end
       endcase
-      if (state_q != Pick && abandon) state_q <= Pick;
+      if ((state_q == Measure || state_q == Turn) && en_i && patience_q != '1)
+        patience_q <= patience_q + 1'b1;
+      if (state_q != Pick && (state_q != Act || pulse_q == '1) && abandon) state_q <= Pick;
       for (int i = 0; i <= Lanes; i++) if (lost_i[i] || lost_i[Lanes]) aligned_o[i] <= 1'b0;
       if (lost_i[Lanes]) first_q <= control_slip == 4'(Bits - 1) ? '0 : control_slip + 1'b1;
     end
     tap_load_o <= '0;
     tap_move_o <= '0;
     for (int i = 0; i <= Lanes; i++) begin
-      if (state_q == Act && pulse_q[2] && lane_q == LaneBits'(i) && !rst_i) begin
+      if (Taps > 1 && state_q == Act && pulse_q[2] && lane_q == LaneBits'(i) && !rst_i) begin
         tap_load_o[i] <= load_q;
         tap_move_o[i] <= !load_q;
       end

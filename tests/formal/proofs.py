@@ -91,6 +91,8 @@ PROOFS = [
     Proof("lvds_loss", "sp_lvds_loss", (), "induction", 2, 40),
     Proof("lvds_training", "sp_lvds_training", ("Lanes=1", "Bits=8", "Training=12'h0E9", "ControlIdle=12'h0E9",
           "Taps=1", "Settle=1", "LogWindow=2", "LogPatience=6"), "induction", 2, 40),
+    Proof("lvds_training_taps", "sp_lvds_training", ("Lanes=1", "Bits=8", "Training=12'h0E9", "ControlIdle=12'h0E9",
+          "Taps=2", "Settle=1", "LogWindow=2", "LogPatience=6"), "induction", 2, 130),
     Proof("channel_link_lock", "sp_channel_link_lock", ("LogGood=2",), "induction", 3, 44),
     Proof("channel_link_lock_twice", "sp_channel_link_lock", ("Samples=2", "LogGood=1"), "induction", 3, 48),
     Proof("moments_window", "sp_moments_path", ("MaxColumns=16", "MaxRows=15", "LogDepth=4"), "induction", 1, 2,

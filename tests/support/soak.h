@@ -3,12 +3,14 @@
 //     NAME [COUNT...] [FIRST_SEED]
 //
 // The first failure ends the program with exit status 1; it says the seed, and the command that repeats the case. The
-// last line says what was compared.
+// last line says what was compared. Ctrl-C (and SIGTERM) ends it after the case that runs; what was compared until then
+// counts.
 #ifndef SELFPROJ_TESTS_SUPPORT_SOAK_H
 #define SELFPROJ_TESTS_SUPPORT_SOAK_H
 
 #include <gtest/gtest.h>
 
+#include <csignal>
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
@@ -33,6 +35,9 @@ struct SoakCommand {
 };
 inline SoakCommand soak_command;
 
+// Set by SIGINT and SIGTERM.
+inline volatile std::sig_atomic_t soak_stops = 0;
+
 // Plays cases until `done`, which they advance, has reached the count at place `which` of the command line, `wanted` by
 // default; the first seed stands behind the `counts` counts. Stops at the first failure.
 inline void soak(const std::uint64_t& done, std::uint64_t wanted, const std::function<void(std::uint64_t seed)>& play,
@@ -42,8 +47,11 @@ inline void soak(const std::uint64_t& done, std::uint64_t wanted, const std::fun
   for (std::size_t i = 0; i < counts; ++i) {
     repeat += i == which ? " 1" : " 0";
   }
+  for (const int signal : {SIGINT, SIGTERM}) {
+    std::signal(signal, [](int) { soak_stops = 1; });
+  }
   std::uint64_t tenths = 1;
-  for (std::uint64_t seed = soak_command.number(counts, 1); done < wanted; ++seed) {
+  for (std::uint64_t seed = soak_command.number(counts, 1); done < wanted && soak_stops == 0; ++seed) {
     SCOPED_TRACE(::testing::Message() << "seed " << seed << "; repeat with: " << repeat << " " << seed);
     play(seed);
     if (::testing::Test::HasFailure()) {

@@ -228,8 +228,8 @@ class LvdsBench : public LinkOutputs {
       sampled_[number][static_cast<std::size_t>(lane)] = time;
       levels |= static_cast<unsigned>(links_[number].level(lane, time)) << static_cast<unsigned>(lane);
     }
-    lanes(number) =
-        static_cast<std::uint8_t>(levels);  // registers take them at the edge, as if they had come before it
+    // Registers take the levels at the edge, as if they had come before it.
+    lanes(number) = static_cast<std::uint8_t>(levels);
     eclk(number) = eclk(number) == 0;
     dut_.eval();
     next_edge_[number] += step_;

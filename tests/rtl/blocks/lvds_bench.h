@@ -505,22 +505,39 @@ class LvdsBench {
     }
   }
 
+  // The delays move with the pulses' rises. A pulse is high for four clocks, after it was low for four or more, and the
+  // direction stands from four clocks before it until after it.
   void move_taps() {
     const auto load = static_cast<unsigned>(dut_->tap_load_o);
     const auto move = static_cast<unsigned>(dut_->tap_move_o);
+    const bool up = dut_->tap_up_o != 0;
+    up_stood_ = up == last_up_ ? up_stood_ + 1 : 1;
     for (int lane = 0; lane <= format_.lanes; ++lane) {
       int& tap = tap_[static_cast<std::size_t>(lane)];
+      int& stood = pulse_stood_[static_cast<std::size_t>(lane)];
       const unsigned bit = 1U << static_cast<unsigned>(lane);
+      const bool was = ((last_load_ | last_move_) & bit) != 0;
+      const bool is = ((load | move) & bit) != 0;
       if ((load & ~last_load_ & bit) != 0) {
         tap = 0;
       } else if ((move & ~last_move_ & bit) != 0) {
-        tap += dut_->tap_up_o != 0 ? 1 : -1;
+        tap += up ? 1 : -1;
         EXPECT_GE(tap, 0);
         EXPECT_LT(tap, format_.taps);
       }
+      if (known_ && is && !was) {
+        EXPECT_GE(stood, 4) << "a pulse too soon";
+        EXPECT_GE(up_stood_, 5) << "the direction has just changed";
+      }
+      if (known_ && was && !is) {
+        EXPECT_EQ(stood, 4) << "clocks of a pulse";
+        EXPECT_GE(up_stood_, 5) << "the direction changes within a pulse";
+      }
+      stood = is == was ? stood + 1 : 1;
     }
     last_load_ = load;
     last_move_ = move;
+    last_up_ = up;
   }
 
   // While a lane is not aligned, the frames of the last words may end early.
@@ -549,6 +566,9 @@ class LvdsBench {
   std::array<int, 17> tap_{};
   unsigned last_load_ = 0;
   unsigned last_move_ = 0;
+  bool last_up_ = false;
+  std::array<int, 17> pulse_stood_{};  // clocks since a lane's pulse began or ended
+  int up_stood_ = 0;                   // clocks since the direction changed
   std::int64_t words_ = 0;
   std::deque<std::size_t> recent_;
   std::vector<Frame> sent_;

@@ -68,33 +68,42 @@ TEST(LvdsSensor, OneLane) { expect_every_beat<Vsp_lvds_sensor_one>(kOne, 10); }
 TEST(LvdsSensor, Codes) { expect_every_beat<Vsp_lvds_codes>(kCodes, 10); }
 TEST(LvdsSensor, CodesOfEightBitsOnTwoLanes) { expect_every_beat<Vsp_lvds_codes_two>(kCodesTwo, 10); }
 
-// Wherever the deserializer cuts its words, and with lanes up to three bits from the control lane.
+// Wherever the deserializer cuts its words, and with each lane up to three bits from the control lane, to either side.
 template <typename Dut>
 void expect_every_place(const LvdsFormat& format) {
-  for_cases(format.bits, [&](Random& random, std::uint64_t seed) {
-    LvdsBench<Dut> bench(seed, format, 1000, 990);
-    bench.set_place(static_cast<int>(seed) - 1);
-    for (std::size_t lane = 0; lane < static_cast<std::size_t>(format.lanes); ++lane) {
-      bench.skew[lane] = kLvdsTicks * random.between(-3, 3);
+  for_cases(format.bits, [&](Random&, std::uint64_t seed) {
+    for (int shift = 0; shift < 7; ++shift) {
+      LvdsBench<Dut> bench(seed, format, 1000, 990);
+      bench.set_place(static_cast<int>(seed) - 1);
+      for (int lane = 0; lane < format.lanes; ++lane) {
+        bench.skew[static_cast<std::size_t>(lane)] = kLvdsTicks * ((shift + 2 * lane) % 7 - 3);
+      }
+      ASSERT_TRUE(bench.wait_aligned(training_words(format)));
+      bench.send(3, 6, 3, 20);
+      bench.send(2, 5, 3, 20);
+      bench.drain();
+      EXPECT_EQ(bench.expect_frames_sent(), 0) << "shift " << shift;
+      EXPECT_EQ(bench.damaged(), 0U);
     }
-    ASSERT_TRUE(bench.wait_aligned(training_words(format)));
-    bench.send(3, 6, 3, 20);
-    bench.send(2, 5, 3, 20);
-    bench.drain();
-    EXPECT_EQ(bench.expect_frames_sent(), 0);
-    EXPECT_EQ(bench.damaged(), 0U);
   });
 }
 TEST(LvdsSensor, AnyPlaceOfTwelve) { expect_every_place<Vsp_lvds_sensor_four>(kFour); }
 TEST(LvdsSensor, AnyPlaceOfTenWithTaps) { expect_every_place<Vsp_lvds_sensor_one>(kOne); }
 TEST(LvdsSensor, AnyPlaceOfEight) { expect_every_place<Vsp_lvds_codes_two>(kCodesTwo); }
 
-// Each lane's tap puts the edges as far from the samples as its steps allow, in ticks.
+// Each lane's tap puts the edges as far from the samples as its steps allow, in ticks, also where the cable was out
+// when the training began.
 template <typename Dut>
 void expect_middle_taps(const LvdsFormat& format, int from_edges) {
-  for_cases(6, [&](std::uint64_t seed) {
+  for_cases(12, [&](Random& random, std::uint64_t seed) {
     LvdsBench<Dut> bench(seed, format, 1000, 990);
     disturb(bench, format);
+    if (seed % 2 == 0) {
+      bench.pulled = true;
+      bench.reset();
+      bench.words_in(random.between(0, 600 * format.taps));
+      bench.pulled = false;
+    }
     ASSERT_TRUE(bench.wait_aligned(training_words(format)));
     for (int lane = 0; lane <= format.lanes; ++lane) {
       const int edge = bench.skew[static_cast<std::size_t>(lane)] + bench.tap(lane) * bench.tap_ticks;
@@ -106,6 +115,38 @@ void expect_middle_taps(const LvdsFormat& format, int from_edges) {
 }
 TEST(LvdsSensor, TapsInTheMiddleOfTheBits) { expect_middle_taps<Vsp_lvds_codes>(kCodes, 330); }
 TEST(LvdsSensor, FewTapsInTheMiddleOfTheBits) { expect_middle_taps<Vsp_lvds_sensor_one>(kOne, 300); }
+
+// A tap takes as long as the training's description says: new taps have Settle words (16) to show, the lane's word must
+// come 2^LogWindow (16) times, and a dead lane is given up after 2^LogPatience words.
+template <typename Dut>
+void expect_time_of_a_tap(const LvdsFormat& format, int patience) {
+  for_cases(2, [&](Random& random, std::uint64_t seed) {
+    LvdsBench<Dut> bench(seed, format, 1000, 990);
+    const int lane = random.between(0, format.lanes);
+    const bool dead = seed % 2 == 0;
+    bench.dead[static_cast<std::size_t>(lane)] = dead;
+    bench.reset();
+    std::int64_t since = 0;
+    int seen = 0;
+    for (int before = bench.tap(lane); seen < format.taps - 1; before = bench.tap(lane)) {
+      ASSERT_LT(bench.words(), training_words(format));
+      bench.words_in(1);
+      if (bench.tap(lane) == before + 1) {
+        const std::int64_t took = bench.words() - since;
+        const int window = dead ? patience : 16;
+        if (seen > 0 && bench.tap(lane) > 1) {
+          // A pulse is 8 clocks; where the word is found, four steps follow.
+          EXPECT_GE(took, 16 + window + (dead ? 8 : 12)) << "lane " << lane << ", tap " << before;
+          EXPECT_LE(took, 16 + window + format.bits + 28) << "lane " << lane << ", tap " << before;
+        }
+        since = bench.words();
+        ++seen;
+      }
+    }
+  });
+}
+TEST(LvdsSensor, TheTimeOfATapOfOneLane) { expect_time_of_a_tap<Vsp_lvds_sensor_one>(kOne, 1024); }
+TEST(LvdsSensor, TheTimeOfATapWithCodes) { expect_time_of_a_tap<Vsp_lvds_codes>(kCodes, 512); }
 
 // A word that comes often, but never as many times in a row as a measurement takes, trains no lane, whatever clocks
 // without a word lie between.
@@ -362,6 +403,35 @@ TEST(LvdsSensor, TheCableIsPulledAndPutBackWithCodesOfEightBits) {
   expect_cable_put_back<Vsp_lvds_codes_two>(kCodesTwo, 120);
 }
 
+// From every place where the deserializer may cut its words to every other, with a flag in the gaps that makes two
+// turns of a word look like the idle one: the wrong turn is left as soon as a frame comes.
+template <typename Dut>
+void expect_every_other_place(const LvdsFormat& format) {
+  for_cases(format.bits, [&](std::uint64_t seed) {
+    LvdsBench<Dut> bench(seed, format, 1000 * std::max(format.lanes, 4) / 4, 700);
+    bench.watch();
+    for (int place = 0; place < format.bits; ++place) {
+      bench.set_place(static_cast<int>(seed) - 1);
+      bench.reset();
+      bench.frames().set_flags(0);
+      ASSERT_TRUE(bench.wait_aligned(training_words(format)));
+      bench.frames().set_flags(0x20);
+      bench.pulled = true;
+      bench.words_in(40);
+      bench.pulled = false;
+      bench.set_place(place);
+      for (int frame = 0; frame < 12; ++frame) {
+        bench.send(4, 0, 1, 120);
+      }
+      bench.drain();
+      ASSERT_FALSE(bench.may_break().back()) << "not aligned at place " << place;
+    }
+    bench.expect_frames_sent();
+  });
+}
+TEST(LvdsSensor, EveryPlaceAfterEveryOther) { expect_every_other_place<Vsp_lvds_sensor_four>(kFour); }
+TEST(LvdsSensor, EveryPlaceAfterEveryOtherOfOneLane) { expect_every_other_place<Vsp_lvds_sensor_one>(kOne); }
+
 // The rule by which a lane is lost, from its description: wrong words are worth five, right ones take one away, and a
 // wrong word at 27 or more is the last. Random patterns come close to it in the gaps, of one lane at a time.
 template <typename Dut>
@@ -444,7 +514,16 @@ TEST(LvdsSensor, ALaneThatGoesDeadIsLost) {
     bench.words_in(random.between(300, 900));
     const auto lane = static_cast<std::size_t>(random.between(0, kFour.lanes - 1));
     bench.dead[lane] = true;
-    bench.words_in(4000);
+    while (bench.losses() == 0) {
+      bench.words_in(1);
+    }
+    const std::int64_t lost = bench.words();
+    while (bench.failed() == 0 && bench.words() < lost + 4000) {
+      bench.words_in(1);
+    }
+    EXPECT_GE(bench.words() - lost, 1024 + 16);  // 2^LogPatience, Settle
+    EXPECT_LE(bench.words() - lost, 1024 + 16 + 40);
+    bench.words_in(2000);
     EXPECT_FALSE(bench.aligned());
     EXPECT_EQ(bench.losses(), 1);
     EXPECT_EQ(bench.failed(), 1U << lane);
@@ -602,6 +681,37 @@ TEST(LvdsSensor, AFrameThatIsTooFastIsCutOffAndCounted) {
 TEST(LvdsSensor, AFrameOfOneLaneThatIsTooFastIsCutOffAndCounted) {
   expect_overruns_counted<Vsp_lvds_sensor_one>(kOne, 20, 300, 200, 9000);
 }
+
+// A board that takes nothing before the frame has ended: a frame of as many groups as the FIFO has places comes whole,
+// and of a longer one just as many groups.
+template <typename Dut>
+void expect_places(const LvdsFormat& format) {
+  constexpr int kPlaces = 512;
+  const int groups = format.columns * format.lanes / std::max(format.lanes, 4);  // of a row
+  for_cases(2, [&](std::uint64_t seed) {
+    LvdsBench<Dut> bench(seed, format, 1000, 5'000'000);
+    ASSERT_TRUE(bench.wait_aligned(training_words(format)));
+    for (const int rows : {kPlaces / groups, kPlaces / groups + 1}) {
+      bench.board_clocks(2);
+      bench.send(rows, 0, 1, 20);
+      bench.may_break().back() = rows * groups > kPlaces;
+      while (!bench.frames().queue().empty()) {
+        bench.step();
+      }
+      bench.words_in(60);
+      bench.stopped = true;  // the sensor's clock, so that the rest takes no time
+      bench.board_clocks(700);
+      bench.stopped = false;
+      bench.words_in(100);
+      EXPECT_EQ(bench.overruns(), rows * groups > kPlaces ? 1 : 0);
+      EXPECT_EQ(bench.expect_frames_sent(), bench.overruns());
+      EXPECT_EQ(bench.beats().size(), static_cast<std::size_t>(std::min(rows * groups, kPlaces)));
+      bench.forget();
+    }
+  });
+}
+TEST(LvdsSensor, TheFifoHoldsAsManyGroupsAsItHasPlaces) { expect_places<Vsp_lvds_sensor_four>(kFour); }
+TEST(LvdsSensor, TheFifoOfOneLaneHoldsAsManyGroupsAsItHasPlaces) { expect_places<Vsp_lvds_sensor_one>(kOne); }
 
 // A reset within a frame: everything is trained anew, and the next frame is the first.
 TEST(LvdsSensor, AfterAResetTheNextFrameIsTheFirst) {
