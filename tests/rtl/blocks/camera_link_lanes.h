@@ -217,7 +217,8 @@ class LvdsBench : public LinkOutputs {
     good_at_[index] = next_edge_[index] + 40 * bit_;
   }
 
-  void edge(std::size_t number) {
+  // The lanes and the clock of a link at its next edge, not yet evaluated.
+  void set_edge(std::size_t number) {
     unsigned levels = 0;
     std::uint64_t random = window_ > 0 ? random_.bits() : 0;
     for (int lane = 0; lane < kLanes; ++lane) {
@@ -231,15 +232,7 @@ class LvdsBench : public LinkOutputs {
     // Registers take the levels at the edge, as if they had come before it.
     lanes(number) = static_cast<std::uint8_t>(levels);
     eclk(number) = eclk(number) == 0;
-    dut_.eval();
     next_edge_[number] += step_;
-    if (watching_ && !locked()) {
-      for (const LvdsLanes& lanes_of : links_) {
-        for (const std::size_t frame : lanes_of.last_frames()) {
-          may_break_[frame] = true;
-        }
-      }
-    }
   }
 
   void board() {
@@ -251,18 +244,40 @@ class LvdsBench : public LinkOutputs {
     next_board_ += board_;
   }
 
+  // The next edge of the board's clock, or the next edges of the links before it. What one link does reaches another
+  // one only through registers of the board, so edges of different links between two of the board's may come together.
   void step() {
     now_ = std::min({next_edge_[0], next_edge_[1], next_edge_[2], next_board_});
+    std::array<bool, kLinks> becomes_good{};
+    bool any = false;
     for (std::size_t number = 0; number < kLinks; ++number) {
-      if (next_edge_[number] == now_) {
-        edge(number);
-        if (now_ >= good_at_[number]) {
+      if (next_edge_[number] == now_ || (next_edge_[number] < now_ + step_ && next_edge_[number] < next_board_)) {
+        becomes_good[number] = next_edge_[number] >= good_at_[number];
+        set_edge(number);
+        any = true;
+      }
+    }
+    if (any) {
+      dut_.eval();
+      for (std::size_t number = 0; number < kLinks; ++number) {
+        if (becomes_good[number]) {
           good(number) = 1;
         }
+      }
+      if (watching_ && !locked()) {
+        mark_broken();
       }
     }
     if (next_board_ == now_) {
       board();
+    }
+  }
+
+  void mark_broken() {
+    for (const LvdsLanes& lanes_of : links_) {
+      for (const std::size_t frame : lanes_of.last_frames()) {
+        may_break_[frame] = true;
+      }
     }
   }
 
