@@ -87,16 +87,15 @@ bool PacketStreamReader::next(model::PacketView& packet) {
 
 bool PacketTally::accept(const model::PacketHeader& header) {
   auto& stream = newest_[header.stream];
-  // Exact and compact columns come in place of each other, and the board counts their losses together.
-  const bool moments = model::has_columns(header.kind);
-  Newest& kind = stream[moments ? 0 : static_cast<std::size_t>(header.kind - 1)];
+  const bool of_frame = model::one_for_a_frame(header.kind);
+  Newest& kind = stream.at(of_frame ? 0 : static_cast<std::size_t>(header.kind - spec::kKindMoments));
   const model::PacketHeader& newest = kind.header;
   const auto lost_since = static_cast<std::uint32_t>(header.lost - newest.lost);  // modulo 2^32
   constexpr std::uint32_t kBackwards = std::uint32_t{1} << 31U;
 
   if (kind.known) {
     const bool same_frame = header.same_frame(newest);
-    const bool not_later = same_frame && (moments || header.first_line <= newest.first_line);
+    const bool not_later = same_frame && (of_frame || header.first_line <= newest.first_line);
     if (not_later && !kind.anew) {
       ++counters_.repeated;
       return false;
@@ -109,12 +108,12 @@ bool PacketTally::accept(const model::PacketHeader& header) {
       stream.fill({.reset = true});
     } else {
       counters_.lost_board += lost_since;
-      counters_.missing += moments ? header.sequence - newest.sequence - 1 : 0;
+      counters_.missing += of_frame ? header.sequence - newest.sequence - 1 : 0;
     }
   }
   if (kind.reset) {
     counters_.lost_board += header.lost;
-    counters_.missing += moments ? header.sequence : 0;
+    counters_.missing += of_frame ? header.sequence : 0;
   }
   kind = {.header = header, .known = true, .reset = false, .anew = false};
   return true;

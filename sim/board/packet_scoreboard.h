@@ -66,10 +66,8 @@ class PacketScoreboard {
     [[nodiscard]] std::uint32_t lost_in_all() const { return lost_before + static_cast<std::uint32_t>(known.lost); }
   };
 
-  // Exact and compact columns and verdicts are one kind here: the board counts their losses together.
   static std::size_t index(std::uint8_t kind) {
-    const bool of_frame = model::has_columns(kind) || kind == spec::kKindVerdict;
-    return static_cast<std::size_t>((of_frame ? spec::kKindMoments : kind) - spec::kKindMoments);
+    return static_cast<std::size_t>((model::one_for_a_frame(kind) ? spec::kKindMoments : kind) - spec::kKindMoments);
   }
   bool fail(const std::string& what);
 

@@ -93,7 +93,7 @@ class PacketTally {
 
  private:
   static constexpr std::size_t kStreams = 256;
-  static constexpr std::size_t kKinds = 3;
+  static constexpr std::size_t kKinds = 3;  // one for a frame, codes, images
 
   // The newest packet of a stream and kind.
   struct Newest {

@@ -118,8 +118,12 @@ void describe_frame(PacketHeader& header, int rows, int columns, const Measure& 
 // How the header says that columns are measured. The header must be one that parse_packet finds right.
 Measure measure_of(const PacketHeader& header);
 
-// Whether packets of this kind tell of the columns of a frame: one for each frame, exact or compact.
+// Whether packets of this kind tell of the columns of a frame, exact or compact.
 constexpr bool has_columns(std::uint8_t kind) { return kind == spec::kKindMoments || kind == spec::kKindCompact; }
+
+// Whether packets of this kind come one for each frame: columns or the verdict. They come in place of each other, and
+// the board counts their losses together.
+constexpr bool one_for_a_frame(std::uint8_t kind) { return has_columns(kind) || kind == spec::kKindVerdict; }
 
 // Whether the packet has a verdict (unpack_verdict), which is the end of its payload.
 constexpr bool has_verdict(const PacketHeader& header) {

@@ -357,6 +357,21 @@ TEST(PacketTally, LossesAndGapsOfEachStreamAndKind) {
   EXPECT_EQ(counters, (driver::Counters{.lost_board = 3, .missing = 3}));
 }
 
+// The verdict alone, compact and exact columns take each other's place; stream 255 is the last one.
+TEST(PacketTally, OneForAFrame) {
+  driver::Counters counters;
+  driver::PacketTally tally(counters);
+  for (int stream : {0, 254, 255}) {
+    tally.accept(header_of(0, 0, stream, spec::kKindVerdict));
+    tally.accept(header_of(0, 0, stream, spec::kKindCodes));
+    tally.accept(header_of(2, 1, stream, spec::kKindVerdict));  // one frame lost
+    EXPECT_FALSE(tally.accept(header_of(2, 1, stream, spec::kKindVerdict)));
+    tally.accept(header_of(4, 2, stream, spec::kKindCompact));  // and one
+    tally.accept(header_of(6, 3, stream));                      // and one
+  }
+  EXPECT_EQ(counters, (driver::Counters{.lost_board = 9, .missing = 9, .repeated = 3}));
+}
+
 TEST(PacketTally, LostWraps) {
   driver::Counters counters;
   driver::PacketTally tally(counters);
