@@ -175,6 +175,9 @@ TEST(CameraLinkFull, TheFifosOfTheLinksHoldAsManyWordsAsTheyHavePlaces) {
 TEST(CameraLinkEighty, TheFifosOfTheLinksHoldAsManyWordsAsTheyHavePlaces) {
   expect_places_of_links<Vsp_camera_link_eighty_short>(10);
 }
+TEST(CameraLinkEightTens, TheFifosOfTheLinksHoldAsManyWordsAsTheyHavePlaces) {
+  expect_places_of_links<Vsp_camera_link_eight_tens_short>(8, 10);
+}
 
 // The FIFO of 16 words holds what constraints/camera_link/rate.py says, but for a few words that are on their way.
 template <typename Dut>
