@@ -64,6 +64,22 @@ TEST(ReplaySender, EveryFrameThroughABadNetwork) {
   }
 }
 
+// Of nearly 400 datagrams one in ten is lost, so that a frame is sent again about 40 times, from another place each
+// time. Twelve tries are enough as long as the board makes progress.
+TEST(ReplaySender, AFrameIsSentAgainAsLongAsThereIsProgress) {
+  Random random(1);
+  ReplayBoard board(kBuild, 10, 7);
+  const std::unique_ptr<driver::RegisterPort> port =
+      driver::make_etherbone_port(board.etherbone_place(), {.patience = std::chrono::milliseconds(20)});
+  EXPECT_EQ(port->write(spec::kRegControl, 1), driver::Written::applied);
+  driver::ReplaySender sender(*port, "127.0.0.3", {.port = board.replay_port(), .datagram_bytes = 128, .tries = 12});
+  const model::ReplayFrame frame = random_frame(random, 512, 80);
+  sender.send(view(frame));
+  EXPECT_GT(sender.repeated(), 400U);
+  board.stop();
+  EXPECT_EQ(board.frames(), std::vector<model::ReplayFrame>{frame});
+}
+
 TEST(ReplaySender, Errors) {
   Random random(1);
   {

@@ -74,6 +74,20 @@ TEST(Datagrams, GoodNetwork) {
   }
 }
 
+TEST(Datagrams, TheLargestPacket) {
+  for (const std::size_t size : {model::kDatagramBytes, model::kJumboDatagramBytes}) {
+    driver::Counters counters;
+    driver::DatagramAssembler assembler(counters);
+    model::DatagramCutter cutter(7, size);
+    std::vector<Bytes> datagrams;
+    cutter.packet(largest_packet(5), [&](std::span<const std::uint8_t> datagram) {
+      datagrams.emplace_back(datagram.begin(), datagram.end());
+    });
+    EXPECT_EQ(assemble(assembler, datagrams), std::vector<std::uint64_t>{5});
+    EXPECT_EQ(counters, driver::Counters{});
+  }
+}
+
 TEST(Datagrams, DeliveredAndCountedIsSent) {
   for (const std::uint64_t seed : seeds(12)) {
     SCOPED_TRACE(how_to_repeat(seed));
