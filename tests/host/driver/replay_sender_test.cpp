@@ -64,7 +64,7 @@ TEST(ReplaySender, EveryFrameThroughABadNetwork) {
   }
 }
 
-// Of nearly 400 datagrams one in ten is lost, so that a frame is sent again about 40 times, from another place each
+// Of nearly 400 datagrams one in ten is lost, so that a frame is sent again dozens of times, from another place each
 // time. Twelve tries are enough as long as the board makes progress.
 TEST(ReplaySender, AFrameIsSentAgainAsLongAsThereIsProgress) {
   Random random(1);
