@@ -2,6 +2,7 @@
 // at 10,000 frames a second. camera_link_soak plays more.
 #include <gtest/gtest.h>
 
+#include "Vecp5_camera_link_bank_ports.h"
 #include "Vecp5_camera_link_eighty_ports.h"
 #include "Vecp5_camera_link_full_ports.h"
 #include "tests/rtl/blocks/camera_link_to_board.h"
@@ -18,6 +19,12 @@ TEST(CameraLinkBoard, FullAt10000FramesASecond) {
 TEST(CameraLinkBoard, FullWithACablePulled) {
   CameraRun run;
   play_camera<Vecp5_camera_link_full>(2, 8, 3, run, 4, 1, 0b100);
+  EXPECT_EQ(run.broken, 1U);
+}
+
+TEST(CameraLinkBoard, FullInOneBankWithACablePulled) {
+  CameraRun run;
+  play_camera<Vecp5_camera_link_bank>(4, 8, 3, run, 4, 1, 0b010);
   EXPECT_EQ(run.broken, 1U);
 }
 

@@ -1,5 +1,5 @@
 // The LVDS lanes of a Camera Link camera: bits with skew and jitter, edges in picoseconds, sampled by a deserializer in
-// the model. The PLLs are here.
+// the model. The PLLs are here, and the delays of ecp5_camera_link_bank.
 #ifndef SELFPROJ_TESTS_RTL_BLOCKS_CAMERA_LINK_LANES_H
 #define SELFPROJ_TESTS_RTL_BLOCKS_CAMERA_LINK_LANES_H
 
@@ -19,7 +19,7 @@ namespace selfproj::test {
 class LvdsLanes {
  public:
   LvdsLanes(Random& random, int number, std::int64_t bit, std::int64_t start)
-      : random_(random), number_(static_cast<std::size_t>(number)), bit_(bit), start_(start) {}
+      : random_(random), number_(static_cast<std::size_t>(number)), bit_(bit), origin_(start), start_(start) {}
 
   std::array<std::int64_t, kLanes> skew{};
   std::int64_t jitter = 0;  // each edge comes at most this much early or late
@@ -38,14 +38,18 @@ class LvdsLanes {
     return of.level;
   }
 
-  // The camera's clock has stopped, or the cable was pulled, and the link starts again at this time, in another phase.
-  // What it would have sent meanwhile is lost.
+  // The camera's clock has stopped, or the cable was pulled, and the link starts again at this time or with the next
+  // word that was not sent yet, less than a word later than it would have been. What it would have sent meanwhile is
+  // lost.
   void start_again(std::int64_t time) {
-    for (std::int64_t lost = (time - start_) / (kBitsOfLane * bit_) - words_; lost > 0 && !queue.empty(); --lost) {
-      last_frames_.push_back(queue.front().frame);
-      queue.pop_front();
+    constexpr auto kBits = static_cast<std::int64_t>(kBitsOfLane);
+    start_ = std::max(time, origin_ + all_words_ * kBits * bit_);
+    for (; all_words_ < (start_ - origin_) / (kBits * bit_); ++all_words_) {
+      if (!queue.empty()) {
+        last_frames_.push_back(queue.front().frame);
+        queue.pop_front();
+      }
     }
-    start_ = time;
     words_ = 0;
     for (Lane& lane : lanes_) {
       lane.edges.clear();
@@ -86,6 +90,7 @@ class LvdsLanes {
       }
     }
     ++words_;
+    ++all_words_;
   }
 
   static constexpr std::uint32_t kIdle = 1U << 26U;  // data valid alone
@@ -93,10 +98,18 @@ class LvdsLanes {
   Random& random_;
   std::size_t number_;
   std::int64_t bit_;
-  std::int64_t start_;
+  std::int64_t origin_;
+  std::int64_t start_;  // of words_, and all_words_ of origin_, with those that were lost
   std::int64_t words_ = 0;
+  std::int64_t all_words_ = 0;
   std::array<Lane, kLanes> lanes_;
   std::deque<std::size_t> last_frames_;  // to which the last words belong
+};
+
+// All links are sampled by X's clock, each behind a delay (ecp5_camera_link_bank).
+template <typename Dut>
+concept OneBank = requires(Dut dut) {
+  dut.tap_load_o;
 };
 
 // The links with their PLLs, and the board.
@@ -117,21 +130,45 @@ class LvdsBench : public LinkOutputs {
                LvdsLanes(random_, 2, bit, 100'000 + random_.between(0, 7 * 1500))} {
     dut_->clk_i = 0;
     for (std::size_t number = 0; number < kLinks; ++number) {
-      eclk(number) = lanes(number) = good(number) = 0;
+      set_lanes(number, 0);
+      if (number < clocks()) {
+        eclk(number) = good(number) = 0;
+      }
     }
     dut_->rst_i = 1;
     until(now_ + 4 * board_);
     dut_->rst_i = 0;
-    for (int number = 0; number < used_; ++number) {
+    for (std::size_t number = 0; number < clocks(); ++number) {
       start_pll(number);
     }
   }
 
   LvdsLanes& link(int number) { return links_[static_cast<std::size_t>(number)]; }
 
-  // Until all links that are used are locked; false if that takes longer than 5,000 words.
+  // Any jitter of each edge, window of each sample, and skew of the lanes, together within the tolerance.
+  void disturb() {
+    const auto half = static_cast<int>(step_ / 2);
+    // The middle of a delay's range lies between two edges that wobble, and may be off by a tap.
+    const int tolerance = OneBank<Dut> ? std::min(half, kDelayTaps * kTap / 4) - kTap : half - 1;
+    const int share = OneBank<Dut> ? 12 : 4;
+    const int jitter = random_.between(0, tolerance / share);
+    window_ = random_.between(0, tolerance / share);
+    const int most = tolerance - (OneBank<Dut> ? 2 : 1) * (jitter + static_cast<int>(window_));
+    for (LvdsLanes& lanes : links_) {
+      lanes.jitter = jitter;
+      const int all = OneBank<Dut> ? random_.between(-1000, 1000) : 0;  // the clock's, and so the link's phase
+      for (std::int64_t& skew : lanes.skew) {
+        skew = all + (random_.chance(30) ? (random_.chance(50) ? most : -most) : random_.between(-most, most));
+      }
+      if (OneBank<Dut>) {
+        lanes.skew[kLanes - 1] = all;
+      }
+    }
+  }
+
+  // Until all links that are used are locked; false if that takes longer than 10,000 words.
   bool lock() {
-    for (int words = 0; words < 5000; ++words) {
+    for (int words = 0; words < 10'000; ++words) {
       if (locked()) {
         return true;
       }
@@ -181,19 +218,27 @@ class LvdsBench : public LinkOutputs {
     }
   }
 
-  // The camera's clock stops, and the PLL loses its lock; both come back after this many words.
+  // A cable is pulled, and put back after this many words, in another phase. The PLL loses its lock; the lanes of a
+  // link without a PLL stand still.
   void stop(int number, int count) {
-    good(static_cast<std::size_t>(number)) = 0;
-    dut_.eval();
-    next_edge_[static_cast<std::size_t>(number)] = kNever;
+    const auto index = static_cast<std::size_t>(number);
+    const bool has_clock = index < clocks();
+    out_[index] = true;
+    if (has_clock) {
+      good(index) = 0;
+      dut_.eval();
+      next_edge_[index] = kNever;
+    }
     words(count);
     link(number).start_again(now_ + random_.between(0, static_cast<int>(7 * bit_)));
-    start_pll(number);
+    out_[index] = false;
+    if (has_clock) {
+      start_pll(index);
+    }
   }
 
   // The PLL's phase moves.
   void move_phase(int number, std::int64_t by) { next_edge_[static_cast<std::size_t>(number)] += by; }
-  void set_window(std::int64_t window) { window_ = window; }
 
   Random& random() { return random_; }
   // Frames that are under way while a link is not locked may end early.
@@ -202,37 +247,83 @@ class LvdsBench : public LinkOutputs {
  private:
   static constexpr std::int64_t kNever = INT64_MAX;
 
-  [[nodiscard]] unsigned wanted() const { return (1U << static_cast<unsigned>(used_)) - 1; }
+  static constexpr int kDelayTaps = 32;
+  static constexpr int kTap = 100;  // ps; together what the 128 taps of an ECP5 are
 
-  CData& eclk(std::size_t link) { return link == 0 ? dut_->x_eclk_i : link == 1 ? dut_->y_eclk_i : dut_->z_eclk_i; }
-  CData& lanes(std::size_t link) { return link == 0 ? dut_->x_lanes_i : link == 1 ? dut_->y_lanes_i : dut_->z_lanes_i; }
-  CData& good(std::size_t link) { return link == 0 ? dut_->x_good_i : link == 1 ? dut_->y_good_i : dut_->z_good_i; }
+  [[nodiscard]] unsigned wanted() const { return (1U << static_cast<unsigned>(used_)) - 1; }
+  [[nodiscard]] std::size_t clocks() const { return OneBank<Dut> ? 1 : static_cast<std::size_t>(used_); }
+
+  CData& eclk(std::size_t link) {
+    if constexpr (OneBank<Dut>) {
+      return dut_->eclk_i;
+    } else {
+      return link == 0 ? dut_->x_eclk_i : link == 1 ? dut_->y_eclk_i : dut_->z_eclk_i;
+    }
+  }
+  CData& good(std::size_t link) {
+    if constexpr (OneBank<Dut>) {
+      return dut_->good_i;
+    } else {
+      return link == 0 ? dut_->x_good_i : link == 1 ? dut_->y_good_i : dut_->z_good_i;
+    }
+  }
+  void set_lanes(std::size_t link, unsigned levels) {
+    if constexpr (OneBank<Dut>) {
+      const auto at = static_cast<unsigned>(kLanes * link);
+      dut_->lanes_i = static_cast<SData>((dut_->lanes_i & ~(0x1fU << at)) | levels << at);
+    } else {
+      (link == 0 ? dut_->x_lanes_i : link == 1 ? dut_->y_lanes_i : dut_->z_lanes_i) = static_cast<CData>(levels);
+    }
+  }
 
   // From a moment on, edges in the middle of the bits, or a quarter of a bit before and behind it; at first the clock
   // alone, then the sign that it is good.
-  void start_pll(int number) {
-    const auto index = static_cast<std::size_t>(number);
+  void start_pll(std::size_t index) {
     const std::int64_t first = links_[index].start() + (step_ == bit_ ? bit_ / 2 : bit_ / 4);
     next_edge_[index] = first + step_ * random_.between(20, 60);
     good_at_[index] = next_edge_[index] + 40 * bit_;
   }
 
-  // The lanes and the clock of a link at its next edge, not yet evaluated.
-  void set_edge(std::size_t number) {
+  // The lanes of a link at an edge of its clock.
+  unsigned levels_at(std::size_t number, std::int64_t edge) {
     unsigned levels = 0;
+    if (out_[number]) {
+      return levels;
+    }
     std::uint64_t random = window_ > 0 ? random_.bits() : 0;
     for (int lane = 0; lane < kLanes; ++lane) {
       // What changes within the window of a sample is sampled old or new.
       const std::int64_t off = (static_cast<std::int64_t>(random & 0xfffU) * (2 * window_ + 1) >> 12) - window_;
       random >>= 12U;
-      const std::int64_t time = std::max(sampled_[number][static_cast<std::size_t>(lane)], next_edge_[number] + off);
+      const std::int64_t time = std::max(sampled_[number][static_cast<std::size_t>(lane)], edge - delay_[number] + off);
       sampled_[number][static_cast<std::size_t>(lane)] = time;
       levels |= static_cast<unsigned>(links_[number].level(lane, time)) << static_cast<unsigned>(lane);
     }
+    return levels;
+  }
+
+  // The lanes and the clock of a link at its next edge, not yet evaluated; with one bank, the lanes of all links.
+  void set_edge(std::size_t number) {
     // Registers take the levels at the edge, as if they had come before it.
-    lanes(number) = static_cast<std::uint8_t>(levels);
+    for (std::size_t of = number; of < (OneBank<Dut> ? static_cast<std::size_t>(used_) : number + 1); ++of) {
+      set_lanes(of, levels_at(of, next_edge_[number]));
+    }
     eclk(number) = eclk(number) == 0;
     next_edge_[number] += step_;
+  }
+
+  // The delays take a step at the fall of tap_move_o.
+  void move_delays() {
+    if constexpr (OneBank<Dut>) {
+      for (std::size_t number = 0; number < kLinks; ++number) {
+        if ((dut_->tap_load_o >> number & 1U) != 0) {
+          delay_[number] = 0;
+        } else if ((moving_ & ~dut_->tap_move_o) >> number & 1U) {
+          delay_[number] += kTap;
+        }
+      }
+      moving_ = dut_->tap_move_o;
+    }
   }
 
   void board() {
@@ -259,6 +350,7 @@ class LvdsBench : public LinkOutputs {
     }
     if (any) {
       dut_.eval();
+      move_delays();
       for (std::size_t number = 0; number < kLinks; ++number) {
         if (becomes_good[number]) {
           good(number) = 1;
@@ -296,6 +388,9 @@ class LvdsBench : public LinkOutputs {
   std::array<std::int64_t, kLinks> next_edge_{kNever, kNever, kNever};
   std::array<std::int64_t, kLinks> good_at_{};
   std::array<std::array<std::int64_t, kLanes>, kLinks> sampled_{};
+  std::array<std::int64_t, kLinks> delay_{};
+  std::array<bool, kLinks> out_{};  // no cable
+  unsigned moving_ = 0;
   bool watching_ = false;
 };
 

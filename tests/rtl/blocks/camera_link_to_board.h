@@ -68,14 +68,7 @@ void play_camera(std::uint64_t seed, int taps, int frames, CameraRun& run, int g
   Random random(seed);
   const auto period = static_cast<std::int64_t>(sim::BoardDeviceOptions{}.video_period_ps);
   LvdsBench<Dut> camera(seed, taps, 1, kCameraBit, period);
-  const int most = kCameraBit / 2 - 1;
-  for (int link = 0; link < kLinks; ++link) {
-    camera.link(link).jitter = random.between(0, 200);
-    for (std::int64_t& skew : camera.link(link).skew) {
-      skew = random.between(-(most - 300), most - 300);
-    }
-  }
-  camera.set_window(60);
+  camera.disturb();
   ASSERT_TRUE(camera.lock());
 
   std::deque<std::vector<std::uint8_t>> images;  // whose packets have not come

@@ -1,0 +1,367 @@
+// Tests the phase alignment of a Channel Link with samples: an eye says what the clock lane brings at each tap of the
+// delay, and the tap that is to be found follows from it.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <vector>
+
+#include "Vsp_channel_link_align_ports.h"
+#include "tests/rtl/blocks/camera_link_bench.h"
+#include "tests/rtl/blocks/clocked.h"
+#include "tests/support/random_cases.h"
+
+namespace selfproj::test {
+namespace {
+
+// The parameters of the build
+constexpr int kTaps = 12;
+constexpr int kSettle = 5;
+constexpr int kWindow = 8;
+constexpr int kRightWords = 4;
+constexpr int kPatience = 64;
+
+constexpr int kLatency = 5;  // clocks from the last of the two clocks before a word's end to the word
+constexpr int kSearch = kTaps * (kSettle + kWindow + 13) + 8 * kTaps + kRightWords + 20;
+
+// What the clock lane brings at a tap.
+struct Eye {
+  enum Kind { good, noise, wrong, low, high };
+  Kind kind = noise;
+  int turn = 0;  // samples of a clock that belong to the word before
+};
+using Eyes = std::array<Eye, kTaps>;
+
+// The middle of the longest run of good taps with one turn, the first one of equal length; -1 without a good tap.
+int middle_of(const Eyes& eyes) {
+  int best = 0;
+  int middle = -1;
+  for (int first = 0; first < kTaps; ++first) {
+    int taps = 0;
+    while (first + taps < kTaps && eyes[static_cast<std::size_t>(first + taps)].kind == Eye::good &&
+           eyes[static_cast<std::size_t>(first + taps)].turn == eyes[static_cast<std::size_t>(first)].turn) {
+      ++taps;
+    }
+    if (taps > best) {
+      best = taps;
+      middle = first + taps / 2;
+    }
+  }
+  return middle;
+}
+
+// Up to two edges of a bit, each as wide as one to three taps, between which the turn changes; other taps may be bad.
+Eyes any_eyes(Random& random) {
+  Eyes eyes;
+  int turn = random.between(0, 6);
+  int next = random.between(0, 6);
+  for (int tap = 0; tap < kTaps; ++tap) {
+    Eye& eye = eyes[static_cast<std::size_t>(tap)];
+    eye = {Eye::good, turn};
+    if (tap >= next) {
+      const bool crossed = random.chance(50);
+      eye.kind = random.chance(30) ? Eye::wrong : random.chance(30) ? Eye::good : Eye::noise;
+      if (crossed) {
+        turn = (turn + 1) % 7;
+        next = tap + random.between(1, 8);
+      }
+    }
+  }
+  return eyes;
+}
+
+class AlignBench {
+ public:
+  explicit AlignBench(std::uint64_t seed) : random_(seed) {
+    dut_.valid_when({"word_o"}, [this] { return dut_->valid_o != 0; });
+    for (int word = 0; word < 8; ++word) {
+      new_word();
+    }
+    dut_->rst_i = 1;
+    dut_->lanes_i = 0;
+    for (int i = 0; i < 4; ++i) {
+      dut_.tick();
+    }
+    dut_->rst_i = 0;
+  }
+
+  Eyes eyes;  // now
+
+  void clock() {
+    put_samples();
+    dut_.settle();
+    check_pulses();
+    check_word();
+    errors_ += dut_->error_o;
+    locked_ = dut_->locked_o != 0;
+    dut_.rise();
+    ++clock_;
+  }
+  void clocks(int count) {
+    for (int i = 0; i < count; ++i) {
+      clock();
+    }
+  }
+  // Until it is locked; false after this many clocks.
+  bool lock(int most) {
+    for (int i = 0; i < most; ++i) {
+      clock();
+      if (locked_) {
+        return true;
+      }
+    }
+    return false;
+  }
+
+  // In the next clock, these samples of the clock lane are wrong.
+  void spoil(unsigned samples) { spoil_ = samples; }
+  void all(Eye eye) { eyes.fill(eye); }
+  // All taps bring this, with the words where they are.
+  void all(Eye::Kind kind) { eyes.fill({kind, eyes[static_cast<std::size_t>(tap_)].turn}); }
+
+  Random& random() { return random_; }
+  [[nodiscard]] bool locked() const { return locked_; }
+  [[nodiscard]] int errors() const { return errors_; }
+  [[nodiscard]] int words() const { return words_given_; }
+  [[nodiscard]] int pulses() const { return pulses_; }
+  [[nodiscard]] int loads() const { return loads_; }
+  [[nodiscard]] int tap() const { return tap_; }
+
+ private:
+  void new_word() {
+    const std::uint64_t bits = random_.bits();
+    words_.push_back(link_word({.frame = (bits & 1U) != 0,
+                                .line = (bits & 2U) != 0,
+                                .data = (bits & 4U) != 0,
+                                .spare = (bits & 8U) != 0,
+                                .ports = {static_cast<std::uint8_t>(bits >> 8U), static_cast<std::uint8_t>(bits >> 16U),
+                                          static_cast<std::uint8_t>(bits >> 24U)}}));
+  }
+
+  // Word `first_` of the queue begins `turn` samples after the beginning of this clock's samples.
+  void put_samples() {
+    if (to_show_ > 0 && --to_show_ == 0) {
+      shown_ = tap_;
+    }
+    const Eye eye = eyes[static_cast<std::size_t>(shown_)];
+    new_word();
+    const std::size_t now = words_.size() - 4;
+    std::uint64_t lanes = 0;
+    for (int lane = 0; lane < kLanes; ++lane) {
+      for (int i = 0; i < kBitsOfLane; ++i) {
+        const int at = i - eye.turn;
+        const bool bit = lane_bit(words_[at < 0 ? now - 1 : now], lane, at < 0 ? at + kBitsOfLane : at);
+        lanes |= static_cast<std::uint64_t>(bit) << static_cast<unsigned>(kBitsOfLane * lane + i);
+      }
+    }
+    constexpr unsigned kAt = kBitsOfLane * kClockLane;
+    std::uint64_t wrong = spoil_;
+    if (eye.kind == Eye::wrong) {
+      wrong ^= 1U << ((eye.turn + 3U) % 7U);  // 1100011 turned, with one of its zeros: never the pattern
+    } else if (eye.kind == Eye::noise && clock_ % 3 == 0) {
+      wrong ^= 1U << static_cast<unsigned>(random_.between(0, 6));
+    }
+    spoil_ = 0;
+    lanes ^= wrong << kAt;
+    constexpr std::uint64_t kClock = std::uint64_t{0x7f} << kAt;
+    if (eye.kind == Eye::low) {
+      lanes &= ~kClock;
+    } else if (eye.kind == Eye::high) {
+      lanes |= kClock;
+    }
+    dut_->lanes_i = lanes;
+    if (words_.size() > 32) {
+      words_.pop_front();
+    }
+  }
+
+  // Each pulse is high for four clocks, and low for at least four before the next. The tap shows kSettle clocks after
+  // its fall, and not sooner.
+  void check_pulses() {
+    const bool load = dut_->tap_load_o != 0;
+    const bool move = dut_->tap_move_o != 0;
+    ASSERT_FALSE(load && move);
+    if (load || move) {
+      ASSERT_TRUE(high_ > 0 || low_ >= 4);
+      pulses_ += high_ == 0 ? 1 : 0;
+      loads_ += load && high_ == 0 ? 1 : 0;
+      ++high_;
+      low_ = 0;
+      loads_now_ = load;
+    } else {
+      if (high_ > 0) {
+        ASSERT_EQ(high_, 4);
+        tap_ = loads_now_ ? 0 : tap_ + 1;
+        ASSERT_LT(tap_, kTaps);
+        to_show_ = kSettle;
+      }
+      high_ = 0;
+      ++low_;
+    }
+    ASSERT_FALSE((load || move) && dut_->locked_o);
+  }
+
+  // A word at the output is the one that began before the samples of kLatency clocks ago.
+  void check_word() {
+    if (dut_->valid_o) {
+      ++words_given_;
+      ASSERT_TRUE(dut_->locked_o);
+      ASSERT_EQ(dut_->word_o, words_[words_.size() - 4 - kLatency]);
+    }
+  }
+
+  Random random_;
+  Clocked<Vsp_channel_link_align> dut_;
+  std::deque<std::uint32_t> words_;
+  std::uint64_t clock_ = 0;
+  unsigned spoil_ = 0;
+  int high_ = 0;  // clocks of the pulse
+  int low_ = 4;   // clocks since the last one
+  bool loads_now_ = false;
+  int pulses_ = 0;
+  int loads_ = 0;
+  int tap_ = 0;      // of the delay
+  int shown_ = 0;    // in the samples
+  int to_show_ = 0;  // clocks until tap_ is shown
+  bool locked_ = false;
+  int errors_ = 0;
+  int words_given_ = 0;
+};
+
+// Any eye: the middle of the longest run is found in the time that the header names, and every word follows.
+TEST(ChannelLinkAlign, TheMiddleOfTheEye) {
+  std::array<int, 7> turns{};
+  for_cases(200, [&](Random& random, std::uint64_t seed) {
+    AlignBench bench(seed);
+    bench.eyes = any_eyes(random);
+    const int middle = middle_of(bench.eyes);
+    int first = 0;  // good tap, from which the search begins again
+    while (first < kTaps && bench.eyes[static_cast<std::size_t>(first)].kind != Eye::good) {
+      ++first;
+    }
+    if (middle < 0) {
+      EXPECT_FALSE(bench.lock(3 * kSearch));
+      return;
+    }
+    ASSERT_TRUE(bench.lock(kSearch + (first + 1) * (kSettle + kWindow + 13)));
+    EXPECT_EQ(bench.tap(), middle);
+    EXPECT_EQ(bench.words(), 0);
+    const int pulses = bench.pulses();
+    bench.clocks(100);
+    EXPECT_GE(bench.words(), 98);
+    EXPECT_EQ(bench.errors(), 0);
+    EXPECT_EQ(bench.pulses(), pulses);
+    ++turns[static_cast<std::size_t>(bench.eyes[static_cast<std::size_t>(middle)].turn)];
+  });
+  if (runs_all_cases()) {
+    for (const int times : turns) {
+      EXPECT_GT(times, 5);
+    }
+  }
+}
+
+// Wrong samples of the clock lane: that word is not given, the lock ends once and comes again without a search.
+TEST(ChannelLinkAlign, AWrongWordEndsTheLockButNotTheAlignment) {
+  for_cases(30, [&](Random& random, std::uint64_t seed) {
+    AlignBench bench(seed);
+    bench.all({Eye::good, static_cast<int>(seed % 7)});
+    ASSERT_TRUE(bench.lock(2 * kSearch));
+    bench.clocks(random.between(2, 30));
+    for (int round = 1; round <= 10; ++round) {
+      const int pulses = bench.pulses();
+      bench.spoil(1U << static_cast<unsigned>(random.between(0, 6)));
+      bench.clocks(kLatency + 1);
+      EXPECT_EQ(bench.errors(), round);
+      EXPECT_FALSE(bench.locked());
+      const int words = bench.words();
+      ASSERT_TRUE(bench.lock(20 + kRightWords));
+      EXPECT_EQ(bench.words(), words);
+      bench.clocks(random.between(5, 40));
+      EXPECT_EQ(bench.pulses(), pulses);
+      EXPECT_GT(bench.words(), words);
+    }
+  });
+}
+
+// Words that stay wrong: the search begins when the patience has ended, not before, and finds the new phase.
+TEST(ChannelLinkAlign, SearchesAgainAfterItsPatience) {
+  for_cases(30, [&](Random& random, std::uint64_t seed) {
+    AlignBench bench(seed);
+    bench.eyes = any_eyes(random);
+    bench.eyes[5] = {Eye::good, 2};  // one is good at least
+    ASSERT_TRUE(bench.lock(2 * kSearch));
+    bench.clocks(random.between(2, 100));
+    const Eyes before = bench.eyes;
+    const int loads = bench.loads();
+
+    bench.all(Eye::wrong);
+    bench.clocks(kLatency + kPatience - 20 - kRightWords - 1);  // just in time
+    EXPECT_EQ(bench.errors(), 1);
+    bench.eyes = before;
+    bench.clocks(kPatience);
+    EXPECT_TRUE(bench.locked());
+    EXPECT_EQ(bench.loads(), loads);
+
+    bench.all(Eye::wrong);
+    bench.clocks(kLatency + kPatience + 3);
+    EXPECT_EQ(bench.loads(), loads);
+    bench.clocks(5);
+    EXPECT_EQ(bench.loads(), loads + 1);
+    bench.eyes = any_eyes(random);
+    bench.eyes[6] = {Eye::good, 3};
+    ASSERT_TRUE(bench.lock(3 * kSearch));
+    EXPECT_EQ(bench.tap(), middle_of(bench.eyes));
+    EXPECT_EQ(bench.errors(), 2);
+  });
+}
+
+// A clock lane that stood still, if only for a word: the phase may have changed, so the search begins at once, even if
+// the words would be right.
+TEST(ChannelLinkAlign, SearchesAgainWhereTheCableWasOut) {
+  for_cases(30, [&](Random& random, std::uint64_t seed) {
+    AlignBench bench(seed);
+    const Eyes before = bench.eyes = any_eyes(random);
+    if (middle_of(before) < 0) {
+      return;
+    }
+    ASSERT_TRUE(bench.lock(2 * kSearch));
+    bench.clocks(random.between(2, 100));
+    const int loads = bench.loads();
+    bench.all(random.chance(50) ? Eye::low : Eye::high);
+    bench.clocks(random.chance(50) ? 1 : random.between(2, 3 * kSearch));
+    bench.eyes = before;
+    bench.clocks(kLatency + 10);
+    EXPECT_FALSE(bench.locked());
+    EXPECT_EQ(bench.errors(), 1);
+    EXPECT_GT(bench.loads(), loads);
+    ASSERT_TRUE(bench.lock(3 * kSearch));
+    EXPECT_EQ(bench.tap(), middle_of(before));
+  });
+}
+
+// A cable that comes within the search, or goes and comes: the taps before do not count.
+TEST(ChannelLinkAlign, ACableThatComesWithinTheSearch) {
+  for_cases(100, [&](Random& random, std::uint64_t seed) {
+    AlignBench bench(seed);
+    Eyes plugged;
+    plugged.fill({Eye::good, static_cast<int>(seed % 7)});
+    plugged[static_cast<std::size_t>(random.between(0, 11))].kind = Eye::noise;
+    const bool noise = random.chance(50);
+    if (!noise && random.chance(50)) {
+      bench.eyes = plugged;
+      bench.clocks(random.between(1, kSearch));
+    }
+    bench.all(noise ? Eye::noise : random.chance(50) ? Eye::low : Eye::high);
+    bench.clocks(random.between(2 * (kSettle + kWindow + 13), kSearch));
+    bench.eyes = plugged;
+    ASSERT_TRUE(bench.lock(3 * kSearch));
+    EXPECT_EQ(bench.tap(), middle_of(plugged));
+    bench.clocks(20);
+    EXPECT_GT(bench.words(), 15);
+  });
+}
+
+}  // namespace
+}  // namespace selfproj::test
