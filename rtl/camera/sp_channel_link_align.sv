@@ -35,7 +35,7 @@
 //
 // Latency: a word leaves four clocks after its last samples were at the input, or five where it
 // begins with a clock's samples. A search takes Taps * (Settle + 2^LogWindow + 13) clocks, at most
-// 8 * Taps more to set the tap, and 2^LogGood + 20 to lock.
+// 8 * Taps more to set the tap, and Settle + 2^LogGood + 20 to lock.
 //
 //   clock       0    1    2    3    4    5    6
 //   lanes_i    <0  ><1  ><2  ><3  ><4  ><5     turned by two: word 1 begins with the last five
@@ -76,7 +76,9 @@ module sp_channel_link_align #(
   end
 
   localparam logic [6:0] Pattern = 7'b1100011;
-  localparam logic [6:0] LastTap = 7'(Taps - 1);
+  localparam int TapBits = $clog2(Taps);
+  localparam int RunBits = $clog2(Taps + 1);
+  localparam logic [TapBits-1:0] LastTap = TapBits'(Taps - 1);
   localparam int SettleBits = Settle < 1 ? 1 : $clog2(Settle + 3);  // and two on the way
 
   localparam logic [2:0] Act = 3'd0;      // the delays' pulse
@@ -118,17 +120,17 @@ module sp_channel_link_align #(
   logic [6:0]             clock_q;  // what the clock lane brought first
   logic                   steady_q;
   logic                   good_q;
-  logic [6:0]             tap_q, target_q;
+  logic [TapBits-1:0]     tap_q, target_q;
   logic [2:0]             run_turn_q, best_turn_q;
-  logic [6:0]             run_first_q, best_first_q;
-  logic [7:0]             run_q, best_q;  // taps
+  logic [TapBits-1:0]     run_first_q, best_first_q;
+  logic [RunBits-1:0]     run_q, best_q;  // taps
   logic [LogPatience-1:0] patience_q;
   logic                   gone_q;   // the clock lane has stood still since the search
   logic                   is_turned;
   logic [2:0]             turn;     // of clock_q
   logic                   still;    // clock_q has no edge
   logic                   joins;    // the tap belongs to the run of the one before
-  logic [6:0]             next_tap;
+  logic [TapBits-1:0]     next_tap;
   logic                   give_up;
 
   always_comb begin
@@ -186,7 +188,7 @@ module sp_channel_link_align #(
           good_q  <= steady_q && is_turned;
           state_q <= Compare;
           if (steady_q && is_turned) begin
-            run_q      <= joins ? run_q + 1'b1 : 8'd1;
+            run_q      <= joins ? run_q + 1'b1 : RunBits'(1);
             run_turn_q <= turn;
             if (!joins) run_first_q <= tap_q;
           end else run_q <= '0;
@@ -207,7 +209,7 @@ module sp_channel_link_align #(
           end
         end
         Choose: begin
-          target_q <= best_first_q + best_q[7:1];
+          target_q <= best_first_q + TapBits'(best_q >> 1);
           turn_q   <= best_turn_q;
           final_q  <= best_q != '0;
           alive_q  <= 1'b0;
@@ -252,7 +254,7 @@ module sp_channel_link_align #(
   always_comb assume (rst_i == !f_ran_q);
 
   // The delay, as its pulses move it, and what each tap has shown
-  logic [6:0]           f_tap_q;
+  logic [TapBits-1:0]   f_tap_q;
   logic                 f_known_q;  // it has been loaded
   logic                 f_move_q, f_locked_q, f_search_q;
   logic [2:0]           f_turn_q, f_state_q;
@@ -266,14 +268,14 @@ module sp_channel_link_align #(
     f_turn_q   <= turn_q;
     f_state_q  <= state_q;
     if (rst_i) f_known_q <= 1'b0;
-    else if (tap_load_o) {f_known_q, f_tap_q} <= {1'b1, 7'd0};
+    else if (tap_load_o) {f_known_q, f_tap_q} <= {1'b1, {TapBits{1'b0}}};
     else if (f_move_q && !tap_move_o) f_tap_q <= f_tap_q + 1'b1;
     if (state_q == Wait) {f_equal_q, f_first_q} <= {{LogWindow + 1{1'b0}}, now_q[34:28]};
     else if (state_q == Measure && now_q[34:28] == f_first_q &&
              f_equal_q == (LogWindow + 1)'(window_q)) f_equal_q <= f_equal_q + 1'b1;
     if (state_q == Note) begin
       for (int i = 0; i < Taps; i++) begin
-        if (tap_q == 7'(i)) begin
+        if (tap_q == TapBits'(i)) begin
           f_good_q[i]  <= f_equal_q[LogWindow] && turned(f_first_q, turn) == Pattern;
           f_turns_q[3*i+:3] <= turn;
         end
@@ -282,8 +284,9 @@ module sp_channel_link_align #(
   end
 
   // Taps of a run
-  function automatic logic in_run(input logic [6:0] first, input logic [7:0] taps, input int tap);
-    in_run = 8'(tap) >= 8'(first) && 8'(tap) < 8'(first) + taps;
+  function automatic logic in_run(input logic [TapBits-1:0] first, input logic [RunBits-1:0] taps,
+                                  input int tap);
+    in_run = 8'(tap) >= 8'(first) && 8'(tap) < 8'(first) + 8'(taps);
   endfunction
 
   always_comb if (f_ran_q) begin
@@ -300,7 +303,7 @@ module sp_channel_link_align #(
     end
     // Rule 3: the tap of the words was good, and turned as they are.
     for (int i = 0; i < Taps; i++) begin
-      if ((state_q == Run || final_q) && target_q == 7'(i))
+      if ((state_q == Run || final_q) && target_q == TapBits'(i))
         assert (f_good_q[i] && f_turns_q[3*i+:3] == turn_q);
       // So were all taps of a run; of these the middle one is taken.
       if (in_run(best_first_q, best_q, i)) assert (f_good_q[i] && f_turns_q[3*i+:3] == best_turn_q);
@@ -327,7 +330,7 @@ module sp_channel_link_align #(
     else if (tap_load_o) assert (tap_q == '0 || state_q == Act && load_q);
     else if (f_known_q) begin
       if (state_q == Act && pulse_q >= 3'd5 && !load_q) assert (f_tap_q == tap_q);
-      else assert (f_tap_q + 7'(tap_move_o || f_move_q) == tap_q);
+      else assert (f_tap_q + TapBits'(tap_move_o || f_move_q) == tap_q);
     end
     // Runs:
     if (state_q == Act && load_q) assert (run_q == '0 && best_q == '0);
@@ -339,13 +342,13 @@ module sp_channel_link_align #(
     end
     if (state_q == Run) assert (run_q == '0 && best_q == '0);
     if (state_q == Wait || state_q == Measure || state_q == Note) begin
-      if (run_q != '0) assert (8'(run_first_q) + run_q == 8'(tap_q));
-      if (best_q != '0) assert (8'(best_first_q) + best_q <= 8'(tap_q));
+      if (run_q != '0) assert (8'(run_first_q) + 8'(run_q) == 8'(tap_q));
+      if (best_q != '0) assert (8'(best_first_q) + 8'(best_q) <= 8'(tap_q));
     end else begin
-      if (run_q != '0) assert (8'(run_first_q) + run_q == 8'(tap_q) + 8'd1);
-      if (best_q != '0) assert (8'(best_first_q) + best_q <= 8'(tap_q) + 8'd1);
+      if (run_q != '0) assert (8'(run_first_q) + 8'(run_q) == 8'(tap_q) + 8'd1);
+      if (best_q != '0) assert (8'(best_first_q) + 8'(best_q) <= 8'(tap_q) + 8'd1);
     end
-    assert (run_q <= 8'(Taps) && best_q <= 8'(Taps));
+    assert (run_q <= RunBits'(Taps) && best_q <= RunBits'(Taps));
     if (state_q != Compare) assert (run_q <= best_q);
     // What a tap has shown:
     if (state_q == Measure || state_q == Note) begin

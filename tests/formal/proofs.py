@@ -302,7 +302,7 @@ FAULTS = [
     Fault("channel_link_align/locks_where_it_gives_up", "channel_link_align", "camera/sp_channel_link_align.sv",
           "rst_i || state_q != Run || give_up", "rst_i || state_q != Run", 110),
     Fault("channel_link_align/a_tap_behind_the_eye", "channel_link_align", "camera/sp_channel_link_align.sv",
-          "target_q <= best_first_q + best_q[7:1];", "target_q <= best_first_q + best_q[6:0];", 110),
+          "best_first_q + TapBits'(best_q >> 1);", "best_first_q + TapBits'(best_q);", 110),
     Fault("channel_link_align/takes_a_lane_that_changes", "channel_link_align", "camera/sp_channel_link_align.sv",
           "if (steady_q && is_turned) begin", "if (is_turned) begin", 110),
     Fault("channel_link_align/the_turn_of_the_last_run", "channel_link_align", "camera/sp_channel_link_align.sv",
