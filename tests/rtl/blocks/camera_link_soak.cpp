@@ -1,10 +1,11 @@
 // Soak: frames of 96 x 512 pixels at 10,000 frames a second, from the bits of a Camera Link camera's lanes, with skew
-// and jitter, to the packets of the board, which must be those of the model. Three seeds in four are Full, the fourth
-// is 80 bit; in every third seed cables are pulled in one frame of 20.
+// and jitter, to the packets of the board, which must be those of the model. Three seeds in four are Full, one of them
+// with all links in one bank, the fourth is 80 bit; in every third seed cables are pulled in one frame of 20.
 //
 //     camera_link_soak [FRAMES] [FIRST_SEED]      100,000 frames from seed 1 on by default
 #include <cstdint>
 
+#include "Vecp5_camera_link_bank_ports.h"
 #include "Vecp5_camera_link_eighty_ports.h"
 #include "Vecp5_camera_link_full_ports.h"
 #include "tests/rtl/blocks/camera_link_to_board.h"
@@ -23,6 +24,8 @@ TEST(Soak, EveryFrameOfACameraLinkCameraEqualsTheModel) {
     CameraRun run;
     if (seed % 4 == 0) {
       play_camera<Vecp5_camera_link_eighty>(seed, 10, 20, run, 14, pulled, links);
+    } else if (seed % 4 == 2) {
+      play_camera<Vecp5_camera_link_bank>(seed, 8, 20, run, 4, pulled, links);
     } else {
       play_camera<Vecp5_camera_link_full>(seed, 8, 20, run, 4, pulled, links);
     }
