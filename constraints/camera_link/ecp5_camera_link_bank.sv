@@ -7,10 +7,11 @@
 // eclk_i has 3.5 times the camera's clock, in any phase. Each of its edges takes a sample, one of each
 // bit. sp_channel_link_align finds each link's delay by its clock lane: DELAYF has 128 taps of about
 // 25 ps (Lattice's simulation model of it), 3.2 ns together, more than a bit from 45 MHz on. A fall of
-// MOVE adds a tap (the same model), counted from the delay that LOADN loads.
+// MOVE adds a tap (the same model).
 //
-// good_i low holds everything: while X's clock is away, no link brings words. Y and Z may come and go
-// without X.
+// good_i low holds everything: while X's clock is away, no link brings words. Y and Z may come and go;
+// that does not disturb X. rst_i, high for four clocks of the camera or more, also starts the search on
+// all links.
 `default_nettype none
 
 module ecp5_camera_link_bank #(
@@ -18,9 +19,8 @@ module ecp5_camera_link_bank #(
   parameter int Taps = 8,  // 1..3 (Base), 4 (Medium), 8 (Full) or 10 (80 bit)
   parameter int Bits = 8,  // 8; with 1 or 2 taps also 10 or 12, with 8 taps also 10
   parameter int Columns = 0,  // of a line, with 8 or 10 taps
-  parameter logic [104:0] Delays = '0,  // of lane n in 7n+6..7n, in taps; the search adds to it
   // As in sp_channel_link_align
-  parameter int DelayTaps = 128,  // 2..128, less the largest of Delays
+  parameter int DelayTaps = 128,
   parameter int Settle = 16,
   parameter int LogWindow = 8,
   parameter int LogGood = 8,
@@ -49,13 +49,20 @@ module ecp5_camera_link_bank #(
 
   localparam int Links = Taps <= 3 ? 1 : Taps == 4 ? 2 : 3;
 
-  logic        eclk, sclk;
+  logic        eclk, sclk, stop, cells_rst, restart;
   logic [2:0]  good_q, locked, valid, tap_load, tap_move;
   logic [83:0] words;
 
+  ecp5_gearing_start u_start (
+    .clk_i (clk_i),
+    .good_i(good_i),
+    .stop_o(stop),
+    .rst_o (cells_rst)
+  );
+
   ECLKSYNCB u_sync (
     .ECLKI(eclk_i),
-    .STOP (1'b0),
+    .STOP (stop),
     .ECLKO(eclk)
   );
 
@@ -63,15 +70,22 @@ module ecp5_camera_link_bank #(
     .DIV("3.5")
   ) u_divider (
     .CLKI   (eclk),
-    .RST    (!good_i),
+    .RST    (cells_rst),
     .ALIGNWD(1'b0),
     .CDIVX  (sclk)
   );
 
-  always_ff @(posedge sclk or negedge good_i) begin
-    if (!good_i) good_q <= '0;
+  always_ff @(posedge sclk or posedge cells_rst) begin
+    if (cells_rst) good_q <= '0;
     else good_q <= {good_q[1:0], 1'b1};
   end
+
+  sp_sync u_restart (
+    .clk_i(sclk),
+    .rst_i(1'b0),
+    .d_i  (rst_i),
+    .q_o  (restart)
+  );
 
   assign tap_load_o = tap_load;
   assign tap_move_o = tap_move;
@@ -86,7 +100,7 @@ module ecp5_camera_link_bank #(
 
         DELAYF #(
           .DEL_MODE ("USER_DEFINED"),
-          .DEL_VALUE(Delays[7*(5*k+n)+:7])
+          .DEL_VALUE(0)
         ) u_delay (
           .A        (lanes_i[5*k+n]),
           .LOADN    (!tap_load[k]),
@@ -100,7 +114,7 @@ module ecp5_camera_link_bank #(
           .D      (delayed),
           .ECLK   (eclk),
           .SCLK   (sclk),
-          .RST    (!good_i),
+          .RST    (cells_rst),
           .ALIGNWD(1'b0),
           .Q0     (samples[7*n]),
           .Q1     (samples[7*n+1]),
@@ -120,7 +134,7 @@ module ecp5_camera_link_bank #(
         .LogPatience(LogPatience)
       ) u_align (
         .clk_i     (sclk),
-        .rst_i     (!good_q[2]),
+        .rst_i     (!good_q[2] || restart),
         .lanes_i   (samples),
         .tap_load_o(tap_load[k]),
         .tap_move_o(tap_move[k]),
@@ -132,7 +146,7 @@ module ecp5_camera_link_bank #(
       assign locked_o[k] = locked[k] && good_q[2];
     end else begin : gen_unused
       logic unused;
-      assign unused          = ^{lanes_i[5*k+:5], Delays[35*k+:35]};
+      assign unused          = ^lanes_i[5*k+:5];
       assign locked[k]       = 1'b0;
       assign locked_o[k]     = 1'b0;
       assign valid[k]        = 1'b0;

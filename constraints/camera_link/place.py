@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
 """Places and routes the front end for Camera Link alone on an LFE5UM5G-85F, with the deserializer's cells and PLLs.
 
-    place.py [--seeds N] [--keep]    (takes minutes)
+    place.py [NAME...] [--seeds N] [--keep]    (takes minutes)
 
 nextpnr has one edge clock with a divider for each side of the chip that takes LVDS. So each link has a side of its own
 (ecp5_camera_link), or all links share a bank and its edge clock (ecp5_camera_link_bank), as those of Full and 80 bit
 must. These are also placed as they stand behind receiver chips, without cells and PLLs.
 
 It prints what each configuration takes and the clocks that the seeds 1 to N (default: 10) reach. --keep records them in
-results/. Yosys comes from Debian, nextpnr-ecp5 from PyPI; where PyPI is not reached, the exit status is 77. Standard
+results/, in place of what was recorded of these configurations. Yosys comes from Debian, nextpnr-ecp5 from PyPI; where PyPI is not reached, the exit status is 77. Standard
 library only.
 """
 
@@ -25,7 +25,7 @@ ANY_PINS = 'BLOCK RESETPATHS;\nBLOCK ASYNCPATHS;\nFREQUENCY PORT "clk_i" 151.2 M
 # A top with what it needs beside rtl/, its pins and package, and the ports of the camera's clocks
 LINKS = "ecp5_camera_link_pins", ("ecp5_channel_link", "ecp5_camera_link")
 SIDES = (*LINKS, "ecp5_camera_link.lpf", "CABGA554", ("x_pll_clk_i", "y_pll_clk_i", "z_pll_clk_i"))
-ONE_BANK = "ecp5_camera_link_bank_pins", ("ecp5_camera_link_bank",)
+ONE_BANK = "ecp5_camera_link_bank_pins", ("ecp5_camera_link_bank", "../common/ecp5_gearing_start")
 BANK = (*ONE_BANK, "ecp5_camera_link_bank.lpf", "CABGA554", ("pll_clk_i",))
 BOARD = (*ONE_BANK, "evaluation_board.lpf", "CABGA381", ("pll_clk_i",))
 CHIPS = ("sp_camera_link", (), None, "CABGA554", ("x_clk_i", "y_clk_i", "z_clk_i"))
@@ -45,9 +45,11 @@ CONFIGURATIONS = {
 
 
 def main():
-    words = front_ends.options("The front end for Camera Link alone on an ECP5.")
+    words = front_ends.options("The front end for Camera Link alone on an ECP5.", CONFIGURATIONS)
     measured = {}
     for name, ((top, cells, pins, package, clocks), parameters, megahertz) in CONFIGURATIONS.items():
+        if words.names and name not in words.names:
+            continue
         around = [front_ends.PLL, *(HERE / f"{source}.sv" for source in (*cells, top))] if cells else []
         text = front_ends.netlist(top, ["sp_camera_link", "sp_channel_link_lock", "sp_channel_link_align"], around,
                                   parameters, HOME)

@@ -1,6 +1,7 @@
 """Places and routes a front end for cameras alone on an LFE5UM5G-85F, for the place.py of each."""
 
 import argparse
+import json
 import pathlib
 import re
 import sys
@@ -15,9 +16,11 @@ PLL = pathlib.Path(__file__).with_name("ecp5_pll.sv")
 CELLS = {"lut4": "TRELLIS_COMB", "ff": "TRELLIS_FF", "ram": "DP16KD", "gearing": "IOLOGIC", "pll": "EHXPLLL"}
 
 
-def options(description):
+def options(description, configurations):
     """Returns the words of the command line."""
     parser = argparse.ArgumentParser(description=description)
+    parser.add_argument("names", nargs="*", choices=[[], *configurations], metavar="NAME", default=[],
+                        help="configurations, all unless given; their figures take the place of the recorded ones")
     parser.add_argument("--seeds", type=int, default=10, metavar="N")
     parser.add_argument("--keep", action="store_true", help="record the figures in results/")
     return parser.parse_args()
@@ -66,5 +69,7 @@ def measure(name, text, constraints, seeds, camera_side, home, **package):
 def finish(words, record, about, command, measured):
     """Records the figures if --keep says so. Returns the exit status: 1 if a seed has not met a clock."""
     if words.keep:
-        results.write(record, about, command, measured, ROOT / "results")
+        file = ROOT / f"results/{record}.json"
+        kept = json.loads(file.read_text(encoding="utf-8"))["results"] if words.names else {}
+        results.write(record, about, command, kept | measured, ROOT / "results")
     return 0 if all(of["met"] == of["seeds"] for of in measured.values()) else 1

@@ -11,23 +11,25 @@
 //
 // Search: all five lanes stand at the same tap. A tap is good if the clock lane brings the same
 // seven samples 2^LogWindow times in a row, and they are the pattern, turned. All Taps taps are
-// tried from the first one on. Of the longest run of good taps that are turned alike, the middle one
-// is set, and its turn gives the words. So the clock lane is sampled in the middle of its bits, and
-// the data lanes off the middle by what they are early or late against it. If the taps cover less
-// than two bits, that may be less than the middle, but never nearer to an edge than a quarter of
-// what they cover.
+// tried from the first one on. The eye of a bit reaches from the first to the last good tap that are
+// turned alike; a tap between them that is not good, by a disturbance, does not matter. In the
+// middle of the widest eye the tap is set, and its turn gives the words. So the clock lane is
+// sampled in the middle of its bits, and the data lanes off the middle by what they are early or
+// late against it. If the taps cover less than two bits, that may be less than the middle, but never
+// nearer to an edge than a quarter of what they cover. They must cover less than seven.
 //
-// The search begins again where a tap is good for the first time, because the cable may have come
-// after the first taps, and where the clock lane stands still, because then it is out. A cable that
-// is out must give a level that stands, as receivers with a fail-safe do. If noise comes instead and
-// the cable comes back within one search, the tap may be nearer to an edge than it must be.
+// The search starts again at the first tap when a tap is good for the first time, because the cable
+// may have come after the first taps, and when the clock lane has stood still for a word, because
+// then the cable was out. A cable that is out must give a level that stands, as receivers with a
+// fail-safe do. If noise comes instead and the cable goes and comes within one search, the tap may
+// be nearer to an edge than it must be. A reset starts a search, too.
 //
 // Guarantees: the taps and the turn stay as they are while locked_o is high. A word is output only
 // while locked_o is high, only if the clock lane reads 1100011 in it. Any other word ends the lock
-// at once (error_o). Then the search begins if the clock lane has stood still for a word: the cable
-// was out, and the phase may be another one. Otherwise the lock may come again by itself; if it does
-// not come within 2^LogPatience clocks, the search begins. A data lane that is off by more than half
-// a bit gives wrong bits, as in sp_channel_link_lock.
+// at once (error_o). Then the search begins if the clock lane has stood still for a word: the phase
+// may be another one. Otherwise the lock may come again by itself; if it does not come within
+// 2^LogPatience clocks, the search begins. A data lane that is off by more than the clock lane's tap
+// is from an edge gives wrong bits, as in sp_channel_link_lock.
 //
 // Delays: tap_load_o sets tap 0, the least delay, and each fall of tap_move_o adds one tap; both are
 // high for four clocks, and low for at least four before the next. From Settle clocks after its fall
@@ -35,7 +37,8 @@
 //
 // Latency: a word leaves four clocks after its last samples were at the input, or five where it
 // begins with a clock's samples. A search takes Taps * (Settle + 2^LogWindow + 13) clocks, at most
-// 8 * Taps more to set the tap, and Settle + 2^LogGood + 20 to lock.
+// as many before the first good tap, at most 8 * Taps to set the tap, and Settle + 2^LogGood + 20 to
+// lock.
 //
 //   clock       0    1    2    3    4    5    6
 //   lanes_i    <0  ><1  ><2  ><3  ><4  ><5     turned by two: word 1 begins with the last five
@@ -85,16 +88,12 @@ module sp_channel_link_align #(
   localparam logic [2:0] Wait = 3'd1;     // Settle clocks
   localparam logic [2:0] Measure = 3'd2;
   localparam logic [2:0] Note = 3'd3;     // the result at a tap
-  localparam logic [2:0] Compare = 3'd4;  // is its run the longest?
-  localparam logic [2:0] Choose = 3'd5;   // the middle of the longest run
+  localparam logic [2:0] Compare = 3'd4;  // is its eye the widest?
+  localparam logic [2:0] Choose = 3'd5;   // the middle of the widest eye
   localparam logic [2:0] Run = 3'd6;
 
   function automatic logic [6:0] turned(input logic [6:0] samples, input logic [2:0] by);
     turned = 7'({samples, samples} >> by);
-  endfunction
-
-  function automatic logic stands(input logic [6:0] samples);
-    stands = samples == '0 || samples == '1;
   endfunction
 
   // --- The samples, and the words that begin in the clock before ---
@@ -111,7 +110,7 @@ module sp_channel_link_align #(
 
   // --- Search ---
   logic [2:0]             state_q;
-  logic                   alive_q;  // a tap was good, and the clock lane has not stood still since
+  logic                   alive_q;  // a tap was good, so the search has started again
   logic                   final_q;  // on the way to the best tap
   logic                   load_q;   // the pulse loads
   logic [2:0]             pulse_q;
@@ -121,15 +120,14 @@ module sp_channel_link_align #(
   logic                   steady_q;
   logic                   good_q;
   logic [TapBits-1:0]     tap_q, target_q;
-  logic [2:0]             run_turn_q, best_turn_q;
+  logic [2:0]             run_turn_q, best_turn_q;  // of the last eye, and of the widest one
   logic [TapBits-1:0]     run_first_q, best_first_q;
-  logic [RunBits-1:0]     run_q, best_q;  // taps
+  logic [RunBits-1:0]     run_q, best_q;  // taps of it; 0: there is none
   logic [LogPatience-1:0] patience_q;
-  logic                   gone_q;   // the clock lane has stood still since the search
+  logic                   gone_q;   // the clock lane has stood still since the search started
   logic                   is_turned;
   logic [2:0]             turn;     // of clock_q
-  logic                   still;    // clock_q has no edge
-  logic                   joins;    // the tap belongs to the run of the one before
+  logic                   joins;    // the tap is turned as the last good one
   logic [TapBits-1:0]     next_tap;
   logic                   give_up;
 
@@ -144,7 +142,6 @@ module sp_channel_link_align #(
     end
   end
 
-  assign still    = steady_q && stands(clock_q);
   assign joins    = run_q != '0 && turn == run_turn_q;
   assign next_tap = load_q ? '0 : tap_q + 1'b1;
   assign give_up  = !locked_o && (patience_q == '1 || gone_q);
@@ -176,7 +173,6 @@ module sp_channel_link_align #(
           steady_q   <= 1'b1;
           clock_q    <= now_q[34:28];
           patience_q <= '0;
-          gone_q     <= 1'b0;
           if (settle_q == SettleBits'(Settle + 2)) state_q <= final_q ? Run : Measure;
         end
         Measure: begin
@@ -188,10 +184,10 @@ module sp_channel_link_align #(
           good_q  <= steady_q && is_turned;
           state_q <= Compare;
           if (steady_q && is_turned) begin
-            run_q      <= joins ? run_q + 1'b1 : RunBits'(1);
+            run_q      <= joins ? RunBits'(tap_q - run_first_q) + 1'b1 : RunBits'(1);
             run_turn_q <= turn;
             if (!joins) run_first_q <= tap_q;
-          end else run_q <= '0;
+          end
         end
         Compare: begin
           if (run_q > best_q) begin
@@ -200,8 +196,8 @@ module sp_channel_link_align #(
             best_turn_q  <= run_turn_q;
           end
           state_q <= tap_q == LastTap ? Choose : Act;
-          if (still || good_q && !alive_q) begin
-            alive_q <= good_q;
+          if (gone_q || good_q && !alive_q) begin
+            alive_q <= good_q && !gone_q;
             load_q  <= 1'b1;
             run_q   <= '0;
             best_q  <= '0;
@@ -222,11 +218,12 @@ module sp_channel_link_align #(
           final_q    <= 1'b0;
           load_q     <= 1'b1;
           patience_q <= locked_o ? '0 : patience_q + 1'b1;
-          if (stands(now_q[34:28])) gone_q <= 1'b1;
           if (give_up) state_q <= Act;
         end
       endcase
     end
+    if (now_q[34:28] == '0 || now_q[34:28] == '1) gone_q <= 1'b1;
+    else if (state_q == Act && load_q && !final_q) gone_q <= 1'b0;
     tap_load_o <= state_q == Act && pulse_q[2] && load_q && !rst_i;
     tap_move_o <= state_q == Act && pulse_q[2] && !load_q && !rst_i;
   end
@@ -255,6 +252,7 @@ module sp_channel_link_align #(
 
   // The delay, as its pulses move it, and what each tap has shown
   logic [TapBits-1:0]   f_tap_q;
+  logic [TapBits-1:0]   f_first_tap_q, f_last_tap_q;  // of the eye that was chosen
   logic                 f_known_q;  // it has been loaded
   logic                 f_move_q, f_locked_q, f_search_q;
   logic [2:0]           f_turn_q, f_state_q;
@@ -273,6 +271,10 @@ module sp_channel_link_align #(
     if (state_q == Wait) {f_equal_q, f_first_q} <= {{LogWindow + 1{1'b0}}, now_q[34:28]};
     else if (state_q == Measure && now_q[34:28] == f_first_q &&
              f_equal_q == (LogWindow + 1)'(window_q)) f_equal_q <= f_equal_q + 1'b1;
+    if (state_q == Choose) begin
+      f_first_tap_q <= best_first_q;
+      f_last_tap_q  <= best_first_q + TapBits'(best_q - 1'b1);
+    end
     if (state_q == Note) begin
       for (int i = 0; i < Taps; i++) begin
         if (tap_q == TapBits'(i)) begin
@@ -283,10 +285,10 @@ module sp_channel_link_align #(
     end
   end
 
-  // Taps of a run
-  function automatic logic in_run(input logic [TapBits-1:0] first, input logic [RunBits-1:0] taps,
+  // The tap is the first or the last one of an eye.
+  function automatic logic at_end(input logic [TapBits-1:0] first, input logic [RunBits-1:0] taps,
                                   input int tap);
-    in_run = 8'(tap) >= 8'(first) && 8'(tap) < 8'(first) + 8'(taps);
+    at_end = taps != '0 && (8'(tap) == 8'(first) || 8'(tap) + 8'd1 == 8'(first) + 8'(taps));
   endfunction
 
   always_comb if (f_ran_q) begin
@@ -301,16 +303,17 @@ module sp_channel_link_align #(
       assert (!f_move_q);
       assert (f_tap_q == tap_q);
     end
-    // Rule 3: the tap of the words was good, and turned as they are.
+    // Rule 3: the tap of the words is one of an eye, whose first and last tap were good, and turned
+    // as the words are.
+    if (state_q == Run || final_q) assert (target_q >= f_first_tap_q && target_q <= f_last_tap_q);
     for (int i = 0; i < Taps; i++) begin
-      if ((state_q == Run || final_q) && target_q == TapBits'(i))
+      if ((state_q == Run || final_q) && (f_first_tap_q == TapBits'(i) || f_last_tap_q == TapBits'(i)))
         assert (f_good_q[i] && f_turns_q[3*i+:3] == turn_q);
-      // So were all taps of a run; of these the middle one is taken.
-      if (in_run(best_first_q, best_q, i)) assert (f_good_q[i] && f_turns_q[3*i+:3] == best_turn_q);
-      if (in_run(run_first_q, run_q, i)) assert (f_good_q[i] && f_turns_q[3*i+:3] == run_turn_q);
+      if (at_end(best_first_q, best_q, i)) assert (f_good_q[i] && f_turns_q[3*i+:3] == best_turn_q);
+      if (at_end(run_first_q, run_q, i)) assert (f_good_q[i] && f_turns_q[3*i+:3] == run_turn_q);
     end
     if (state_q == Run) assert (tap_q == target_q);
-    // Rule 4: each run is compared with the longest one.
+    // Rule 4: each eye is compared with the widest one.
     if (state_q == Choose) assert (tap_q == LastTap && run_q <= best_q);
 
     // The registers agree with that. Pulses and the delay:
@@ -332,7 +335,7 @@ module sp_channel_link_align #(
       if (state_q == Act && pulse_q >= 3'd5 && !load_q) assert (f_tap_q == tap_q);
       else assert (f_tap_q + TapBits'(tap_move_o || f_move_q) == tap_q);
     end
-    // Runs:
+    // Eyes:
     if (state_q == Act && load_q) assert (run_q == '0 && best_q == '0);
     if (final_q) begin
       assert (state_q == Act || state_q == Wait || state_q == Run);
@@ -342,10 +345,10 @@ module sp_channel_link_align #(
     end
     if (state_q == Run) assert (run_q == '0 && best_q == '0);
     if (state_q == Wait || state_q == Measure || state_q == Note) begin
-      if (run_q != '0) assert (8'(run_first_q) + 8'(run_q) == 8'(tap_q));
+      if (run_q != '0) assert (8'(run_first_q) + 8'(run_q) <= 8'(tap_q));
       if (best_q != '0) assert (8'(best_first_q) + 8'(best_q) <= 8'(tap_q));
     end else begin
-      if (run_q != '0) assert (8'(run_first_q) + 8'(run_q) == 8'(tap_q) + 8'd1);
+      if (run_q != '0) assert (8'(run_first_q) + 8'(run_q) <= 8'(tap_q) + 8'd1);
       if (best_q != '0) assert (8'(best_first_q) + 8'(best_q) <= 8'(tap_q) + 8'd1);
     end
     assert (run_q <= RunBits'(Taps) && best_q <= RunBits'(Taps));

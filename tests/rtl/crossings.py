@@ -58,7 +58,8 @@ TOPS = [
     Top("ecpix5", ("Sensor=1'b1",), ("ecpix5/ecpix5.sv", "ecpix5/ecpix5_system.sv")),
     Top("ecp5_camera_link_pins", ("Taps=10",), ("common/ecp5_pll.sv", *(f"camera_link/ecp5_{name}.sv" for name in (
         "camera_link_pins", "camera_link", "channel_link")))),
-    Top("ecp5_camera_link_bank_pins", (), ("common/ecp5_pll.sv", "camera_link/ecp5_camera_link_bank_pins.sv",
+    Top("ecp5_camera_link_bank_pins", (), ("common/ecp5_pll.sv", "common/ecp5_gearing_start.sv",
+                                           "camera_link/ecp5_camera_link_bank_pins.sv",
                                            "camera_link/ecp5_camera_link_bank.sv")),
     Top("ecp5_lvds_sensor", LVDS, ("lvds_sensor/ecp5_lvds_sensor.sv",)),
     Top("ecp5_lvds_sensor_pll", (), ("common/ecp5_pll.sv", "lvds_sensor/ecp5_lvds_sensor_pll.sv",
