@@ -46,18 +46,26 @@ module ecp5_camera_link #(
 
   for (genvar k = 0; k < 3; k++) begin : gen_link
     if (k < Links) begin : gen_used
-      logic        good, align, unused;
+      logic        good, stop, cells_rst, align, unused;
       logic [2:0]  good_q;
       logic [34:0] samples;
 
       assign good = k == 0 ? x_good_i : k == 1 ? y_good_i : z_good_i;
+
+      ecp5_gearing_start u_start (
+        .clk_i (clk_i),
+        .good_i(good),
+        .stop_o(stop),
+        .rst_o (cells_rst)
+      );
 
       ecp5_channel_link #(
         .Delays(k == 0 ? DelaysX : k == 1 ? DelaysY : DelaysZ)
       ) u_link (
         .lanes_i  (k == 0 ? x_lanes_i : k == 1 ? y_lanes_i : z_lanes_i),
         .eclk_i   (k == 0 ? x_eclk_i : k == 1 ? y_eclk_i : z_eclk_i),
-        .rst_i    (!good),
+        .stop_i   (stop),
+        .rst_i    (cells_rst),
         .align_i  (align),
         .sclk_o   (sclk[k]),
         .samples_o(samples)
@@ -65,8 +73,8 @@ module ecp5_camera_link #(
 
       // It falls with the PLL's lock, whose fall also stops the clock. So training begins anew, and
       // the frame is cut off, when the clock is back.
-      always_ff @(posedge sclk[k] or negedge good) begin
-        if (!good) good_q <= '0;
+      always_ff @(posedge sclk[k] or posedge cells_rst) begin
+        if (cells_rst) good_q <= '0;
         else good_q <= {good_q[1:0], 1'b1};
       end
 

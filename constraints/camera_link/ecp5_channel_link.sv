@@ -18,6 +18,7 @@ module ecp5_channel_link #(
 ) (
   input  wire logic [4:0]  lanes_i,
   input  wire logic        eclk_i,
+  input  wire logic        stop_i,   // both from ecp5_gearing_start
   input  wire logic        rst_i,    // active high, asynchronous: while the PLL is not locked
   input  wire logic        align_i,
   output logic             sclk_o,
@@ -28,7 +29,7 @@ module ecp5_channel_link #(
 
   ECLKSYNCB u_sync (
     .ECLKI(eclk_i),
-    .STOP (1'b0),
+    .STOP (stop_i),
     .ECLKO(eclk)
   );
 

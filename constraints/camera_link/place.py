@@ -25,7 +25,7 @@ ANY_PINS = 'BLOCK RESETPATHS;\nBLOCK ASYNCPATHS;\nFREQUENCY PORT "clk_i" 151.2 M
 # A top with what it needs beside rtl/, its pins and package, and the ports of the camera's clocks
 LINKS = "ecp5_camera_link_pins", ("ecp5_channel_link", "ecp5_camera_link")
 SIDES = (*LINKS, "ecp5_camera_link.lpf", "CABGA554", ("x_pll_clk_i", "y_pll_clk_i", "z_pll_clk_i"))
-ONE_BANK = "ecp5_camera_link_bank_pins", ("ecp5_camera_link_bank", "../common/ecp5_gearing_start")
+ONE_BANK = "ecp5_camera_link_bank_pins", ("ecp5_camera_link_bank",)
 BANK = (*ONE_BANK, "ecp5_camera_link_bank.lpf", "CABGA554", ("pll_clk_i",))
 BOARD = (*ONE_BANK, "evaluation_board.lpf", "CABGA381", ("pll_clk_i",))
 CHIPS = ("sp_camera_link", (), None, "CABGA554", ("x_clk_i", "y_clk_i", "z_clk_i"))
@@ -50,7 +50,7 @@ def main():
     for name, ((top, cells, pins, package, clocks), parameters, megahertz) in CONFIGURATIONS.items():
         if words.names and name not in words.names:
             continue
-        around = [front_ends.PLL, *(HERE / f"{source}.sv" for source in (*cells, top))] if cells else []
+        around = [front_ends.PLL, front_ends.START, *(HERE / f"{source}.sv" for source in (*cells, top))] if cells else []
         text = front_ends.netlist(top, ["sp_camera_link", "sp_channel_link_lock", "sp_channel_link_align"], around,
                                   parameters, HOME)
         constraints = (HERE / pins).read_text(encoding="utf-8") if pins else ANY_PINS

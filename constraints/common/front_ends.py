@@ -13,6 +13,7 @@ import results  # noqa: E402
 from lib import rtl_tree, tools  # noqa: E402
 
 PLL = pathlib.Path(__file__).with_name("ecp5_pll.sv")
+START = PLL.with_name("ecp5_gearing_start.sv")
 CELLS = {"lut4": "TRELLIS_COMB", "ff": "TRELLIS_FF", "ram": "DP16KD", "gearing": "IOLOGIC", "pll": "EHXPLLL"}
 
 

@@ -43,6 +43,7 @@ class Top:
 
 
 LVDS = ("Columns=16", "Burst=16")
+START = "common/ecp5_gearing_start.sv"
 TOPS = [
     Top("sp_board"),
     Top("sp_board", ("MaxColumns=64", "MaxRows=40", "Codes=1'b1", "Verdict=1'b1", "VerdictLogSections=1")),
@@ -56,13 +57,13 @@ TOPS = [
     Top("sp_board_pins", ("MaxColumns=64", "MaxRows=40"), ("common/sp_board_pins.sv",)),
     Top("acorn", (), ("acorn/acorn.sv", "acorn/acorn_system.sv", "acorn/acorn_dma.sv")),
     Top("ecpix5", ("Sensor=1'b1",), ("ecpix5/ecpix5.sv", "ecpix5/ecpix5_system.sv")),
-    Top("ecp5_camera_link_pins", ("Taps=10",), ("common/ecp5_pll.sv", *(f"camera_link/ecp5_{name}.sv" for name in (
-        "camera_link_pins", "camera_link", "channel_link")))),
-    Top("ecp5_camera_link_bank_pins", (), ("common/ecp5_pll.sv", "common/ecp5_gearing_start.sv",
+    Top("ecp5_camera_link_pins", ("Taps=10",), ("common/ecp5_pll.sv", START, *(
+        f"camera_link/ecp5_{name}.sv" for name in ("camera_link_pins", "camera_link", "channel_link")))),
+    Top("ecp5_camera_link_bank_pins", (), ("common/ecp5_pll.sv", START,
                                            "camera_link/ecp5_camera_link_bank_pins.sv",
                                            "camera_link/ecp5_camera_link_bank.sv")),
-    Top("ecp5_lvds_sensor", LVDS, ("lvds_sensor/ecp5_lvds_sensor.sv",)),
-    Top("ecp5_lvds_sensor_pll", (), ("common/ecp5_pll.sv", "lvds_sensor/ecp5_lvds_sensor_pll.sv",
+    Top("ecp5_lvds_sensor", LVDS, (START, "lvds_sensor/ecp5_lvds_sensor.sv")),
+    Top("ecp5_lvds_sensor_pll", (), ("common/ecp5_pll.sv", START, "lvds_sensor/ecp5_lvds_sensor_pll.sv",
                                      "lvds_sensor/ecp5_lvds_sensor.sv")),
 ]
 OUTSIDE = ["selfproj_liteeth", "litepcie_core", "BUFG", "IBUFDS", "MMCME2_ADV", "PLLE2_BASE", "EHXPLLL", "ECLKSYNCB",
