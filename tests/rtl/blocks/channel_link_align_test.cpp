@@ -105,12 +105,8 @@ class AlignBench {
     for (int word = 0; word < 8; ++word) {
       new_word();
     }
-    dut_->rst_i = 1;
     dut_->lanes_i = 0;
-    for (int i = 0; i < 4; ++i) {
-      dut_.tick();
-    }
-    dut_->rst_i = 0;
+    dut_.reset();
   }
 
   Eyes eyes;  // now
