@@ -319,12 +319,20 @@ TEST(ChannelLinkAlign, AWrongWordEndsTheLockButNotTheAlignment) {
         continue;
       }
       const int pulses = bench.pulses();
+      const std::uint64_t from = bench.clock_number();
+      const unsigned wrong = samples ^ bench.clock_lane();
+      const auto turn = static_cast<unsigned>(seed % 7);
+      const bool first = (wrong & ((1U << turn) - 1)) != 0;  // the word that ends in this clock is wrong
+      const bool second = wrong >> turn != 0;                // the next one is
       bench.spoil(samples);
       bench.clocks(kLatency + 1);
       EXPECT_EQ(bench.errors(), ++errors);
       EXPECT_FALSE(bench.locked());
       const int words = bench.words();
       ASSERT_TRUE(bench.lock(20 + kRightWords));
+      // After two wrong words in a row, the lock waits for 15 clocks.
+      EXPECT_EQ(bench.clock_number() - from,
+                static_cast<std::uint64_t>(kLatency + kRightWords + (second ? 1 : 0) + (first && second ? 15 : 0)));
       EXPECT_EQ(bench.words(), words);
       bench.clocks(random.between(5, 40));
       EXPECT_EQ(bench.pulses(), pulses);
