@@ -25,6 +25,7 @@ constexpr int kPatience = 64;
 
 constexpr int kLatency = 5;                      // clocks from the one in which a word begins to the word
 constexpr int kAtATap = kSettle + kWindow + 13;  // clocks
+constexpr int kToGiveUp = 11;                    // clocks from the load of a tap until it is given up, besides
 constexpr int kToLoad = 5;                       // clocks from the end of the patience
 constexpr int kToLock = kSettle + kRightWords + 20;
 constexpr int kSearch = kTaps * kAtATap + 8 * kTaps + kToLock;
@@ -163,7 +164,8 @@ class AlignBench {
   [[nodiscard]] int errors() const { return errors_; }
   [[nodiscard]] int words() const { return words_given_; }
   [[nodiscard]] int pulses() const { return pulses_; }
-  [[nodiscard]] int loads() const { return loads_; }
+  [[nodiscard]] int loads() const { return static_cast<int>(load_clocks_.size()); }
+  [[nodiscard]] const std::vector<std::uint64_t>& load_clocks() const { return load_clocks_; }
   [[nodiscard]] int tap() const { return tap_; }
 
  private:
@@ -226,7 +228,9 @@ class AlignBench {
     if (load || move) {
       ASSERT_TRUE(high_ > 0 || low_ >= 4);
       pulses_ += high_ == 0 ? 1 : 0;
-      loads_ += load && high_ == 0 ? 1 : 0;
+      if (load && high_ == 0) {
+        load_clocks_.push_back(clock_);
+      }
       ++high_;
       low_ = 0;
       loads_now_ = load;
@@ -262,7 +266,7 @@ class AlignBench {
   int low_ = 4;              // clocks since the last one
   bool loads_now_ = false;
   int pulses_ = 0;
-  int loads_ = 0;
+  std::vector<std::uint64_t> load_clocks_;
   int tap_ = 0;      // of the delay
   int shown_ = 0;    // in the samples
   int to_show_ = 0;  // clocks until tap_ is shown
@@ -282,8 +286,15 @@ TEST(ChannelLinkAlign, TheMiddleOfTheEye) {
     while (first < kTaps && bench.eyes[static_cast<std::size_t>(first)].kind != Eye::good) {
       ++first;
     }
-    if (!locks(bench.eyes)) {
+    if (middle < 0) {
       EXPECT_FALSE(bench.lock(3 * kSearch));
+      return;
+    }
+    if (!locks(bench.eyes)) {  // loads of a search: the first tap, once more where one is good, and for the chosen tap
+      EXPECT_FALSE(bench.lock(4 * kSearch));
+      ASSERT_GE(bench.load_clocks().size(), 4U);
+      EXPECT_EQ(bench.load_clocks()[3] - bench.load_clocks()[2],
+                static_cast<std::uint64_t>(8 * middle + kSettle + kPatience + kToGiveUp));
       return;
     }
     ASSERT_TRUE(bench.lock(kSearch + (first + 1) * kAtATap));
