@@ -340,6 +340,8 @@ def filled(text, tables):
     code_free = without_code(text)
     if early := re.search(r"^[ ]*<!-- =", code_free, re.M):  # Markdown takes the line as HTML
         raise ResultsError(f"{line_of(text, early.start())}: a line begins with a figure; put a word before it")
+    if broken := re.search(r"<!--\s*\n\s*=|<!-- =[^>]*\n", code_free):
+        raise ResultsError(f"{line_of(text, broken.start())}: a figure's name goes over the end of the line")
     for opening in re.finditer(r"<!-- (?:table \S+|=\S.*?) -->", code_free):
         if not (BLOCK.match(text, opening.start()) or FIGURE.match(text, opening.start())):
             raise ResultsError(f"{line_of(text, opening.start())}: {opening[0]} without its <!-- end -->")
