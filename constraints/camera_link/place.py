@@ -8,8 +8,8 @@ nextpnr has one edge clock with a divider for each side of the chip that takes L
 must. These are also placed as they stand behind receiver chips, without cells and PLLs.
 
 It prints what each configuration takes and the clocks that the seeds 1 to N (default: 10) reach. --keep records them in
-results/, in place of what was recorded of these configurations. Yosys comes from Debian, nextpnr-ecp5 from PyPI; where PyPI is not reached, the exit status is 77. Standard
-library only.
+results/, in place of what was recorded of these configurations. Yosys comes from Debian, nextpnr-ecp5 from PyPI; where
+PyPI is not reached, the exit status is 77. Standard library only.
 """
 
 import pathlib
@@ -47,9 +47,7 @@ CONFIGURATIONS = {
 def main():
     words = front_ends.options("The front end for Camera Link alone on an ECP5.", CONFIGURATIONS)
     measured = {}
-    for name, ((top, cells, pins, package, clocks), parameters, megahertz) in CONFIGURATIONS.items():
-        if words.names and name not in words.names:
-            continue
+    for name, ((top, cells, pins, package, clocks), parameters, megahertz) in words.configurations.items():
         around = [front_ends.PLL, front_ends.START, *(HERE / f"{source}.sv" for source in (*cells, top))] if cells else []
         text = front_ends.netlist(top, ["sp_camera_link", "sp_channel_link_lock", "sp_channel_link_align"], around,
                                   parameters, HOME)

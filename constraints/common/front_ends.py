@@ -18,13 +18,15 @@ CELLS = {"lut4": "TRELLIS_COMB", "ff": "TRELLIS_FF", "ram": "DP16KD", "gearing":
 
 
 def options(description, configurations):
-    """Returns the words of the command line."""
+    """Returns the words of the command line, and the `configurations` that they name."""
     parser = argparse.ArgumentParser(description=description)
     parser.add_argument("names", nargs="*", choices=[[], *configurations], metavar="NAME", default=[],
                         help="configurations, all unless given; their figures take the place of the recorded ones")
     parser.add_argument("--seeds", type=int, default=10, metavar="N")
     parser.add_argument("--keep", action="store_true", help="record the figures in results/")
-    return parser.parse_args()
+    words = parser.parse_args()
+    words.configurations = {name: configurations[name] for name in words.names or configurations}
+    return words
 
 
 def netlist(top, modules, files, parameters, home):

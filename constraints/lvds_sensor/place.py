@@ -4,8 +4,8 @@
     place.py [NAME...] [--seeds N] [--keep]    (takes minutes)
 
 It prints what each configuration takes and the clocks that the seeds 1 to N (default: 10) reach. --keep records them in
-results/, in place of what was recorded of these configurations. Yosys comes from Debian, nextpnr-ecp5 from PyPI; where PyPI is not reached, the exit status is 77. Standard
-library only.
+results/, in place of what was recorded of these configurations. Yosys comes from Debian, nextpnr-ecp5 from PyPI; where
+PyPI is not reached, the exit status is 77. Standard library only.
 """
 
 import pathlib
@@ -32,9 +32,7 @@ CONFIGURATIONS = {
 def main():
     words = front_ends.options("The front end for serial LVDS sensors alone on an ECP5.", CONFIGURATIONS)
     measured = {}
-    for name, ((top, pins, package, clock), parameters, megabits) in CONFIGURATIONS.items():
-        if words.names and name not in words.names:
-            continue
+    for name, ((top, pins, package, clock), parameters, megabits) in words.configurations.items():
         around = [HERE / f"{top}.sv", *([] if top == BANK[0] else [HERE / f"{BANK[0]}.sv", front_ends.PLL])]
         text = front_ends.netlist(top, ["sp_lvds_sensor", "sp_lvds_gear"], around, parameters, HOME)
         constraints = (HERE / pins).read_text(encoding="utf-8") + f'FREQUENCY PORT "{clock}" {megabits / 2} MHZ;\n'

@@ -75,6 +75,17 @@ inline std::uint32_t link_word(const LinkPins& pins) {
   return word ^ pins.flips;
 }
 
+// A word with any levels.
+inline std::uint32_t random_link_word(Random& random) {
+  const std::uint64_t bits = random.bits();
+  return link_word({.frame = (bits & 1U) != 0,
+                    .line = (bits & 2U) != 0,
+                    .data = (bits & 4U) != 0,
+                    .spare = (bits & 8U) != 0,
+                    .ports = {static_cast<std::uint8_t>(bits >> 8U), static_cast<std::uint8_t>(bits >> 16U),
+                              static_cast<std::uint8_t>(bits >> 24U)}});
+}
+
 constexpr int kLinks = 3;
 
 // Whether taps and bits are those of an 80-bit configuration, which has no data valid.

@@ -112,9 +112,10 @@ concept OneBank = requires(Dut dut) {
   dut.tap_load_o;
 };
 
-// Taps of their delays; together 3.2 ns, as those of an ECP5.
+// Taps of their delays, and what they delay together, as those of an ECP5.
 template <typename Dut>
 constexpr int kDelayTaps = 32;
+inline constexpr int kMostDelay = 3200;  // ps
 
 // The links with their PLLs, and the board.
 template <typename Dut>
@@ -153,7 +154,7 @@ class LvdsBench : public LinkOutputs {
   void disturb() {
     const auto half = static_cast<int>(step_ / 2);
     // The middle of a delay's range lies between two edges that wobble, and may be off by a tap.
-    const int tolerance = OneBank<Dut> ? std::min(half, 3200 / 4) - kTap : half - 1;
+    const int tolerance = OneBank<Dut> ? std::min(half, kMostDelay / 4) - kTap : half - 1;
     const int share = OneBank<Dut> ? 12 : 4;
     const int jitter = random_.between(0, tolerance / share);
     window_ = random_.between(0, tolerance / share);
@@ -251,7 +252,7 @@ class LvdsBench : public LinkOutputs {
  private:
   static constexpr std::int64_t kNever = INT64_MAX;
 
-  static constexpr int kTap = 3200 / kDelayTaps<Dut>;  // ps
+  static constexpr int kTap = kMostDelay / kDelayTaps<Dut>;  // ps
 
   [[nodiscard]] unsigned wanted() const { return (1U << static_cast<unsigned>(used_)) - 1; }
   [[nodiscard]] std::size_t clocks() const { return OneBank<Dut> ? 1 : static_cast<std::size_t>(used_); }

@@ -104,7 +104,7 @@ class AlignBench {
   explicit AlignBench(std::uint64_t seed) : random_(seed) {
     dut_.valid_when({"word_o"}, [this] { return dut_->valid_o != 0; });
     for (int word = 0; word < 8; ++word) {
-      new_word();
+      words_.push_back(random_link_word(random_));
     }
     dut_->lanes_i = 0;
     dut_.reset();
@@ -157,7 +157,6 @@ class AlignBench {
   // All taps bring this, with the words where they are.
   void all(Eye::Kind kind) { eyes.fill({kind, eyes[static_cast<std::size_t>(tap_)].turn}); }
 
-  Random& random() { return random_; }
   [[nodiscard]] std::uint64_t clock_number() const { return clock_; }
   [[nodiscard]] bool locked() const { return locked_; }
   [[nodiscard]] unsigned clock_lane() const { return clock_lane_; }
@@ -169,23 +168,13 @@ class AlignBench {
   [[nodiscard]] int tap() const { return tap_; }
 
  private:
-  void new_word() {
-    const std::uint64_t bits = random_.bits();
-    words_.push_back(link_word({.frame = (bits & 1U) != 0,
-                                .line = (bits & 2U) != 0,
-                                .data = (bits & 4U) != 0,
-                                .spare = (bits & 8U) != 0,
-                                .ports = {static_cast<std::uint8_t>(bits >> 8U), static_cast<std::uint8_t>(bits >> 16U),
-                                          static_cast<std::uint8_t>(bits >> 24U)}}));
-  }
-
-  // Word `first_` of the queue begins `turn` samples after the beginning of this clock's samples.
+  // A word begins `turn` samples after the beginning of this clock's samples.
   void put_samples() {
     if (to_show_ > 0 && --to_show_ == 0) {
       shown_ = tap_;
     }
     const Eye eye = eyes[static_cast<std::size_t>(shown_)];
-    new_word();
+    words_.push_back(random_link_word(random_));
     const std::size_t now = words_.size() - 4;
     std::uint64_t lanes = 0;
     for (int lane = 0; lane < kLanes; ++lane) {
@@ -247,7 +236,7 @@ class AlignBench {
     ASSERT_FALSE((load || move) && dut_->locked_o);
   }
 
-  // A word at the output is the one that began before the samples of kLatency clocks ago.
+  // A word at the output is the one that began kLatency clocks ago.
   void check_word() {
     if (dut_->valid_o) {
       ++words_given_;
@@ -275,7 +264,7 @@ class AlignBench {
   int words_given_ = 0;
 };
 
-// Any eye: the middle of the longest run is found in the time that the header names, and every word follows.
+// Any eyes: the middle of the widest one is found in the time that the header names, and every word follows.
 TEST(ChannelLinkAlign, TheMiddleOfTheEye) {
   std::array<int, 7> turns{};
   for_cases(200, [&](Random& random, std::uint64_t seed) {

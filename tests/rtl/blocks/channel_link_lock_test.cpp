@@ -32,7 +32,7 @@ class LockBench {
       : random_(seed), samples_(samples), at_(static_cast<std::int64_t>(seed % 14)) {
     dut_.valid_when({"word_o"}, [this] { return dut_->valid_o != 0; });
     for (std::size_t word = 0; word < 4; ++word) {
-      words_.push_back(random_word());
+      words_.push_back(random_link_word(random_));
     }
     dut_->rst_i = 1;
     put_samples();
@@ -110,22 +110,12 @@ class LockBench {
   void set_delay(int clocks) { delay_ = clocks; }
 
  private:
-  std::uint32_t random_word() {
-    const std::uint64_t bits = random_.bits();
-    return link_word({.frame = (bits & 1U) != 0,
-                      .line = (bits & 2U) != 0,
-                      .data = (bits & 4U) != 0,
-                      .spare = (bits & 8U) != 0,
-                      .ports = {static_cast<std::uint8_t>(bits >> 8U), static_cast<std::uint8_t>(bits >> 16U),
-                                static_cast<std::uint8_t>(bits >> 24U)}});
-  }
-
   // Sample `at` of a lane.
   bool sample(int lane, std::int64_t at) {
     const int per_word = kBitsOfLane * samples_;
     at += per_word - shift_[static_cast<std::size_t>(lane)];
     while (at >= static_cast<std::int64_t>(words_.size()) * per_word) {
-      words_.push_back(random_word());
+      words_.push_back(random_link_word(random_));
     }
     const auto word = static_cast<std::size_t>(at / per_word);
     return lane_bit(words_[word], lane, static_cast<int>(at % per_word) / samples_);
