@@ -25,6 +25,7 @@ import chromium
 PROGRAMS = MAKE_PARTS = None
 REQUEST = struct.pack(">HHHBBHH", 1, 0, 6, 1, 4, 0, 21)
 ANSWER = 9 + 2 * 21
+NO_WAIT = 4  # seconds: below what a server gives a client that makes no progress. How far below is the machine's matter
 
 
 def connect(port, host="127.0.0.1"):
@@ -122,10 +123,11 @@ class HostileClients(unittest.TestCase):
         self.addCleanup(thread.join)
         self.addCleanup(end.set)
 
-    def within(self, seconds, work):
+    def without_waiting(self, work):
+        """For a client that makes no progress."""
         begin = time.monotonic()
         result = work()
-        self.assertLess(time.monotonic() - begin, seconds)
+        self.assertLess(time.monotonic() - begin, NO_WAIT)
         return result
 
     def first(self, port):
@@ -157,16 +159,16 @@ class HostileClients(unittest.TestCase):
         for client in watching:
             client.sendall(b"GET /stream HTTP/1.1\r\nHost: localhost\r\n\r\n")  # and reads nothing
         for _ in range(3):
-            answer = self.within(1, lambda: get(page))
+            answer = self.without_waiting(lambda: get(page))
             self.assertTrue(answer.startswith(b"HTTP/1.1 200 "), answer[:100])
-            self.assertEqual(self.within(1, ask)[7:9], b"\x04\x2a")
+            self.assertEqual(self.without_waiting(ask)[7:9], b"\x04\x2a")
             for at in (7, 3):  # head and body 25 ms apart, as sockets with Nagle's algorithm send them
                 controller.sendall(REQUEST[:at])
                 time.sleep(0.025)
                 controller.sendall(REQUEST[at:])
-                self.assertEqual(self.within(1, lambda: receive(controller, ANSWER))[7:9], b"\x04\x2a")
+                self.assertEqual(self.without_waiting(lambda: receive(controller, ANSWER))[7:9], b"\x04\x2a")
         self.assertTrue(get(page, host="127.evil.example").startswith(b"HTTP/1.1 403 "))
-        self.assertLess(line.end(signal.SIGTERM), 2)
+        self.assertLess(line.end(signal.SIGTERM), NO_WAIT)
         self.assertIn(line.host.returncode, (0, -signal.SIGTERM))
         for client in silent + watching:
             client.close()
@@ -183,7 +185,7 @@ class HostileClients(unittest.TestCase):
         for port in ports:
             self.assertIn(b" 200 ", get(port, "/part", "any", f"Cookie: {'; '.join(cookies)}\r\n")[:20])
             self.assertIn(b" 403 ", get(port, "/part", "any")[:20])
-        self.assertLess(max(line.end() for line in lines), 2)
+        self.assertLess(max(line.end() for line in lines), NO_WAIT)
 
     def test_names_and_ipv6(self):
         port = chromium.free_port()
