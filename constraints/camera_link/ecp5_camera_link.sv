@@ -15,7 +15,11 @@ module ecp5_camera_link #(
   parameter logic [34:0] DelaysX = '0,  // see ecp5_channel_link
   parameter logic [34:0] DelaysY = '0,
   parameter logic [34:0] DelaysZ = '0,
-  parameter int Columns = 0  // of a line, with 8 or 10 taps, see sp_camera_link
+  // As in sp_camera_link
+  parameter bit DataValid = 1'b1,
+  parameter int Columns = 0,  // of a line, with 8 or 10 taps
+  parameter int LogWords = 9,  // with 8 or 10 taps
+  parameter int LogDepth = Taps >= 4 ? 5 : 4
 ) (
   input  wire logic [4:0]  x_lanes_i,   // data 0 to 3, clock
   input  wire logic        x_eclk_i,    // 3.5 or 7 times the camera's clock
@@ -105,9 +109,12 @@ module ecp5_camera_link #(
   end
 
   sp_camera_link #(
-    .Taps   (Taps),
-    .Bits   (Bits),
-    .Columns(Columns)
+    .Taps     (Taps),
+    .Bits     (Bits),
+    .DataValid(DataValid),
+    .Columns  (Columns),
+    .LogWords (LogWords),
+    .LogDepth (LogDepth)
   ) u_front (
     .x_clk_i   (sclk[0]),
     .x_locked_i(locked[0]),

@@ -18,7 +18,10 @@ module ecp5_camera_link_bank #(
   // As in sp_camera_link
   parameter int Taps = 8,  // 1..3 (Base), 4 (Medium), 8 (Full) or 10 (80 bit)
   parameter int Bits = 8,  // 8; with 1 or 2 taps also 10 or 12, with 8 taps also 10
+  parameter bit DataValid = 1'b1,
   parameter int Columns = 0,  // of a line, with 8 or 10 taps
+  parameter int LogWords = 9,  // with 8 or 10 taps
+  parameter int LogDepth = Taps >= 4 ? 5 : 4,
   // As in sp_channel_link_align
   parameter int DelayTaps = 128,
   parameter int Settle = 16,
@@ -157,9 +160,12 @@ module ecp5_camera_link_bank #(
   end
 
   sp_camera_link #(
-    .Taps   (Taps),
-    .Bits   (Bits),
-    .Columns(Columns)
+    .Taps     (Taps),
+    .Bits     (Bits),
+    .DataValid(DataValid),
+    .Columns  (Columns),
+    .LogWords (LogWords),
+    .LogDepth (LogDepth)
   ) u_front (
     .x_clk_i   (sclk),
     .x_locked_i(locked[0]),

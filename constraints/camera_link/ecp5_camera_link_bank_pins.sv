@@ -7,7 +7,10 @@
 module ecp5_camera_link_bank_pins #(
   parameter int Taps = 8,  // 1..4, 8 or 10
   parameter int Bits = 8,  // 8; with 1 or 2 taps also 10 or 12, with 8 taps also 10
-  parameter int Columns = 0,  // of a line, with 8 or 10 taps
+  parameter bit DataValid = 1'b1,  // these as in sp_camera_link
+  parameter int Columns = 0,
+  parameter int LogWords = 9,
+  parameter int LogDepth = Taps >= 4 ? 5 : 4,
   parameter int Divider = 7  // 7 or 14
 ) (
   input  wire logic [14:0] lanes_i,    // X's data 0 to 3 and clock, Y's, Z's; those without a link are ignored
@@ -42,9 +45,12 @@ module ecp5_camera_link_bank_pins #(
   );
 
   ecp5_camera_link_bank #(
-    .Taps   (Taps),
-    .Bits   (Bits),
-    .Columns(Columns)
+    .Taps     (Taps),
+    .Bits     (Bits),
+    .DataValid(DataValid),
+    .Columns  (Columns),
+    .LogWords (LogWords),
+    .LogDepth (LogDepth)
   ) u_link (
     .lanes_i   (lanes_i),
     .eclk_i    (eclk),

@@ -4,14 +4,23 @@
 // Divider = 7 the camera has 58 to 108 MHz (only with Samples = 1), with 14 it has 29 to 57 MHz.
 // The samples are half a bit behind the edges of the clock lane with Samples = 1, and a quarter and
 // three quarters with 2, if all delays on the chip are equal; Phase corrects what they are not.
+//
+// nextpnr places one or two links. It cannot place three with a clock each (../README.md#camera-link).
 `default_nettype none
 
 module ecp5_camera_link_pins #(
   parameter int Taps = 3,  // 1..4, 8 or 10
+  parameter int Bits = 8,  // as in ecp5_camera_link, as all below but Divider and Phase
   parameter int Samples = 1,  // 1 or 2
   parameter int Divider = 7,  // 7 or 14; with two samples 14
   parameter int Phase = 8 * Divider / (14 * Samples),  // of the samples, in eighths of its period
-  parameter int Columns = 0  // of a line, with 8 or 10 taps
+  parameter logic [34:0] DelaysX = '0,
+  parameter logic [34:0] DelaysY = '0,
+  parameter logic [34:0] DelaysZ = '0,
+  parameter bit DataValid = 1'b1,
+  parameter int Columns = 0,
+  parameter int LogWords = 9,
+  parameter int LogDepth = Taps >= 4 ? 5 : 4
 ) (
   input  wire logic [4:0]  x_lanes_i,   // data 0 to 3, clock
   input  wire logic        x_pll_clk_i,  // the clock lane once more
@@ -63,9 +72,16 @@ module ecp5_camera_link_pins #(
   end
 
   ecp5_camera_link #(
-    .Taps   (Taps),
-    .Samples(Samples),
-    .Columns(Columns)
+    .Taps     (Taps),
+    .Bits     (Bits),
+    .Samples  (Samples),
+    .DelaysX  (DelaysX),
+    .DelaysY  (DelaysY),
+    .DelaysZ  (DelaysZ),
+    .DataValid(DataValid),
+    .Columns  (Columns),
+    .LogWords (LogWords),
+    .LogDepth (LogDepth)
   ) u_link (
     .x_lanes_i(x_lanes_i),
     .x_eclk_i (eclk[0]),

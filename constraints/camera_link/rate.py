@@ -12,7 +12,8 @@ sp_wide_beats:
     at the end of a frame   R n - (B / F) (R (n + G) - G) / (C / 4) n
 
 Neither may be more than the 2^L words of the FIFO less four that are on their way, or the frame may be cut off, which
-is counted. The exit status is then 1.
+is counted. The exit status is then 1, and the smallest L with room is told. B is the clock that your board's design
+has, which need not be the default.
 Nothing is left from line to line with G of (C / 4) F / B - n or more. No more frames come in a second than
 F / (R (n + G)) by the camera's words, and B / (R C / 4) by the board's beats, before what the camera needs between two
 frames. Standard library only.
@@ -52,11 +53,12 @@ def main():
     ratio = at.board_mhz / at.camera_mhz
     of_line, of_frame = waiting(at.taps, ratio, at.columns, at.rows, at.gap)
     room = (1 << at.log_words) - ON_THEIR_WAY
-    fits = max(of_line, of_frame) <= room
+    wanted = max(math.ceil(math.log2(max(of_line, of_frame) + ON_THEIR_WAY)), 1)
+    fits = wanted <= at.log_words
     enough = max(math.ceil(at.columns / 4 / ratio - words), 1)
     print(f"a line: {words} words, and {at.gap} between two; from {enough} on nothing is left from line to line")
     print(f"words that wait: {math.ceil(of_line)} of one line, {math.ceil(of_frame)} at the end of a frame; room for "
-          f"{room}{'' if fits else ': TOO FEW, frames are cut off'}")
+          f"{room}{'' if fits else f': TOO FEW, frames are cut off; LogWords={wanted} has room'}")
     print(f"frames a second: {at.camera_mhz * 1e6 / (at.rows * (words + at.gap)):,.0f} by the camera's words, "
           f"{at.board_mhz * 1e6 / (at.rows * at.columns / 4):,.0f} by the board's beats")
     return 0 if fits else 1

@@ -6,7 +6,7 @@
 // eclk_i is the sensor's clock line, half of the bit rate: 240 MHz for 480 Mbit/s. Each of its edges
 // takes a sample. IDDRX2F gives four samples in a clock of half of that, sp_lvds_gear makes words of
 // them. Where the edges lie in the bits is found by training: DELAYF has 128 taps of about 25 ps
-// (Lattice's simulation model of it), 3.2 ns together, more than a bit from 400 Mbit/s on. DIRECTION is
+// (Lattice's simulation model of it), 3.2 ns together, a bit or more from 320 Mbit/s on. DIRECTION is
 // low for more delay, a fall of MOVE changes it (the same model). A lane that is slower than that needs
 // a PLL with a phase of its own for eclk_i.
 //

@@ -4,12 +4,25 @@
 `default_nettype none
 
 module ecp5_lvds_sensor_pll #(
-  parameter int Lanes = 4,  // all as in ecp5_lvds_sensor
-  parameter int Bits = 10,
+  // All but Divider as in sp_lvds_sensor
+  parameter int Lanes = 4,  // data lanes: 1, 2, 4, 8 or 16
+  parameter int Bits = 10,  // of a word: 10 or 12; with Codes 8 or 10
   parameter bit Codes = 1'b1,
+  parameter bit MsbFirst = Codes,
+  parameter int Columns = 128,  // of a lane: 1..4096, a multiple of Lanes
+  parameter int Burst = 128,  // words with data valid in a row: 1..4096; Columns is a multiple of it
   parameter bit Checked = 1'b0,
-  parameter int LogPatience = 13,
-  parameter int LogDepth = 9,
+  parameter bit CheckSeed = 1'b0,
+  parameter logic [11:0] Training = !Codes ? 12'h055 : Bits == 8 ? 12'h0E9 : 12'h3A6,
+  parameter logic [11:0] ControlIdle = Codes ? Training : 12'h200,
+  parameter logic [9:0] FrameEnd = 10'h32A,
+  parameter logic [11:0] FixedMask = 12'h300,
+  parameter logic [11:0] IdleMask = Codes ? 12'hFFF : FixedMask | 12'h007,
+  parameter int Taps = 128,  // of a lane's delay: 1..128
+  parameter int Settle = 16,  // words until a new tap shows: 1..255
+  parameter int LogWindow = 5,  // 2..10
+  parameter int LogPatience = 13,  // 6..20
+  parameter int LogDepth = 9,  // 1..15
   parameter int Divider = 2  // sensor's clock x Divider must be 400 to 800 MHz
 ) (
   input  wire logic [Lanes:0]  lanes_i,
@@ -44,7 +57,19 @@ module ecp5_lvds_sensor_pll #(
     .Lanes      (Lanes),
     .Bits       (Bits),
     .Codes      (Codes),
+    .MsbFirst   (MsbFirst),
+    .Columns    (Columns),
+    .Burst      (Burst),
     .Checked    (Checked),
+    .CheckSeed  (CheckSeed),
+    .Training   (Training),
+    .ControlIdle(ControlIdle),
+    .FrameEnd   (FrameEnd),
+    .FixedMask  (FixedMask),
+    .IdleMask   (IdleMask),
+    .Taps       (Taps),
+    .Settle     (Settle),
+    .LogWindow  (LogWindow),
     .LogPatience(LogPatience),
     .LogDepth   (LogDepth)
   ) u_front (

@@ -22,6 +22,9 @@
 // Loss of lock: a link that is not locked brings no words. The current frame is cut off and never
 // continues, so that the frame tracker of sp_board counts it and marks it as broken. lost_o is high
 // for one clock. Output continues with the first frame that begins after the link has locked again.
+// If a link's clock stood still, a beat from before may wait behind its last word. The first frame
+// after that may then begin with this beat beside newer ones of the other links; it is cut off, and
+// apart_o tells it.
 //
 // Medium, Full, 80 bit: the delays of the links may differ by up to 15 clocks of the board, and by
 // no more than the FIFOs hold. The phases of their clocks may differ. If not all of the links bring
