@@ -53,15 +53,22 @@ module ecp5_lvds_sensor #(
   output logic      [15:0]     damaged_o
 );
 
-  logic                      eclk, sclk, valid, tap_up;
+  logic                      eclk, sclk, stop, cells_rst, valid, tap_up;
   logic [2:0]                good_q;
   logic [4*(Lanes+1)-1:0]    samples;
   logic [Bits*(Lanes+1)-1:0] words;
   logic [Lanes:0]            tap_load, tap_move;
 
+  ecp5_gearing_start u_start (
+    .clk_i (clk_i),
+    .good_i(good_i),
+    .stop_o(stop),
+    .rst_o (cells_rst)
+  );
+
   ECLKSYNCB u_sync (
     .ECLKI(eclk_i),
-    .STOP (1'b0),
+    .STOP (stop),
     .ECLKO(eclk)
   );
 
@@ -69,13 +76,13 @@ module ecp5_lvds_sensor #(
     .DIV("2.0")
   ) u_divider (
     .CLKI   (eclk),
-    .RST    (!good_i),
+    .RST    (cells_rst),
     .ALIGNWD(1'b0),
     .CDIVX  (sclk)
   );
 
-  always_ff @(posedge sclk or negedge good_i) begin
-    if (!good_i) good_q <= '0;
+  always_ff @(posedge sclk or posedge cells_rst) begin
+    if (cells_rst) good_q <= '0;
     else good_q <= {good_q[1:0], 1'b1};
   end
 
@@ -98,7 +105,7 @@ module ecp5_lvds_sensor #(
       .D      (delayed),
       .SCLK   (sclk),
       .ECLK   (eclk),
-      .RST    (!good_i),
+      .RST    (cells_rst),
       .ALIGNWD(1'b0),
       .Q0     (samples[4*n]),
       .Q1     (samples[4*n+1]),

@@ -33,7 +33,8 @@ def main():
     words = front_ends.options("The front end for serial LVDS sensors alone on an ECP5.", CONFIGURATIONS)
     measured = {}
     for name, ((top, pins, package, clock), parameters, megabits) in words.configurations.items():
-        around = [HERE / f"{top}.sv", *([] if top == BANK[0] else [HERE / f"{BANK[0]}.sv", front_ends.PLL])]
+        around = [HERE / f"{top}.sv", front_ends.START,
+                  *([] if top == BANK[0] else [HERE / f"{BANK[0]}.sv", front_ends.PLL])]
         text = front_ends.netlist(top, ["sp_lvds_sensor", "sp_lvds_gear"], around, parameters, HOME)
         constraints = (HERE / pins).read_text(encoding="utf-8") + f'FREQUENCY PORT "{clock}" {megabits / 2} MHZ;\n'
         measured[name] = {"megabits": megabits, **front_ends.measure(f"{name}, {megabits} Mbit/s", text, constraints,

@@ -29,25 +29,24 @@ module sp_lvds_lane #(
     bits_is_not_8_10_or_12 u_error ();
   end
 
-  logic [Bits-1:0]   before_q, cut_q, cut_q2, chosen;
+  logic [Bits-1:0]   before_q, cut_q, word_q;
   logic [2*Bits-1:0] shifted;
   logic              unused;
 
   assign shifted = {lane_i, before_q} >> slip_i;
   assign unused  = ^shifted[2*Bits-1:Bits];
-  assign chosen  = newer_i ? cut_q : cut_q2;
 
   always_ff @(posedge clk_i) begin
     if (en_i) begin
       before_q <= lane_i;
       cut_q    <= shifted[Bits-1:0];
-      cut_q2   <= cut_q;
+      word_q   <= newer_i ? shifted[Bits-1:0] : cut_q;
     end
   end
 
-  // cut_q was written with the last word: word_o shows it now, and stays until the next one.
+  // word_q was written with the last word: word_o shows it now, and stays until the next one.
   for (genvar i = 0; i < Bits; i++) begin : gen_bit
-    assign word_o[i] = MsbFirst ? chosen[Bits-1-i] : chosen[i];
+    assign word_o[i] = MsbFirst ? word_q[Bits-1-i] : word_q[i];
   end
 
 endmodule

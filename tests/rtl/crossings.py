@@ -62,8 +62,8 @@ TOPS = [
     Top("ecp5_camera_link_bank_pins", (), ("common/ecp5_pll.sv", START,
                                            "camera_link/ecp5_camera_link_bank_pins.sv",
                                            "camera_link/ecp5_camera_link_bank.sv")),
-    Top("ecp5_lvds_sensor", LVDS, ("lvds_sensor/ecp5_lvds_sensor.sv",)),
-    Top("ecp5_lvds_sensor_pll", (), ("common/ecp5_pll.sv", "lvds_sensor/ecp5_lvds_sensor_pll.sv",
+    Top("ecp5_lvds_sensor", LVDS, (START, "lvds_sensor/ecp5_lvds_sensor.sv")),
+    Top("ecp5_lvds_sensor_pll", (), ("common/ecp5_pll.sv", START, "lvds_sensor/ecp5_lvds_sensor_pll.sv",
                                      "lvds_sensor/ecp5_lvds_sensor.sv")),
 ]
 OUTSIDE = ["selfproj_liteeth", "litepcie_core", "BUFG", "IBUFDS", "MMCME2_ADV", "PLLE2_BASE", "EHXPLLL", "ECLKSYNCB",
