@@ -39,6 +39,9 @@ TEST(Packet, RoundTrip) {
         }
         for (const std::uint32_t status : {std::uint32_t{0}, spec::kStatusLongLine | spec::kStatusIncomplete}) {
           model::PacketHeader header = header_of(kind, mode, columns);
+          if (kind == spec::kKindCodes || kind == spec::kKindImage) {
+            header.lines = 3;  // each is filled up to whole beats
+          }
           const Bytes payload = Random(static_cast<std::uint64_t>(columns)).bytes(payload_bytes_of(header));
           Bytes bytes(5, 0xAB);  // a packet may begin at any address
           model::append_packet(header, payload, status, bytes);
@@ -223,6 +226,8 @@ TEST(Packet, NamesWhatIsWrong) {
   EXPECT_EQ(verdict(forged(image, spec::kHeaderFirstLine, 2, 97)), model::PacketError::geometry);
   EXPECT_EQ(verdict(forged(image, spec::kHeaderLines, 2, 0)), model::PacketError::geometry);
   EXPECT_EQ(verdict(forged(image, spec::kHeaderLines, 2, 2)), model::PacketError::size);
+  EXPECT_EQ(verdict(forged(image, spec::kHeaderLines, 2, 90)), model::PacketError::size);  // lines 7 to 96 of 96
+  EXPECT_EQ(verdict(forged(image, spec::kHeaderLines, 2, 91)), model::PacketError::geometry);
   EXPECT_EQ(verdict(forged(image, spec::kHeaderLines, 2, 65535)), model::PacketError::geometry);
   const std::uint64_t right = moments.size() - spec::kHeaderBytes - spec::kTrailerBytes;
   for (const std::uint64_t size : {right - 16, right + 16, right + 1, std::uint64_t{1}, std::uint64_t{16},

@@ -48,9 +48,9 @@ inline std::size_t payload_bytes_of(const model::PacketHeader& header) {
     case spec::kKindVerdict:
       return model::frame_payload_bytes(header);
     case spec::kKindCodes:
-      return model::codes_line_payload_bytes(header.columns);
+      return header.lines * model::codes_line_payload_bytes(header.columns);
     default:
-      return model::image_line_payload_bytes(header.columns);
+      return header.lines * model::image_line_payload_bytes(header.columns);
   }
 }
 

@@ -89,53 +89,82 @@ auto all_of(const model::BoardSettings& settings) {
                     part_rule, codes, median, code_bits, code_threshold, timeout);
 }
 
+constexpr model::BoardBuild kEverything{.codes = true,
+                                        .median = true,
+                                        .runs = true,
+                                        .region = true,
+                                        .compact = true,
+                                        .verdict_log_sections = 2,
+                                        .code_bits = 12};
+
+// Each differs from what it is after a reset.
+model::BoardSettings every_setting() {
+  return {.run = false,
+          .hold = true,
+          .image = true,
+          .columns = 64,
+          .rows = 50,
+          .mode = model::Mode::grey_over,
+          .threshold = 77,
+          .select = model::Select::strongest,
+          .gap = 3,
+          .window = {.first = 5, .last = 40},
+          .stream = 9,
+          .region_row = 11,
+          .region_column = 21,
+          .compact = true,
+          .verdict = true,
+          .verdict_packets = 2,
+          .verdict_hold = true,
+          .verdict_settings = {.width = 16,
+                               .history = 7,
+                               .hits = 5,
+                               .above = false,
+                               .most_unlit = 77,
+                               .shift_columns = -12,
+                               .shift_rows = 40,
+                               .bank = 1},
+          .part_rule = {.by_encoder = true, .lit = 30, .dark_frames = 2, .start = 1234, .length = 2000, .pitch = 3000},
+          .codes = true,
+          .median = true,
+          .code_bits = 7,
+          .code_threshold = 13,
+          .timeout = 5000};
+}
+
 TEST(Control, EverySettingReachesTheBoard) {
-  model::RegisterFile board({.codes = true,
-                             .median = true,
-                             .runs = true,
-                             .region = true,
-                             .compact = true,
-                             .verdict_log_sections = 2,
-                             .code_bits = 12});
+  model::RegisterFile board(kEverything);
   driver::Control control(port_of(board));
   const model::BoardSettings reset = board.settings();
   control.set_ejector(100, 20);
-  const model::BoardSettings settings{
-      .run = false,
-      .hold = true,
-      .image = true,
-      .columns = 64,
-      .rows = 50,
-      .mode = model::Mode::grey_over,
-      .threshold = 77,
-      .select = model::Select::strongest,
-      .gap = 3,
-      .window = {.first = 5, .last = 40},
-      .stream = 9,
-      .region_row = 11,
-      .region_column = 21,
-      .compact = true,
-      .verdict = true,
-      .verdict_packets = 2,
-      .verdict_hold = true,
-      .verdict_settings = {.width = 16,
-                           .history = 7,
-                           .hits = 5,
-                           .above = false,
-                           .most_unlit = 77,
-                           .shift_columns = -12,
-                           .shift_rows = 40,
-                           .bank = 1},
-      .part_rule = {.by_encoder = true, .lit = 30, .dark_frames = 2, .start = 1234, .length = 2000, .pitch = 3000},
-      .codes = true,
-      .median = true,
-      .code_bits = 7,
-      .code_threshold = 13,
-      .timeout = 5000};
-  control.set(settings);
-  EXPECT_EQ(all_of(board.settings()), all_of(settings));
+  control.set(every_setting());
+  EXPECT_EQ(all_of(board.settings()), all_of(every_setting()));
   control.set(reset);
   EXPECT_EQ(all_of(board.settings()), all_of(reset));
+}
+
+// The writes that vectors and co-simulations have, which leave out what the board has already: also where they switch
+// a part off.
+TEST(Control, WritesFromOneSetOfSettingsToTheNext) {
+  model::RegisterFile board(kEverything);
+  const model::BoardSettings reset = board.settings();
+  driver::Control(port_of(board)).set_ejector(100, 20);
+  model::BoardSettings before = reset;
+  for (const model::BoardSettings& settings : {every_setting(), reset, every_setting()}) {
+    for (const auto& [address, data] : model::setting_writes(settings, before, true)) {
+      EXPECT_FALSE(board.write(address, data).error) << address;
+    }
+    EXPECT_EQ(all_of(board.settings()), all_of(settings));
+    before = settings;
+  }
+}
+
+// The upper half is held when the lower one is read.
+TEST(Control, TheTimeOfTheBoard) {
+  constexpr std::uint64_t kTime = 0x123456789ABC;
+  model::RegisterFile board;
+  driver::Control control(port_of(board, {.time = kTime}));
+  EXPECT_EQ(control.state().time, kTime);
 }
 
 TEST(Control, LimitsReachTheVerdict) {

@@ -109,6 +109,29 @@ TEST(FileDevice, Pipe) {
   }
 }
 
+// With a time-out of nothing, next() looks once.
+TEST(FileDevice, PipeWithoutWaiting) {
+  const ScratchFolder folder;
+  const std::string pipe = folder / "pipe";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  const auto device = driver::open_device("file:" + pipe);
+  const int descriptor = open(pipe.c_str(), O_WRONLY);
+  model::PacketView packet;
+  EXPECT_EQ(device->next(packet, nanoseconds(0)), driver::Next::timeout);
+  for (std::uint64_t first = 0; first < 100; first += 2) {
+    const Bytes stream = moments_stream(first, 2);
+    ASSERT_EQ(write(descriptor, stream.data(), stream.size()), static_cast<ssize_t>(stream.size()));
+    for (std::uint64_t i = first; i < first + 2; ++i) {
+      ASSERT_EQ(device->next(packet, nanoseconds(0)), driver::Next::packet);
+      EXPECT_EQ(packet.header.sequence, i);
+      device->release();
+    }
+    EXPECT_EQ(device->next(packet, nanoseconds(0)), driver::Next::timeout);
+  }
+  close(descriptor);
+  EXPECT_EQ(device->next(packet, nanoseconds(0)), driver::Next::end);
+}
+
 TEST(FileDevice, TenThousandStartsInTheMiddle) {
   // A pipe whose reader comes and goes: the bytes in it then begin anywhere.
   const Bytes stream = moments_stream(0, 40);

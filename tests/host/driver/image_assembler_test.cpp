@@ -71,6 +71,30 @@ TEST(ImageAssembler, Codes) {
   }
 }
 
+// Each line in a packet is filled up to whole beats.
+TEST(ImageAssembler, SeveralLinesInAPacket) {
+  for (const std::uint8_t kind : {spec::kKindImage, spec::kKindCodes}) {
+    driver::ImageAssembler assembler(kind, 0);
+    const auto lines = frame(kind, 1);
+    Line all = lines.front();
+    for (std::size_t i = 1; i < lines.size(); ++i) {
+      append(all.payload, lines[i].payload);
+    }
+    all.header.lines = kRows;
+    all.header.payload_size = static_cast<std::uint32_t>(all.payload.size());
+    ASSERT_TRUE(assembler.add(all.view()));
+    for (std::size_t i = 0; i < std::size_t{kRows} * kColumns; ++i) {
+      const Bytes& payload = lines[i / kColumns].payload;
+      const std::size_t at = i % kColumns;
+      if (kind == spec::kKindImage) {
+        ASSERT_EQ(assembler.pixels()[i], payload[at]) << i;
+      } else {
+        ASSERT_EQ(assembler.codes()[i], payload[2 * at] + 256 * payload[2 * at + 1]) << i;
+      }
+    }
+  }
+}
+
 TEST(ImageAssembler, AnyMissingLine) {
   for (std::size_t missing = 0; missing < kRows; ++missing) {
     driver::ImageAssembler assembler(spec::kKindImage, 0);

@@ -101,6 +101,18 @@ TEST_F(Ring, BoardRestarted) {
   EXPECT_EQ(info().boards, 2U);
 }
 
+// What a reader has read before the ring was removed is not lost; the rest is, because nobody can read it any more.
+TEST_F(Ring, RemovedWithoutAReader) {
+  driver::RingWriter writer(name_, kSlots);
+  write(writer, 0, 7);
+  EXPECT_EQ(read(*open_ring()), range(0, 6));
+  write(writer, 7, 3);
+  ASSERT_TRUE(driver::remove_ring(name_));
+  EXPECT_TRUE(writer.renew_if_removed());
+  EXPECT_EQ(writer.lost(), 3U);
+  EXPECT_EQ(open_ring()->counters().lost_ring, 3U);
+}
+
 TEST_F(Ring, EndWhenTheBoardHasGone) {
   auto writer = std::make_unique<driver::RingWriter>(name_, kSlots);
   const auto device = open_ring();
@@ -253,11 +265,12 @@ TEST_F(Ring, LongRemovedAndNotMadeAgain) {
 
 TEST_F(Ring, DiscardBacklog) {
   driver::RingWriter writer(name_, kSlots);
-  write(writer, 0, 5);
+  write(writer, 0, kSlots + 5);
   const auto device = open_ring({.discard_backlog = true});
   EXPECT_TRUE(read(*device).empty());
-  write(writer, 5, 1);
-  EXPECT_EQ(read(*device), range(5, 5));
+  write(writer, kSlots + 5, 1);
+  EXPECT_EQ(read(*device), range(kSlots + 5, kSlots + 5));
+  EXPECT_EQ(device->counters(), (driver::Counters{.delivered = 1})) << "what was lost before is not this reader's loss";
 }
 
 TEST_F(Ring, DamagedSlots) {

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -236,7 +237,8 @@ TEST(Datagrams, Interruptions) {
     model::DatagramCutter before(7, model::kDatagramBytes, 40'000, 20'000);
     std::vector<Bytes> all = cut_up(before, 0, 300);
     model::DatagramCutter after(7, model::kDatagramBytes, before.datagrams() + 2 * away, 20'300 + away);
-    const std::vector<Bytes> more = cut_up(after, 300, 300);
+    std::vector<Bytes> more = cut_up(after, 300, 300);
+    std::rotate(more.begin(), more.begin() + 1, more.begin() + 3);  // the first one comes as the third
     all.insert(all.end(), more.begin(), more.end());
     driver::Counters counters;
     driver::DatagramAssembler assembler(counters);

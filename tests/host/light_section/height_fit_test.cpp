@@ -223,6 +223,23 @@ TEST(HeightFit, ToldErrorCoversLevelsThatAreOffInAnyDirection) {
   EXPECT_NEAR(fit.open_by_tolerance_mm, greatest, 0.02 * greatest);
 }
 
+// A reflection here and there, some rows from the line.
+TEST(HeightFit, StraySightingsAreLeftOut) {
+  const HiddenRig hidden(kCase[0]);
+  std::vector<light_section::HeightPosition> positions;
+  for (const double height : {0.0, 10.0, 20.0, 30.0}) {
+    positions.push_back(hidden.position(height));
+    for (std::size_t i = 0; i < positions.back().seen.size(); i += 101) {
+      positions.back().seen[i].row += 5;
+    }
+  }
+  const light_section::HeightFit fit = light_section::fit_heights(hidden.believed, positions, {});
+  for (const double height : {0.0, 17.0, 30.0}) {
+    EXPECT_LT(greatest_error(hidden, fit.rig, height), 0.01) << height;
+  }
+  EXPECT_NEAR(fit.rms_mm, kNoise * 0.39, 0.002);
+}
+
 // With the lenses known, the belt's normal is found, too.
 TEST(HeightFit, FindsTheBeltOfACalibratedRig) {
   const HiddenRig hidden(kCase[0]);
