@@ -132,6 +132,8 @@ module sp_lvds_training #(
   logic [Bits-1:0] raw;
   logic [Bits-1:0] raw_q, raw_q2, raw_q3, raw_q4, raw_q5;
   logic            of_control, counts;
+  logic            control_q;  // of_control a clock ago: the same but in Pick
+  logic            reached_q;  // the turn with which to begin is reached, or there is none
   logic            control_aligned, lane_aligned;
   logic [Bits-1:0] wanted, mask;
   logic            is_wanted;
@@ -149,14 +151,14 @@ module sp_lvds_training #(
 
   assign of_control      = lane_q == Control;
   assign control_aligned = aligned_o[Lanes];
-  assign wanted          = of_control ? ControlIdle[Bits-1:0] : Training[Bits-1:0];
-  assign mask            = of_control && final_q ? IdleMask[Bits-1:0] : '1;
-  assign is_wanted       = (turned_q & mask) == (wanted & mask) &&
-                           (again_q || !of_control || turn_q >= first_q);
-  assign counts          = en_q && (of_control || idle_q >= 4'd9);
+  assign wanted          = control_q ? ControlIdle[Bits-1:0] : Training[Bits-1:0];
+  assign mask            = control_q && final_q ? IdleMask[Bits-1:0] : '1;
+  assign is_wanted       = (turned_q & mask) == (wanted & mask) && reached_q;
+  assign counts          = en_q && (control_q || idle_q >= 4'd9);
 
   always_ff @(posedge clk_i) begin
-    en_q <= en_i;
+    en_q      <= en_i;
+    control_q <= of_control;
     if (en_i) begin
       raw_q  <= raw;
       raw_q2 <= raw_q;
@@ -177,7 +179,7 @@ module sp_lvds_training #(
 
   assign control_slip = slips_o[4*Lanes+:4];
 
-  assign abandon   = !of_control && !control_aligned;
+  assign abandon   = !control_q && !control_aligned;
   assign joins     = good_q && run_good_q && turn_q == run_turn_q;
   assign run       = !good_q ? 8'd0 : joins ? run_q + 8'd1 : 8'd1;
   assign run_first = joins ? run_first_q : tap_q;
@@ -235,10 +237,11 @@ module sp_lvds_training #(
           if (settle_q == SettleBits'(Settle)) state_q <= Measure;
         end
         Measure: begin
-          turned_q <= word_q;
-          turn_q   <= '0;
-          again_q  <= 1'b0;
-          good_q   <= 1'b0;
+          turned_q  <= word_q;
+          turn_q    <= '0;
+          reached_q <= !control_q || first_q == '0;
+          again_q   <= 1'b0;
+          good_q    <= 1'b0;
           if (counts) begin
             word_q <= raw_q5;
             same_q <= raw_q5 == word_q ? same_q + 1'b1 : '0;
@@ -253,10 +256,14 @@ module sp_lvds_training #(
             good_q  <= 1'b1;
             state_q <= Note;
           end else if (turn_q == 4'(Bits - 1)) begin
-            turn_q  <= '0;
-            again_q <= 1'b1;
-            if (again_q || !of_control) state_q <= Measure;
-          end else turn_q <= turn_q + 1'b1;
+            turn_q    <= '0;
+            again_q   <= 1'b1;
+            reached_q <= 1'b1;
+            if (again_q || !control_q) state_q <= Measure;
+          end else begin
+            turn_q <= turn_q + 1'b1;
+            if (turn_q + 1'b1 == first_q) reached_q <= 1'b1;
+          end
         end
         Note: begin
           run_good_q  <= good_q;
@@ -273,7 +280,7 @@ module sp_lvds_training #(
           if (final_q || Taps == 1) begin
             state_q <= Pick;
             alive_q <= 1'b0;
-            lane_q  <= of_control ? '0 : lane_q + 1'b1;
+            lane_q  <= control_q ? '0 : lane_q + 1'b1;
             for (int i = 0; i <= Lanes; i++) begin
               if (lane_q == LaneBits'(i)) begin
                 aligned_o[i] <= good_q && !abandon;
@@ -294,7 +301,7 @@ module sp_lvds_training #(
           if (best_q == '0) begin
             state_q <= Pick;
             alive_q <= 1'b0;
-            lane_q  <= of_control ? '0 : lane_q + 1'b1;
+            lane_q  <= control_q ? '0 : lane_q + 1'b1;
             for (int i = 0; i <= Lanes; i++) if (lane_q == LaneBits'(i)) failed_o[i] <= 1'b1;
           end else state_q <= best_first_q + best_q[7:1] == LastTap ? Wait : Act;
         end
@@ -339,6 +346,7 @@ module sp_lvds_training #(
   logic [LogWindow-1:0] f_times_q;
   logic [Bits-1:0]      f_base_q;   // the word of the measurement that is over
   logic                 f_full_q;   // it came 2^LogWindow times in a row
+  logic                 f_kept_q;   // first_q is what it was then
   // One clock ago
   logic [Lanes:0]         f_aligned_q, f_lost_q;
   logic [4*(Lanes+1)-1:0] f_slips_q;
@@ -350,6 +358,7 @@ module sp_lvds_training #(
     else if (counts) f_times_q <= raw_q5 != f_last_q ? '0 : f_times_q == '1 ? '1 : f_times_q + 1'b1;
     if (state_q == Wait || state_q == Measure && counts) f_last_q <= raw_q5;
     if (state_q == Measure) {f_full_q, f_base_q} <= {f_times_q == '1, f_last_q};
+    f_kept_q <= (state_q == Measure || f_kept_q) && !lost_i[Lanes];
     f_aligned_q <= rst_i ? '0 : aligned_o;
     f_lost_q    <= rst_i ? '1 : lost_i;
     f_slips_q   <= slips_o;
@@ -380,7 +389,8 @@ module sp_lvds_training #(
     // The registers agree with that.
     assert (lane_q <= Control);
     if (state_q == Turn || state_q == Note || state_q == Compare) assert (turn_q < 4'(Bits));
-    if (state_q != Pick) assert (!lane_aligned);
+    if (state_q != Pick) assert (!lane_aligned && control_q == of_control);
+    if (state_q == Turn && f_kept_q) assert (reached_q == (again_q || !of_control || turn_q >= first_q));
     if (state_q == Measure || state_q == Turn) assert (f_last_q == word_q);
     if (state_q == Measure) assert (f_times_q == same_q);
     if (state_q == Turn) assert (f_full_q && turned_q == turned(f_base_q, turn_q));
