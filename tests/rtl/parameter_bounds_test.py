@@ -24,7 +24,8 @@ from lib import rtl_tree  # noqa: E402
 
 RULE = re.compile(r"^\s+(\w+) u_error \(\);$", re.MULTILINE)
 MORE = [ROOT / "constraints" / "acorn" / "acorn_dma.sv", ROOT / "constraints" / "lvds_sensor" / "ecp5_lvds_sensor.sv"]
-CELLS = {"ecp5_lvds_sensor": ROOT / "constraints" / "common" / "ecp5_cells.sv"}  # that a module needs besides
+# What a module needs besides
+CELLS = {"ecp5_lvds_sensor": [ROOT / "constraints" / "common" / f"ecp5_{name}.sv" for name in ("cells", "gearing_start")]}
 
 # Bounds that depend on other parameters: good settings as they stand on a command line, then bad ones
 BOUNDS = {
@@ -59,6 +60,10 @@ BOUNDS = {
                                            ["Part=1'b1 Eighty=5", "Eighty=1"]),
     ("sp_camera_link_channel", "PlaceBits"): (["PlaceBits=0", "Part=1'b1 PlaceBits=8"],
                                               ["Part=1'b1 PlaceBits=9", "PlaceBits=1"]),
+    ("sp_channel_link_align", "LogGood"): (["LogGood=1", "LogGood=19 LogPatience=20"],
+                                           ["LogGood=0", "LogGood=20 LogPatience=20"]),
+    ("sp_channel_link_align", "LogPatience"): (["LogGood=5 LogPatience=6", "LogPatience=20"],
+                                               ["LogGood=4 LogPatience=5", "LogPatience=8", "LogPatience=21"]),
     ("sp_wide_beats", "Columns"): (["Columns=0", "Columns=4", "Columns=512 Taps=10", "Columns=65532 Taps=10"],
                                    ["Columns=2", "Columns=511", "Columns=65536"]),
     ("sp_camera_link_taps", "Bits"): (["Bits=8", "Taps=2 Bits=10", "Taps=1 Bits=12"],
@@ -90,6 +95,7 @@ WITH = {top: ["MaxColumns=64", "MaxRows=40"]
         for top in ("sp_board", "sp_codes_path", "sp_moments_path", "sp_gray_core")}
 # How a program ends where a width becomes 0, or a divisor, before it comes to the rule
 ENDS = re.compile(r"ERROR: Static cast with zero or negative size!|Size-changing cast to zero or negative size|"
+                  r"Cast size expression must be constant and greater than zero|"
                   r"Internal Error: .*sp_sync.*4-state|LITENDIAN: .*\[-1:0\]")
 # Reports of newer versions of Verilator; what Icarus does not support and need not (lint_rtl.sh)
 UNINTERESTING = re.compile(r"^- V( e r i l|erilator: )|sorry: constant selects in always_\* processes")
@@ -163,7 +169,7 @@ def wrong(modules, texts):
     faults, jobs, seen = [], [], set()
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
         for path in (path for path in texts if path.stem in modules):
-            files = [*rtl_tree.needed(path.stem, texts), *([CELLS[path.stem]] if path.stem in CELLS else [])]
+            files = [*rtl_tree.needed(path.stem, texts), *CELLS.get(path.stem, [])]
             for name, comment in parameters_of(texts[path], path.stem):
                 sides = BOUNDS.get((path.stem, name)) or stated(name, comment)
                 if not sides:
