@@ -25,7 +25,8 @@ from lib import rtl_tree  # noqa: E402
 RULE = re.compile(r"^\s+(\w+) u_error \(\);$", re.MULTILINE)
 MORE = [ROOT / "constraints" / "acorn" / "acorn_dma.sv", ROOT / "constraints" / "lvds_sensor" / "ecp5_lvds_sensor.sv"]
 # What a module needs besides
-CELLS = {"ecp5_lvds_sensor": [ROOT / "constraints" / "common" / f"ecp5_{name}.sv" for name in ("cells", "gearing_start")]}
+CELLS = {"ecp5_lvds_sensor": [ROOT / "constraints" / "common" / f"{name}.sv"
+                              for name in ("ecp5_cells", "ecp5_gearing_start")]}
 
 # Bounds that depend on other parameters: good settings as they stand on a command line, then bad ones
 BOUNDS = {
