@@ -11,7 +11,7 @@
 // a PLL with a phase of its own for eclk_i.
 //
 // good_i low holds the divider and the words: while the sensor's clock is away. The lanes are not
-// trained anew afterwards, only aligned.
+// trained anew afterwards, only aligned. The cells start by clk_i, so it must run.
 `default_nettype none
 
 module ecp5_lvds_sensor #(
