@@ -164,4 +164,33 @@ module IDDRX2F #(
   always_ff @(posedge SCLK) {Q3, Q2, Q1, Q0} <= shift_q;
 endmodule
 
+// The PLL: ports and parameters only, for what elaborates ecp5_pll. No simulation runs it.
+module EHXPLLL #(
+  parameter PLLRST_ENA = "",
+  parameter INTFB_WAKE = "",
+  parameter STDBY_ENABLE = "",
+  parameter DPHASE_SOURCE = "",
+  parameter OUTDIVIDER_MUXA = "",
+  parameter OUTDIVIDER_MUXB = "",
+  parameter OUTDIVIDER_MUXC = "",
+  parameter OUTDIVIDER_MUXD = "",
+  parameter CLKI_DIV = 1,
+  parameter CLKFB_DIV = 1,
+  parameter FEEDBK_PATH = "",
+  parameter CLKOP_ENABLE = "",
+  parameter CLKOP_DIV = 8,
+  parameter CLKOP_CPHASE = 0,
+  parameter CLKOP_FPHASE = 0,
+  parameter CLKOS_ENABLE = "",
+  parameter CLKOS_DIV = 8,
+  parameter CLKOS_CPHASE = 0,
+  parameter CLKOS_FPHASE = 0
+) (
+  input  wire logic CLKI, CLKFB, RST, STDBY, PHASESEL0, PHASESEL1, PHASEDIR, PHASESTEP, PHASELOADREG,
+  input  wire logic PLLWAKESYNC, ENCLKOP, ENCLKOS, ENCLKOS2, ENCLKOS3,
+  output logic      CLKOP, CLKOS, CLKOS2, CLKOS3, LOCK, INTLOCK, REFCLK, CLKINTFB
+);
+  assign {CLKOP, CLKOS, CLKOS2, CLKOS3, LOCK, INTLOCK, REFCLK, CLKINTFB} = '0;
+endmodule
+
 `default_nettype wire

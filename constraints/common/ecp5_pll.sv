@@ -7,13 +7,23 @@
 module ecp5_pll #(
   parameter int Divider = 7,  // 1..128
   parameter int SecondDivider = Divider,  // 1..128
-  parameter int Phase = 0  // less than 8 * SecondDivider
+  parameter int Phase = 0  // 0 or more, less than 8 * SecondDivider, and at most 8 * (129 - SecondDivider) - 1
 ) (
   input  wire logic clk_i,
   output logic      clk_o,     // as clk_i, its edges where clk_i has them
   output logic      second_o,
   output logic      good_o     // both follow clk_i
 );
+
+  if (Divider < 1 || Divider > 128) begin : gen_divider
+    divider_is_not_in_1_to_128 u_error ();
+  end
+  if (SecondDivider < 1 || SecondDivider > 128) begin : gen_second_divider
+    second_divider_is_not_in_1_to_128 u_error ();
+  end
+  if (Phase < 0 || Phase >= 8 * SecondDivider || SecondDivider + Phase / 8 > 128) begin : gen_phase
+    phase_is_not_less_than_a_period_or_too_long_for_the_pll u_error ();
+  end
 
   logic unused_2, unused_3, unused_intlock, unused_refclk, unused_clkintfb;
 

@@ -19,12 +19,17 @@ CELLS = {"lut4": "TRELLIS_COMB", "ff": "TRELLIS_FF", "ram": "DP16KD", "gearing":
 
 def options(description, configurations):
     """Returns the words of the command line, and the `configurations` that they name."""
-    parser = argparse.ArgumentParser(description=description)
-    parser.add_argument("names", nargs="*", choices=[[], *configurations], metavar="NAME", default=[],
-                        help="configurations, all unless given; their figures take the place of the recorded ones")
-    parser.add_argument("--seeds", type=int, default=10, metavar="N")
-    parser.add_argument("--keep", action="store_true", help="record the figures in results/")
+    parser = argparse.ArgumentParser(description=description, formatter_class=argparse.RawDescriptionHelpFormatter,
+                                     epilog="configurations:\n" + "\n".join(f'    "{name}"' for name in configurations))
+    parser.add_argument("names", nargs="*", metavar="NAME", help="of configurations, all unless given")
+    parser.add_argument("--seeds", type=int, default=10, metavar="N", help="the seeds 1 to N (default: 10)")
+    parser.add_argument("--keep", action="store_true", help="record the figures in results/, in place of earlier ones")
     words = parser.parse_args()
+    if words.seeds < 1:
+        parser.error(f"argument --seeds: {words.seeds} is less than 1")
+    for name in words.names:
+        if name not in configurations:
+            parser.error(f"argument NAME: no configuration is called '{name}'; --help lists them")
     words.configurations = {name: configurations[name] for name in words.names or configurations}
     return words
 

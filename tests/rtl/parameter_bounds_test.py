@@ -23,10 +23,12 @@ import modules  # noqa: E402
 from lib import rtl_tree  # noqa: E402
 
 RULE = re.compile(r"^\s+(\w+) u_error \(\);$", re.MULTILINE)
-MORE = [ROOT / "constraints" / "acorn" / "acorn_dma.sv", ROOT / "constraints" / "lvds_sensor" / "ecp5_lvds_sensor.sv"]
+MORE = [ROOT / "constraints" / path
+        for path in ("acorn/acorn_dma.sv", "lvds_sensor/ecp5_lvds_sensor.sv", "common/ecp5_pll.sv")]
 # What a module needs besides
 CELLS = {"ecp5_lvds_sensor": [ROOT / "constraints" / "common" / f"{name}.sv"
-                              for name in ("ecp5_cells", "ecp5_gearing_start")]}
+                              for name in ("ecp5_cells", "ecp5_gearing_start")],
+         "ecp5_pll": [ROOT / "constraints" / "common" / "ecp5_cells.sv"]}
 
 # Bounds that depend on other parameters: good settings as they stand on a command line, then bad ones
 BOUNDS = {
@@ -72,6 +74,8 @@ BOUNDS = {
     ("sp_lvds_flags", "Columns"): (["Columns=1 Burst=1", "Columns=4096"], ["Columns=0", "Columns=4097 Burst=1"]),
     ("sp_lvds_flags", "Burst"): (["Burst=1", "Columns=4096 Burst=4096"], ["Burst=0", "Burst=48"]),
     ("sp_lvds_columns", "Columns"): (["Columns=16", "Columns=4096"], ["Columns=0", "Columns=24", "Columns=4112"]),
+    ("ecp5_pll", "Phase"): (["Phase=0", "SecondDivider=4 Phase=31", "SecondDivider=65 Phase=511"],
+                            ["SecondDivider=4 Phase=32", "SecondDivider=65 Phase=512"]),
     ("sp_lvds_sensor", "Columns"): (["Columns=16 Burst=16", "Columns=4096"],
                                     ["Columns=0", "Columns=24 Burst=24", "Columns=4112 Burst=16"]),
     ("sp_lvds_sensor", "Checked"): (["Codes=1'b1 Checked=1'b1"], ["Checked=1'b1", "Codes=1'b1 Bits=8 Checked=1'b1"]),

@@ -116,6 +116,43 @@ void expect_middle_taps(const LvdsFormat& format, int from_edges) {
 TEST(LvdsSensor, TapsInTheMiddleOfTheBits) { expect_middle_taps<Vsp_lvds_codes>(kCodes, 330); }
 TEST(LvdsSensor, FewTapsInTheMiddleOfTheBits) { expect_middle_taps<Vsp_lvds_sensor_one>(kOne, 300); }
 
+// Without jitter every tap is right, and an edge ends a run of taps: the tap is the middle of the longest run, of
+// equally long ones the first.
+int middle_of_longest_run(int taps, int tap_ticks, int skew) {
+  const auto bit_at = [&](int tap) {
+    return (3000 * kLvdsTicks + kLvdsTicks / 2 - skew - tap * tap_ticks) / kLvdsTicks;
+  };
+  int best_first = 0;
+  int best = 0;
+  for (int first = 0, tap = 0; tap < taps; ++tap) {
+    first = bit_at(tap) == bit_at(first) ? first : tap;
+    if (tap - first + 1 > best) {
+      best_first = first;
+      best = tap - first + 1;
+    }
+  }
+  return best_first + best / 2;
+}
+
+template <typename Dut>
+void expect_exact_taps(const LvdsFormat& format) {
+  for_cases(20, [&](Random& random, std::uint64_t seed) {
+    LvdsBench<Dut> bench(seed, format, 1000, 990);
+    bench.tap_ticks = random.between(90, 400);
+    for (int lane = 0; lane <= format.lanes; ++lane) {
+      bench.skew[static_cast<std::size_t>(lane)] = random.between(-1200, 1200);
+    }
+    ASSERT_TRUE(bench.wait_aligned(training_words(format)));
+    for (int lane = 0; lane <= format.lanes; ++lane) {
+      const int skew = bench.skew[static_cast<std::size_t>(lane)];
+      EXPECT_EQ(bench.tap(lane), middle_of_longest_run(format.taps, bench.tap_ticks, skew))
+          << "lane " << lane << ", skew " << skew << ", " << bench.tap_ticks << " ticks a tap";
+    }
+  });
+}
+TEST(LvdsSensor, TheMiddleTapExactly) { expect_exact_taps<Vsp_lvds_codes>(kCodes); }
+TEST(LvdsSensor, TheMiddleOfFewTapsExactly) { expect_exact_taps<Vsp_lvds_sensor_one>(kOne); }
+
 // A tap takes as long as the training's description says: new taps have Settle words (16) to show, the lane's word must
 // come 2^LogWindow (16) times, and a dead lane is given up after 2^LogPatience words.
 template <typename Dut>
@@ -147,6 +184,28 @@ void expect_time_of_a_tap(const LvdsFormat& format, int patience) {
 }
 TEST(LvdsSensor, TheTimeOfATapOfOneLane) { expect_time_of_a_tap<Vsp_lvds_sensor_one>(kOne, 1024); }
 TEST(LvdsSensor, TheTimeOfATapWithCodes) { expect_time_of_a_tap<Vsp_lvds_codes>(kCodes, 512); }
+
+// Where the control lane is lost while the delay of a data lane moves, the pulse is still a whole one (the bench looks
+// at each), and the training begins again.
+TEST(LvdsSensor, PulsesAreWholeWhereTheControlLaneIsLost) {
+  for_cases(4, [&](Random& random, std::uint64_t seed) {
+    LvdsBench<Vsp_lvds_sensor_one> bench(seed, kOne, 1000, 990);
+    for (int loss = 0; loss < 30; ++loss) {
+      bench.reset();
+      while (bench.tap(0) == 0) {
+        bench.words_in(1);
+      }
+      bench.words_in(random.between(0, 400));
+      ASSERT_FALSE(bench.aligned());
+      for (int word = 0; word < 7; ++word) {
+        bench.frames().queue().push_back(bench.frames().idle());
+        bench.frames().queue().back().control ^= 0x300U;
+      }
+      bench.words_in(60);
+    }
+    EXPECT_TRUE(bench.wait_aligned(training_words(kOne)));
+  });
+}
 
 // A word that comes often, but never as many times in a row as a measurement takes, trains no lane, whatever clocks
 // without a word lie between.
