@@ -61,7 +61,7 @@ class RingDevice final : public TalliedDevice {
     if (!memory_.lock(ring::kReaderLock)) {
       throw UserError(uri_, "another reader has it open");
     }
-    start_reading();
+    start_reading(options_.discard_backlog);
   }
   RingDevice(const RingDevice&) = delete;
   RingDevice& operator=(const RingDevice&) = delete;
@@ -137,7 +137,7 @@ class RingDevice final : public TalliedDevice {
   }
 
   // The ring is mapped, and its lock is taken.
-  void start_reading() {
+  void start_reading(bool discard) {
     ring::Header& header = memory_.header();
     if (header.reader_open.exchange(1) != 0) {
       header.reader_crashes.fetch_add(1);
@@ -151,12 +151,12 @@ class RingDevice final : public TalliedDevice {
       ++counters_.bad;
       skipping_ = true;
     }
-    if (options_.discard_backlog || written - read_ > memory_.slots()) {
+    if (discard || written - read_ > memory_.slots()) {
       read_ = written;
       header.read.store(read_, std::memory_order_release);
     }
     generation_ = read_ != written ? memory_.slot(read_).generation : header.generation.load();
-    lost_before_ = options_.discard_backlog ? header.lost.load(std::memory_order_acquire) : header.lost_reported.load();
+    lost_before_ = discard ? header.lost.load(std::memory_order_acquire) : header.lost_reported.load();
     lost_reported_ = lost_before_;
     next_look_ = 0;
     counters_.reattached += was_attached_ ? 1 : 0;
@@ -259,7 +259,7 @@ class RingDevice final : public TalliedDevice {
         memory_.detach();
         return now_ns() < patient_until_;
       }
-      start_reading();
+      start_reading(false);  // what came since the device was opened is no backlog
     }
     if (memory_.locked(ring::kWriterLock)) {
       patient_until_ = 0;

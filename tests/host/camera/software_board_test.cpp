@@ -7,6 +7,7 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <cstdlib>
 #include <map>
 #include <memory>
 #include <stdexcept>
@@ -122,6 +123,119 @@ TEST(SoftwareBoard, RefusesWhatNoBoardHas) {
   EXPECT_THROW(board.process({pixels.data(), 2, 4, 4}, true, 0, {}), std::invalid_argument);
 }
 
+// Each setting on both sides of its limits.
+TEST(SoftwareBoard, LimitsOfTheSettings) {
+  const auto takes = [](const model::BoardSettings& settings) {
+    try {
+      const camera::SoftwareBoard board(settings);
+      return true;
+    } catch (const std::invalid_argument&) {
+      return false;
+    }
+  };
+  using Settings = model::BoardSettings;
+  for (const Settings& good :
+       {Settings{.columns = 4, .rows = 1}, Settings{.columns = 2048, .rows = 1}, Settings{.columns = 4, .rows = 1023},
+        Settings{.threshold = 0}, Settings{.threshold = 255}, Settings{.select = model::Select::strongest, .gap = 3},
+        Settings{.window = {0, 0}}, Settings{.window = {1023, 1023}}, Settings{.stream = 255},
+        Settings{.region_row = 65535, .region_column = 65535}}) {
+    EXPECT_TRUE(takes(good)) << good.columns << " x " << good.rows;
+  }
+  for (const Settings& bad :
+       {Settings{.columns = 0}, Settings{.columns = 2052}, Settings{.columns = 6}, Settings{.rows = 0},
+        Settings{.threshold = -1}, Settings{.select = model::Select::strongest, .gap = model::kMaxGap + 1},
+        Settings{.select = model::Select::strongest, .gap = -1}, Settings{.window = {-1, 5}},
+        Settings{.window = {0, 1024}}, Settings{.window = {1024, 1024}}, Settings{.stream = -1},
+        Settings{.stream = 256}, Settings{.region_row = -1}, Settings{.region_row = 65536},
+        Settings{.region_column = -1}, Settings{.region_column = 65536},
+        Settings{.mode = static_cast<model::Mode>(3)}}) {
+    EXPECT_FALSE(takes(bad)) << bad.columns << " x " << bad.rows;
+  }
+}
+
+std::vector<Bytes> packets_of(camera::SoftwareBoard& board) {
+  std::vector<Bytes> all;
+  model::PacketView packet;
+  while (board.next(packet)) {
+    all.emplace_back(packet.bytes().begin(), packet.bytes().end());
+  }
+  return all;
+}
+
+// Lines may lie apart from each other: the packets are those of the image without gaps.
+TEST(SoftwareBoard, ImagesWithGapsBetweenTheirLines) {
+  constexpr int kRows = 6;
+  constexpr int kColumns = 12;
+  constexpr int kStride = 19;
+  const model::BoardSettings settings{
+      .image = true, .columns = kColumns, .rows = kRows, .threshold = 90, .codes = true, .code_bits = 2};
+  camera::SoftwareBoard dense(settings);
+  camera::SoftwareBoard apart(settings);
+  Random random(5);
+  std::size_t packets = 0;
+  for (std::uint16_t frame = 0; frame < 8; ++frame) {
+    const Bytes wide = random.bytes(std::size_t{kRows} * kStride);
+    Bytes narrow;
+    for (int row = 0; row < kRows; ++row) {
+      narrow.insert(narrow.end(), wide.begin() + row * kStride, wide.begin() + row * kStride + kColumns);
+    }
+    const model::BoardInputs inputs{.clock = 1000U * frame, .pattern = static_cast<std::uint16_t>(frame % 4)};
+    dense.process({narrow.data(), kRows, kColumns, kColumns}, true, frame, inputs);
+    apart.process({wide.data(), kRows, kColumns, kStride}, true, frame, inputs);
+    const std::vector<Bytes> want = packets_of(dense);
+    EXPECT_EQ(packets_of(apart), want);
+    packets += want.size();
+  }
+  EXPECT_GE(packets, 8U * (1 + kRows) + 2 * kRows) << "moments and images of eight frames, codes of two cycles";
+}
+
+// Of an image that did not come whole there is one empty packet, of the kind that its columns would have had.
+TEST(SoftwareBoard, OfAnIncompleteImage) {
+  for (const bool compact : {false, true}) {
+    camera::SoftwareBoard board({.image = true,
+                                 .columns = 8,
+                                 .rows = 2,
+                                 .mode = model::Mode::grey,
+                                 .stream = 7,
+                                 .region_row = 3,
+                                 .region_column = 4,
+                                 .compact = compact});
+    const Bytes pixels(16, 9);
+    board.process({pixels.data(), 2, 8, 8}, true, 1, {});
+    EXPECT_EQ(packets_of(board).size(), 3U);
+    board.process({nullptr, 2, 8, 8}, false, 2, {.clock = 5, .encoder = 6, .pattern = 8});
+    model::PacketView packet;
+    ASSERT_TRUE(board.next(packet));
+    EXPECT_EQ(packet.header.kind, compact ? spec::kKindCompact : spec::kKindMoments);
+    EXPECT_EQ(packet.header.sequence, 2U);
+    EXPECT_EQ(packet.header.time_stamp, 5U);
+    EXPECT_EQ(packet.header.encoder, 6U);
+    EXPECT_EQ(packet.header.pattern, 8);
+    EXPECT_EQ(packet.header.stream, 7);
+    EXPECT_EQ(packet.header.region_row, 3);
+    EXPECT_EQ(packet.header.region_column, 4);
+    EXPECT_EQ(packet.status, spec::kStatusIncomplete);
+    EXPECT_TRUE(packet.payload.empty());
+    EXPECT_FALSE(board.next(packet));
+    EXPECT_THROW(board.process({nullptr, 2, 8, 8}, true, 3, {}), std::invalid_argument);
+    EXPECT_THROW(board.process({pixels.data(), 4, 4, 4}, true, 3, {}), std::invalid_argument);
+    EXPECT_THROW(board.process({pixels.data(), 1, 8, 8}, true, 3, {}), std::invalid_argument);
+  }
+}
+
+// After an image that did not come whole the decoder waits for plane 0, even if the camera shows its pattern again.
+TEST(SoftwareBoard, CodesAfterAnIncompleteImage) {
+  camera::SoftwareBoard board({.columns = 8, .rows = 2, .codes = true, .code_bits = 2});
+  const Bytes pixels(16, 9);
+  std::vector<std::size_t> packets;
+  for (const int pattern : {0, 1, -2, 2, 3, 0, 1, 2, 3}) {  // negative: incomplete
+    board.process({pixels.data(), 2, 8, 8}, pattern >= 0, packets.size(),
+                  {.clock = 100 * packets.size(), .pattern = static_cast<std::uint16_t>(std::abs(pattern))});
+    packets.push_back(packets_of(board).size());
+  }
+  EXPECT_EQ(packets, (std::vector<std::size_t>{1, 1, 1, 1, 1, 1, 1, 1, 3}));
+}
+
 // A camera whose images are given beforehand.
 class ListedCamera final : public camera::Camera {
  public:
@@ -188,6 +302,100 @@ TEST(CameraDevice, EveryImageIsAPacketOrCounted) {
   EXPECT_EQ(counters.missing, 100U);
   EXPECT_EQ(counters.flagged, 200U);
   EXPECT_EQ(counters.lost_board + counters.bad + counters.repeated + counters.restarts, 0U);
+}
+
+// The time stamps of a day, at a clock with which the product of both has more than 64 bits.
+TEST(CameraDevice, TimeStampsOfManyHours) {
+  constexpr std::uint64_t kDay = 86'400 * 400;  // images
+  const auto device = camera::make_camera_device(
+      std::make_unique<ListedCamera>(2, 8,
+                                     std::vector<ListedCamera::Listed>{{0, true}, {kDay, true}, {kDay + 1, true}}),
+      {.mode = model::Mode::grey, .pixel_clock_hz = 400e6});
+  model::PacketView packet;
+  for (const std::uint64_t number : {std::uint64_t{0}, kDay, kDay + 1}) {
+    ASSERT_EQ(device->next(packet, std::chrono::nanoseconds(0)), driver::Next::packet);
+    EXPECT_EQ(packet.header.time_stamp, number * 1'000'000) << "2.5 ms at 400 MHz";
+    EXPECT_EQ(device->arrival_ns(), 1'000'000 + static_cast<std::int64_t>(number) * 2'500'000);
+  }
+  EXPECT_EQ(device->counters(), (driver::Counters{.delivered = 3, .missing = kDay - 1}));
+}
+
+// Image k shows pattern k modulo their number: what is given, two for each bit of the codes, or one.
+TEST(CameraDevice, PatternsByTheNumberOfTheImage) {
+  struct Case {
+    camera::CameraBoardSettings board;
+    std::uint64_t patterns;
+  };
+  for (const Case& one :
+       {Case{{}, 1}, Case{{.code_bits = 3}, 6}, Case{{.code_bits = 3, .patterns = 5}, 5}, Case{{.patterns = 4}, 4}}) {
+    const auto device = camera::make_camera_device(
+        std::make_unique<ListedCamera>(
+            2, 8, std::vector<ListedCamera::Listed>{{0, true}, {1, true}, {4, true}, {70'001, true}}),
+        one.board);
+    model::PacketView packet;
+    for (const std::uint64_t number : {0U, 1U, 4U, 70'001U}) {
+      ASSERT_EQ(device->next(packet, std::chrono::nanoseconds(0)), driver::Next::packet);
+      EXPECT_EQ(packet.header.sequence, number);
+      EXPECT_EQ(packet.header.pattern, number % one.patterns);
+      EXPECT_EQ(packet.header.encoder, 0U);
+    }
+  }
+}
+
+// Every setting reaches the headers, and the packets that it asks for come; what is not given is that of a board.
+TEST(CameraDevice, SettingsReachTheBoard) {
+  const std::vector<ListedCamera::Listed> images = {{0, true}, {1, true}};
+  const auto device =
+      camera::make_camera_device(std::make_unique<ListedCamera>(4, 8, images), {.mode = model::Mode::grey_over,
+                                                                                .threshold = 77,
+                                                                                .select = model::Select::strongest,
+                                                                                .gap = 2,
+                                                                                .window = model::RowWindow{2, 3},
+                                                                                .region_row = 11,
+                                                                                .region_column = 12,
+                                                                                .compact = true,
+                                                                                .code_bits = 1,
+                                                                                .stream = 9,
+                                                                                .image = true});
+  model::PacketHeader want;
+  model::describe_frame(want, 4, 8,
+                        model::BoardSettings{.mode = model::Mode::grey_over,
+                                             .threshold = 77,
+                                             .select = model::Select::strongest,
+                                             .gap = 2,
+                                             .window = {2, 3}}
+                            .measure());
+  std::map<int, int> kinds;
+  model::PacketView packet;
+  while (device->next(packet, std::chrono::nanoseconds(0)) == driver::Next::packet) {
+    ++kinds[packet.header.kind];
+    EXPECT_EQ(packet.header.stream, 9);
+    EXPECT_EQ(packet.header.region_row, 11);
+    EXPECT_EQ(packet.header.region_column, 12);
+    EXPECT_EQ(packet.header.rows, 4);
+    EXPECT_EQ(packet.header.columns, 8);
+    EXPECT_EQ(packet.header.mode, want.mode);
+    EXPECT_EQ(packet.header.threshold, want.threshold);
+  }
+  EXPECT_EQ(kinds, (std::map<int, int>{{spec::kKindCompact, 2}, {spec::kKindImage, 8}, {spec::kKindCodes, 4}}));
+  EXPECT_EQ(device->uri(), "camera:listed");
+  const auto plain = camera::make_camera_device(std::make_unique<ListedCamera>(4, 8, images), {});
+  ASSERT_EQ(plain->next(packet, std::chrono::nanoseconds(0)), driver::Next::packet);
+  EXPECT_EQ(packet.header.threshold, model::BoardSettings().threshold);
+  EXPECT_EQ(packet.header.stream, 0);
+}
+
+// With no time, or less, it looks once, however it waits.
+TEST(CameraDevice, WithoutTimeItLooksOnce) {
+  for (const driver::Wait wait : {driver::Wait::polling, driver::Wait::blocking}) {
+    for (const int timeout : {0, -5}) {
+      const auto device = camera::make_camera_device(
+          std::make_unique<ListedCamera>(2, 8, std::vector<ListedCamera::Listed>{{0, true}}), {}, {.wait = wait});
+      model::PacketView packet;
+      EXPECT_EQ(device->next(packet, std::chrono::nanoseconds(timeout)), driver::Next::packet);
+      EXPECT_EQ(device->next(packet, std::chrono::nanoseconds(timeout)), driver::Next::timeout);
+    }
+  }
 }
 
 TEST(CameraDevice, SizesThatNoBoardTakes) {

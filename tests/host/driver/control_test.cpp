@@ -6,10 +6,13 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <string>
 #include <tuple>
+#include <utility>
+#include <vector>
 
 #include "host/driver/boards.h"
 #include "host/driver/register_port.h"
@@ -36,7 +39,9 @@ TEST(Control, EveryRegisterAndFieldByName) {
     }
   }
   EXPECT_EQ(error_of([] { driver::register_part("sizes"); }), "sizes: there is no such register");
-  EXPECT_EQ(error_of([] { driver::register_part("size.x"); }), "size.x: register size has no such field");
+  for (const std::string wrong : {"size.x", "size.column", "size.", "size.columns.x"}) {
+    EXPECT_EQ(error_of([&] { driver::register_part(wrong); }), wrong + ": register size has no such field");
+  }
 }
 
 TEST(Control, AFieldLeavesTheOthers) {
@@ -77,6 +82,73 @@ TEST(Control, SettingsChangeTogether) {
   EXPECT_THROW(control.write_together({{driver::register_part("size.columns"), 6}}), UserError);
   EXPECT_FALSE(board.settings().hold);
   EXPECT_EQ(board.settings().columns, 128);
+}
+
+// Nothing is written before all is known to fit.
+TEST(Control, WhatDoesNotFitChangesNothing) {
+  model::RegisterFile board;
+  int writes = 0;
+  driver::Control control(std::make_unique<sim::AccessPort>([&](bool write, std::uint32_t address, std::uint32_t data) {
+    writes += write ? 1 : 0;
+    return write ? board.write(address, data) : board.read(address, {});
+  }));
+  const auto together = [&](const char* name, std::uint32_t value) {
+    return error_of([&] {
+      control.write_together({{driver::register_part("size.columns"), 64}, {driver::register_part(name), value}});
+    });
+  };
+  EXPECT_EQ(together("measure.threshold", 256), "sim:: measure.threshold cannot hold 256: it has 8 bits");
+  EXPECT_EQ(together("frames", 0), "sim:: register frames can only be read");
+  EXPECT_EQ(together("decode", 0), "sim:: this board has no register decode: it has no Gray-code decoder");
+  EXPECT_EQ(writes, 0);
+  control.write("measure.threshold", 255);
+  EXPECT_EQ(board.settings().threshold, 255);
+  EXPECT_EQ(writes, 1);
+}
+
+// A refused value in the middle: the earlier ones stay, the later ones are not written, and the board does not run.
+TEST(Control, ARefusalInTheMiddleOfSeveralWrites) {
+  model::RegisterFile board;
+  driver::Control control(port_of(board));
+  const model::BoardSettings before = board.settings();
+  EXPECT_EQ(error_of([&] {
+              control.write_together({{driver::register_part("timeout.clocks"), 77},
+                                      {driver::register_part("control.run"), 1},
+                                      {driver::register_part("measure.mode"), 3},
+                                      {driver::register_part("size.columns"), 128}});
+            }).find("sim:: the board refuses"),
+            0U);
+  EXPECT_EQ(board.settings().columns, 128);
+  EXPECT_EQ(board.settings().mode, before.mode);
+  EXPECT_EQ(board.settings().timeout, before.timeout);
+  EXPECT_FALSE(board.settings().run);
+  EXPECT_FALSE(board.settings().hold);
+}
+
+// The order of the addresses, and `control` last; registers that are no settings need no hold.
+TEST(Control, TheOrderOfSeveralWrites) {
+  model::RegisterFile board;
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> writes;
+  driver::Control control(std::make_unique<sim::AccessPort>([&](bool write, std::uint32_t address, std::uint32_t data) {
+    if (write) {
+      writes.emplace_back(address, data);
+    }
+    return write ? board.write(address, data) : board.read(address, {});
+  }));
+  control.write_together({{driver::register_part("trigger_width"), 5}, {driver::register_part("trigger_period"), 900}});
+  EXPECT_EQ(writes, (std::vector<std::pair<std::uint32_t, std::uint32_t>>{{spec::kRegTriggerPeriod, 900},
+                                                                          {spec::kRegTriggerWidth, 5}}));
+  writes.clear();
+  constexpr std::uint32_t kHold = 1U << spec::kRegControlHoldLsb;
+  control.write_together({{driver::register_part("size"), 8U << 16U | 64U}});
+  EXPECT_EQ(writes, (std::vector<std::pair<std::uint32_t, std::uint32_t>>{
+                        {spec::kRegControl, kHold}, {spec::kRegSize, 8U << 16U | 64U}, {spec::kRegControl, 0}}));
+  writes.clear();
+  control.write_together({{driver::register_part("control.image"), 1}, {driver::register_part("size.rows"), 9}});
+  EXPECT_EQ(writes, (std::vector<std::pair<std::uint32_t, std::uint32_t>>{
+                        {spec::kRegControl, kHold},
+                        {spec::kRegSize, 9U << 16U | 64U},
+                        {spec::kRegControl, 1U << spec::kRegControlImageLsb}}));
 }
 
 // All that a board's settings are
@@ -157,6 +229,107 @@ TEST(Control, WritesFromOneSetOfSettingsToTheNext) {
     EXPECT_EQ(all_of(board.settings()), all_of(settings));
     before = settings;
   }
+}
+
+TEST(Control, WhatABuildHasNotIsRefused) {
+  model::RegisterFile board;
+  driver::Control control(port_of(board));
+  const auto refusal = [&](const model::BoardSettings& settings) { return error_of([&] { control.set(settings); }); };
+  EXPECT_EQ(refusal({.codes = true}), "sim:: this board has no Gray-code decoder");
+  EXPECT_EQ(refusal({.region_row = 1}), "sim:: this board has no register for the region of the sensor");
+  EXPECT_EQ(refusal({.region_column = 1}), "sim:: this board has no register for the region of the sensor");
+  EXPECT_EQ(refusal({.compact = true}), "sim:: this board has no compact columns");
+  EXPECT_EQ(refusal({.verdict = true}), "sim:: this board gives no verdicts");
+  EXPECT_EQ(all_of(board.settings()), all_of(model::RegisterFile().settings()));
+  for (const char* const name : {"region", "compact", "verdict_control"}) {
+    EXPECT_EQ(error_of([&] { static_cast<void>(control.read(name)); }),
+              "sim:: this board has no register " + std::string(name) + ": it was built without it");
+  }
+}
+
+// What the register `capability` and its companions say of a build, each by itself.
+TEST(Control, WhatTheBoardIs) {
+  const auto all = [](const model::BoardBuild& build) {
+    return std::tuple(build.max_columns, build.max_rows, build.grey, build.image, build.codes, build.median, build.runs,
+                      build.region, build.compact, build.verdict_log_sections, build.code_bits);
+  };
+  for (const model::BoardBuild& build :
+       {model::BoardBuild{}, kEverything, model::BoardBuild{.max_columns = 512, .max_rows = 100, .grey = false},
+        model::BoardBuild{.image = false}, model::BoardBuild{.codes = true, .code_bits = 9},
+        model::BoardBuild{.codes = true, .median = true, .code_bits = 1}, model::BoardBuild{.runs = true},
+        model::BoardBuild{.region = true}, model::BoardBuild{.compact = true},
+        model::BoardBuild{.verdict_log_sections = 0}}) {
+    model::RegisterFile board(build);
+    EXPECT_EQ(all(driver::Control(port_of(board)).build()), all(build));
+  }
+}
+
+TEST(Control, EveryCountOfTheBoard) {
+  const auto all = [](const model::BoardState& state) {
+    return std::tuple(state.frame_open, state.frames, state.broken, state.stray, state.lost_moments, state.lost_image,
+                      state.lost_codes, state.abandoned, state.time, state.encoder, state.encoder_errors,
+                      state.verdict_missed, state.ejector_lost);
+  };
+  const model::BoardState state{.frame_open = true,
+                                .frames = 0xFFFF'FFF1,
+                                .broken = 2,
+                                .stray = 3,
+                                .lost_moments = 4,
+                                .lost_image = 5,
+                                .lost_codes = 6,
+                                .abandoned = 7,
+                                .time = 0xF000'0000'8000'0000,
+                                .encoder = 0xFFFF'FFF8,
+                                .encoder_errors = 0xFFF9,
+                                .verdict_missed = 250,
+                                .ejector_lost = 251};
+  model::RegisterFile board(kEverything);
+  EXPECT_EQ(all(driver::Control(port_of(board, state)).state()), all(state));
+  // Without the decoder and verdicts theirs are 0, and are not asked for.
+  model::RegisterFile less;
+  model::BoardState rest = state;
+  rest.lost_codes = rest.abandoned = 0;
+  rest.verdict_missed = rest.ejector_lost = 0;
+  EXPECT_EQ(all(driver::Control(port_of(less, state)).state()), all(rest));
+}
+
+TEST(Control, PatternsOnFrames) {
+  for (const int patterns : {1, 12, 256}) {
+    model::RegisterFile board;
+    driver::Control control(port_of(board));
+    control.count_patterns_on_frames(patterns);
+    EXPECT_EQ(control.read("trigger_control.last_pattern"), static_cast<std::uint32_t>(patterns - 1));
+    EXPECT_EQ(control.read("trigger_control.on_frame"), 1U);
+    EXPECT_EQ(control.read("trigger_control.run"), 0U);
+  }
+}
+
+TEST(Control, TheEjectorsPulse) {
+  model::RegisterFile board(kEverything);
+  driver::Control control(port_of(board));
+  control.set_ejector(100, 20);
+  EXPECT_EQ(board.value(spec::kRegEjectorDelay), 100U);
+  EXPECT_EQ(board.value(spec::kRegEjectorLength), 20U);
+}
+
+TEST(Control, TheControlOfADevice) {
+  for (const auto& [device, control] :
+       std::vector<std::pair<std::string, std::string>>{{"udp:board", "udp:board"},
+                                                        {"udp:192.168.1.50:1235", "udp:192.168.1.50"},
+                                                        {"bar:/dev/uio0+0x1000", "bar:/dev/uio0+0x1000"},
+                                                        {"litepcie:/dev/litepcie0", "litepcie:/dev/litepcie0"},
+                                                        {"file:/dev/xdma0_c2h_3", "bar:/dev/xdma0_user"},
+                                                        {"file:xdma12_c2h_0", "bar:xdma12_user"},
+                                                        {"file:/dev/other0_c2h_0", ""},
+                                                        {"file:/dev/xdma0_h2c_0", ""},
+                                                        {"ring:line1", ""},
+                                                        {"sim:", ""},
+                                                        {"", ""}}) {
+    EXPECT_EQ(driver::control_uri(device), control) << device;
+  }
+  EXPECT_EQ(error_of([] { driver::open_control("bar:"); }), "bar:: the path of the file is missing");
+  EXPECT_EQ(error_of([] { driver::open_control("usb:0"); }),
+            "usb:0: is not the control of a board; use bar:PATH, litepcie:PATH or udp:HOST");
 }
 
 // The upper half is held when the lower one is read.
@@ -278,6 +451,56 @@ TEST(BarPort, MemoryAndARegisterThatDoesNotTakeItsValue) {
   close(memory);
 }
 
+// The registers may begin at any multiple of 4, and end with the file.
+TEST(BarPort, AtAnyPlaceOfAFile) {
+  const ScratchFolder folder;
+  for (const std::size_t offset : {std::size_t{0}, std::size_t{4}, std::size_t{4100}}) {
+    const std::string bytes = std::string(offset, '\xFF') + register_bytes();
+    write_text(folder / "a+b", bytes);
+    const std::string place = (folder / "a+b").string() + "+" + std::to_string(offset);
+    const std::unique_ptr<driver::RegisterPort> port = driver::make_bar_port(place);
+    EXPECT_EQ(port->word(spec::kRegId), spec::kMagic) << offset;
+    const std::uint32_t last = spec::kRegisters.back().address;
+    EXPECT_EQ(port->write(last, 0x01020304), driver::Written::unknown);
+    EXPECT_EQ(port->word(last), 0x01020304U);
+    for (const std::uint32_t wrong : {2U, last + 2, last + 4}) {
+      EXPECT_EQ(error_of([&] { static_cast<void>(port->word(wrong)); }),
+                "bar:" + place + ": has no register at " + std::to_string(wrong));
+    }
+    EXPECT_EQ(read_text(folder / "a+b").substr(bytes.size() - 4), std::string("\x04\x03\x02\x01"));
+    write_text(folder / "a+b", bytes.substr(0, bytes.size() - 1));
+    EXPECT_EQ(error_of([&] { driver::make_bar_port(place); }), "bar:" + place + ": is too short for the registers: " +
+                                                                   std::to_string(bytes.size()) + " bytes are needed");
+  }
+}
+
+TEST(BarPort, Offsets) {
+  const ScratchFolder folder;
+  write_text(folder / "bar", register_bytes());
+  const std::string path = (folder / "bar").string();
+  for (const char* const offset : {"", "x", "0x", "2", "4z", "-4", "0x10000000004", "99999999999999999999"}) {
+    EXPECT_EQ(error_of([&] { driver::make_bar_port(path + "+" + offset); }),
+              "bar:" + path + "+" + offset + ": '" + offset + "' is no offset: a multiple of 4, up to 2^40");
+  }
+  for (const char* const offset : {"0x10", "1099511627776"}) {
+    EXPECT_NE(error_of([&] { driver::make_bar_port(path + "+" + offset); }).find("is too short"), std::string::npos);
+  }
+}
+
+// After many that were opened and closed: the first register of a file that is gone reads as 0, too.
+TEST(BarPort, ManyOneAfterAnother) {
+  const int memory = memfd_create("registers", MFD_CLOEXEC);
+  const std::string bytes = register_bytes();
+  ASSERT_EQ(write(memory, bytes.data(), bytes.size()), static_cast<ssize_t>(bytes.size()));
+  for (int i = 0; i < 100; ++i) {
+    EXPECT_EQ(driver::make_bar_port(memory, "bar:memory")->word(0), spec::kMagic);
+  }
+  const std::unique_ptr<driver::RegisterPort> port = driver::make_bar_port(memory, "bar:memory");
+  ASSERT_EQ(ftruncate(memory, 0), 0);
+  EXPECT_EQ(port->word(0), 0U);
+  close(memory);
+}
+
 TEST(BarPort, WhatCannotBeOpened) {
   const ScratchFolder folder;
   write_text(folder / "short", "SLFP");
@@ -304,6 +527,85 @@ TEST(BoardList, FilesOfADeviceFolder) {
   EXPECT_EQ(boards[0].uri, "bar:" + (folder / "uio3").string());
   EXPECT_EQ(boards[0].problem, "no selfproj board is there: its first register is 0x00000000");
   EXPECT_EQ(boards[1].problem, "");
+}
+
+TEST(BoardList, FilesBeforeHostsAndWhatIsNone) {
+  const ScratchFolder folder;
+  for (const char* const name : {"xdma1_user", "xdma0_user", "xdma0_c2h_0", "uio0", "my_user", "litepcie1", "auio"}) {
+    write_text(folder / name, "");
+  }
+  const std::string path = folder.path().string();
+  std::vector<std::string> uris;
+  for (const driver::BoardPlace& board : driver::list_boards(folder.path(), {"", ":x"})) {
+    uris.push_back(board.uri);
+    EXPECT_NE(board.problem, "");
+    EXPECT_NE(board.problem.find(board.uri), 0U) << "the URI is not said twice";
+  }
+  EXPECT_EQ(uris, (std::vector<std::string>{"bar:" + path + "/uio0", "bar:" + path + "/xdma0_user",
+                                            "bar:" + path + "/xdma1_user", "litepcie:" + path + "/litepcie1",
+                                            "udp:", "udp::x"}));
+  EXPECT_TRUE(driver::list_boards(folder / "none").empty());
+}
+
+// Each fault is named once, and the registers have their old values afterwards.
+TEST(BoardTest, EachFaultByItsName) {
+  struct Fault {
+    const char* what;
+    const char* fault;
+  };
+  for (const Fault& fault :
+       {Fault{"the pixel clock", "it stands still"}, Fault{"refusal of size.columns=2", "accepted"},
+        Fault{"refusal of trigger_period.clocks=0", "accepted"},
+        Fault{"patterns in timeout", "wrote 16777214, read 16777206"},
+        Fault{"refusal of size.rows=0", "refused, but changed"}}) {
+    SCOPED_TRACE(fault.what);
+    const std::string what = fault.what;
+    model::RegisterFile board;
+    std::uint64_t time = 0;
+    std::uint32_t period = 1;
+    std::uint32_t size = board.value(spec::kRegSize);
+    const auto access = [&](bool write, std::uint32_t address, std::uint32_t data) -> model::RegisterAnswer {
+      time += what == "the pixel clock" ? 0 : 20;
+      if (address == spec::kRegTriggerPeriod && what == "refusal of trigger_period.clocks=0") {
+        period = write ? data : period;
+        return {.data = period};
+      }
+      if (address == spec::kRegSize && what.starts_with("refusal of size")) {
+        const bool columns = what == "refusal of size.columns=2";
+        const bool good = data % 4 == 0 && data >> 16U != 0;
+        const bool takes = columns ? data >> 16U != 0 : data % 4 == 0;
+        size = write && takes ? data : size;
+        return {.error = write && (columns ? !takes : !good), .data = size};
+      }
+      model::RegisterAnswer answer = write ? board.write(address, data) : board.read(address, {.time = time});
+      if (!write && address == spec::kRegTimeout && what == "patterns in timeout") {
+        answer.data &= ~8U;  // a bit that is not connected
+      }
+      return answer;
+    };
+    driver::Control control(std::make_unique<sim::AccessPort>(access));
+    std::vector<std::string> found;
+    for (const driver::BoardTestResult& result : driver::test_board(control)) {
+      if (!result.fault.empty()) {
+        found.push_back(result.what + ": " + result.fault);
+      }
+    }
+    EXPECT_EQ(found, std::vector<std::string>{what + ": " + fault.fault});
+    EXPECT_EQ(period, 1U);
+    const model::RegisterFile fresh;
+    for (const std::uint32_t address : {spec::kRegTriggerCamera, spec::kRegTriggerWidth}) {
+      EXPECT_EQ(board.value(address), fresh.value(address)) << address;
+    }
+  }
+}
+
+// Trigger pulses alone are enough to refuse the test.
+TEST(BoardTest, NotWhileItGivesTriggerPulses) {
+  model::RegisterFile board;
+  driver::Control control(port_of(board));
+  control.write("trigger_control.run", 1);
+  EXPECT_EQ(error_of([&] { driver::test_board(control); }),
+            "sim:: the board runs; stop it and its trigger pulses before the test");
 }
 
 TEST(BoardTest, GoodBoardAndBoardsWithAFault) {

@@ -140,7 +140,97 @@ TEST(ImageAssembler, OtherStreamsAndKindsArePassedOver) {
   for (const Line& line : frame(spec::kKindImage, 1)) {
     EXPECT_FALSE(assembler.add(line.view()));
   }
-  EXPECT_EQ(assembler.complete() + assembler.incomplete(), 0U);
+  driver::ImageAssembler codes(spec::kKindCodes, 0);
+  for (const Line& line : frame(spec::kKindImage, 1)) {
+    EXPECT_FALSE(codes.add(line.view()));
+  }
+  EXPECT_EQ(assembler.complete() + assembler.incomplete() + codes.complete() + codes.incomplete(), 0U);
+}
+
+// Of lines that stand between those of another kind nothing is missing.
+TEST(ImageAssembler, KindsInTurn) {
+  driver::ImageAssembler assembler(spec::kKindImage, 0);
+  const auto lines = frame(spec::kKindImage, 1);
+  const auto codes = frame(spec::kKindCodes, 1);
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    EXPECT_EQ(assembler.add(lines[i].view()), i + 1 == lines.size());
+    EXPECT_FALSE(assembler.add(codes[i].view()));
+  }
+  EXPECT_EQ(assembler.complete(), 1U);
+  EXPECT_EQ(assembler.incomplete(), 0U);
+}
+
+// Whatever is wrong with a line in the middle, its frame counts once, and the next one is whole.
+TEST(ImageAssembler, AWrongLineInTheMiddle) {
+  const std::vector<void (*)(Line&)> wrongs = {
+      [](Line& line) { line.status = spec::kStatusIncomplete; }, [](Line& line) { line.header.first_line -= 1; },
+      [](Line& line) { line.header.first_line += 1; }, [](Line& line) { line.header.columns -= 4; },
+      [](Line& line) { line.header.rows -= 1; }};
+  for (std::size_t i = 0; i < wrongs.size(); ++i) {
+    SCOPED_TRACE(i);
+    driver::ImageAssembler assembler(spec::kKindImage, 0);
+    auto lines = frame(spec::kKindImage, 1);
+    wrongs[i](lines[2]);
+    for (const Line& line : lines) {
+      EXPECT_FALSE(assembler.add(line.view()));
+    }
+    EXPECT_EQ(assembler.incomplete(), 1U);
+    bool done = false;
+    for (const Line& line : frame(spec::kKindImage, 2)) {
+      done = assembler.add(line.view());
+    }
+    EXPECT_TRUE(done);
+    EXPECT_EQ(assembler.complete(), 1U);
+    EXPECT_EQ(assembler.incomplete(), 1U);
+  }
+}
+
+// A board that was reset counts from the same number, at another time.
+TEST(ImageAssembler, TheSameNumberAtAnotherTimeIsAnotherFrame) {
+  driver::ImageAssembler assembler(spec::kKindImage, 0);
+  auto lines = frame(spec::kKindImage, 1);
+  EXPECT_FALSE(assembler.add(lines[0].view()));
+  EXPECT_FALSE(assembler.add(lines[1].view()));
+  EXPECT_EQ(assembler.incomplete(), 0U) << "it may still come";
+  bool done = false;
+  for (Line& line : lines) {
+    line.header.time_stamp += 7;
+    done = assembler.add(line.view());
+  }
+  EXPECT_TRUE(done);
+  EXPECT_EQ(assembler.header().time_stamp, lines[0].header.time_stamp);
+  EXPECT_EQ(assembler.header().first_line, 1);
+  EXPECT_EQ(assembler.incomplete(), 1U);
+}
+
+// A frame whose number and time are 0 is one like any.
+TEST(ImageAssembler, TheVeryFirstFrame) {
+  driver::ImageAssembler assembler(spec::kKindImage, 0);
+  bool done = false;
+  auto lines = frame(spec::kKindImage, 0);
+  for (Line& line : lines) {
+    line.header.time_stamp = 0;
+    done = assembler.add(line.view());
+  }
+  EXPECT_TRUE(done);
+}
+
+TEST(ImageAssembler, SizesMayChange) {
+  for (const std::uint8_t kind : {spec::kKindImage, spec::kKindCodes}) {
+    driver::ImageAssembler assembler(kind, 0);
+    std::uint64_t sequence = 0;
+    for (const int columns : {kColumns, kColumns - 8, kColumns + 4}) {
+      bool done = false;
+      for (const Line& line : frame(kind, sequence++, columns)) {
+        done = assembler.add(line.view());
+      }
+      EXPECT_TRUE(done);
+      const auto size = static_cast<std::size_t>(kRows * columns);
+      EXPECT_EQ(assembler.pixels().size(), kind == spec::kKindImage ? size : 0U);
+      EXPECT_EQ(assembler.codes().size(), kind == spec::kKindCodes ? size : 0U);
+      EXPECT_EQ(assembler.header().columns, columns);
+    }
+  }
 }
 
 TEST(ImageAssembler, TooLarge) {
@@ -149,12 +239,32 @@ TEST(ImageAssembler, TooLarge) {
     EXPECT_FALSE(assembler.add(line.view()));
   }
   EXPECT_EQ(assembler.too_large(), 1U);
+  EXPECT_EQ(assembler.incomplete(), 0U);
+}
+
+TEST(ImageAssembler, UpToItsSize) {
+  const auto whole = [](driver::ImageAssembler& assembler) {
+    bool done = false;
+    for (const Line& line : frame(spec::kKindImage, 1)) {
+      done = assembler.add(line.view());
+    }
+    return done;
+  };
+  driver::ImageAssembler fits(spec::kKindImage, 0, kRows, kColumns);
+  EXPECT_TRUE(whole(fits));
+  EXPECT_EQ(fits.too_large(), 0U);
+  driver::ImageAssembler low(spec::kKindImage, 0, kRows - 1, kColumns);
+  EXPECT_FALSE(whole(low));
+  EXPECT_EQ(low.too_large(), 1U);
 }
 
 TEST(ImageAssembler, BadArguments) {
   EXPECT_THROW(driver::ImageAssembler(spec::kKindMoments, 0), std::invalid_argument);
   EXPECT_THROW(driver::ImageAssembler(spec::kKindImage, 256), std::invalid_argument);
+  EXPECT_THROW(driver::ImageAssembler(spec::kKindImage, -1), std::invalid_argument);
   EXPECT_THROW(driver::ImageAssembler(spec::kKindImage, 0, 0), std::invalid_argument);
+  EXPECT_THROW(driver::ImageAssembler(spec::kKindImage, 0, 1, 0), std::invalid_argument);
+  EXPECT_NO_THROW(driver::ImageAssembler(spec::kKindCodes, 255, 1, 1));
 }
 
 }  // namespace

@@ -14,9 +14,12 @@
 #include <span>
 #include <string>
 #include <thread>
+#include <tuple>
+#include <utility>
 #include <vector>
 
 #include "host/driver/boards.h"
+#include "host/driver/clock.h"
 #include "host/driver/control.h"
 #include "host/driver/litepcie_interface.h"
 #include "host/files/file_descriptor.h"
@@ -236,6 +239,138 @@ TEST(LitePcieDevice, ABoardThatIsReset) {
   EXPECT_EQ(reading.newest, 44U);
 }
 
+// A board that begins anew may begin with what it sent last: that is no repetition. What was begun is discarded.
+TEST(LitePcieDevice, AResetInAPacket) {
+  LitePciePlayer player(8, 256);
+  const std::unique_ptr<driver::Device> device = open(player);
+  Reading reading;
+  ASSERT_TRUE(player.write(moments_stream(0, 1)));
+  player.fill();
+  const Bytes cut = moments_packet(1);
+  ASSERT_TRUE(player.write(std::span(cut).first(160)));
+  ASSERT_TRUE(player.write(Bytes(256, 7)));  // never seen: the newest buffer is not known to be finished
+  const std::int64_t before = driver::now_ns();
+  reading.read(*device);
+  ASSERT_EQ(reading.packets, 1U);
+  EXPECT_GE(device->arrival_ns(), before);
+  EXPECT_LE(device->arrival_ns(), driver::now_ns());
+  player.reset();
+  model::PacketView packet;
+  EXPECT_EQ(device->next(packet, kOnce), driver::Next::timeout);
+  ASSERT_TRUE(player.write(moments_stream(0, 2)));
+  player.fill();
+  reading = {};
+  reading.read(*device);
+  EXPECT_EQ(reading.packets, 2U);
+  const driver::Counters counters = device->counters();
+  EXPECT_EQ(counters.delivered, 3U);
+  EXPECT_EQ(counters.repeated, 0U);
+  EXPECT_EQ(counters.restarts, 1U);
+  EXPECT_EQ(counters.reattached, 1U);
+  EXPECT_EQ(counters.read_errors, 0U);
+}
+
+// With less than no time it looks once.
+TEST(LitePcieDevice, LessThanNoTime) {
+  LitePciePlayer player(8, 1024);
+  for (const driver::Wait wait : {driver::Wait::polling, driver::Wait::blocking}) {
+    const std::unique_ptr<driver::Device> device = open(player, {.wait = wait});
+    model::PacketView packet;
+    EXPECT_EQ(device->next(packet, std::chrono::nanoseconds(-1)), driver::Next::timeout);
+    ASSERT_TRUE(player.write(moments_stream(0, 1)));
+    player.fill();
+    EXPECT_EQ(device->next(packet, std::chrono::nanoseconds(-1)), driver::Next::packet);
+  }
+}
+
+// Between the device and the player: it sees what is asked for, and can let single requests fail.
+class WatchedPort final : public driver::DevicePort {
+ public:
+  struct Watch {
+    unsigned long fails = 0;  // the request that fails
+    bool maps = true;
+    std::int64_t read = -1;  // the last count of buffers read
+    std::chrono::nanoseconds longest{0};
+  };
+  WatchedPort(LitePciePlayer& player, Watch& watch) : port_(player), watch_(watch) {}
+
+  int control(unsigned long request, void* argument) override {
+    if (request == driver::litepcie::kRead) {
+      watch_.read = static_cast<driver::litepcie::Read*>(argument)->sw_count;
+    }
+    return request == watch_.fails ? EPERM : port_.control(request, argument);
+  }
+  const std::uint8_t* map(std::size_t bytes, std::int64_t offset) override {
+    errno = ENOMEM;
+    return watch_.maps ? port_.map(bytes, offset) : nullptr;
+  }
+  bool wait(std::chrono::nanoseconds timeout) override {
+    watch_.longest = std::max(watch_.longest, timeout);
+    return port_.wait(timeout);
+  }
+
+ private:
+  LitePciePlayerPort port_;
+  Watch& watch_;
+};
+
+TEST(LitePcieDevice, ASleepingReaderTellsHowFarItIs) {
+  LitePciePlayer player(8, 1024);
+  WatchedPort::Watch watch;
+  const auto device = driver::make_litepcie_device(std::make_unique<WatchedPort>(player, watch), kUri,
+                                                   {.wait = driver::Wait::blocking});
+  ASSERT_TRUE(player.write(moments_stream(0, 15)));  // three buffers, of which two are known to be finished
+  model::PacketView packet;
+  while (device->next(packet, std::chrono::microseconds(300)) == driver::Next::packet) {
+  }
+  EXPECT_EQ(watch.read, 2);
+  EXPECT_LE(watch.longest, std::chrono::microseconds(200));
+  EXPECT_GT(watch.longest.count(), 0);
+  watch.fails = driver::litepcie::kRead;
+  EXPECT_EQ(error_of([&] { device->next(packet, std::chrono::seconds(1)); }),
+            std::string(kUri) + ": its DMA does not answer: " + files::error_text(EPERM));
+}
+
+// Each request that fails is told; and nothing that was taken stays so.
+TEST(LitePcieDevice, RequestsThatFail) {
+  for (const auto& [request, what] : std::vector<std::pair<unsigned long, std::string>>{
+           {driver::litepcie::kBuffers, "is no device of LitePCIe's driver"},
+           {driver::litepcie::kLock, "its DMA cannot be taken"},
+           {driver::litepcie::kDmaWriter, "its DMA cannot be stopped"}}) {
+    LitePciePlayer player(8, 1024);
+    WatchedPort::Watch watch{.fails = request};
+    EXPECT_EQ(error_of([&] { driver::make_litepcie_device(std::make_unique<WatchedPort>(player, watch), kUri, {}); }),
+              std::string(kUri) + ": " + what + ": " + files::error_text(EPERM));
+    EXPECT_FALSE(player.taken);
+    EXPECT_FALSE(player.enabled());
+  }
+  LitePciePlayer player(8, 1024);
+  WatchedPort::Watch watch{.maps = false};
+  EXPECT_EQ(error_of([&] { driver::make_litepcie_device(std::make_unique<WatchedPort>(player, watch), kUri, {}); }),
+            std::string(kUri) + ": its buffers cannot be mapped: " + files::error_text(ENOMEM));
+}
+
+// Numbers and sizes of buffers on both sides of what this program can work with.
+TEST(LitePcieDevice, BuffersOfAnySize) {
+  const std::size_t largest = model::kLargestPacketBytes / spec::kPacketBeatBytes * spec::kPacketBeatBytes;
+  for (const auto& [count, bytes, works] :
+       std::vector<std::tuple<std::size_t, std::size_t, bool>>{{4, 16, true},
+                                                               {3, 16, false},
+                                                               {32768, 16, true},
+                                                               {32769, 16, false},
+                                                               {4, 8, false},
+                                                               {4, 24, false},
+                                                               {4, 0, false},
+                                                               {4, largest, true},
+                                                               {4, largest + 16, false}}) {
+    LitePciePlayer player(count, bytes);
+    EXPECT_EQ(error_of([&] { open(player); }), works ? "none"
+                                                     : std::string(kUri) + ": its driver has " + std::to_string(count) +
+                                                           " buffers of " + std::to_string(bytes) +
+                                                           " bytes, with which this program cannot work");
+  }
+}
+
 TEST(LitePcieDevice, ABoardThatHasGone) {
   model::PacketView packet;
   for (const int error : {ENODEV, EIO}) {
@@ -324,6 +459,10 @@ TEST(LitePciePort, RegistersOfABoard) {
     EXPECT_EQ(error_of([&] { port->write(wrong, 0); }),
               std::string(kUri) + ": has no register at " + std::to_string(wrong));
   }
+  const std::uint32_t last = spec::kRegisters.back().address;
+  EXPECT_EQ(port->word(last), board.read(last, {}).data);
+  EXPECT_EQ(port->write(spec::kRegTimeout, 9), driver::Written::unknown);
+  EXPECT_EQ(board.value(spec::kRegTimeout), 9U);
   error = ENODEV;
   EXPECT_EQ(error_of([&] { static_cast<void>(control.read("size")); }),
             std::string(kUri) + ": the board's registers cannot be reached: " + files::error_text(ENODEV));

@@ -232,10 +232,13 @@ TEST(PacketStreamReader, AnotherSpecification) {
   model::replace_header(other, moments_header(1), spec::kHash ^ 0x55);
   append(stream, other);
   append(stream, moments_packet(2));
+  model::replace_header(other, moments_header(1), spec::kHash, spec::kVersion + 1);
+  append(stream, other);
+  append(stream, moments_packet(3));
   const Outcome result = run(stream);
-  EXPECT_EQ(result.given, (Sequences{0, 2}));
-  EXPECT_EQ(result.counters.other_spec, 1U);
-  EXPECT_EQ(result.counters.bad, 1U);
+  EXPECT_EQ(result.given, (Sequences{0, 2, 3}));
+  EXPECT_EQ(result.counters.other_spec, 2U);
+  EXPECT_EQ(result.counters.bad, 2U);
 }
 
 TEST(PacketStreamReader, RestartDiscardsWhatWasBegun) {
@@ -253,6 +256,94 @@ TEST(PacketStreamReader, RestartDiscardsWhatWasBegun) {
   EXPECT_TRUE(is_intact(view));
   EXPECT_EQ(counters.bytes_discarded, 100U);
   EXPECT_EQ(counters.resynchronized, 1U);
+}
+
+void feed(driver::PacketStreamReader& reader, const Bytes& bytes) {
+  std::copy(bytes.begin(), bytes.end(), reader.room().begin());
+  reader.added(bytes.size());
+}
+
+// A restart with nothing begun discards nothing, and forgets neither what was discarded before nor that bytes may come.
+TEST(PacketStreamReader, RestartAtAPacketsEnd) {
+  driver::Counters counters;
+  driver::PacketStreamReader reader(counters);
+  model::PacketView view;
+  feed(reader, moments_packet(0));
+  ASSERT_TRUE(reader.next(view));
+  reader.restart();
+  feed(reader, moments_packet(1));
+  ASSERT_TRUE(reader.next(view));
+  EXPECT_EQ(counters, driver::Counters{});
+  feed(reader, Bytes(7));
+  ASSERT_FALSE(reader.next(view));
+  reader.restart();
+  feed(reader, moments_packet(2));
+  ASSERT_TRUE(reader.next(view));
+  EXPECT_EQ(counters, (driver::Counters{.bad = 1, .resynchronized = 1, .bytes_discarded = 7}));
+}
+
+// A stream that had ended and begins anew waits for the rest of a packet again.
+TEST(PacketStreamReader, RestartAfterTheEnd) {
+  driver::Counters counters;
+  driver::PacketStreamReader reader(counters);
+  model::PacketView view;
+  reader.finish();
+  reader.restart();
+  const Bytes packet = moments_packet(0);
+  feed(reader, Bytes(packet.begin(), packet.begin() + 100));
+  EXPECT_FALSE(reader.next(view));
+  EXPECT_EQ(reader.held(), 100U);
+  feed(reader, Bytes(packet.begin() + 100, packet.end()));
+  EXPECT_TRUE(reader.next(view));
+  EXPECT_EQ(counters, driver::Counters{});
+}
+
+// Units of zeros behind a good packet count nowhere, also where the stream ends; other zeros are bytes like any.
+TEST(PacketStreamReader, ZerosThatFillUp) {
+  driver::Counters counters;
+  driver::PacketStreamReader reader(counters, 1, 16);
+  model::PacketView view;
+  feed(reader, Bytes(32));
+  feed(reader, moments_packet(0));
+  feed(reader, Bytes(16));
+  ASSERT_TRUE(reader.next(view));
+  EXPECT_EQ(counters, (driver::Counters{.resynchronized = 1, .bytes_discarded = 32})) << "before the first packet";
+  ASSERT_FALSE(reader.next(view));
+  EXPECT_EQ(reader.held(), 0U);
+  feed(reader, Bytes(48));
+  feed(reader, moments_packet(1));
+  ASSERT_TRUE(reader.next(view));
+  EXPECT_EQ(counters.bytes_discarded, 32U);
+  Bytes other = Bytes(16);
+  other.back() = 1;
+  feed(reader, other);
+  EXPECT_FALSE(reader.next(view));
+  EXPECT_EQ(counters, (driver::Counters{.bad = 1, .resynchronized = 1, .bytes_discarded = 48}));
+}
+
+// At the end a packet has begun if its whole magic number is there.
+TEST(PacketStreamReader, TheEndInTheFirstBytes) {
+  const Bytes packet = moments_packet(0);
+  for (std::size_t left = 1; left < 6; ++left) {
+    driver::Counters counters;
+    driver::PacketStreamReader reader(counters);
+    model::PacketView view;
+    feed(reader, Bytes(packet.begin(), packet.begin() + static_cast<std::ptrdiff_t>(left)));
+    EXPECT_FALSE(reader.next(view));
+    EXPECT_EQ(counters, driver::Counters{}) << left;
+    reader.finish();
+    EXPECT_FALSE(reader.next(view));
+    EXPECT_EQ(counters, (driver::Counters{.bad = left < 4 ? 0U : 1U, .bytes_discarded = left})) << left;
+  }
+}
+
+TEST(PacketStreamReader, RoomForTwoOfTheLargest) {
+  driver::Counters counters;
+  for (const std::size_t capacity :
+       {std::size_t{0}, 2 * model::kLargestPacketBytes, 2 * model::kLargestPacketBytes + 1, std::size_t{1} << 20U}) {
+    driver::PacketStreamReader reader(counters, capacity);
+    EXPECT_EQ(reader.room().size(), std::max(capacity, 2 * model::kLargestPacketBytes));
+  }
 }
 
 // Random faults, one after another, between good frames: everything that was not touched is given, and nothing else.
@@ -433,6 +524,85 @@ TEST(PacketTally, SameSequenceAtAnotherTimeIsARestart) {
   header.time_stamp += 5;
   EXPECT_TRUE(tally.accept(header));
   EXPECT_EQ(counters, (driver::Counters{.restarts = 1}));
+}
+
+// The clock goes back although the sequence goes on.
+TEST(PacketTally, TheClockGoesBack) {
+  driver::Counters counters;
+  driver::PacketTally tally(counters);
+  tally.accept(header_of(5, 3));
+  model::PacketHeader header = header_of(9, 4);
+  header.time_stamp = header_of(5, 3).time_stamp - 1;
+  EXPECT_TRUE(tally.accept(header));
+  EXPECT_EQ(counters, (driver::Counters{.lost_board = 4, .missing = 9, .restarts = 1}));
+}
+
+TEST(PacketTally, ARestartOfOneStreamIsNoneOfTheOthers) {
+  driver::Counters counters;
+  driver::PacketTally tally(counters);
+  tally.accept(header_of(100, 9));
+  tally.accept(header_of(100, 9, 1));
+  tally.accept(header_of(0, 0));
+  EXPECT_TRUE(tally.accept(header_of(103, 10, 1)));
+  EXPECT_EQ(counters, (driver::Counters{.lost_board = 1, .missing = 2, .restarts = 1}));
+}
+
+// A count that is less than half of its 32 bits ahead has gone on; sequences have 64 bits.
+TEST(PacketTally, TheLongestLossAndTheLongestGap) {
+  for (const bool too_far : {false, true}) {
+    driver::Counters counters;
+    driver::PacketTally tally(counters);
+    const std::uint32_t lost = 0x7FFF'FFFFU + (too_far ? 1U : 0U);
+    tally.accept(header_of(1, 0));
+    tally.accept(header_of((std::uint64_t{1} << 33U) + 2, lost));
+    const std::uint64_t missing = (std::uint64_t{1} << 33U) + (too_far ? 2 : 0);
+    EXPECT_EQ(counters, (driver::Counters{.lost_board = lost, .missing = missing, .restarts = too_far ? 1U : 0U}));
+  }
+}
+
+// Lines of a raw image and of codes go their own ways, and so do their losses.
+TEST(PacketTally, CodesAndImagesAreKindsOfTheirOwn) {
+  driver::Counters counters;
+  driver::PacketTally tally(counters);
+  for (const std::uint8_t kind : {spec::kKindImage, spec::kKindCodes}) {
+    model::PacketHeader header = header_of(10, kind, 0, kind);
+    header.first_line = 5;
+    EXPECT_TRUE(tally.accept(header));
+    EXPECT_FALSE(tally.accept(header));
+  }
+  EXPECT_EQ(counters, (driver::Counters{.repeated = 2}));
+}
+
+// Of each stream and kind, the first packet of a new writer is none that has come before; the next one can be.
+TEST(PacketTally, ANewWriterMayBeginWithAnything) {
+  driver::Counters counters;
+  driver::PacketTally tally(counters);
+  const std::vector<model::PacketHeader> headers = {header_of(10, 0), header_of(10, 0, 255),
+                                                    header_of(10, 0, 254, spec::kKindImage)};
+  for (const model::PacketHeader& header : headers) {
+    tally.accept(header);
+  }
+  tally.accept(header_of(10, 0, 7));
+  tally.begin_anew();
+  EXPECT_TRUE(tally.accept(header_of(11, 0, 7)));
+  EXPECT_FALSE(tally.accept(header_of(11, 0, 7)));
+  EXPECT_TRUE(tally.accept(headers[0]));
+  EXPECT_FALSE(tally.accept(headers[0]));
+  EXPECT_TRUE(tally.accept(headers[1]));
+  EXPECT_TRUE(tally.accept(headers[2]));
+  EXPECT_FALSE(tally.accept(headers[2]));
+  EXPECT_EQ(counters, (driver::Counters{.missing = 20, .repeated = 3, .restarts = 3}));
+}
+
+TEST(PacketTally, EveryStatusIsAFlag) {
+  driver::Counters counters;
+  driver::PacketTally tally(counters);
+  std::uint64_t sequence = 0;
+  for (const std::uint32_t status : {0U, 1U, 2U, 16U, 0x8000'0000U}) {
+    EXPECT_TRUE(tally.deliver({header_of(sequence++, 0), {}, status, 0}));
+  }
+  EXPECT_FALSE(tally.deliver({header_of(4, 0), {}, 1, 0}));
+  EXPECT_EQ(counters, (driver::Counters{.delivered = 5, .flagged = 4, .repeated = 1}));
 }
 
 TEST(Counters, EachHasOneNameOfItsOwn) {

@@ -5,12 +5,15 @@
 #include <sys/mman.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
+#include <sys/statvfs.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <chrono>
 #include <csignal>
+#include <cstddef>
 #include <cstdint>
 #include <fstream>
 #include <functional>
@@ -20,12 +23,15 @@
 #include <thread>
 #include <vector>
 
+#include "host/driver/clock.h"
 #include "host/driver/ring_memory.h"
 #include "host/driver/ring_writer.h"
+#include "host/files/file_descriptor.h"
 #include "selfproj/driver/device.h"
 #include "selfproj/files/user_error.h"
 #include "tests/host/driver/packets.h"
 #include "tests/host/driver/ring_fixture.h"
+#include "tests/support/error_of.h"
 
 namespace selfproj::test {
 namespace {
@@ -51,6 +57,8 @@ TEST_F(Ring, LargestPacket) {
     ASSERT_TRUE(writer.write(moments_packet(i, spec::kMaxColumns)));
     EXPECT_EQ(read(*device), range(i, i));
   }
+  ASSERT_TRUE(writer.write(largest_packet(3 * kSlots)));
+  EXPECT_EQ(read(*device), range(3 * kSlots, 3 * kSlots));
   EXPECT_THROW(writer.write(Bytes(model::kLargestPacketBytes + 1)), std::invalid_argument);
 }
 
@@ -193,8 +201,11 @@ TEST_F(Ring, ReaderCrashed) {
     device->next(packet, nanoseconds(0));  // held
   });
   EXPECT_FALSE(info().reader);
+  EXPECT_FALSE(writer.has_reader());
   EXPECT_EQ(info().reader_crashes, 1U);
+  EXPECT_NE(info().reader_pid, info().board_pid);
   const auto device = open_ring();
+  EXPECT_EQ(info().reader_pid, static_cast<std::uint32_t>(getpid()));
   EXPECT_TRUE(info().reader);
   EXPECT_EQ(read(*device), range(1, 4)) << "what was held is read once more";
   EXPECT_EQ(info().reader_crashes, 1U);
@@ -229,6 +240,7 @@ TEST_F(Ring, BoardCrashed) {
   EXPECT_FALSE(info().board);
   EXPECT_EQ(info().board_crashes, 1U);
   driver::RingWriter writer(name_, kSlots);
+  EXPECT_EQ(info().board_pid, static_cast<std::uint32_t>(getpid()));
   write(writer, 0, 2);
   EXPECT_EQ(read(*device), range(0, 1));
   EXPECT_EQ(device->counters(), (driver::Counters{.delivered = 7, .restarts = 1, .reattached = 1}));
@@ -273,6 +285,18 @@ TEST_F(Ring, DiscardBacklog) {
   EXPECT_EQ(device->counters(), (driver::Counters{.delivered = 1})) << "what was lost before is not this reader's loss";
 }
 
+// What a board writes after the device was opened is no backlog, even if the reader has not looked yet.
+TEST_F(Ring, WhatComesAfterOpeningIsNotDiscarded) {
+  const auto device = driver::open_device("ring:" + name_, {.wait_for_board = true, .discard_backlog = true});
+  EXPECT_TRUE(read(*device).empty());
+  driver::RingWriter writer(name_, kSlots);
+  write(writer, 0, 3);
+  model::PacketView packet;
+  ASSERT_EQ(device->next(packet, seconds(20)), driver::Next::packet);
+  EXPECT_EQ(packet.header.sequence, 0U);
+  EXPECT_EQ(read(*device), range(1, 2));
+}
+
 TEST_F(Ring, DamagedSlots) {
   driver::RingWriter writer(name_, kSlots);
   const auto device = open_ring();
@@ -290,6 +314,50 @@ TEST_F(Ring, DamagedSlots) {
   memory.header().written.fetch_add(1000);
   EXPECT_TRUE(read(*device).empty());
   EXPECT_EQ(device->counters().bad, 4U);
+}
+
+TEST_F(Ring, EachDamageIsCountedToTheByte) {
+  driver::RingWriter writer(name_, kSlots);
+  const auto device = open_ring();
+  write(writer, 0, 1);
+  Bytes other = moments_packet(1);
+  model::replace_header(other, moments_header(1), spec::kHash ^ 1U);
+  writer.write(other);
+  writer.write(Bytes(50));
+  driver::ring::Memory memory;
+  ASSERT_EQ(memory.attach(driver::ring::shared_name(name_).c_str()), driver::ring::Memory::Found::ring);
+  write(writer, 2, 2);
+  memory.slot(3).bytes = 0xFFFFFFFF;
+  memory.slot(4).bytes += 16;
+  write(writer, 4, 1);
+  EXPECT_EQ(read(*device), (std::vector<std::uint64_t>{0, 4}));
+  const std::uint64_t size = other.size();
+  EXPECT_EQ(device->counters(),
+            (driver::Counters{.delivered = 2,
+                              .missing = 3,
+                              .bad = 4,
+                              .other_spec = 1,
+                              .resynchronized = 1,
+                              .bytes_discarded = size + 50 + model::kLargestPacketBytes + size + 16}));
+}
+
+// After each impossible count the reader is at the newest packet, and finds the next.
+TEST_F(Ring, ImpossibleCountsWhileItReads) {
+  driver::RingWriter writer(name_, kSlots);
+  const auto device = open_ring();
+  write(writer, 0, 3);
+  EXPECT_EQ(read(*device), range(0, 2));
+  driver::ring::Memory memory;
+  ASSERT_EQ(memory.attach(driver::ring::shared_name(name_).c_str()), driver::ring::Memory::Found::ring);
+  memory.header().written.fetch_add(kSlots + 1);
+  EXPECT_TRUE(read(*device).empty());
+  EXPECT_EQ(device->counters().bad, 1U);
+  write(writer, 3, 1);  // the writer's own count is right
+  EXPECT_TRUE(read(*device).empty());
+  EXPECT_EQ(device->counters().bad, 2U);
+  write(writer, 4, 2);
+  EXPECT_EQ(read(*device), range(4, 5));
+  EXPECT_EQ(device->counters(), (driver::Counters{.delivered = 5, .missing = 1, .bad = 2, .resynchronized = 1}));
 }
 
 TEST_F(Ring, EveryPacketWakesAReaderThatSleeps) {
@@ -326,6 +394,17 @@ TEST_F(Ring, BadNamesAndSizes) {
   for (const std::uint32_t slots : {0U, 3U, 131072U}) {
     EXPECT_THROW(driver::RingWriter(name_, slots), UserError) << slots;
   }
+  EXPECT_THROW(driver::remove_ring("a/b"), UserError);
+  EXPECT_THROW(driver::RingWriter::deep_slots("a/b"), UserError);
+}
+
+TEST_F(Ring, NamesUpToTheirLimits) {
+  for (const std::string& name : {std::string("a"), std::string("9_-.Z"), std::string(64, 'x')}) {
+    EXPECT_TRUE(driver::ring::is_name(name)) << name;
+  }
+  for (const std::string& name : {std::string(), std::string(65, 'x'), std::string("a/"), std::string("\xE4")}) {
+    EXPECT_FALSE(driver::ring::is_name(name)) << name;
+  }
 }
 
 TEST_F(Ring, OfAnotherLayout) {
@@ -340,6 +419,340 @@ TEST_F(Ring, OfAnotherLayout) {
   EXPECT_NE(info().problem, "");
   driver::RingWriter writer(name_, kSlots);  // replaces it
   EXPECT_EQ(info().problem, "");
+}
+
+// The beginning of a ring as a test may write it. Nothing but this header takes memory.
+struct Layout {
+  std::uint64_t magic = driver::ring::kMagic;
+  std::uint32_t version = driver::ring::kVersion;
+  std::uint32_t spec_hash = spec::kHash;
+  std::uint32_t slots = kSlots;
+  std::uint32_t slot_bytes = driver::ring::kSlotBytes;
+};
+
+void make_by_hand(const std::string& name, const Layout& layout, std::size_t more_bytes = 0) {
+  const int file = shm_open(driver::ring::shared_name(name).c_str(), O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
+  const std::size_t bytes = driver::ring::ring_bytes(layout.slots) + more_bytes;
+  ASSERT_EQ(ftruncate(file, static_cast<off_t>(bytes)), 0);
+  ASSERT_EQ(pwrite(file, &layout, sizeof layout, 0), static_cast<ssize_t>(sizeof layout));
+  close(file);
+}
+
+// Each field alone makes it a ring that nobody can use, and a board replaces.
+TEST_F(Ring, EachFieldOfTheLayoutCounts) {
+  struct Wrong {
+    const char* what;
+    Layout layout;
+    std::size_t more_bytes = 0;
+  };
+  for (const Wrong& wrong :
+       {Wrong{"version", {.version = driver::ring::kVersion + 1}},
+        Wrong{"specification", {.spec_hash = spec::kHash + 1}}, Wrong{"slots", {.slots = 12}},
+        Wrong{"too many slots", {.slots = 2 * driver::ring::kMaxSlots}},
+        Wrong{"size of a slot", {.slot_bytes = driver::ring::kSlotBytes - 64}}, Wrong{"size", {}, 64}}) {
+    SCOPED_TRACE(wrong.what);
+    make_by_hand(name_, wrong.layout, wrong.more_bytes);
+    EXPECT_EQ(error_of([&] { open_ring(); }), "ring:" + name_ + ": is a ring of another version or specification");
+    EXPECT_THROW(open_patient(), UserError);
+    EXPECT_EQ(info().problem, "another version or specification");
+    const driver::RingWriter writer(name_, kSlots);
+    EXPECT_EQ(info().problem, "");
+    EXPECT_EQ(info().slots, kSlots);
+  }
+  make_by_hand(name_, {.slots = driver::ring::kMaxSlots});
+  EXPECT_EQ(info().slots, driver::ring::kMaxSlots);
+}
+
+// A ring with as many slots as a ring of its own keeps them; the free memory is shared with the rest of the machine.
+TEST_F(Ring, TheDepthOfARing) {
+  for (const std::uint32_t there : {2048U, 4096U, 65536U}) {
+    make_by_hand(name_, {.slots = there});
+    EXPECT_EQ(driver::RingWriter::deep_slots(name_), there);
+  }
+  struct statvfs room {};
+  ASSERT_EQ(statvfs("/dev/shm", &room), 0);
+  std::uint32_t fits = 16384;
+  while (fits > 2048 && driver::ring::ring_bytes(fits) > room.f_bavail * room.f_frsize / 2) {
+    fits /= 2;
+  }
+  make_by_hand(name_, {.slots = 1024});
+  EXPECT_EQ(driver::RingWriter::deep_slots(name_), fits) << "a shallow one is replaced";
+  driver::remove_ring(name_);
+  EXPECT_EQ(driver::RingWriter::deep_slots(name_), fits);
+}
+
+// A board has the lock of a file that is no ring yet, whatever its size.
+TEST_F(Ring, BeingMade) {
+  for (const std::size_t size : {std::size_t{0}, driver::ring::ring_bytes(kSlots)}) {
+    const int file = shm_open(driver::ring::shared_name(name_).c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
+    ASSERT_EQ(ftruncate(file, static_cast<off_t>(size)), 0);
+    struct flock lock {};
+    lock.l_type = F_WRLCK;
+    lock.l_len = 1;
+    ASSERT_EQ(fcntl(file, F_OFD_SETLK, &lock), 0);
+    EXPECT_EQ(info().problem, "a board is making it");
+    model::PacketView packet;
+    EXPECT_EQ(open_ring()->next(packet, nanoseconds(0)), driver::Next::timeout);
+    close(file);
+    EXPECT_EQ(info().problem, "not complete");
+  }
+}
+
+TEST_F(Ring, WhatTheListSays) {
+  driver::RingWriter writer(name_, kSlots);
+  write(writer, 0, 3);
+  {
+    const auto device = open_ring();
+    EXPECT_EQ(read(*device), range(0, 2));
+    EXPECT_EQ(writer.unread(), 0U);
+    write(writer, 3, kSlots + 5);
+    EXPECT_EQ(writer.unread(), kSlots);
+    const driver::RingInfo now = info();
+    EXPECT_EQ(now.slots, kSlots);
+    EXPECT_EQ(now.written, kSlots + 3);
+    EXPECT_EQ(now.read, 3U);
+    EXPECT_EQ(now.lost, 5U);
+    EXPECT_EQ(now.boards, 1U);
+    EXPECT_EQ(now.readers, 1U);
+    EXPECT_EQ(now.board_crashes + now.reader_crashes, 0U);
+  }
+  { const auto device = open_ring(); }
+  EXPECT_EQ(info().readers, 2U);
+  EXPECT_EQ(info().boards, 1U);
+  EXPECT_FALSE(info().reader);
+  EXPECT_EQ(info().reader_crashes, 0U);
+}
+
+TEST_F(Ring, TheListIsSortedAndHasRingsOnly) {
+  const driver::RingWriter b(name_ + "-b", kSlots);
+  const driver::RingWriter a(name_ + "-a", kSlots);
+  const driver::RingWriter c(name_ + "-c", kSlots);
+  const std::vector<std::string> others = {"/selfproj-ring-" + name_ + " d", "/selfproj_ring_" + name_ + "-e"};
+  for (const std::string& other : others) {
+    close(shm_open(other.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600));
+  }
+  std::vector<std::string> mine;
+  for (const driver::RingInfo& ring : driver::list_rings()) {
+    if (ring.name.starts_with(name_)) {
+      mine.push_back(ring.name);
+    }
+  }
+  EXPECT_EQ(mine, (std::vector<std::string>{name_ + "-a", name_ + "-b", name_ + "-c"}));
+  for (const std::string& other : others) {
+    shm_unlink(other.c_str());
+  }
+  for (const std::string& name : mine) {
+    driver::remove_ring(name);
+  }
+}
+
+// The arrival is when the board wrote, however late the reader comes.
+TEST_F(Ring, TheTimeOfArrival) {
+  driver::RingWriter writer(name_, kSlots);
+  const std::int64_t before = driver::now_ns();
+  write(writer, 0, 1);
+  const std::int64_t after = driver::now_ns();
+  const auto device = open_ring();
+  std::this_thread::sleep_for(milliseconds(1));
+  model::PacketView packet;
+  ASSERT_EQ(device->next(packet, nanoseconds(0)), driver::Next::packet);
+  EXPECT_GE(device->arrival_ns(), before);
+  EXPECT_LE(device->arrival_ns(), after);
+}
+
+// A board that is started again goes on where the last one was: what is unread and what was lost stays.
+TEST_F(Ring, ANewBoardGoesOnInAFullRing) {
+  {
+    driver::RingWriter writer(name_, kSlots);
+    write(writer, 0, kSlots + 3);
+  }
+  driver::RingWriter writer(name_, kSlots);
+  EXPECT_EQ(writer.lost(), 0U);
+  EXPECT_EQ(writer.unread(), kSlots);
+  EXPECT_FALSE(writer.write(moments_packet(100)));
+  EXPECT_EQ(writer.lost(), 1U);
+  EXPECT_EQ(info().lost, 4U);
+  const auto device = open_ring();
+  EXPECT_EQ(read(*device), range(0, kSlots - 1));
+  EXPECT_EQ(device->counters(), (driver::Counters{.delivered = kSlots, .lost_ring = 4}));
+}
+
+// A reader knows which board wrote what it finds; packets of one board are no change.
+TEST_F(Ring, PacketsOfTwoBoardsInOneBacklog) {
+  { write(*std::make_unique<driver::RingWriter>(name_, kSlots), 0, 3); }
+  driver::RingWriter writer(name_, kSlots);
+  write(writer, 0, 2);
+  {
+    const auto device = open_ring();
+    EXPECT_EQ(read(*device), (std::vector<std::uint64_t>{0, 1, 2, 0, 1}));
+    EXPECT_EQ(device->counters(), (driver::Counters{.delivered = 5, .restarts = 1, .reattached = 1}));
+  }
+  const auto device = open_ring();
+  write(writer, 2, 2);
+  EXPECT_EQ(read(*device), range(2, 3));
+  EXPECT_EQ(device->counters(), (driver::Counters{.delivered = 2}));
+}
+
+TEST_F(Ring, ANewBoardIsNoChangeToAReaderThatComesAfterIt) {
+  {
+    driver::RingWriter past(name_, kSlots);
+    write(past, 0, kSlots);  // every slot is of its generation
+    EXPECT_EQ(read(*open_ring()).size(), kSlots);
+  }
+  driver::RingWriter writer(name_, kSlots);
+  const auto device = open_ring();
+  write(writer, 0, 1);
+  EXPECT_EQ(read(*device), range(0, 0));
+  EXPECT_EQ(device->counters(), (driver::Counters{.delivered = 1}));
+}
+
+// A reader that asks for no counts has reported the losses of before none the less.
+TEST_F(Ring, LossesAreNotReportedAgainAfterAReaderThatDidNotAsk) {
+  driver::RingWriter writer(name_, kSlots);
+  write(writer, 0, kSlots + 7);
+  EXPECT_EQ(open_ring()->counters().lost_ring, 7U);
+  { const auto device = open_ring(); }
+  EXPECT_EQ(open_ring()->counters().lost_ring, 0U);
+}
+
+// The losses of a ring count on in the one that takes its place.
+TEST_F(Ring, LossesOfTwoRingsAddUp) {
+  driver::RingWriter writer(name_, kSlots);
+  const auto device = open_patient();
+  write(writer, 0, kSlots + 5);
+  EXPECT_EQ(read(*device), range(0, kSlots - 1));
+  ASSERT_TRUE(driver::remove_ring(name_));
+  ASSERT_TRUE(writer.renew_if_removed());
+  model::PacketView packet;
+  const std::uint64_t first = kSlots + 5;
+  write(writer, first, 1);
+  ASSERT_EQ(device->next(packet, seconds(10)), driver::Next::packet);
+  write(writer, first + 1, kSlots + 2);
+  EXPECT_EQ(read(*device), range(first + 1, first + kSlots - 1));
+  EXPECT_EQ(device->counters(),
+            (driver::Counters{.delivered = 2 * kSlots, .lost_ring = 8, .missing = 5, .reattached = 1}));
+  EXPECT_EQ(device->counters().lost_ring, 8U) << "asked twice";
+}
+
+// It was being made when the reader came, and its board has gone when it reads.
+TEST_F(Ring, WrittenAndLeftBeforeTheReaderLooks) {
+  const int file = shm_open(driver::ring::shared_name(name_).c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
+  struct flock lock {};
+  lock.l_type = F_WRLCK;
+  lock.l_len = 1;
+  ASSERT_EQ(fcntl(file, F_OFD_SETLK, &lock), 0);
+  const auto device = open_ring();
+  close(file);
+  { write(*std::make_unique<driver::RingWriter>(name_, kSlots), 0, 3); }
+  EXPECT_EQ(read(*device), range(0, 2));
+  model::PacketView packet;
+  EXPECT_EQ(device->next(packet, seconds(10)), driver::Next::end);
+}
+
+// One that waits for the ring does not take it from another reader.
+TEST_F(Ring, APatientReaderLeavesTheRingToTheOneThatHasIt) {
+  const auto patient = open_patient();
+  driver::RingWriter writer(name_, kSlots);
+  auto other = open_ring();
+  write(writer, 0, 2);
+  EXPECT_TRUE(read(*patient).empty());
+  EXPECT_EQ(info().readers, 1U);
+  EXPECT_EQ(read(*other), range(0, 1));
+  other.reset();
+  write(writer, 2, 1);
+  model::PacketView packet;
+  EXPECT_EQ(patient->next(packet, seconds(10)), driver::Next::packet);
+  EXPECT_EQ(packet.header.sequence, 2U);
+}
+
+// A board that ends and takes its ring with it is the end at once.
+TEST_F(Ring, EndedAndRemoved) {
+  auto writer = std::make_unique<driver::RingWriter>(name_, kSlots);
+  const auto device = open_ring();
+  write(*writer, 0, 2);
+  writer.reset();
+  ASSERT_TRUE(driver::remove_ring(name_));
+  EXPECT_EQ(read(*device), range(0, 1));
+  model::PacketView packet;
+  EXPECT_EQ(device->next(packet, milliseconds(500)), driver::Next::end);
+  EXPECT_EQ(device->counters(), (driver::Counters{.delivered = 2}));
+}
+
+// A board that was killed, and its ring removed, is waited for; with the next one all is well.
+TEST_F(Ring, KilledRemovedAndMadeAgainInTime) {
+  run_and_kill([&] {
+    auto* writer = new driver::RingWriter(name_, kSlots);
+    write(*writer, 0, 3);
+  });
+  const auto device = open_ring();
+  ASSERT_TRUE(driver::remove_ring(name_));
+  EXPECT_EQ(read(*device), range(0, 2));
+  model::PacketView packet;
+  EXPECT_EQ(device->next(packet, milliseconds(60)), driver::Next::timeout);
+  auto writer = std::make_unique<driver::RingWriter>(name_, kSlots);
+  write(*writer, 3, 1);
+  ASSERT_EQ(device->next(packet, seconds(10)), driver::Next::packet);
+  writer.reset();
+  EXPECT_EQ(device->next(packet, milliseconds(500)), driver::Next::end);
+  EXPECT_EQ(device->counters(), (driver::Counters{.delivered = 4, .reattached = 1}));
+}
+
+// A ring that was shortened and has no board is at its end, which counts once.
+TEST_F(Ring, ShortenedWithoutABoard) {
+  auto writer = std::make_unique<driver::RingWriter>(name_, kSlots);
+  const auto device = open_ring();
+  write(*writer, 0, 3);
+  EXPECT_EQ(read(*device), range(0, 2));
+  writer.reset();
+  const int file = shm_open(driver::ring::shared_name(name_).c_str(), O_RDWR | O_CLOEXEC, 0);
+  ASSERT_EQ(ftruncate(file, static_cast<off_t>(driver::ring::ring_bytes(kSlots / 2))), 0);
+  close(file);
+  model::PacketView packet;
+  EXPECT_EQ(device->next(packet, seconds(10)), driver::Next::end);
+  EXPECT_EQ(device->counters(), (driver::Counters{.delivered = 3, .bad = 1}));
+  EXPECT_FALSE(info().reader) << "it has left it";
+}
+
+// Its reader has the old ring still, and reads it.
+TEST_F(Ring, RemovedUnderAReaderNothingIsLost) {
+  driver::RingWriter writer(name_, kSlots);
+  const auto device = open_patient();
+  write(writer, 0, 5);
+  ASSERT_TRUE(driver::remove_ring(name_));
+  EXPECT_TRUE(writer.renew_if_removed());
+  EXPECT_EQ(writer.lost(), 0U);
+  EXPECT_EQ(info().lost, 0U);
+  EXPECT_EQ(read(*device), range(0, 4));
+}
+
+// A longer file is no harm.
+TEST_F(Ring, MadeLongerItGoesOn) {
+  driver::RingWriter writer(name_, kSlots);
+  const auto device = open_ring();
+  const int file = shm_open(driver::ring::shared_name(name_).c_str(), O_RDWR | O_CLOEXEC, 0);
+  ASSERT_EQ(ftruncate(file, static_cast<off_t>(driver::ring::ring_bytes(kSlots) + 4096)), 0);
+  close(file);
+  EXPECT_FALSE(writer.renew_if_removed());
+  write(writer, 0, 2);
+  EXPECT_EQ(read(*device), range(0, 1));
+  EXPECT_EQ(device->counters(), (driver::Counters{.delivered = 2}));
+}
+
+// With its counts gone, the writer knows from its own how many were unread.
+TEST_F(Ring, ShortenedToNothingLosesWhatWasUnread) {
+  driver::RingWriter writer(name_, kSlots);
+  const auto device = open_patient();
+  for (std::uint64_t round = 0; round < 2; ++round) {
+    write(writer, kSlots * round, kSlots);
+    EXPECT_EQ(read(*device), range(kSlots * round, kSlots * round + kSlots - 1));
+  }
+  write(writer, 2 * kSlots, 3);
+  const int file = shm_open(driver::ring::shared_name(name_).c_str(), O_RDWR | O_CLOEXEC, 0);
+  ASSERT_EQ(ftruncate(file, 0), 0);
+  close(file);
+  EXPECT_TRUE(writer.renew_if_removed());
+  EXPECT_EQ(writer.lost(), 3U);
+  EXPECT_EQ(info().lost, 3U);
 }
 
 TEST_F(Ring, InterruptedWhileItWasMade) {
@@ -359,6 +772,8 @@ TEST_F(Ring, NoRoomForIt) {
   signal(SIGXFSZ, SIG_IGN);
   ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &small), 0);
   EXPECT_THROW(driver::RingWriter(name_, 1024), UserError);
+  const std::string most = std::to_string(driver::ring::ring_bytes(65536) >> 20U) + " MiB of shared memory are needed";
+  EXPECT_NE(error_of([&] { driver::RingWriter(name_, 65536); }).find(most), std::string::npos);
   ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &before), 0);
   EXPECT_EQ(info().name, "") << "nothing half made is left";
 }
@@ -607,6 +1022,45 @@ TEST_F(RingDamage, AReaderNeedsTheRightToWrite) {
               return 2;
             }),
             0);
+}
+
+// To look at a ring needs no right to write; without any right it says so, and nobody removes another one's ring.
+TEST_F(RingDamage, WhatAStrangerMayDo) {
+  if (geteuid() != 0) {
+    GTEST_SKIP() << "only root can give a ring to someone else";
+  }
+  const driver::RingWriter writer(name_, kSlots);
+  for (const unsigned mode : {0644U, 0600U}) {
+    const int file = open_file();
+    ASSERT_EQ(fchmod(file, mode), 0);
+    close(file);
+    EXPECT_EQ(status_as_nobody([&] {
+                const driver::RingInfo there = info();
+                const std::string problem = mode == 0600U ? files::error_text(EACCES) : "";
+                const bool told = there.problem == problem && there.slots == (mode == 0600U ? 0U : kSlots);
+                return told && error_of([&] { driver::remove_ring(name_); }) != "none" ? 0 : 1;
+              }),
+              0)
+        << mode;
+  }
+  EXPECT_EQ(info().slots, kSlots);
+}
+
+// A bus error that no ring has made ends the program, as ever.
+TEST_F(RingDamage, OtherBusErrorsActAsUsual) {
+  const driver::RingWriter writer(name_, kSlots);
+  const pid_t child = fork();
+  if (child == 0) {
+    alarm(10);
+    const int file = memfd_create("other", MFD_CLOEXEC);
+    static_cast<void>(ftruncate(file, 4096));
+    auto* const bytes = static_cast<volatile char*>(mmap(nullptr, 4096, PROT_READ, MAP_SHARED, file, 0));
+    static_cast<void>(ftruncate(file, 0));
+    _exit(bytes[0]);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  EXPECT_TRUE(WIFSIGNALED(status) && WTERMSIG(status) == SIGBUS) << status;
 }
 
 }  // namespace

@@ -11,7 +11,10 @@
 #include <string>
 #include <vector>
 
+#include "host/driver/clock.h"
 #include "host/driver/datagram_assembler.h"
+#include "host/driver/udp_socket.h"
+#include "host/files/file_descriptor.h"
 #include "model/datagram.h"
 #include "selfproj/driver/device.h"
 #include "selfproj/files/user_error.h"
@@ -19,6 +22,8 @@
 #include "tests/host/driver/datagram_accounts.h"
 #include "tests/host/driver/packets.h"
 #include "tests/support/datagram_network.h"
+#include "tests/support/error_of.h"
+#include "tests/support/network_board.h"
 
 namespace selfproj::test {
 namespace {
@@ -129,7 +134,7 @@ TEST(Datagrams, NumbersWrapAndAReaderComesLate) {
   sent.erase(sent.begin());
   EXPECT_EQ(assemble(assembler, sent).size(), 18U);
   EXPECT_EQ(counters.lost_network + counters.datagrams_lost, 0U);
-  EXPECT_GT(counters.bytes_discarded, 0U);
+  EXPECT_EQ(counters.bytes_discarded, sent.front().size() - spec::kDatagramHeaderBytes);
 }
 
 // No silence and no burst of losses is needed to stay in step: at each wrap and half-wrap of either number.
@@ -320,6 +325,198 @@ TEST(Datagrams, NewSessionAndALateOneOfTheOld) {
   EXPECT_EQ(counters.datagrams_refused, 1U);
 }
 
+// The datagrams of each packet, all of the same size.
+std::vector<std::vector<Bytes>> cut_alike(model::DatagramCutter& cutter, std::uint64_t first, int count, int columns) {
+  std::vector<std::vector<Bytes>> packets(static_cast<std::size_t>(count));
+  for (std::size_t i = 0; i < packets.size(); ++i) {
+    cutter.packet(moments_packet(first + i, columns), [&](std::span<const std::uint8_t> datagram) {
+      packets[i].emplace_back(datagram.begin(), datagram.end());
+    });
+  }
+  return packets;
+}
+
+std::vector<Bytes> joined(const std::vector<std::vector<Bytes>>& packets) {
+  std::vector<Bytes> all;
+  for (const std::vector<Bytes>& packet : packets) {
+    all.insert(all.end(), packet.begin(), packet.end());
+  }
+  return all;
+}
+
+// A packet that is overtaken by as many as are in assembly beside it is given in its place; by one more, it is lost.
+TEST(Datagrams, OvertakenByPackets) {
+  for (const std::size_t by : {driver::DatagramAssembler::kPackets - 1, driver::DatagramAssembler::kPackets}) {
+    model::DatagramCutter cutter(7);
+    std::vector<Bytes> all = joined(cut_alike(cutter, 0, 200, 16));
+    std::rotate(all.begin() + 50, all.begin() + 51, all.begin() + 51 + static_cast<std::ptrdiff_t>(by));
+    driver::Counters counters;
+    driver::DatagramAssembler assembler(counters);
+    const std::size_t lost = by == driver::DatagramAssembler::kPackets ? 1 : 0;
+    EXPECT_EQ(assemble(assembler, all).size(), 200 - lost);
+    EXPECT_EQ(counters, (driver::Counters{.lost_network = lost, .datagrams_reordered = 1})) << by;
+  }
+}
+
+// What is whole but wrong is bad, and not lost; what begins like no packet is refused.
+TEST(Datagrams, WholeButWrong) {
+  model::DatagramCutter cutter(7);
+  std::vector<Bytes> all;
+  const auto keep = [&](std::span<const std::uint8_t> datagram) { all.emplace_back(datagram.begin(), datagram.end()); };
+  cutter.packet(moments_packet(0), keep);
+  Bytes packet = moments_packet(1);
+  packet.back() ^= 1U;
+  cutter.packet(packet, keep);
+  model::replace_header(packet, moments_header(1), spec::kHash ^ 1U);
+  cutter.packet(packet, keep);
+  packet = moments_packet(1);
+  packet.resize(packet.size() + spec::kPacketBeatBytes);  // more than it announces
+  cutter.packet(packet, keep);
+  cutter.packet(moments_packet(2), keep);
+  Bytes less = all.back();
+  model::DatagramHeader header = *model::read_datagram_header(less);
+  header.length = spec::kHeaderBytes - spec::kPacketBeatBytes;
+  model::write_datagram_header(header, less.data());
+  less.resize(spec::kDatagramHeaderBytes + header.length);
+  all.push_back(less);
+  Bytes far = all.front();
+  header = *model::read_datagram_header(far);
+  header.offset = static_cast<std::uint16_t>(model::kLargestPacketBytes - header.length + spec::kPacketBeatBytes);
+  model::write_datagram_header(header, far.data());
+  all.push_back(far);
+  cutter.packet(moments_packet(3), keep);
+  driver::Counters counters;
+  driver::DatagramAssembler assembler(counters);
+  EXPECT_EQ(assemble(assembler, all), (std::vector<std::uint64_t>{0, 2, 3}));
+  EXPECT_EQ(counters, (driver::Counters{.bad = 3, .other_spec = 1, .datagrams_refused = 2}));
+}
+
+// Without its first piece a packet is lost, whatever a packet before it has left in its place.
+TEST(Datagrams, WithoutTheFirstPiece) {
+  model::DatagramCutter cutter(7);
+  std::vector<Bytes> all = joined(cut_alike(cutter, 0, static_cast<int>(driver::DatagramAssembler::kPackets), 16));
+  std::vector<std::vector<Bytes>> large = cut_alike(cutter, driver::DatagramAssembler::kPackets, 3, 512);
+  large[0].erase(large[0].begin());
+  const std::vector<Bytes> more = joined(large);
+  all.insert(all.end(), more.begin(), more.end());
+  driver::Counters counters;
+  driver::DatagramAssembler assembler(counters);
+  EXPECT_EQ(assemble(assembler, all).size(), driver::DatagramAssembler::kPackets + 2);
+  EXPECT_EQ(counters, (driver::Counters{.lost_network = 1, .datagrams_lost = 1}));
+}
+
+// The last packet before a pause did not come at all; the idle sender says that it was sent.
+TEST(Datagrams, TheLastPacketIsMissed) {
+  model::DatagramCutter cutter(7);
+  std::vector<Bytes> all = joined(cut_alike(cutter, 0, 5, 512));
+  all.resize(all.size() - 3);
+  cutter.idle([&](std::span<const std::uint8_t> datagram) { all.emplace_back(datagram.begin(), datagram.end()); });
+  driver::Counters counters;
+  driver::DatagramAssembler assembler(counters);
+  EXPECT_EQ(assemble(assembler, all).size(), 4U);
+  EXPECT_EQ(counters, (driver::Counters{.lost_network = 1, .datagrams_lost = 3}));
+}
+
+// A stream that never rests tells its loss all the same.
+TEST(Datagrams, AnInterruptionIsCountedWithoutASilence) {
+  model::DatagramCutter before(7);
+  std::vector<Bytes> all = joined(cut_alike(before, 0, 100, 16));
+  model::DatagramCutter after(7, model::kDatagramBytes, 5'100, 5'100);
+  const std::vector<Bytes> more = joined(cut_alike(after, 5'100, 1'100, 16));
+  all.insert(all.end(), more.begin(), more.end());
+  driver::Counters counters;
+  driver::DatagramAssembler assembler(counters);
+  model::PacketView packet;
+  std::uint64_t given = 0;
+  for (const Bytes& datagram : all) {
+    do {
+      while (assembler.next(packet)) {
+        ++given;
+      }
+    } while (!assembler.add(datagram));
+  }
+  EXPECT_EQ(given, 1'199U);
+  EXPECT_EQ(counters, (driver::Counters{.lost_network = 5'000, .datagrams_lost = 5'000}));
+}
+
+// A first piece has at least the header of its packet, and may have no more.
+TEST(Datagrams, PiecesAsLongAsAHeader) {
+  driver::Counters counters;
+  driver::DatagramAssembler assembler(counters);
+  model::DatagramCutter cutter(7, spec::kDatagramHeaderBytes + spec::kHeaderBytes);
+  EXPECT_EQ(assemble(assembler, joined(cut_alike(cutter, 0, 20, 16))).size(), 20U);
+  EXPECT_EQ(counters, driver::Counters{});
+}
+
+// A reader that comes among the first datagrams has missed those before; one that comes later begins where it is.
+TEST(Datagrams, TheFirstSessionIsTakenFromItsBeginning) {
+  for (const int begin : {1, 1'023, 1'024}) {
+    model::DatagramCutter cutter(7);
+    const std::vector<Bytes> all = joined(cut_alike(cutter, 0, 1'100, 16));
+    driver::Counters counters;
+    driver::DatagramAssembler assembler(counters);
+    EXPECT_EQ(assemble(assembler, {all.begin() + begin, all.end()}).size(), static_cast<std::size_t>(1'100 - begin));
+    const std::uint64_t missing = begin < 1'024 ? static_cast<std::uint64_t>(begin) : 0;
+    EXPECT_EQ(counters, (driver::Counters{.lost_network = missing, .datagrams_lost = missing})) << begin;
+  }
+}
+
+// The beginning of a session that began while the receiver listened is not forgotten: all that is missing was lost.
+TEST(Datagrams, TheBeginningOfASessionIsMissed) {
+  for (const int lost : {0, 1, 62, 63, 64, 65, 1'023, 1'024, 1'025}) {
+    model::DatagramCutter first(7);
+    std::vector<Bytes> all = joined(cut_alike(first, 0, 10, 16));
+    model::DatagramCutter second(8);
+    const std::vector<Bytes> more = joined(cut_alike(second, 10, 1'100, 16));
+    all.insert(all.end(), more.begin() + lost, more.end());
+    driver::Counters counters;
+    driver::DatagramAssembler assembler(counters);
+    const auto missing = static_cast<std::uint64_t>(lost);
+    EXPECT_EQ(assemble(assembler, all).size(), 1'110 - missing) << lost;
+    EXPECT_EQ(counters, (driver::Counters{.reattached = 1, .lost_network = missing, .datagrams_lost = missing}))
+        << lost;
+  }
+}
+
+// Of the sessions before, each can go on; what is missing since then was lost.
+TEST(Datagrams, EarlierSessionsGoOn) {
+  std::vector<model::DatagramCutter> cutters;
+  for (std::uint16_t session = 1; session <= 5; ++session) {
+    cutters.emplace_back(session, model::kDatagramBytes, 5'000'000U * session, 3'000'000U * session);
+  }
+  driver::Counters counters;
+  driver::DatagramAssembler assembler(counters);
+  std::uint64_t sequence = 0;
+  std::uint64_t missing = 0;
+  for (const std::size_t which : {0U, 1U, 2U, 3U, 4U, 0U, 2U, 3U, 4U}) {
+    if (sequence >= 50) {  // it was there before
+      static_cast<void>(cut_alike(cutters[which], 0, 5, 16));
+      missing += 5;
+    }
+    EXPECT_EQ(assemble(assembler, joined(cut_alike(cutters[which], sequence, 10, 16))).size(), 10U);
+    sequence += 10;
+    EXPECT_EQ(counters.lost_network, missing) << sequence;
+    EXPECT_EQ(counters.datagrams_lost, missing) << sequence;
+  }
+  EXPECT_EQ(counters.reattached, 8U);
+  EXPECT_EQ(counters.datagrams_refused + counters.bad, 0U);
+}
+
+// Old datagrams of the session do not lead it back, unless they are more than any network delays.
+TEST(Datagrams, OldDatagramsOfTheSession) {
+  for (const std::size_t count : {std::size_t{3}, std::size_t{63}}) {
+    model::DatagramCutter old(7, model::kDatagramBytes, 1'000, 1'000);
+    const std::vector<Bytes> late = joined(cut_alike(old, 0, static_cast<int>(count), 16));
+    model::DatagramCutter cutter(7, model::kDatagramBytes, 200'000, 100'000);
+    std::vector<Bytes> all = joined(cut_alike(cutter, 0, 100, 16));
+    all.insert(all.begin() + 50, late.begin(), late.end());
+    driver::Counters counters;
+    driver::DatagramAssembler assembler(counters);
+    EXPECT_EQ(assemble(assembler, all).size(), 100U);
+    EXPECT_EQ(counters, (driver::Counters{.datagrams_refused = count}));
+  }
+}
+
 // Bytes of any kind neither break it nor become a packet.
 TEST(Datagrams, RandomBytes) {
   for (const std::uint64_t seed : seeds(4)) {
@@ -432,6 +629,44 @@ TEST_F(UdpDevice, ASlowReader) {
   EXPECT_GT(counters.datagrams_overflow, 0U);
 }
 
+// The board sends a packet twice, in datagrams of their own.
+TEST_F(UdpDevice, ARepeatedPacket) {
+  sim::UdpSender sender = board();
+  const std::int64_t before = driver::now_ns();
+  for (const std::uint64_t sequence : {0U, 1U, 1U, 2U}) {
+    sender.send(moments_packet(sequence, 512));
+  }
+  EXPECT_EQ(read(3), 3U);
+  EXPECT_EQ(device_->counters(), (driver::Counters{.delivered = 3, .repeated = 1}));
+  EXPECT_GE(device_->arrival_ns(), before);
+  EXPECT_LE(device_->arrival_ns(), driver::now_ns());
+}
+
+TEST_F(UdpDevice, JumboFrames) {
+  sim::UdpSender sender("127.0.0.1:" + port_, "127.0.0.2", true);
+  for (std::uint64_t i = 0; i < 5; ++i) {
+    sender.send(largest_packet(i));
+  }
+  EXPECT_EQ(read(5), 5U);
+  EXPECT_EQ(device_->counters(), (driver::Counters{.delivered = 5}));
+}
+
+// After a silence the packet of which a datagram did not come counts as lost, without another packet.
+TEST_F(UdpDevice, IncompleteBeforeASilence) {
+  const BoardSocket socket("127.0.0.2", static_cast<std::uint16_t>(std::stoi(port_)));
+  model::DatagramCutter cutter(7);
+  std::vector<Bytes> datagrams = cut_up(cutter, 0, 2);
+  datagrams.resize(datagrams.size() - 4);  // without the last piece, and what the idle sender says
+  const sockaddr_in host = driver::udp_address("", {.host = "127.0.0.1", .port = socket.port()});
+  for (const Bytes& datagram : datagrams) {
+    socket.send({host, datagram});
+  }
+  model::PacketView packet;
+  EXPECT_EQ(device_->next(packet, milliseconds(300)), driver::Next::packet);
+  EXPECT_EQ(device_->next(packet, milliseconds(60)), driver::Next::timeout);
+  EXPECT_EQ(device_->counters(), (driver::Counters{.delivered = 1, .lost_network = 1}));
+}
+
 // It would wait for ever.
 TEST_F(UdpDevice, APortThatAnotherProgramHas) {
   try {
@@ -440,6 +675,30 @@ TEST_F(UdpDevice, APortThatAnotherProgramHas) {
   } catch (const UserError& error) {
     EXPECT_NE(std::string(error.what()).find("another program receives at UDP port " + port_), std::string::npos);
   }
+}
+
+TEST(UdpPlace, HostAndPort) {
+  const auto place = [](const std::string& text) {
+    const driver::UdpPlace found = driver::udp_place("x", text, 7);
+    return found.host + " " + std::to_string(found.port);
+  };
+  EXPECT_EQ(place("board"), "board 7");
+  EXPECT_EQ(place("127.0.0.2:1"), "127.0.0.2 1");
+  EXPECT_EQ(place("board:65535"), "board 65535");
+  for (const std::string text : {"board:", "board:0", "board:65536", "board:-1", "board: 5", "board:5:6"}) {
+    EXPECT_EQ(error_of([&] { place(text); }), "x: '" + text.substr(6) + "' is not a port, 1 to 65535");
+  }
+  EXPECT_EQ(error_of([&] { place(":5"); }), "x: the name of the host is missing");
+}
+
+// For answers any port will do if another program has that of the board.
+TEST(UdpPlace, ASocketOfAnyPort) {
+  const BoardSocket other("127.0.0.1");
+  const driver::UdpPlace place{.host = "127.0.0.2", .port = other.port()};
+  const files::FileDescriptor socket(driver::open_udp_socket("x", place));
+  EXPECT_GE(socket.number(), 0);
+  EXPECT_NE(error_of([&] { driver::open_udp_socket("x", place, true); }).find("another program receives at UDP port"),
+            std::string::npos);
 }
 
 TEST(UdpPlace, WhatIsNoPlace) {
