@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Places and routes the front end for Camera Link alone on an LFE5UM5G-85F, with the deserializer's cells and PLLs.
+"""Places and routes the front end for Camera Link on an LFE5UM5G-85F, with the deserializer's cells and PLLs, alone or
+with the board.
 
     place.py [NAME...] [--seeds N] [--keep]    (takes minutes)
 
@@ -28,6 +29,8 @@ SIDES = (*LINKS, "ecp5_camera_link.lpf", "CABGA554", ("x_pll_clk_i", "y_pll_clk_
 ONE_BANK = "ecp5_camera_link_bank_pins", ("ecp5_camera_link_bank",)
 BANK = (*ONE_BANK, "ecp5_camera_link_bank.lpf", "CABGA554", ("pll_clk_i",))
 BOARD = (*ONE_BANK, "evaluation_board.lpf", "CABGA381", ("pll_clk_i",))
+WITH_BOARD = ("ecp5_camera_link_board", ("ecp5_camera_link_bank",), "ecp5_camera_link_bank.lpf", "CABGA554",
+              ("pll_clk_i",))
 CHIPS = ("sp_camera_link", (), None, "CABGA554", ("x_clk_i", "y_clk_i", "z_clk_i"))
 # What is placed, with its parameters and the camera's clock in MHz
 CONFIGURATIONS = {
@@ -41,23 +44,28 @@ CONFIGURATIONS = {
     "80 bit, in one bank": (BANK, {"Taps": "10", "Columns": "512"}, 85),
     "Full, behind receiver chips": (CHIPS, {"Taps": "8"}, 85),
     "80 bit, behind receiver chips": (CHIPS, {"Taps": "10", "Columns": "512"}, 85),
+    "Full, with the board (512 columns, 127 rows, binary)": (WITH_BOARD, {"Taps": "8"}, 85),
 }
 
 
 def main():
-    words = front_ends.options("The front end for Camera Link alone on an ECP5.", CONFIGURATIONS)
+    words = front_ends.options("The front end for Camera Link on an ECP5.", CONFIGURATIONS)
     measured = {}
     for name, ((top, cells, pins, package, clocks), parameters, megahertz) in words.configurations.items():
         around = [front_ends.PLL, front_ends.START, *(HERE / f"{source}.sv" for source in (*cells, top))] if cells else []
-        text = front_ends.netlist(top, ["sp_camera_link", "sp_channel_link_lock", "sp_channel_link_align"], around,
-                                  parameters, HOME)
+        modules = ["sp_camera_link", "sp_channel_link_lock", "sp_channel_link_align"]
+        if top == WITH_BOARD[0]:
+            modules.append("sp_board")
+            around += front_ends.BOARD_FILES
+        text = front_ends.netlist(top, modules, around, parameters, HOME)
         constraints = (HERE / pins).read_text(encoding="utf-8") if pins else ANY_PINS
         constraints += "".join(f'FREQUENCY PORT "{clock}" {megahertz} MHZ;\n' for clock in clocks)
+        constraints += front_ends.BUS_CLOCK if top == WITH_BOARD[0] else ""
         measured[name] = {"camera_mhz": megahertz,
                           **front_ends.measure(f"{name}, camera at {megahertz} MHz", text, constraints, words.seeds,
                                                r"sclk|[xyz]_clk_i", HOME, package=package)}
     return front_ends.finish(words, "fpga_camera_link",
-                             "The front end for Camera Link alone on an LFE5UM5G-85F, placed and routed: what it takes, "
+                             "The front end for Camera Link on an LFE5UM5G-85F, placed and routed: what it takes, "
                              "and the clocks that seeds reach, in MHz", "constraints/camera_link/place.py --keep", measured)
 
 

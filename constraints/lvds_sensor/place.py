@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Places and routes the front end for serial LVDS sensors alone on an LFE5UM5G-85F, with its pins and cells.
+"""Places and routes the front end for serial LVDS sensors on an LFE5UM5G-85F, with its pins and cells, alone or with the
+board.
 
     place.py [NAME...] [--seeds N] [--keep]    (takes minutes)
 
@@ -19,6 +20,7 @@ from lib import tools  # noqa: E402  front_ends has set its path
 HOME = front_ends.ROOT / "build" / "lvds_sensor"
 BANK = ("ecp5_lvds_sensor", "ecp5_lvds_sensor.lpf", "CABGA554", "eclk_i")
 BOARD = ("ecp5_lvds_sensor_pll", "evaluation_board.lpf", "CABGA381", "pll_clk_i")
+WITH_BOARD = ("ecp5_lvds_sensor_board", *BANK[1:])
 # What is placed: top, pins, package and port of the sensor's clock; parameters; the bits of a lane in a second, in
 # millions
 CONFIGURATIONS = {
@@ -26,21 +28,27 @@ CONFIGURATIONS = {
     "16 lanes of 12 bits, flags": (BANK, {"Bits": "12", "LogDepth": "10"}, 480),
     "4 lanes of 10 bits, codes": (BANK, {"Lanes": "4", "Codes": "1'b1", "Checked": "1'b1"}, 720),
     "the same on the evaluation board": (BOARD, {"Checked": "1'b1"}, 720),
+    "16 lanes of 10 bits, with the board (512 columns, 127 rows, binary)": (WITH_BOARD, {}, 480),
 }
 
 
 def main():
-    words = front_ends.options("The front end for serial LVDS sensors alone on an ECP5.", CONFIGURATIONS)
+    words = front_ends.options("The front end for serial LVDS sensors on an ECP5.", CONFIGURATIONS)
     measured = {}
     for name, ((top, pins, package, clock), parameters, megabits) in words.configurations.items():
         around = [HERE / f"{top}.sv", front_ends.START,
                   *([] if top == BANK[0] else [HERE / f"{BANK[0]}.sv", front_ends.PLL])]
-        text = front_ends.netlist(top, ["sp_lvds_sensor", "sp_lvds_gear"], around, parameters, HOME)
+        modules = ["sp_lvds_sensor", "sp_lvds_gear"]
         constraints = (HERE / pins).read_text(encoding="utf-8") + f'FREQUENCY PORT "{clock}" {megabits / 2} MHZ;\n'
+        if top == WITH_BOARD[0]:
+            modules.append("sp_board")
+            around += front_ends.BOARD_FILES
+            constraints += front_ends.BUS_CLOCK
+        text = front_ends.netlist(top, modules, around, parameters, HOME)
         measured[name] = {"megabits": megabits, **front_ends.measure(f"{name}, {megabits} Mbit/s", text, constraints,
                                                                      words.seeds, "sclk", HOME, package=package)}
     return front_ends.finish(words, "fpga_lvds_sensor",
-                             "The front end for serial LVDS sensors alone on an LFE5UM5G-85F, placed and routed: what it "
+                             "The front end for serial LVDS sensors on an LFE5UM5G-85F, placed and routed: what it "
                              "takes, and the clocks that seeds reach, in MHz", "constraints/lvds_sensor/place.py --keep",
                              measured)
 

@@ -44,6 +44,7 @@ class Top:
 
 LVDS = ("Columns=16", "Burst=16")
 START = "common/ecp5_gearing_start.sv"
+BOARD = ("common/sp_board_bus_pins.sv", "common/sp_board_pins.sv")
 TOPS = [
     Top("sp_board"),
     Top("sp_board", ("MaxColumns=64", "MaxRows=40", "Codes=1'b1", "Verdict=1'b1", "VerdictLogSections=1")),
@@ -62,7 +63,12 @@ TOPS = [
     Top("ecp5_camera_link_bank_pins", (), ("common/ecp5_pll.sv", START,
                                            "camera_link/ecp5_camera_link_bank_pins.sv",
                                            "camera_link/ecp5_camera_link_bank.sv")),
+    Top("ecp5_camera_link_board", ("MaxColumns=64", "MaxRows=40"), (
+        "common/ecp5_pll.sv", START, *BOARD, "camera_link/ecp5_camera_link_board.sv",
+        "camera_link/ecp5_camera_link_bank.sv")),
     Top("ecp5_lvds_sensor", LVDS, (START, "lvds_sensor/ecp5_lvds_sensor.sv")),
+    Top("ecp5_lvds_sensor_board", ("MaxColumns=64", "MaxRows=40", "Columns=16", "Burst=16"), (
+        START, *BOARD, "lvds_sensor/ecp5_lvds_sensor_board.sv", "lvds_sensor/ecp5_lvds_sensor.sv")),
     Top("ecp5_lvds_sensor_pll", (), ("common/ecp5_pll.sv", START, "lvds_sensor/ecp5_lvds_sensor_pll.sv",
                                      "lvds_sensor/ecp5_lvds_sensor.sv")),
 ]

@@ -288,6 +288,9 @@ TEST(CameraLinkFull, AfterAResetTheNextFrameIsTheFirst) {
 TEST(CameraLinkEighty, AfterAResetTheNextFrameIsTheFirst) {
   expect_whole_frames_after_a_reset<Vsp_camera_link_eighty_short>(10);
 }
+TEST(CameraLinkEightTens, AfterAResetTheNextFrameIsTheFirst) {
+  expect_whole_frames_after_a_reset<Vsp_camera_link_eight_tens_short>(8, 10);
+}
 
 // --- Damaged words ---
 

@@ -43,9 +43,11 @@ class CameraLinkBench : public LinkOutputs {
     clocks(100);
   }
 
-  void reset() {
+  bool stopped = false;  // the links' clocks; what is sent meanwhile waits
+
+  void reset(int length = 4) {
     dut_->rst_i = 1;
-    clocks(4);
+    clocks(length);
     dut_->rst_i = 0;
     dut_.outputs_are_known();
   }
@@ -182,12 +184,12 @@ class CameraLinkBench : public LinkOutputs {
     const std::int64_t now = std::min({links_[0].next, links_[1].next, links_[2].next, next_board_});
     std::array<bool, kLinks> rises{};
     for (std::size_t number = 0; number < kLinks; ++number) {
-      rises[number] = links_[number].next == now;
+      rises[number] = links_[number].next == now && !stopped;
       if (rises[number]) {
         clock(number) = 0;
         set(number);
-        links_[number].next += kWord;
       }
+      links_[number].next += links_[number].next == now ? kWord : 0;
     }
     const bool board = next_board_ == now;
     if (board) {

@@ -268,6 +268,28 @@ TEST(ChannelLinkLock, ALaneOutOfPlaceIsNoticed) {
 }
 
 // In reset there is neither a lock nor a word nor an error.
+// A clock lane that is never right: seven steps of two samples, then one by a clock, which align_o does not show.
+TEST(ChannelLinkLock, EveryEighthStepExchangesTheClocks) {
+  Clocked<Vsp_channel_link_lock_twice> dut;
+  dut.valid_when({"word_o"}, [&] { return dut->valid_o != 0; });
+  dut->lanes_i = 0;
+  dut->rst_i = 1;
+  dut.reset();
+  std::vector<int> rises;
+  for (int clock = 0, before = 0; clock < 16 * 33; ++clock) {
+    dut.settle();
+    if (dut->align_o != 0 && before == 0) {
+      rises.push_back(clock);
+    }
+    before = dut->align_o;
+    dut.rise();
+  }
+  ASSERT_GE(rises.size(), 28U);
+  for (std::size_t i = 1; i < rises.size(); ++i) {
+    EXPECT_NEAR(rises[i] - rises[i - 1], i % 7 == 0 ? 32 : 16, 1) << "rise " << i;
+  }
+}
+
 TEST(ChannelLinkLock, ResetEndsTheLock) {
   for_cases(10, [&](std::uint64_t seed) {
     LockBench<Vsp_channel_link_lock> bench(seed, 1);
