@@ -2,7 +2,10 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -22,11 +25,16 @@
 #include "host/structured_light/sequence_check.h"
 #include "selfproj/files/user_error.h"
 #include "selfproj/images/float_image.h"
+#include "selfproj/model/gray_decoder.h"
+#include "selfproj/rig/calibration.h"
 #include "selfproj/rig/rig.h"
 #include "selfproj/structured_light/gray_sequence.h"
+#include "selfproj/structured_light/lens_triangulation.h"
 
 namespace selfproj::app {
 namespace {
+
+constexpr double kLeastSeen = 0.05;  // of the projector's pixels; a small part before a black background shows more
 
 struct StripesOptions {
   std::string rig = "scanner";
@@ -66,6 +74,32 @@ void add_folder(const rig::Rig& rig, const StripesOptions& options, const std::v
   }
 }
 
+// What the points contradict, as those of a scan that `depth` would measure.
+std::string contradiction_of(const rig::Rig& rig, const structured_light::ProjectorPoints& points) {
+  const structured_light::GraySequence sequence(rig.projector.columns, rig.projector.lines);
+  const structured_light::LensTriangulation triangulation(
+      rig::calibration_of(rig), {.rows = rig.camera.rows,
+                                 .columns = rig.camera.columns,
+                                 .bits = sequence.row_bits(),
+                                 .row_bits = sequence.column_bits(),
+                                 .limits = {.max_z_per_line_mm = rig.measure.max_z_per_line_mm},
+                                 .rows_are_x = true});
+  const auto words_of = [](const images::FloatImage& places) {
+    std::vector<std::uint16_t> words(places.values.size());
+    std::transform(places.values.begin(), places.values.end(), words.begin(), [](float place) {
+      const auto code = static_cast<int>(std::lround(std::max(0.0F, place)));
+      return static_cast<std::uint16_t>(std::isnan(place) ? 0 : code | model::GrayDecoder::kMeasurable);
+    });
+    return words;
+  };
+  const std::vector<std::uint16_t> lines = words_of(points.line);
+  const std::vector<std::uint16_t> columns = words_of(points.column);
+  std::vector<float> z(triangulation.pixels());
+  std::vector<structured_light::PointState> states(triangulation.pixels());
+  triangulation.depth_of_both(lines.data(), columns.data(), z.data(), states.data(), nullptr);
+  return structured_light::contradiction_of(triangulation, lines.data(), structured_light::count_states(states));
+}
+
 structured_light::ProjectorPoints scanned(const rig::Rig& rig, const StripesOptions& options) {
   const std::vector<std::string> files = images::files_of_folder(options.scan);
   if (options.gray_code) {
@@ -82,12 +116,22 @@ structured_light::ProjectorPoints scanned(const rig::Rig& rig, const StripesOpti
     const auto codes = static_cast<std::size_t>(sequence.white());
     structured_light::SequenceCheck of_columns(rig.camera.rows, rig.camera.columns, sequence.column_bits());
     structured_light::SequenceCheck of_lines(rig.camera.rows, rig.camera.columns, sequence.row_bits());
+    std::array<images::Image, 2> last;
     add_folder(rig, options, files, scan, [&](std::size_t i, const images::Image& image) {
       if (i < codes) {
         (i < columns ? of_columns : of_lines).add(static_cast<int>(i < columns ? i : i - columns), image.view());
+      } else {
+        last.at(i - codes) = image;
       }
     });
-    std::string contradiction = structured_light::contradiction_of(of_columns, files);
+    std::string contradiction;
+    if (files.size() == all && !structured_light::SequenceCheck::is_white_and_black(last[0].view(), last[1].view())) {
+      contradiction = fmt::format("{} and {} are no white and black picture: do they follow the codes, white first?",
+                                  files[all - 2], files[all - 1]);
+    }
+    if (contradiction.empty()) {
+      contradiction = structured_light::contradiction_of(of_columns, files);
+    }
     if (contradiction.empty()) {
       contradiction =
           structured_light::contradiction_of(of_lines, {files.begin() + sequence.first_of_rows(), files.end()});
@@ -122,6 +166,7 @@ void run_stripes(const StripesOptions& options) {
     return;
   }
   const structured_light::ProjectorPoints points = scanned(rig, options);
+  cli::refuse_contradiction(options.scan, contradiction_of(rig, points), options.unchecked);
   structured_light::Stripes stripes = options.stripes;
   stripes.code = options.reflected ? structured_light::StripeCode::reflected : structured_light::StripeCode::cyclic;
   structured_light::SelfReference reference;
@@ -129,6 +174,16 @@ void run_stripes(const StripesOptions& options) {
     reference = structured_light::make_self_reference(rig, points, stripes);
   } catch (const std::invalid_argument&) {
     throw UserError(options.scan, "no camera pixel sees both a line and a column of the scan");
+  }
+  const double seen = static_cast<double>(std::count(reference.seen.begin(), reference.seen.end(), 1)) /
+                      static_cast<double>(reference.seen.size());
+  if (seen < kLeastSeen) {
+    cli::refuse_contradiction(
+        options.scan,
+        fmt::format("the camera sees {:.1f} % of the projector's pixels on the reference, and the patterns would be "
+                    "invented elsewhere: is there enough light, and are these the images of the scan?",
+                    100 * seen),
+        options.unchecked);
   }
   structured_light::write_self_reference(rig, reference, folder);
   folder.append("preview.png",
@@ -140,12 +195,11 @@ void run_stripes(const StripesOptions& options) {
   for (std::size_t i = 0; i < points.line.values.size(); ++i) {
     measurable += reference.measurable(i) ? 1 : 0;
   }
-  const auto seen = static_cast<double>(std::count(reference.seen.begin(), reference.seen.end(), 1));
   fmt::print(
       "{}: {} bits, {} code; reference in {} of {} camera pixels; {:.1f} % of the projector's seen, the rest "
       "filled in\n",
       options.out, stripes.bits, options.reflected ? "reflected" : "cyclic", measurable, points.line.values.size(),
-      100 * seen / static_cast<double>(reference.seen.size()));
+      100 * seen);
 }
 
 }  // namespace

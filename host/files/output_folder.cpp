@@ -16,6 +16,7 @@
 #include <cstring>
 #include <filesystem>
 #include <memory>
+#include <set>
 #include <string>
 #include <string_view>
 #include <system_error>
@@ -220,10 +221,39 @@ void OutputFolder::append(const std::string& file, std::string_view text) {
   }
 }
 
+// Throws UserError if the folder holds numbered files of a series of this run that the run has not written.
+void OutputFolder::check_series() const {
+  // The name without its number; empty if it has none.
+  const auto series_of = [](const std::string& file) {
+    const fs::path path(file);
+    const std::string stem = path.stem().string();
+    const std::size_t end = stem.find_last_not_of("0123456789") + 1;
+    return stem.size() - end < 2 ? std::string() : stem.substr(0, end) + path.extension().string();
+  };
+  std::set<std::string> series;
+  for (const std::string& file : files_) {
+    series.insert(series_of(file));
+  }
+  series.erase("");
+  const std::set<std::string> written(files_.begin(), files_.end());
+  std::string other;
+  std::error_code error;
+  for (fs::directory_iterator at(target_, error), end; !error && at != end; at.increment(error)) {
+    const std::string file = at->path().filename().string();
+    if (written.count(file) == 0 && series.count(series_of(file)) != 0 && (other.empty() || file < other)) {
+      other = file;
+    }
+  }
+  if (!other.empty()) {
+    throw UserError(name_, "holds numbered files of another run, such as " + other + "; give another folder");
+  }
+}
+
 void OutputFolder::commit() {
   if (staging_ == nullptr) {
     create_staging();
   }
+  check_series();
   for (const std::string& file : files_) {
     check(file);  // inputs that were read since
     if (!synchronize(staging_->path() / file)) {

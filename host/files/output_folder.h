@@ -20,6 +20,9 @@ namespace selfproj::files {
 // point, the current folder or one above it, if its parent folder cannot be written to, or if the file system lacks
 // exchange or hard links. Then only SIGKILL or a loss of power between these renames leaves old and new files mixed.
 //
+// Numbered files (NAME_00.EXT, two digits or more) are a series, which is read as a whole: a folder that has files of
+// the same series beyond those of this run is refused.
+//
 // No file of it may be an input of the run (run_files.h).
 class OutputFolder {
  public:
@@ -45,6 +48,7 @@ class OutputFolder {
 
  private:
   void create_staging();
+  void check_series() const;
   void move_in_new();
   [[nodiscard]] bool exchange();
   void move_in_each();

@@ -62,6 +62,20 @@ void note_contradiction(DepthRun& run, const std::string& contradiction) {
   }
 }
 
+// Notes that the images have no code, or hardly any.
+void note_no_code(DepthRun& run) {
+  static constexpr std::size_t kFew = 200;  // pixels
+  const bool none = std::all_of(run.all_shares.begin(), run.all_shares.end(), [](const OfImage<DepthShares>& shares) {
+    const std::size_t coded = shares.value.total() - shares.value.of(PointState::not_measurable);
+    return coded < std::clamp<std::size_t>(shares.value.total() / 1000, 1, kFew);
+  });
+  if (none) {
+    note_contradiction(run,
+                       "no pixel has a code, or hardly any: is there light, and is the threshold below the contrast of "
+                       "positive and negative?");
+  }
+}
+
 // Reads the next 2 bits images and makes the words of one axis' code.
 class AxisDecoder {
  public:
@@ -151,13 +165,7 @@ DepthRun depth_of_images(const DepthSetup& setup, images::ImageSequence& images,
     }
   }
   finish(scanner, run);
-  if (std::all_of(run.all_shares.begin(), run.all_shares.end(), [](const OfImage<DepthShares>& shares) {
-        return shares.value.of(PointState::not_measurable) == shares.value.total();
-      })) {
-    note_contradiction(run,
-                       "no pixel has a code: is there light, and is the threshold below the contrast of positive "
-                       "and negative?");
-  }
+  note_no_code(run);
   if (run.depth_images > 0) {
     run.doubt = doubt_of(triangulation, scanner.codes().data());
     run.light = light_of_pair(pair);
@@ -188,6 +196,7 @@ DepthRun depth_of_both_axes(const DepthSetup& setup, images::ImageSequence& imag
   note_contradiction(run, contradiction_of(*triangulation, column_codes.data(), run.shares));
   run.doubt = doubt_of(*triangulation, column_codes.data());
   run.all_shares.push_back({images.count() / 2 - 1, run.shares});
+  note_no_code(run);
   residuals.erase(std::remove_if(residuals.begin(), residuals.end(), [](float value) { return std::isnan(value); }),
                   residuals.end());
   if (!residuals.empty()) {

@@ -97,12 +97,15 @@ LensTriangulation::Found LensTriangulation::solve(std::size_t pixel, std::uint16
   const Point3f one = point(pixel, 1);
   const cv::Vec3d ray = calibration_.rotation * cv::Vec3d(static_cast<double>(one.x), static_cast<double>(one.y), 1);
   const cv::Vec3d& t = calibration_.translation;
-  // A first z from the plane of the column at this row.
+  // A first z from the plane of the column at this row and, with both codes, that of the row at this column (least
+  // squares): below or above the camera, a projector's columns say nothing.
   const std::optional<cv::Vec2d> flat = lens.ray({column, row});
   if (!flat) {
     return fails(PointState::no_intersection);
   }
-  double z = ((*flat)[0] * t[2] - t[0]) / (ray[0] - (*flat)[0] * ray[2]);
+  const cv::Vec2d per_z(ray[0] - (*flat)[0] * ray[2], ray[1] - (*flat)[1] * ray[2]);
+  const cv::Vec2d at((*flat)[0] * t[2] - t[0], (*flat)[1] * t[2] - t[1]);
+  double z = row_code == nullptr ? at[0] / per_z[0] : per_z.dot(at) / per_z.dot(per_z);
   cv::Vec2d slope;
   cv::Vec2d off;
   bool converged = false;
@@ -115,13 +118,14 @@ LensTriangulation::Found LensTriangulation::solve(std::size_t pixel, std::uint16
     z -= change;
     converged = std::abs(change) < kClose;
   }
-  if (!converged || !(z > 0 && ray[2] * z + t[2] > 0) || !(slope[0] * sign_ > 0)) {
+  // With the columns alone, z must change with them as in the middle of the image.
+  if (!converged || !(z > 0 && ray[2] * z + t[2] > 0) || (row_code == nullptr && !(slope[0] * sign_ > 0))) {
     return fails(PointState::no_intersection);
   }
   found.z = z;
   found.residual = row_code == nullptr ? 0 : std::hypot(off[0], off[1]);
   const DepthLimits& limits = settings_.limits;
-  if (!(1 < limits.max_z_per_line_mm * std::abs(slope[0]))) {
+  if (!(1 < limits.max_z_per_line_mm * (row_code == nullptr ? std::abs(slope[0]) : cv::norm(slope)))) {
     return fails(PointState::too_coarse);
   }
   if (!(z > limits.min_z_mm && z < limits.max_z_mm)) {

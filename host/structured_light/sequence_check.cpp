@@ -40,6 +40,9 @@ constexpr double kFastPace = 1.6;
 constexpr double kAcross = 2;
 constexpr double kBeyond = 0.05;  // of the codes
 constexpr double kFewPoints = 1e-3;
+constexpr double kFewOfUnmet = 0.02;  // points, where many codes meet no ray
+constexpr double kUnmet = 0.3;
+constexpr double kFewCodes = 0.05;
 constexpr double kOffLine = 0.5;   // of the pixels of which both codes are on the projector
 constexpr int kNone = -1;          // no Gray code
 constexpr std::size_t kReach = 6;  // pixels from a clear pixel to the next, where a border may lie between them
@@ -450,6 +453,13 @@ std::string contradiction_of(const Triangulation& triangulation, const std::uint
            "begin with the columns; "
            "--row-bits takes both), or is the geometry that of another setup?";
   }
+  const double unmet = of(PointState::no_line) + of(PointState::no_intersection) + of(PointState::off_line);
+  if (of(PointState::valid) < kFewOfUnmet * measured && unmet > kUnmet * measured) {
+    return fmt::format(
+        "{:.1f} % of the pixels with a code have a point, and the codes of {:.0f} % contradict the geometry: are "
+        "geometry, bits and lines those of the images?",
+        100 * of(PointState::valid) / measured, 100 * unmet / measured);
+  }
   if (of(PointState::valid) < kFewPoints * measured && of(PointState::out_of_range) > 0.5 * measured) {
     return fmt::format("{:.0f} % of the codes have a point outside of the limits of z: are these right?",
                        100 * of(PointState::out_of_range) / measured);
@@ -463,6 +473,13 @@ std::string contradiction_of(const Triangulation& triangulation, const std::uint
 }
 
 std::string doubt_of(const Triangulation& triangulation, const std::uint16_t* codes) {
+  const std::size_t pixels = triangulation.pixels();
+  const auto coded = static_cast<double>(std::count_if(
+      codes, codes + pixels, [](std::uint16_t code) { return (code & model::GrayDecoder::kMeasurable) != 0; }));
+  if (kFewCodes * static_cast<double>(pixels) > std::max(coded, static_cast<double>(kMinLit))) {
+    return fmt::format("{:.1f} % of the pixels have a code: is there enough light?",
+                       100 * coded / static_cast<double>(pixels));
+  }
   const std::optional<Pace> pace = pace_of(triangulation, codes);
   return !pace || (pace->along > kSlowPace && pace->along < kFastPace)
              ? ""

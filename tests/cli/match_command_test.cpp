@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <string>
@@ -304,6 +305,39 @@ TEST_F(MatchCommand, RefusesImagesOfOtherPatterns) {
 
 TEST_F(MatchCommand, RefusesWrongScans) {
   scan();
+  // Scans from which no right pattern can come
+  const auto contradicts = [&](const std::string& folder, const std::string& text) {
+    const std::vector<std::string> arguments{"pattern", "stripes",     "--rig", "rig.yaml", "--scan",
+                                             folder,    "--gray-code", "--out", "out"};
+    const Outcome outcome = run(arguments);
+    EXPECT_EQ(outcome.status, 1) << outcome.err;
+    EXPECT_EQ(outcome.err.find("selfproj: " + folder + ": "), 0U) << outcome.err;
+    EXPECT_NE(outcome.err.find(text), std::string::npos) << outcome.err;
+    EXPECT_FALSE(fs::exists(folder_ / "out"));
+  };
+  const auto changed = [&](const std::string& folder, const std::function<cv::Mat(int, const cv::Mat&)>& change) {
+    fs::create_directory(folder_ / folder);
+    const int count = structured_light::GraySequence(rig_.projector.columns, rig_.projector.lines).count();
+    for (int i = 0; i < count; ++i) {
+      const std::string name = fmt::format("{:03}.png", i);
+      const cv::Mat image = cv::imread((folder_ / "scan" / name).string(), cv::IMREAD_UNCHANGED);
+      ASSERT_TRUE(cv::imwrite((folder_ / folder / name).string(), change(count - 1 - i, image)));
+    }
+  };
+  changed("mirrored", [](int /*left*/, const cv::Mat& image) {
+    cv::Mat other;
+    cv::flip(image, other, 1);
+    return other;
+  });
+  contradicts("mirrored", "belong to no common point");
+  changed("negative_white", [](int left, const cv::Mat& image) { return left < 2 ? cv::Mat(160 - image) : image; });
+  contradicts("negative_white", "no white and black picture");
+  changed("dark", [](int left, const cv::Mat& image) {
+    cv::Mat other = image.clone();
+    other.colRange(3, image.cols).setTo(10);
+    return left < 2 ? image : other;
+  });
+  contradicts("dark", "% of the projector's pixels on the reference");
   refused({"pattern", "stripes", "--rig", "rig.yaml", "--out", "out"}, {"--scan", "--sweep"});
   refused({"pattern", "stripes", "--rig", "rig.yaml", "--scan", "scan", "--out", "out"}, {"scan", "images", "224"});
   refused({"pattern", "stripes", "--rig", "rig.yaml", "--scan", "nowhere", "--out", "out"}, {"nowhere"});

@@ -49,6 +49,29 @@ TEST(OutputFolder, AppearsWithTheCommit) {
   EXPECT_EQ(read_text(scratch.path() / "results" / "b"), "2");
 }
 
+// Whoever reads a series takes all of its files.
+TEST(OutputFolder, NoSeriesOfTwoRuns) {
+  const ScratchFolder scratch;
+  const auto run = [&](int count) {
+    files::OutputFolder output(scratch / "results");
+    for (int i = 0; i < count; ++i) {
+      output.append("frame_0" + std::to_string(i) + ".png", std::to_string(count));
+    }
+    output.commit();
+  };
+  run(3);
+  fs::create_directory(scratch / "results" / "frame_07.png.d");
+  write_text(scratch / "results" / "frame_07.txt", "another kind");
+  write_text(scratch / "results" / "frame_7.png", "one digit");
+  run(3);
+  EXPECT_EQ(error_of([&] {
+              run(2);
+            }).find((scratch / "results").string() + ": holds numbered files of another run, such as frame_02.png"),
+            0U);
+  EXPECT_EQ(read_text(scratch.path() / "results" / "frame_00.png"), "3") << "nothing is written";
+  run(4);
+}
+
 TEST(OutputFolder, ReplacesItsFilesAndKeepsOthers) {
   const ScratchFolder scratch;
   fs::create_directory(scratch / "results");

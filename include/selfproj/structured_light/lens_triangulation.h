@@ -58,8 +58,9 @@ class LensTriangulation : public Triangulation {
   }
   [[nodiscard]] const LensSettings& settings() const { return settings_; }
 
-  // Both axes, from words of the columns' and of the rows' code. `states` and `residual_px` may be null. The residual
-  // is NaN if there is no depth.
+  // Both axes, from words of the columns' and of the rows' code. The projector may lie to any side of the camera. The
+  // limit of z for a line is one for a projector pixel, in whatever direction the point moves there. `states` and
+  // `residual_px` may be null. The residual is NaN if there is no depth.
   void depth_of_both(const std::uint16_t* codes, const std::uint16_t* row_codes, float* z, PointState* states,
                      float* residual_px) const;
 

@@ -117,6 +117,51 @@ TEST(LensTriangulation, FindsTheDepthOfTheColumnOrOfBothCodes) {
   }
 }
 
+// With both codes the projector may lie to any side: where it is above or below the camera, its columns say nothing of
+// the depth, or the opposite left and right in the image.
+TEST(LensTriangulation, BothCodesNeedNoSide) {
+  constexpr int kBits = 11;
+  for (const std::uint64_t seed : seeds(30)) {
+    SCOPED_TRACE(how_to_repeat(seed));
+    Random random(seed);
+    const int rows = random.between(8, 24);
+    const int columns = random.between(8, 32);
+    rig::Calibration calibration = random_calibration(random, columns, rows);
+    const double a = (random.chance(50) ? 1 : -1) * uniform(random, 0.2, 0.4);  // down or up
+    const double b = uniform(random, -0.05, 0.05);
+    calibration.rotation = cv::Matx33d(1, 0, 0, 0, std::cos(a), std::sin(a), 0, -std::sin(a), std::cos(a)) *
+                           cv::Matx33d(std::cos(b), 0, std::sin(b), 0, 1, 0, -std::sin(b), 0, std::cos(b));
+    calibration.translation = {uniform(random, -5, 5), (a > 0 ? -1 : 1) * uniform(random, 160, 220), 0};
+    const structured_light::LensTriangulation triangulation(
+        calibration,
+        {.rows = rows, .columns = columns, .bits = kBits, .row_bits = kBits, .limits = {.max_z_per_line_mm = 8}});
+    std::vector<std::uint16_t> codes(triangulation.pixels()), row_codes(codes.size());
+    std::vector<double> truth(codes.size());
+    std::size_t coded = 0;
+    for (std::size_t i = 0; i < codes.size(); ++i) {
+      const auto [at_row, at_column] = place_of(i, columns);
+      const Point3 ray = camera_ray(calibration.camera, at_column, at_row);
+      truth[i] = uniform(random, 550, 850);
+      const auto [column, row] = projector_sees(calibration, ray, truth[i]);
+      if (std::abs(column - 640) < 640 && std::abs(row - 400) < 400) {
+        codes[i] = static_cast<std::uint16_t>(static_cast<int>(std::lround(column)) | kMeasurable);
+        row_codes[i] = static_cast<std::uint16_t>(static_cast<int>(std::lround(row)) | kMeasurable);
+        ++coded;
+      }
+    }
+    std::vector<float> z(codes.size());
+    std::vector<structured_light::PointState> states(codes.size());
+    triangulation.depth_of_both(codes.data(), row_codes.data(), z.data(), states.data(), nullptr);
+    EXPECT_GT(coded, 0U);
+    for (std::size_t i = 0; i < codes.size(); ++i) {
+      if (codes[i] != 0) {
+        ASSERT_EQ(states[i], structured_light::PointState::valid) << "pixel " << i;
+        EXPECT_NEAR(static_cast<double>(z[i]), truth[i], 2.5);  // half a row
+      }
+    }
+  }
+}
+
 TEST(LensTriangulation, WithoutDistortionIsThePlanes) {
   for (const std::uint64_t seed : seeds(20)) {
     SCOPED_TRACE(how_to_repeat(seed));
