@@ -55,9 +55,11 @@ def main():
     parser.add_argument("--taps", type=int, default=8, choices=(8, 10), metavar="T", help="8 or 10")
     parser.add_argument("--bits", type=int, default=8, choices=(8, 10), help="of a pixel: 8; with 8 taps also 10")
     for option, kind, usual, letter, text in (
-            ("--camera-mhz", float, 85, "F", "clock of its words"), ("--board-mhz", float, 151.2, "B", "its pixel clock"),
+            ("--camera-mhz", float, 85, "F", "clock of its words"),
+            ("--board-mhz", float, 151.2, "B", "its pixel clock"),
             ("--columns", int, 512, "C", "a multiple of 4"), ("--rows", int, 96, "R", None),
-            ("--gap", int, 4, "G", "words between two lines"), ("--log-words", int, 9, "L", "as sp_camera_link has it")):
+            ("--gap", int, 4, "G", "words between two lines"),
+            ("--log-words", int, 9, "L", "as sp_camera_link has it")):
         parser.add_argument(option, type=between(option, kind), default=usual, metavar=letter, help=text)
     at = parser.parse_args()
     if at.columns % 4 != 0:
@@ -69,8 +71,8 @@ def main():
     words = -(-at.columns // at.taps)
     ratio = at.board_mhz / at.camera_mhz
     if at.taps * at.bits == 80 and (words + at.gap) * ratio < APART:
-        parser.error(f"argument --gap: with 80 bit, lines must begin {APART} clocks of the board apart or more; at least "
-                     f"{math.ceil(APART / ratio) - words}")
+        parser.error(f"argument --gap: with 80 bit, lines must begin {APART} clocks of the board apart or more; at "
+                     f"least {math.ceil(APART / ratio) - words}")
     of_line, of_frame = waiting(at.taps, ratio, at.columns, at.rows, at.gap)
     room = (1 << at.log_words) - ON_THEIR_WAY
     wanted = max(math.ceil(math.log2(max(of_line, of_frame) + ON_THEIR_WAY)), 1)

@@ -37,8 +37,8 @@ def options(description, configurations):
 
 
 def netlist(top, modules, files, parameters, home):
-    """Returns the text of the netlist of `top`, from the sources of `modules` in rtl/ and from `files`. Of the board, the
-    ABC of Yosys 0.23 ends with an assertion behind -abc9."""
+    """Returns the text of the netlist of `top`, from the sources of `modules` in rtl/ and from `files`. Of the board,
+    the ABC of Yosys 0.23 ends with an assertion behind -abc9."""
     home.mkdir(parents=True, exist_ok=True)
     mapper = "-no-rw-check" if "sp_board" in modules else "-abc9"
     path = home / "netlist.json"

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Places and routes the front end for serial LVDS sensors on an LFE5UM5G-85F, with its pins and cells, alone or with the
-board.
+"""Places and routes the front end for serial LVDS sensors on an LFE5UM5G-85F, with its pins and cells, alone or with
+the board.
 
     place.py [NAME...] [--seeds N] [--keep]    (takes minutes)
 

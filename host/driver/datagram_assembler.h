@@ -18,8 +18,8 @@ namespace selfproj::driver {
 // Gives whole packets in the order in which they were sent. A session is one run of the sender. A reader that comes
 // late ignores the packet in whose middle it begins. Each later packet of the session, up to the last of which anything
 // came, is given once or counted: in `bad` if it is complete but wrong, otherwise in `lost_network`. Datagrams may
-// overtake each other by fewer than kPackets packets. Their numbers wrap at 2^32; a session may have any number of packets,
-// and an interruption may take 2^31 datagrams.
+// overtake each other by fewer than kPackets packets. Their numbers wrap at 2^32; a session may have any number of
+// packets, and an interruption may take 2^31 datagrams.
 //
 // A datagram whose numbers do not follow those before it (another session, or further away than datagrams overtake each
 // other) is held back. kConfirmations of them, each following the one before and none of the stream between them, are
