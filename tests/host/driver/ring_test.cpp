@@ -1060,7 +1060,11 @@ TEST_F(RingDamage, OtherBusErrorsActAsUsual) {
   }
   int status = 0;
   waitpid(child, &status, 0);
+#ifdef __SANITIZE_ADDRESS__  // it has an action of its own, which is called
+  EXPECT_NE(status, 0);
+#else
   EXPECT_TRUE(WIFSIGNALED(status) && WTERMSIG(status) == SIGBUS) << status;
+#endif
 }
 
 }  // namespace
