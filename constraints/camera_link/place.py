@@ -53,14 +53,12 @@ def main():
     measured = {}
     for name, ((top, cells, pins, package, clocks), parameters, megahertz) in words.configurations.items():
         around = [front_ends.PLL, front_ends.START, *(HERE / f"{source}.sv" for source in (*cells, top))] if cells else []
-        modules = ["sp_camera_link", "sp_channel_link_lock", "sp_channel_link_align"]
-        if top == WITH_BOARD[0]:
-            modules.append("sp_board")
-            around += front_ends.BOARD_FILES
-        text = front_ends.netlist(top, modules, around, parameters, HOME)
+        board = top == WITH_BOARD[0]
+        text = front_ends.netlist(top, ["sp_camera_link", "sp_channel_link_lock", "sp_channel_link_align"], around,
+                                  parameters, HOME, board)
         constraints = (HERE / pins).read_text(encoding="utf-8") if pins else ANY_PINS
         constraints += "".join(f'FREQUENCY PORT "{clock}" {megahertz} MHZ;\n' for clock in clocks)
-        constraints += front_ends.BUS_CLOCK if top == WITH_BOARD[0] else ""
+        constraints += front_ends.BUS_CLOCK if board else ""
         measured[name] = {"camera_mhz": megahertz,
                           **front_ends.measure(f"{name}, camera at {megahertz} MHz", text, constraints, words.seeds,
                                                r"sclk|[xyz]_clk_i", HOME, package=package)}

@@ -36,11 +36,13 @@ def options(description, configurations):
     return words
 
 
-def netlist(top, modules, files, parameters, home):
-    """Returns the text of the netlist of `top`, from the sources of `modules` in rtl/ and from `files`. Of the board,
-    the ABC of Yosys 0.23 ends with an assertion behind -abc9."""
+def netlist(top, modules, files, parameters, home, board=False):
+    """Returns the text of the netlist of `top`, from the sources of `modules` in rtl/ and from `files`. `board`: the top
+    has sp_board as well, of which the ABC of Yosys 0.23 ends with an assertion behind -abc9."""
     home.mkdir(parents=True, exist_ok=True)
-    mapper = "-no-rw-check" if "sp_board" in modules else "-abc9"
+    mapper = "-no-rw-check" if board else "-abc9"
+    if board:
+        modules, files = [*modules, "sp_board"], [*files, *BOARD_FILES]
     path = home / "netlist.json"
     read = rtl_tree.read_command(top, [f"{name}={value}" for name, value in parameters.items()],
                                  files=[*rtl_tree.sources_of_all(modules), *files])

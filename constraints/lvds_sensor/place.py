@@ -38,13 +38,10 @@ def main():
     for name, ((top, pins, package, clock), parameters, megabits) in words.configurations.items():
         around = [HERE / f"{top}.sv", front_ends.START,
                   *([] if top == BANK[0] else [HERE / f"{BANK[0]}.sv", front_ends.PLL])]
-        modules = ["sp_lvds_sensor", "sp_lvds_gear"]
+        board = top == WITH_BOARD[0]
+        text = front_ends.netlist(top, ["sp_lvds_sensor", "sp_lvds_gear"], around, parameters, HOME, board)
         constraints = (HERE / pins).read_text(encoding="utf-8") + f'FREQUENCY PORT "{clock}" {megabits / 2} MHZ;\n'
-        if top == WITH_BOARD[0]:
-            modules.append("sp_board")
-            around += front_ends.BOARD_FILES
-            constraints += front_ends.BUS_CLOCK
-        text = front_ends.netlist(top, modules, around, parameters, HOME)
+        constraints += front_ends.BUS_CLOCK if board else ""
         measured[name] = {"megabits": megabits, **front_ends.measure(f"{name}, {megabits} Mbit/s", text, constraints,
                                                                      words.seeds, "sclk", HOME, package=package)}
     return front_ends.finish(words, "fpga_lvds_sensor",

@@ -60,6 +60,30 @@ std::pair<double, double> projector_sees(const rig::Calibration& c, const Point3
   return distorted(c.projector, x / d, y / d);
 }
 
+// For each camera pixel the codes of a point at a random depth on its ray, 0 where the projector of 1280 x 800 does not
+// reach it.
+struct RandomPoints {
+  std::vector<std::uint16_t> codes;  // of the columns
+  std::vector<std::uint16_t> row_codes;
+  std::vector<double> truth;  // z
+};
+
+RandomPoints random_points(Random& random, const rig::Calibration& calibration, std::size_t pixels, int columns) {
+  RandomPoints points{std::vector<std::uint16_t>(pixels), std::vector<std::uint16_t>(pixels),
+                      std::vector<double>(pixels)};
+  for (std::size_t i = 0; i < pixels; ++i) {
+    const auto [at_row, at_column] = place_of(i, columns);
+    points.truth[i] = uniform(random, 550, 850);
+    const auto [column, row] =
+        projector_sees(calibration, camera_ray(calibration.camera, at_column, at_row), points.truth[i]);
+    if (std::abs(column - 640) < 640 && std::abs(row - 400) < 400) {
+      points.codes[i] = static_cast<std::uint16_t>(static_cast<int>(std::lround(column)) | kMeasurable);
+      points.row_codes[i] = static_cast<std::uint16_t>(static_cast<int>(std::lround(row)) | kMeasurable);
+    }
+  }
+  return points;
+}
+
 TEST(LensTriangulation, FindsTheDepthOfTheColumnOrOfBothCodes) {
   constexpr int kBits = 11;
   for (const std::uint64_t seed : seeds(30)) {
@@ -71,18 +95,10 @@ TEST(LensTriangulation, FindsTheDepthOfTheColumnOrOfBothCodes) {
     const structured_light::LensSettings settings{
         .rows = rows, .columns = columns, .bits = kBits, .row_bits = kBits, .limits = {}};
     const structured_light::LensTriangulation triangulation(calibration, settings);
-    std::vector<std::uint16_t> codes(triangulation.pixels()), row_codes(codes.size());
-    std::vector<double> truth(codes.size());
-    for (std::size_t i = 0; i < codes.size(); ++i) {
-      const auto [at_row, at_column] = place_of(i, columns);
-      const Point3 ray = camera_ray(calibration.camera, at_column, at_row);
-      truth[i] = uniform(random, 550, 850);
-      const auto [column, row] = projector_sees(calibration, ray, truth[i]);
-      if (std::abs(column - 640) < 640 && std::abs(row - 400) < 400) {
-        codes[i] = static_cast<std::uint16_t>(static_cast<int>(std::lround(column)) | kMeasurable);
-        row_codes[i] = static_cast<std::uint16_t>(static_cast<int>(std::lround(row)) | kMeasurable);
-      }
-    }
+    const RandomPoints points = random_points(random, calibration, triangulation.pixels(), columns);
+    const std::vector<std::uint16_t>& codes = points.codes;
+    const std::vector<std::uint16_t>& row_codes = points.row_codes;
+    const std::vector<double>& truth = points.truth;
     std::vector<float> z(codes.size()), both(codes.size()), residual(codes.size());
     std::vector<structured_light::PointState> states(codes.size());
     triangulation.depth(codes.data(), z.data());
@@ -135,24 +151,14 @@ TEST(LensTriangulation, BothCodesNeedNoSide) {
     const structured_light::LensTriangulation triangulation(
         calibration,
         {.rows = rows, .columns = columns, .bits = kBits, .row_bits = kBits, .limits = {.max_z_per_line_mm = 8}});
-    std::vector<std::uint16_t> codes(triangulation.pixels()), row_codes(codes.size());
-    std::vector<double> truth(codes.size());
-    std::size_t coded = 0;
-    for (std::size_t i = 0; i < codes.size(); ++i) {
-      const auto [at_row, at_column] = place_of(i, columns);
-      const Point3 ray = camera_ray(calibration.camera, at_column, at_row);
-      truth[i] = uniform(random, 550, 850);
-      const auto [column, row] = projector_sees(calibration, ray, truth[i]);
-      if (std::abs(column - 640) < 640 && std::abs(row - 400) < 400) {
-        codes[i] = static_cast<std::uint16_t>(static_cast<int>(std::lround(column)) | kMeasurable);
-        row_codes[i] = static_cast<std::uint16_t>(static_cast<int>(std::lround(row)) | kMeasurable);
-        ++coded;
-      }
-    }
+    const RandomPoints points = random_points(random, calibration, triangulation.pixels(), columns);
+    const std::vector<std::uint16_t>& codes = points.codes;
+    const std::vector<std::uint16_t>& row_codes = points.row_codes;
+    const std::vector<double>& truth = points.truth;
     std::vector<float> z(codes.size());
     std::vector<structured_light::PointState> states(codes.size());
     triangulation.depth_of_both(codes.data(), row_codes.data(), z.data(), states.data(), nullptr);
-    EXPECT_GT(coded, 0U);
+    EXPECT_GT(std::count_if(codes.begin(), codes.end(), [](std::uint16_t code) { return code != 0; }), 0);
     for (std::size_t i = 0; i < codes.size(); ++i) {
       if (codes[i] != 0) {
         ASSERT_EQ(states[i], structured_light::PointState::valid) << "pixel " << i;
