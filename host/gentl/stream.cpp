@@ -376,10 +376,10 @@ void Stream::deliver(Filling& filling) {
 void Stream::end(const std::string& reason) {
   const std::lock_guard lock(gate_.mutex);
   grabbing_ = false;
-  output_->end(GC_ERR_IO, reason);
-  if (errors_ != nullptr) {
+  if (errors_ != nullptr) {  // first: whom the end of the buffers wakes finds the error
     push_error(*errors_, GC_ERR_IO, reason);
   }
+  output_->end(GC_ERR_IO, reason);
 }
 
 }  // namespace selfproj::gentl
