@@ -95,7 +95,7 @@ OF_THE_BUS = ["sp_axil_bridge", "sp_packet_fifo"]
 # Name, Yosys's command, and the modules that are mapped separately and joined afterwards
 Family = collections.namedtuple("Family", "name command by_themselves")
 FAMILIES = {
-    "xc3s": Family("Spartan-3", "synth_xilinx -family xc3s -noiopad -nowidelut -flatten -top {top}", []),
+    "xc3s": Family("Spartan-3", "synth_xilinx -family xc3s -noiopad -nowidelut -flatten -top {top}; opt_merge -share_all t:INV; opt_clean", []),
     "xc6s": Family("Spartan-6", "synth_xilinx -family xc6s -noiopad -flatten -top {top}", []),
     "xc7": Family("7 series", "synth_xilinx -family xc7 -noiopad -flatten -top {top}", []),
     "ecp5": Family("ECP5", "synth_ecp5 -no-rw-check -top {top}", []),
@@ -123,9 +123,6 @@ ROUTE_SECONDS = 1200  # a seed that takes longer counts as not routed
 PLACES = [("iCE40 HX8K", CONFIGURATIONS[0]), ("iCE40 HX8K", CONFIGURATIONS[1]), ("LFE5U-85F-8", CONFIGURATIONS[0]),
           ("LFE5U-85F-8", CONFIGURATIONS[1]), ("LFE5U-85F-8", SCANNER), ("iCE40 HX8K", CONFIGURATIONS[4]),
           ("LFE5U-85F-8", GREY_RUNS), ("LFE5U-85F-8", VERDICT)]
-# Every change of the specification changes these constants, even if it does not concern the circuits. So the circuits
-# are measured with the values of version 1.0.
-FIXED = {"SpecHash": "32'h08691C00", "SpecVersion": "16'h0100"}
 GOAL = 151.2  # MHz, the original's pixel clock
 
 # Descriptions in the files of results/
@@ -139,13 +136,7 @@ def key_of(configuration):
 
 def sources_of(top, root=ROOT):
     """Returns the plain texts of the sources that `top` needs. With other sources, Yosys would give other names."""
-    texts = rtl_tree.plain_texts([root / PINS.relative_to(ROOT)] if top == PINS.stem else [], root)
-    package = pathlib.Path("rtl") / rtl_tree.PACKAGE
-    for name, value in FIXED.items():
-        texts[package], count_of = re.subn(rf"\b{name}=[^;]*;|\b{name} = [^;]*;", f"{name} = {value};", texts[package])
-        if count_of != 1:
-            raise ToolError(f"{package}: {name} is there {count_of} times, not once")
-    return texts
+    return rtl_tree.plain_texts([root / PINS.relative_to(ROOT)] if top == PINS.stem else [], root)
 
 
 @functools.cache

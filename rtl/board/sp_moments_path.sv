@@ -171,6 +171,16 @@ module sp_moments_path #(
 
   // --- The verdict: it needs the sums of frames whose packets find no room, too ---
   localparam int TailDelay = RowBits - 1;
+  // The bits of verdict_data_i that are not always 0
+  localparam logic [127:0] TailBits =
+      128'({ColumnBits{1'b1}}) << sp_spec_pkg::VerdictFirstColumnLsb |
+      128'({ColumnBits{1'b1}}) << sp_spec_pkg::VerdictColumnsLsb |
+      128'({ColumnBits{1'b1}}) << sp_spec_pkg::VerdictUnlitLsb |
+      128'(1) << sp_spec_pkg::VerdictJudgedLsb | 128'(1) << sp_spec_pkg::VerdictInPartLsb |
+      128'(1) << sp_spec_pkg::VerdictDefectLsb | 128'(1) << sp_spec_pkg::VerdictLacksLightLsb |
+      128'(1) << sp_spec_pkg::VerdictBankLsb |
+      128'({sp_spec_pkg::VerdictSectionBits{1'b1}}) << sp_spec_pkg::VerdictSectionLsb |
+      128'({sp_spec_pkg::VerdictPartBits{1'b1}}) << sp_spec_pkg::VerdictPartLsb;
   logic       tail_valid, columns_leave;
   assign words_valid_o = words_valid;
   assign words_data_o  = words_data;
@@ -287,7 +297,7 @@ module sp_moments_path #(
     .payload_data_i (payload_data),
     .payload_break_i(payload_break),
     .tail_valid_i   (tail_valid),
-    .tail_i         (verdict_data_i),
+    .tail_i         (verdict_data_i & TailBits),
     .info_i         (info_i),
     .lost_o         (lost_o),
     .bus_clk_i      (bus_clk_i),

@@ -12,7 +12,7 @@
 `default_nettype none
 
 module sp_ejector #(
-  parameter int LogDepth = 4  // log2 of the places that can wait: 1..9
+  parameter int LogDepth = 5  // log2 of the places that can wait: 1..9
 ) (
   input  wire logic        clk_i,
   input  wire logic        rst_i,

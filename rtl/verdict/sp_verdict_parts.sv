@@ -86,7 +86,7 @@ module sp_verdict_parts #(
   logic                waits_q;       // for the first part by the encoder
   logic [23:0]         point_q;       // where the part begins, or the one before began, or the first will
   logic [23:0]         way_q;         // from there to the frame
-  logic [24:0]         beyond;        // way less the word; the carry says that it is as far or farther
+  logic [24:0]         beyond;        // way less the word; the borrow says that it is not as far
   logic                over_q;        // the part is over, by the encoder
   logic                reached_q;     // the next one begins
   logic                begins_next_q, begins, stays;
@@ -97,7 +97,7 @@ module sp_verdict_parts #(
 
   assign goes_on = !write_i;
   assign chooses = by_encoder_q && !chosen_q;
-  assign beyond  = {1'b0, way_q} + {1'b0, ~(word_q[23:0] & {24{!waits_q}})} + 25'd1;
+  assign beyond  = {1'b0, way_q} - {1'b0, word_q[23:0] & {24{!waits_q}}};
   assign begins  = (!hold_q || taken_q) &&
                    (by_encoder_q ? (!in_part_o || over_q) && reached_q : begins_next_q);
   assign stays   = in_part_o && !(by_encoder_q && over_q);
@@ -126,7 +126,7 @@ module sp_verdict_parts #(
     if (goes_on) begin
       if (step_q[3]) dark_q <= found_lit_i < word_q[sp_spec_pkg::RegVerdictLightLitLsb+:12];
       if (step_q[4] && due_q) dark_frames_q <= dark_q ? dark_frames_q + 8'd1 : '0;
-      if (step_q[6]) over_q <= beyond[24];
+      if (step_q[6]) over_q <= !beyond[24];
       if (step_q[10]) reached_q <= !beyond[23];
     end
     // The first part by the encoder begins where the word says; the next ones one pitch farther
@@ -230,7 +230,7 @@ module sp_verdict_parts #(
     always_ff @(posedge clk_i) begin
       if (rst_i) section_o <= '0;
       else if (goes_on) begin
-        if (step_q[7]) later_q <= beyond[24];
+        if (step_q[7]) later_q <= !beyond[24];
         if (step_q[11]) begin
           if (begins) section_o <= '0;
           else if (stays && later_q && section_o != '1) section_o <= section_o + SectionBits'(1);

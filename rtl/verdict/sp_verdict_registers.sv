@@ -193,15 +193,15 @@ module sp_verdict_registers #(
 
   sp_ram #(
     .Width   (32),
-    .LogDepth(4)
+    .LogDepth(5)  // as wide as a block RAM is cheap; only the lower half is used
   ) u_kept (
     .wr_clk_i (clk_i),
     .wr_en_i  (put_q),
-    .wr_addr_i(word[3:0]),
+    .wr_addr_i(word),
     .wr_data_i(data_i),
     .rd_clk_i (clk_i),
     .rd_en_i  (1'b1),
-    .rd_addr_i(word[3:0]),
+    .rd_addr_i(word),
     .rd_data_o(kept)
 `ifdef FORMAL
     ,
