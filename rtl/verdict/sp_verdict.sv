@@ -6,21 +6,23 @@
 // include/selfproj/model/verdict.h has the definition, which this circuit equals to the last bit.
 //
 // Input: frame_i, with the encoder's count, begins a frame, after the verdict of the frame before.
-// start_o follows thirteen clocks later, one more for each word that is written meanwhile, and
-// three clocks or more behind it the first payload beat. Beats are those of sp_column_moments or
-// sp_column_runs; mode and size stand still from start_o to the verdict. A frame without beats has
-// no verdict, and is told by a frame_i alone. write_i fills the memory of the registers
-// (sp_verdict_parts), write_limits_i the table, in a bank that is not in force.
+// start_o follows fourteen clocks later, one more for each word that is written meanwhile, ready_o
+// 4 groups_i + 5 clocks behind it, and after that the first payload beat. Beats are those of
+// sp_column_moments or sp_column_runs; groups_i counts at start_o, the mode stands still from there
+// to the verdict. A frame without beats has no verdict, and is told by a frame_i alone; the next
+// frame_i may come from its start_o on, and what was begun for it ends. write_i fills the memory of
+// the registers (sp_verdict_parts), write_limits_i the table, in a bank that is not in force.
 //
 // Output: verdict_valid_o comes 15 clocks after the last beat of a frame, or 16 after its break, for
 // each frame whose beats came. What it says stays until the next start_o. Outside of a part there
 // is no defect and no unlit column; section, part and bank are those of the part before. first_bad_o
 // comes with the first verdict of a part that has a defect or lacks light.
 //
-//   frame_i         _/1\______________________________________
-//   start_o         _______ … /1\_____________________________
-//   beat_valid_i    ____________________/1\_ … _/1\___________
-//   verdict_valid_o _______________________________ … ___/1\__
+//   frame_i         _/1\______________________________________________
+//   start_o         _______ … /1\_____________________________________
+//   ready_o         _______________ … /1\_____________________________
+//   beat_valid_i    _____________________/1\_ … _/1\__________________
+//   verdict_valid_o _______________________________________ … ___/1\__
 `default_nettype none
 
 module sp_verdict #(
@@ -58,7 +60,8 @@ module sp_verdict #(
   input  wire logic [23:0]            encoder_i,     // count, modulo 2^24
   input  wire logic [ColumnBits-3:0]  groups_i,      // of a line: columns / 4
   input  wire logic                   grey_i,        // two columns a beat
-  output logic                        start_o,
+  output logic                        start_o,       // its settings are in force
+  output logic                        ready_o,       // for beats
   input  wire logic                   beat_valid_i,
   input  wire logic [127:0]           beat_data_i,
   input  wire logic                   break_i,
@@ -157,6 +160,7 @@ module sp_verdict #(
     .beat_valid_i   (beat_valid_i),
     .beat_data_i    (beat_data_i),
     .break_i        (break_i),
+    .ready_o        (ready_o),
     .group_valid_o  (group_valid),
     .above_o        (group_above),
     .below_o        (group_below),

@@ -1,36 +1,38 @@
 // Judges the columns of a frame as their moments come: above, below, unlit or good, without a
 // division.
 //
-//   above  128 M1 - d M0 < low M0      below  128 M1 - d M0 > high M0      unlit  M0 = 0
+//   above  128 M1 < (low + d) M0      below  128 M1 > (high + d) M0      unlit  M0 = 0
 //
 // low and high stand in a table with a word {judged, high, low} for each column, in banks and
 // sections. Column c has the word of column c - s; where there is none it is not judged. s is
 // shift_columns_i, d is -shift_rows_i in 1/128 rows.
 //
-// Each lane of the beat has a memory of its own with the whole table, so that a word is written
-// into all four. In lane l, column c has the turn (l - c) modulo 4, which is part of its address:
-// with the shift s the lane reads the words of turn s modulo 4, one after another. So no word and
-// no moment has to change its lane, however far columns are shifted.
+// From start_i on the limits of the frame are composed, one column a clock: they go from the table
+// to four small memories, one for each lane of a beat, with both shifts in them. A limit below 0
+// becomes 0, and one that is too great for its bits the greatest. That changes nothing, because
+// rows are 1 to MaxRows. Columns that are not judged get the limits 0 and the greatest, so they are
+// never out.
 //
 // Input: the payload beats of sp_column_moments or sp_column_runs, in order, before a division:
-// four columns in mode binary, two in the grey modes. start_i begins a frame, three clocks or more
-// before its first beat, and two or more after the last beat or the break of the frame before.
-// groups_i counts at start_i; bank, section, shifts and mode stand still from then to the frame's
-// last beat. break_i ends a frame before its last group is whole: it comes with or after the last
-// beat that came, and never with start_i. Limits are written at any time to a bank and section
-// that is not in force.
+// four columns in mode binary, two in the grey modes. start_i begins a frame, in any clock that is
+// two or more after the last beat or the break of a frame that was judged; a start_i before ready_o
+// takes the place of the one before. groups_i counts at start_i; bank, section, shifts and mode
+// stand still from then to the frame's last beat. The first beat comes after ready_o. break_i ends
+// a frame before its last group is whole: it comes after ready_o, with or after the last beat that
+// came. Limits are written at any time to a bank and section that is not in force.
 //
-// Output: groups of four columns, in order, four clocks after their beat, in the grey modes after
-// the second of their two beats. The half of a group that a break cuts off does not leave.
-// done_o comes with the last group of a frame, or five clocks after its break, with whole_o = 0.
-// Nothing overflows: products have all their bits.
+// Output: ready_o comes 4 groups_i + 5 clocks after start_i. Groups of four columns come in order,
+// four clocks after their beat, in the grey modes after the second of their two beats. The half of
+// a group that a break cuts off does not leave. done_o comes with the last group of a frame, or
+// five clocks after its break, with whole_o = 0. Nothing overflows: products have all their bits.
 //
-//   clock         0   1   2   3   4   5
-//   beat_valid_i  /1\____________________
-//   table word    <w>--------------------     read ahead, when beats before it came
-//   products      --------<p>------------
-//   compared      ------------<c>--------
-//   group_valid_o ________________/1\____
+//   composing                                   judging
+//   place             <c>----------------       beat_valid_i  /1\____________________
+//   master            ----<c>------------       limits        <l>--------------------
+//   word_*_q          --------<c>--------       s1_*_q        ----<m>----------------
+//   moved_*_q         ------------<c>----       s2_*_q        --------<p>------------
+//   low_q, high_q     ----------------<c>       s3_*_q        ------------<c>--------
+//   {group_q, lane_q} <c> …          <c+4>      group_valid_o ________________/1\____
 `default_nettype none
 
 module sp_verdict_columns #(
@@ -68,6 +70,7 @@ module sp_verdict_columns #(
   input  wire logic [127:0]           beat_data_i,
   input  wire logic                   break_i,
 
+  output logic                        ready_o,         // for beats
   output logic                        group_valid_o,
   output logic      [3:0]             above_o,   // a bit for each column, the leftmost lowest
   output logic      [3:0]             below_o,
@@ -91,52 +94,121 @@ module sp_verdict_columns #(
   localparam int M0Bits = $clog2((Grey ? 255 : 1) * MaxRows + 1);
   localparam int M1Bits = $clog2((Grey ? 255 : 1) * MaxRows * (MaxRows + 1) / 2 + 1);
   localparam int ProductBits = M0Bits + LimitBits;
-  localparam int XBits = M0Bits + (LimitBits > 13 ? LimitBits : 13) + 2;  // 128 M1 - d M0, signed
   localparam int WordBits = 2 * LimitBits + 1;
-  localparam int Groups = MaxColumns / 4;
-  // Of a group of the table, or of one as far beside it as columns may be shifted; signed
-  localparam int PlaceBits = (GroupBits > 5 ? GroupBits : 5) + 2;
-  localparam int TableBits = LogSections + 3 + GroupBits;  // {bank, section, turn, group}
+  // Of a column of the table, or of one as far beside it as columns may be shifted, which is beyond
+  // the last one then, or below 0 and so far beyond it
+  localparam int PlaceBits = (ColumnBits > 8 ? ColumnBits : 8) + 1;
+  localparam int MovedBits = (LimitBits > 14 ? LimitBits : 14) + 2;  // of a limit plus d, signed
+  localparam int TableBits = LogSections + 3 + GroupBits;  // {bank, section, column}
 
-  // --- Stage 0: where a beat stands, and which words of the table are its. A memory is slow, so there
-  // is a register behind it, which holds the words of this group; the memory those of the next. ---
-  logic                        half_q;     // the second two columns of a group
-  logic                        last_group;
-  logic [ColumnBits-3:0]       left_q;     // groups to come behind this one
-  logic                        first_q, second_q;  // read the words of the first two groups
-  logic                        read;               // read the words of a group
-  // Of the group whose words are read next, less s / 4, which is rounded down; one before. Two
-  // registers, because a subtraction before the comparisons is slow.
-  logic signed [PlaceBits-1:0] place_q, before_q;
-  logic                        place_in, before_in;    // the table has these groups
-  logic                        grey, group_end, break_q;
-  logic [1:0]                  turn;       // s modulo 4
+  // --- Where the frame stands. The limits of group g lie at the address g + 1. ---
+  logic                  composing_q;
+  logic [ColumnBits-3:0] groups_q;     // of a line
+  logic [ColumnBits-3:0] group_q;      // of the word that is composed, or of that to be read next
+  logic [1:0]            lane_q;       // of the word that is composed
+  logic                  composed;     // the last one
+  logic                  read;         // read the limits of a group
+  logic                  half_q;       // the second two columns of a group
+  logic                  last_q;       // the group that comes next is the last one
+  logic                  grey, group_end, break_q;
 
   assign grey      = Grey && grey_i;
   assign group_end = !grey || half_q;
-  assign turn      = shift_columns_i[1:0];
-
-  assign read      = first_q || second_q || beat_valid_i && group_end;
+  assign composed  = composing_q && lane_q == 2'd3 && group_q == groups_q;
+  assign read      = ready_o || beat_valid_i && group_end;
 
   always_ff @(posedge clk_i) begin
-    {second_q, first_q} <= {first_q, start_i};
-    if (start_i) begin
-      half_q   <= 1'b0;
-      left_q   <= groups_i - (ColumnBits - 2)'(1);
-      place_q  <= PlaceBits'(0) - {{(PlaceBits - 6){shift_columns_i[7]}}, shift_columns_i[7:2]};
-      before_q <= ~{{(PlaceBits - 6){shift_columns_i[7]}}, shift_columns_i[7:2]};  // -s / 4 - 1
-    end else begin
-      if (beat_valid_i) half_q <= grey && !half_q;
-      if (beat_valid_i && group_end) left_q <= left_q - (ColumnBits - 2)'(1);
-      if (read) {place_q, before_q} <= {place_q + PlaceBits'(1), place_q};
+    if (rst_i) {composing_q, ready_o} <= 2'b00;
+    else begin
+      composing_q <= start_i || composing_q && !composed;
+      ready_o     <= composed && !start_i;
     end
   end
-  assign place_in   = place_q >= 0 && place_q < PlaceBits'(Groups);
-  assign before_in  = before_q >= 0 && before_q < PlaceBits'(Groups);
-  assign last_group   = left_q == '0;
+  always_ff @(posedge clk_i) begin
+    if (start_i) begin
+      groups_q <= groups_i;
+      group_q  <= '0;
+      lane_q   <= '0;
+      half_q   <= 1'b0;
+    end else begin
+      if (composed) group_q <= (ColumnBits - 2)'(1);
+      else if (read || composing_q && lane_q == 2'd3) group_q <= group_q + (ColumnBits - 2)'(1);
+      if (composing_q) lane_q <= lane_q + 2'd1;
+      if (beat_valid_i) half_q <= grey && !half_q;
+    end
+    if (read) last_q <= group_q == groups_q;
+  end
 
-  logic unused;
-  assign unused = ^{beat_data_i, place_q[PlaceBits-1:GroupBits], before_q[PlaceBits-1:GroupBits]};
+  // --- Composing: a word of the table, moved, four clocks after its place ---
+  logic [PlaceBits-1:0]        place;
+  logic [TableBits-1:0]        read_at, write_at;
+  logic [WordBits-1:0]         master;
+  logic                        there_q;  // the table has this word
+  logic                        word_judged_q, moved_judged_q, judged_q;
+  logic [LimitBits-1:0]        word_low_q, word_high_q, moved_low_q, moved_high_q, low_q, high_q;
+  logic signed [MovedBits-1:0] low, high;
+  logic                        low_over_q, high_over_q;
+  logic                        unused;
+
+  // Whether a limit has more bits than it may have
+  function automatic logic over(input logic [MovedBits-1:0] limit);
+    over = limit >> LimitBits != '0;
+  endfunction
+
+  assign place = PlaceBits'({group_q, lane_q}) -
+                 {{(PlaceBits - 8){shift_columns_i[7]}}, shift_columns_i};
+  assign low   = MovedBits'(word_low_q) -
+                 {{(MovedBits - 14){shift_rows_i[13]}}, shift_rows_i};
+  assign high  = MovedBits'(word_high_q) -
+                 {{(MovedBits - 14){shift_rows_i[13]}}, shift_rows_i};
+  if (LogSections > 0) begin : gen_sections
+    assign read_at  = {bank_i, section_i, place[GroupBits+1:0]};
+    assign write_at = {write_bank_i, write_section_i, write_column_i};
+    assign unused   = ^beat_data_i;
+  end else begin : gen_one_section
+    assign read_at  = {bank_i, place[GroupBits+1:0]};
+    assign write_at = {write_bank_i, write_column_i};
+    assign unused   = ^{beat_data_i, section_i[0], write_section_i[0]};
+  end
+
+  sp_ram #(
+    .Width   (WordBits),
+    .LogDepth(TableBits)
+  ) u_table (
+    .wr_clk_i (clk_i),
+    .wr_en_i  (write_i),
+    .wr_addr_i(write_at),
+    .wr_data_i(write_word_i),
+    .rd_clk_i (clk_i),
+    .rd_en_i  (1'b1),
+    .rd_addr_i(read_at),
+    .rd_data_o(master)
+`ifdef FORMAL
+    ,
+    .f_addr_i ('0),
+    .f_word_o (),
+    .f_first_o()
+`endif
+  );
+
+  always_ff @(posedge clk_i) begin
+    there_q <= place < PlaceBits'(MaxColumns);
+
+    {word_judged_q, word_high_q, word_low_q} <= {there_q && master[2*LimitBits],
+                                                 master[2*LimitBits-1:0]};
+
+    moved_judged_q <= word_judged_q;
+    moved_low_q    <= low[LimitBits-1:0];
+    low_over_q     <= over(low);
+    if (low < 0 || !word_judged_q) {low_over_q, moved_low_q} <= '0;
+    moved_high_q   <= high[LimitBits-1:0];
+    high_over_q    <= over(high) || !word_judged_q;
+    if (high < 0 && word_judged_q) {high_over_q, moved_high_q} <= '0;
+
+    judged_q <= moved_judged_q;
+    low_q    <= low_over_q ? '1 : moved_low_q;
+    high_q   <= high_over_q ? '1 : moved_high_q;
+  end
 
   // --- Stages 1 to 3 ---
   logic       open_q;         // a frame has begun and is not over
@@ -155,8 +227,10 @@ module sp_verdict_columns #(
       valid_q   <= {valid_q[2:1], beat_valid_i};
       done_q    <= {done_q[2:1], 1'b0};
       if (start_i) begin
+        open_q <= 1'b0;
+      end else if (ready_o) begin
         open_q <= 1'b1;
-      end else if (beat_valid_i && group_end && last_group || open_q && break_q) begin
+      end else if (beat_valid_i && group_end && last_q || open_q && break_q) begin
         open_q    <= 1'b0;
         done_q[1] <= 1'b1;
       end
@@ -187,38 +261,20 @@ module sp_verdict_columns #(
       assign s0_m1   = beat_data_i[32*lane+sp_spec_pkg::BinaryRunM1Lsb+:M1Bits];
     end
 
-    // Its word: that of the column s columns further left, which stands in the group of the table
-    // s / 4 before, or in the one before that. Column c is written to the words with turn lane - c.
-    logic                 wraps;
-    logic [GroupBits-1:0] place;
-    logic [TableBits-1:0] read_at, write_at;
-    logic [WordBits-1:0]  word;
-    assign wraps = {1'b0, turn} > 3'(lane);
-    assign place  = wraps ? before_q[GroupBits-1:0] : place_q[GroupBits-1:0];
-    if (LogSections > 0) begin : gen_sections
-      assign read_at  = {bank_i, section_i, turn, place};
-      assign write_at = {write_bank_i, write_section_i, 2'(lane) - write_column_i[1:0],
-                         write_column_i[GroupBits+1:2]};
-    end else begin : gen_one_section
-      logic unused_section;
-      assign unused_section = section_i[0] ^ write_section_i[0];
-      assign read_at  = {bank_i, turn, place};
-      assign write_at = {write_bank_i, 2'(lane) - write_column_i[1:0],
-                         write_column_i[GroupBits+1:2]};
-    end
-
+    // Its limits: in a memory, which has those of the next group ready, and in a register
+    logic [WordBits-1:0] limits;
     sp_ram #(
       .Width   (WordBits),
-      .LogDepth(TableBits)
-    ) u_table (
+      .LogDepth(GroupBits)
+    ) u_limits (
       .wr_clk_i (clk_i),
-      .wr_en_i  (write_i),
-      .wr_addr_i(write_at),
-      .wr_data_i(write_word_i),
+      .wr_en_i  (composing_q && lane_q == 2'(lane)),
+      .wr_addr_i(group_q[GroupBits-1:0]),
+      .wr_data_i({judged_q, high_q, low_q}),
       .rd_clk_i (clk_i),
       .rd_en_i  (read),
-      .rd_addr_i(read_at),
-      .rd_data_o(word)
+      .rd_addr_i(group_q[GroupBits-1:0]),
+      .rd_data_o(limits)
 `ifdef FORMAL
       ,
       .f_addr_i ('0),
@@ -227,43 +283,37 @@ module sp_verdict_columns #(
 `endif
     );
 
-    // Products, difference, comparison
-    logic [WordBits-1:0]       word_q;           // of this group
-    logic                      next_q, there_q;  // the table has the next word, this word
-    logic                      s1_came_q, s2_came_q;
-    logic [M0Bits-1:0]         s1_m0_q;
-    logic [M1Bits-1:0]         s1_m1_q;
-    logic signed [M0Bits+13:0] s1_moved_q;  // -d M0
-    logic [LimitBits-1:0]      s1_low_q, s1_high_q;
-    logic                      s1_judged_q, s2_judged_q, s2_lit_q;
-    logic signed [XBits-1:0]   s2_x_q;
-    logic [ProductBits-1:0]    s2_low_q, s2_high_q;
+    // Products and comparisons. 128 M1 has seven zeros: what the product has there is only whether it
+    // is more than the rest of it.
+    logic                   s1_came_q, s2_came_q;
+    logic [M0Bits-1:0]      s1_m0_q;
+    logic [M1Bits-1:0]      s1_m1_q, s2_m1_q;
+    logic [LimitBits-1:0]   s1_low_q, s1_high_q;
+    logic                   s1_judged_q, s2_judged_q, s2_lit_q;
+    logic [ProductBits-1:0] s2_low_q, s2_high_q;
+    logic [ProductBits-6:0] s2_above;  // the borrow of a subtraction
+    logic                   unused_bits;
+    assign unused_bits = ^{s2_above[ProductBits-7:0], s2_high_q[6:0]};
+    assign s2_above = (ProductBits - 5)'({s2_m1_q, 1'b0}) -
+                      (ProductBits - 5)'({s2_low_q[ProductBits-1:7], s2_low_q[6:0] != '0});
     always_ff @(posedge clk_i) begin
-      if (read) begin
-        word_q  <= word;
-        next_q  <= wraps ? before_in : place_in;
-        there_q <= next_q;
-      end
-
-      s1_m0_q     <= s0_m0;
-      s1_m1_q     <= s0_m1;
-      s1_moved_q  <= $signed(shift_rows_i) * $signed({1'b0, s0_m0});
-      s1_came_q   <= s0_came;
-      s1_judged_q <= there_q && word_q[2*LimitBits];
-      s1_high_q   <= word_q[LimitBits+:LimitBits];
-      s1_low_q    <= word_q[0+:LimitBits];
+      s1_m0_q   <= s0_m0;
+      s1_m1_q   <= s0_m1;
+      s1_came_q <= s0_came;
+      {s1_judged_q, s1_high_q, s1_low_q} <= limits;
 
       s2_came_q   <= s1_came_q;
       s2_judged_q <= s1_judged_q;
       s2_lit_q    <= s1_m0_q != '0;
       s2_low_q    <= s1_low_q * ProductBits'(s1_m0_q);
       s2_high_q   <= s1_high_q * ProductBits'(s1_m0_q);
-      s2_x_q      <= $signed(XBits'({s1_m1_q, 7'd0})) + XBits'(s1_moved_q);
+      s2_m1_q     <= s1_m1_q;
 
       s3_came_q[lane]  <= s2_came_q;
-      s3_above_q[lane] <= s2_judged_q && s2_lit_q && s2_x_q < $signed(XBits'(s2_low_q));
-      s3_below_q[lane] <= s2_judged_q && s2_lit_q && s2_x_q > $signed(XBits'(s2_high_q));
-      s3_unlit_q[lane] <= s2_judged_q && !s2_lit_q;
+      s3_above_q[lane] <= s2_above[ProductBits-6];
+      s3_below_q[lane] <= (ProductBits - 7)'(s2_m1_q) > s2_high_q[ProductBits-1:7];
+      s3_unlit_q[lane] <= s2_judged_q;
+      if (s2_lit_q) s3_unlit_q[lane] <= 1'b0;
       s3_lit_q[lane]   <= s2_lit_q;
     end
   end

@@ -1,9 +1,11 @@
 // Chooses the frames that sp_verdict judges: all but those that come too soon.
 //
 // A frame is judged if sp_verdict is ready for it when the packet of its moments is asked for, that
-// is three clocks after the first beat of its last row. It is ready about twenty clocks after the
-// later of two points: the frame's first beat, and the verdict of the frame before. Frames that are
-// not judged are told by missed_o; their packets count as lost.
+// is three clocks after the first beat of its last row. With C columns, that beat has to come
+// C + 23 clocks or more after the frame's first beat, and C + 18 or more after the verdict of the
+// frame before: limits are composed anew for each frame. A frame that waits while they are composed
+// for one that was not judged takes its place. Frames that are not judged are told by missed_o;
+// their packets count as lost.
 //
 // Latency: encoder_i is read six clocks after frame_start_i. judge_o stands from the clock behind a
 // decision to the next decision.
@@ -11,8 +13,8 @@
 //   frame_start_i     _/1\_________________________________
 //   frame_o           _____________/1\_____________________
 //   start_i           _____________________/1\_____________    from sp_verdict
-//   last_row_start_i  _________________________/1\_________
-//   ready_o           _________________________/111111\____
+//   composed_i        _________________________/1\_________    from sp_verdict, C + 5 clocks later
+//   ready_o           _____________________________/11\____
 //   decision_i        _____________________________/1\_____
 //   judge_o           _________________________________/1111
 `default_nettype none
@@ -25,7 +27,8 @@ module sp_verdict_gate (
   input  wire logic frame_start_i,   // first beat of a frame
   input  wire logic decision_i,      // about the packet of a frame that is to be judged
   input  wire logic spoiled_i,       // with decision_i: the sums are void
-  input  wire logic start_i,         // sp_verdict can take beats
+  input  wire logic start_i,         // sp_verdict has the frame's settings
+  input  wire logic composed_i,      // and its limits: it can take beats
   input  wire logic verdict_i,       // it has judged
 
   output logic      frame_o,         // sp_verdict shall begin with the frame
@@ -62,7 +65,8 @@ module sp_verdict_gate (
       waits_q   <= frame_start_i ? on_i : waits_q && !frame_o;
       restart_o <= frame_start_i && !on_i || restart_o && !frame_o;
       // A decision about the frame before may still be due, two clocks after this one's start.
-      ready_o   <= !started_q[2] && !decision_i && (start_i && !waits_q || ready_o);
+      ready_o   <= !started_q[2] && !decision_i &&
+                   (composed_i && !waits_q && !begins_q || ready_o);
       missed_o  <= decision_i && !ready_o;
       begins_q  <= frame_o || begins_q && !start_i;
       if (decision_i) judge_o <= ready_o && !spoiled_i;

@@ -65,7 +65,7 @@ module sp_verdict_unit #(
   logic [SectionBits-1:0] write_section, section;
   logic [GroupBits+1:0]   write_column;
   logic [2*LimitBits:0]   limits_word;
-  logic                   frame, restart, start, judging, missed, lost, passes, bank;
+  logic                   frame, restart, start, composed, judging, missed, lost, passes, bank;
   logic                   in_part, defect, lacks_light, first_bad;
   logic [ColumnBits-1:0]  first_column, defect_columns, unlit;
   logic [15:0]            part;
@@ -116,6 +116,7 @@ module sp_verdict_unit #(
     .decision_i   (decision_i),
     .spoiled_i    (spoiled_i),
     .start_i      (start),
+    .composed_i   (composed),
     .verdict_i    (valid_o),
     .frame_o      (frame),
     .restart_o    (restart),
@@ -149,6 +150,7 @@ module sp_verdict_unit #(
     .groups_i           (groups_i),
     .grey_i             (mode_i != sp_spec_pkg::ModeBinary),
     .start_o            (start),
+    .ready_o            (composed),
     .beat_valid_i       (words_valid_i && judging),
     .beat_data_i        (words_data_i),
     .break_i            (words_break_i && judging),

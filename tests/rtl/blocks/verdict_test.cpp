@@ -26,7 +26,8 @@ using model::VerdictSettings;
 constexpr int kStartDelay = 14;    // from frame_i
 constexpr int kVerdictDelay = 15;  // from the last beat of a frame
 constexpr int kBreakDelay = 16;    // from its break
-constexpr int kFirstBeat = 3;      // least clocks from start_o
+constexpr int kReadyDelay = 5;     // from start_o, and one clock more for each column
+constexpr int kFirstBeat = 1;      // least clocks from ready_o
 
 template <typename Port, typename Value>
 void set(Port& port, Value value) {
@@ -75,6 +76,10 @@ class VerdictBench {
     settings_.most_unlit = random_.chance(30) ? 4095 : random_.between(0, kOf.columns / 2);
     settings_.shift_columns = random_.chance(30) ? 0 : random_.between(-20, 20);
     settings_.shift_rows = random_.chance(30) ? 0 : random_.between(-300, 300);
+    if (random_.chance(10)) {
+      settings_.shift_columns = random_.between(-model::kMaxShiftColumns, model::kMaxShiftColumns);
+      settings_.shift_rows = random_.between(-model::kMaxShiftRows, model::kMaxShiftRows);
+    }
     if (random_.chance(5)) {
       settings_.shift_columns = random_.chance(50) ? -model::kMaxShiftColumns : model::kMaxShiftColumns;
       settings_.shift_rows = random_.chance(50) ? -model::kMaxShiftRows : model::kMaxShiftRows;
@@ -159,8 +164,18 @@ class VerdictBench {
     dut_.settle();
     ASSERT_TRUE(dut_->start_o);
     dut_->hold_i = hold_;
-    for (int i = 0; i < kFirstBeat + (random_.chance(50) ? 0 : random_.between(0, 9)); ++i) {
-      clock();
+    clock();
+    set(dut_->groups_i, random_.between(1, kOf.columns / 4));  // counted with start_o
+    const int composing = columns + kReadyDelay;
+    const int waited = silent ? random_.between(1, 2 * composing) : composing + kFirstBeat + (random_.chance(50) ? 0 : random_.between(0, 9));
+    for (int i = 1; i < waited; ++i) {
+      dut_.settle();
+      ASSERT_EQ(dut_->ready_o != 0, i == composing) << "clock " << i << ", " << columns << " columns";
+      if (random_.chance(writes ? 5 : 0)) {
+        write_one();
+      } else {
+        clock();
+      }
     }
     if (silent) {
       return;
@@ -220,11 +235,15 @@ class VerdictBench {
     const int middle = model::kRowParts * random_.between(1, kOf.rows);
     const int band =
         random_.chance(50) ? random_.between(0, 2 * model::kRowParts) : model::kRowParts * random_.between(0, 2);
-    const model::ColumnLimits limits = {
-        static_cast<std::uint32_t>(std::max(0, middle - band)),
-        static_cast<std::uint32_t>(std::min(model::kRowParts * kOf.rows, middle + band)), random_.chance(90)};
-    model_.write(bank, section, column, limits);
     const int limit_bits = std::bit_width(static_cast<unsigned>(kOf.rows)) + 7;
+    model::ColumnLimits limits = {static_cast<std::uint32_t>(std::max(0, middle - band)),
+                                  static_cast<std::uint32_t>(std::min(model::kRowParts * kOf.rows, middle + band)),
+                                  random_.chance(90)};
+    if (random_.chance(5)) {
+      limits.high = static_cast<std::uint32_t>(random_.between(0, (1 << limit_bits) - 1));
+      limits.low = static_cast<std::uint32_t>(random_.between(0, static_cast<int>(limits.high)));
+    }
+    model_.write(bank, section, column, limits);
     dut_->write_limits_i = 1;
     dut_->write_bank_i = bank != 0;
     set(dut_->write_section_i, section);

@@ -96,7 +96,7 @@ model::ColumnLimits random_limits(Random& random, int rows) {
           .judged = random.chance(90)};
 }
 
-// Frames of fewer rows than 4 may end too soon, of fewer than 12 come too soon behind one that broke.
+// Frames of fewer rows than 8 may end too soon, of fewer than 17 come too soon behind one that broke.
 // All frames of a part have the same columns.
 model::BoardSettings random_settings(Random& random, int columns, std::uint32_t encoder, int least_rows) {
   const int history = random.between(1, model::kMaxHistory);
@@ -160,7 +160,7 @@ void play(std::uint64_t seed, int fault_percent, int changes, Seen& seen) {
   for (int change = 0; change < changes && !::testing::Test::HasFailure(); ++change) {
     board.device().drain(kApart);
     model::BoardSettings settings =
-        random_settings(random, columns, board.device().read(spec::kRegEncoder), fault_percent == 0 ? 4 : 12);
+        random_settings(random, columns, board.device().read(spec::kRegEncoder), fault_percent == 0 ? 8 : 17);
     // What `hold` keeps is the size of frames too, but not what belongs to verdicts.
     settings.hold = settings.hold && change > 0;
     settings.rows = settings.hold ? rows : settings.rows;
@@ -262,6 +262,34 @@ int clocks_to_the_pin(int columns, model::Mode mode) {
   bench.board().finish();
   EXPECT_EQ(bench.verdict().bad_parts(), 1U);
   return clocks;
+}
+
+// Frames without a pause between pixels or frames, all of them judged or all of them missed. Returns how many were missed.
+template <class Model>
+std::uint32_t missed_frames(int columns, int rows, model::Mode mode, int frames) {
+  VerdictBoard<Model> bench;
+  bench.write(spec::kRegEjectorDelay, 0);
+  bench.write(spec::kRegEjectorLength, 1);
+  bench.write({.columns = columns, .rows = rows, .mode = mode, .threshold = 100, .verdict = true, .verdict_packets = 2});
+  const TestImage image = constant_image(rows, columns, 200);
+  for (int i = 0; i < frames; ++i) {
+    bench.device().send(image.view());
+  }
+  bench.device().drain(1000);
+  const std::uint32_t state = bench.device().read(spec::kRegVerdictState);
+  return state >> spec::kRegVerdictStateMissedLsb & ((1U << spec::kRegVerdictStateMissedBits) - 1);
+}
+
+TEST(VerdictBoard, FramesOfSoManyRowsAreJudgedAtFullRate) {
+  constexpr int kFrames = 10;
+  for (const auto& [rows, missed] : {std::pair{2, kFrames}, {5, kFrames}, {6, 0}, {7, 0}}) {
+    EXPECT_EQ(missed_frames<Vboard_verdict_binary>(512, rows, model::Mode::binary, kFrames), missed) << rows << " rows";
+  }
+  for (const model::Mode mode : {model::Mode::binary, model::Mode::grey}) {
+    for (const auto& [rows, missed] : {std::pair{3, kFrames}, {6, kFrames}, {10, 0}}) {
+      EXPECT_EQ(missed_frames<Vboard_verdict>(64, rows, mode, kFrames), missed) << rows << " rows";
+    }
+  }
 }
 
 TEST(VerdictBoard, ThePinFollowsWithinAMicrosecond) {
