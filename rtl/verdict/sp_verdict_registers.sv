@@ -83,8 +83,9 @@ module sp_verdict_registers #(
                  Table = (32'(sp_spec_pkg::RegVerdictTable) - Base) / 4,
                  Limits = (32'(sp_spec_pkg::RegVerdictLimits) - Base) / 4,
                  Begin = (32'(sp_spec_pkg::RegVerdictBegin) - Base) / 4,
-                 State = (32'(sp_spec_pkg::RegVerdictState) - Base) / 4;
-  localparam int Plain = 16;  // words that can be written lie below
+                 State = (32'(sp_spec_pkg::RegVerdictState) - Base) / 4,
+                 Parts = (32'(sp_spec_pkg::RegVerdictParts) - Base) / 4;
+  localparam int Plain = Begin + 1;  // words that can be written
   // What has to be written before on
   localparam logic [Plain-1:0] Needed =
       (Plain'(1) << (Ejector + 1)) - (Plain'(1) << Defect);
@@ -102,8 +103,9 @@ module sp_verdict_registers #(
   // --- Request: its register and whether its data is good ---
   logic [2:0]       asked_q;    // the request, one to three clocks ago, the latest lowest
   logic [4:0]       word;       // of the bank
-  logic             here, there_q, good, good_q, put_q, can_put_q;
-  logic [Plain-1:0] written_q;  // since reset
+  logic             here, there_q, good, good_q, put, put_q, can_put_q;
+  logic [Plain-1:0] put_word_q;  // put_q, for each word
+  logic [Plain-1:0] written_q;   // since reset
   logic             named_bank_q;  // that verdict_defect names
   logic             free;          // the bank that verdict_table names may be written
   logic [ColumnSpan-1:0]  column_q;
@@ -115,6 +117,8 @@ module sp_verdict_registers #(
   assign high = {1'b0, data_i[LowLsb+:LowSpan]} + (LowSpan + 1)'(data_i[BandLsb+:BandSpan]);
   assign here = address_i[7] && address_i[1:0] == 2'b00 && sp_spec_pkg::VerdictWords[word];
   assign free = !(on_o && (write_bank_o == named_bank_q || passes_i && write_bank_o == bank_i));
+
+  assign put  = !rst_i && asked_q[1] && write_i && can_put_q && good_q;
 
   always_comb begin
     good = 1'b1;
@@ -140,7 +144,9 @@ module sp_verdict_registers #(
     there_q   <= here;
     can_put_q <= here && !address_i[6];
     good_q    <= good;
-    put_q     <= !rst_i && asked_q[1] && write_i && can_put_q && good_q;
+    put_q     <= put;
+    for (int i = 0; i < Plain; i++) put_word_q[i] <= word == 5'(i);
+    if (!put) put_word_q <= '0;
     if (asked_q[2]) error_o <= write_i ? !put_q : !there_q;
   end
 
@@ -150,20 +156,20 @@ module sp_verdict_registers #(
       {on_o, hold_o, by_encoder_o, packets_o} <= '0;
       written_q    <= '0;
       named_bank_q <= 1'b0;
-    end else if (put_q) begin
-      written_q[word[3:0]] <= 1'b1;
-      if (word == 5'(Control)) begin
+    end else begin
+      for (int i = 0; i < Plain; i++) if (put_word_q[i]) written_q[i] <= 1'b1;
+      if (put_word_q[Control]) begin
         on_o         <= data_i[sp_spec_pkg::RegVerdictControlOnLsb];
         hold_o       <= data_i[sp_spec_pkg::RegVerdictControlHoldLsb];
         by_encoder_o <= data_i[sp_spec_pkg::RegVerdictControlByEncoderLsb];
         packets_o    <= data_i[PacketsLsb+:2];
       end
-      if (word == 5'(Defect)) named_bank_q <= data_i[sp_spec_pkg::RegVerdictDefectBankLsb];
+      if (put_word_q[Defect]) named_bank_q <= data_i[sp_spec_pkg::RegVerdictDefectBankLsb];
     end
   end
   always_ff @(posedge clk_i) begin
-    if (put_q && word == 5'(Ejector)) length_o <= data_i[15:0];
-    if (put_q && word == 5'(Table)) begin
+    if (put_word_q[Ejector]) length_o <= data_i[15:0];
+    if (put_word_q[Table]) begin
       column_q     <= data_i[ColumnLsb+:ColumnSpan];
       section_q    <= data_i[SectionLsb+:SectionSpan];
       write_bank_o <= data_i[BankLsb];
@@ -174,7 +180,7 @@ module sp_verdict_registers #(
   assign unused = ^{column_q, section_q};
 
   assign write_o         = put_q;
-  assign write_limits_o  = put_q && word == 5'(Limits);
+  assign write_limits_o  = put_word_q[Limits];
   assign write_section_o = SectionBits'(section_q);
   assign write_column_o  = (GroupBits + 2)'(column_q);
   assign write_limits_word_o = {data_i[sp_spec_pkg::RegVerdictLimitsJudgedLsb],
@@ -187,7 +193,8 @@ module sp_verdict_registers #(
   end
 
   // --- Reads ---
-  logic [31:0] kept, state_word, parts_word;
+  logic [31:0] kept, state_word, parts_word, kept_q, state_q, parts_q;
+  logic        reads_kept_q, reads_state_q, reads_parts_q;
   logic [15:0] bad_q;
   logic [7:0]  missed_q, lost_q;
 
@@ -233,12 +240,14 @@ module sp_verdict_registers #(
                       32'(bad_q) << sp_spec_pkg::RegVerdictPartsBadLsb;
 
   always_ff @(posedge clk_i) begin
-    data_o <= '0;
-    if (!write_i && there_q) begin
-      if (can_put_q) data_o <= kept & {32{written_q[word[3:0]]}};
-      else data_o <= word == 5'(State) ? state_word : parts_word;
-    end
+    reads_kept_q  <= !write_i && can_put_q && written_q[word[3:0]];
+    reads_state_q <= !write_i && there_q && word == 5'(State);
+    reads_parts_q <= !write_i && there_q && word == 5'(Parts);
+    kept_q        <= reads_kept_q ? kept : '0;
+    state_q       <= reads_state_q ? state_word : '0;
+    parts_q       <= reads_parts_q ? parts_word : '0;
   end
+  assign data_o = kept_q | state_q | parts_q;
 
 endmodule
 
