@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <optional>
+#include <utility>
 
 #include "Vboard_verdict.h"
 #include "Vboard_verdict_binary.h"
@@ -264,7 +265,7 @@ int clocks_to_the_pin(int columns, model::Mode mode) {
   return clocks;
 }
 
-// Frames without a pause between pixels or frames, all of them judged or all of them missed. Returns how many were missed.
+// How many frames are missed, of so many without a pause between pixels or frames.
 template <class Model>
 std::uint32_t missed_frames(int columns, int rows, model::Mode mode, int frames) {
   VerdictBoard<Model> bench;
