@@ -283,8 +283,8 @@ module sp_verdict_columns #(
 `endif
     );
 
-    // Products and comparisons. 128 M1 has seven zeros: what the product has there is only whether it
-    // is more than the rest of it.
+    // Products and comparisons. 128 M1 ends in seven zeros, so of the last seven bits of a product
+    // it only matters whether they are 0, and only for the lower limit.
     logic                   s1_came_q, s2_came_q;
     logic [M0Bits-1:0]      s1_m0_q;
     logic [M1Bits-1:0]      s1_m1_q, s2_m1_q;

@@ -167,7 +167,8 @@ class VerdictBench {
     clock();
     set(dut_->groups_i, random_.between(1, kOf.columns / 4));  // counted with start_o
     const int composing = columns + kReadyDelay;
-    const int waited = silent ? random_.between(1, 2 * composing) : composing + kFirstBeat + (random_.chance(50) ? 0 : random_.between(0, 9));
+    const int waited = silent ? random_.between(1, 2 * composing)
+                              : composing + kFirstBeat + (random_.chance(50) ? 0 : random_.between(0, 9));
     for (int i = 1; i < waited; ++i) {
       dut_.settle();
       ASSERT_EQ(dut_->ready_o != 0, i == composing) << "clock " << i << ", " << columns << " columns";
