@@ -271,12 +271,8 @@ std::uint32_t missed_frames(int columns, int rows, model::Mode mode, int frames)
   VerdictBoard<Model> bench;
   bench.write(spec::kRegEjectorDelay, 0);
   bench.write(spec::kRegEjectorLength, 1);
-  bench.write({.columns = columns,
-               .rows = rows,
-               .mode = mode,
-               .threshold = 100,
-               .verdict = true,
-               .verdict_packets = 2});
+  bench.write(
+      {.columns = columns, .rows = rows, .mode = mode, .threshold = 100, .verdict = true, .verdict_packets = 2});
   const TestImage image = constant_image(rows, columns, 200);
   for (int i = 0; i < frames; ++i) {
     bench.device().send(image.view());
