@@ -144,8 +144,8 @@ void add_decode_command(CLI::App& app) {
                   "pair K counted from 0,\n"
                   "- code_KKKK.png: 16-bit codes, 0 where not measurable\n"
                   "- measurable_KKKK.png: 255 where measurable, else 0\n\n"
-                  "The images have 8 bits, one size and a multiple of 4 columns. The RTL and the HLS kernel take up to "
-                  "4096 columns and 4095 rows.",
+                  "The images have 8 bits, one size and a multiple of 4 columns. The RTL takes up to 4096 columns, "
+                  "the HLS circuits take up to 2048; both take up to 4095 rows.",
        .examples = R"(
 # Render a scene under 8-bit Gray codes, and decode the images with the board's RTL.
 selfproj-sim scene render desk --count 16 --out codes
@@ -156,7 +156,7 @@ selfproj-sim decode --bits 8 --out decoded codes/frame_*.png
   command
       ->add_option(
           "--engine", options->engine,
-          "Implementation that decodes the images: the board's RTL, the HLS kernel or the model. They give the same.")
+          "Implementation that decodes the images: the board's RTL, the HLS circuits or the model. They give the same.")
       ->check(cli::one_of({"rtl", "hls", "model"}))
       ->type_name("ENGINE")
       ->capture_default_str();

@@ -136,9 +136,9 @@ selfproj-sim moments --mode grey-over --threshold 60 --out moments.csv frames/fr
   const auto options = std::make_shared<MomentsOptions>();
   cli::begin_group(*command, "Measuring");
   command
-      ->add_option(
-          "--engine", options->engine,
-          "Implementation that computes the moments: the board's RTL, the HLS kernel or the model. They give the same.")
+      ->add_option("--engine", options->engine,
+                   "Implementation that computes the moments: the board's RTL, the HLS circuits or the model. They "
+                   "give the same.")
       ->check(cli::one_of({"rtl", "hls", "model"}))
       ->type_name("ENGINE")
       ->capture_default_str();

@@ -1,4 +1,4 @@
-// Engines that compute column moments: the same task, done by the model, the RTL or the HLS kernel.
+// Engines that compute column moments: the same task, done by the model, the RTL or the HLS circuits.
 #ifndef SELFPROJ_SIM_BOARD_ENGINES_H
 #define SELFPROJ_SIM_BOARD_ENGINES_H
 
@@ -45,10 +45,10 @@ std::unique_ptr<MomentsEngine> make_moments_model_engine();
 // The board's RTL, compiled by Verilator; only if SELFPROJ_HAS_RTL_ENGINE is defined.
 std::unique_ptr<MomentsEngine> make_moments_rtl_engine();
 
-// The HLS kernel (hls/column_moments.h) with SystemC's integers. It is in the library selfproj_sim_hls_engine.
+// The SystemC shells of hls/, in the library selfproj_sim_hls_engine. Only one engine of a program may run at a time.
 std::unique_ptr<MomentsEngine> make_moments_hls_engine();
 
-// Engines that decode Gray-code sequences: the same task, done by the model, the RTL or the HLS kernel.
+// Engines that decode Gray-code sequences: the same task, done by the model, the RTL or the HLS circuits.
 class GrayEngine {
  public:
   GrayEngine() = default;
@@ -78,8 +78,8 @@ std::unique_ptr<GrayEngine> make_gray_model_engine();
 // The RTL, compiled by Verilator with memory for 4096 x 4095 pixels; only if SELFPROJ_HAS_RTL_ENGINE is defined.
 std::unique_ptr<GrayEngine> make_gray_rtl_engine();
 
-// The HLS kernel (hls/gray_decoder.h) for images of 4096 x 4095 pixels, with SystemC's integers. It is in the library
-// selfproj_sim_hls_engine.
+// The SystemC shells of hls/, with memory for 2048 x 4095 pixels, in the library selfproj_sim_hls_engine. Only one
+// engine of a program may run at a time.
 std::unique_ptr<GrayEngine> make_gray_hls_engine();
 
 // Engines that match codes of self-projected structured light: (pixel, code) to projector line, by the model or the

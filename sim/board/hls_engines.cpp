@@ -1,4 +1,4 @@
-// Moments from the HLS kernel: its C simulation, one step for each clock.
+// Moments and codes from the SystemC shells of hls/, one clock after another.
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -7,15 +7,40 @@
 #include <string>
 #include <vector>
 
-#include "hls/column_moments.h"
-#include "hls/column_runs.h"
-#include "hls/gray_decoder.h"
+#include "selfproj/model/generated/selfproj_spec.h"
+#include "selfproj/model/little_endian.h"
 #include "selfproj/model/packet.h"
 #include "sim/board/engines.h"
-#include "sim/board/hls_streams.h"
+#include "sim/board/shell_blocks.h"
 
 namespace selfproj::sim {
 namespace {
+
+// All modules must exist before SystemC's kernel first runs. One engine after another uses them, and each begins with a
+// reset.
+struct Shells {
+  ColumnMomentsBlock moments{"moments"};
+  ColumnRunsBlock runs{"runs"};
+  GrayDecoderBlock decoder{"decoder"};
+  Median3x3Block median{"median"};
+};
+
+Shells& shells() {
+  static Shells all;
+  return all;
+}
+
+constexpr int kRegisters = 40;  // more than any circuit has from its input to its output
+
+template <class Block, class Pins>
+void reset(Block& block, Pins& pins) {
+  constexpr int kClocks = 4;
+  pins.rst_i = 1;
+  for (int i = 0; i < kClocks; ++i) {
+    block.clock(pins);
+  }
+  pins.rst_i = 0;
+}
 
 class HlsEngine final : public MomentsEngine {
  public:
@@ -24,31 +49,20 @@ class HlsEngine final : public MomentsEngine {
   void process(std::span<const model::ImageView> frames, const MomentsSettings& settings,
                std::span<model::Runs> out) override {
     const model::Measure& measure = settings.measure;
-    hls::MomentsSetup setup;
-    setup.columns = settings.columns;
-    setup.rows = settings.rows;
-    setup.mode = static_cast<unsigned>(measure.mode);
-    setup.threshold = measure.threshold;
-    setup.strongest = measure.select == model::Select::strongest;
-    setup.gap = measure.gap;
-    setup.first_row = measure.window.first;
-    setup.last_row = measure.window.last;
-    const std::size_t size = model::moments_payload_bytes(measure.mode, settings.columns);
     for (std::size_t i = 0; i < frames.size(); ++i) {
-      push_frame(frames[i], video_);
-      bool more = true;
-      while (more || !video_.empty()) {
-        more = setup.strongest ? runs_kernel_->step(video_, setup, payload_) : kernel_->step(video_, setup, payload_);
-      }
       bytes_.clear();
-      hls::AxisBeat<128> beat;
-      while (payload_.read_nb(beat)) {
-        append_beat(beat, bytes_);
-        if (beat.last != (bytes_.size() == size ? 1U : 0U)) {
-          break;
-        }
+      if (measure.select == model::Select::strongest) {
+        ColumnRunsPins pins;
+        pins.strongest_i = 1;
+        pins.gap_i = static_cast<std::uint8_t>(measure.gap);
+        play(frames[i], settings, shells().runs, pins);
+      } else {
+        ColumnMomentsPins pins;
+        pins.one_group_i = settings.columns == spec::kPixelsPerBeat;
+        pins.two_groups_i = settings.columns == 2 * spec::kPixelsPerBeat;
+        play(frames[i], settings, shells().moments, pins);
       }
-      if (bytes_.size() != size) {
+      if (bytes_.size() != model::moments_payload_bytes(measure.mode, settings.columns)) {
         throw std::runtime_error("engine hls: frame " + std::to_string(i + 1) + " gave no whole payload");
       }
       out[i].resize(measure.select, settings.columns);
@@ -57,73 +71,155 @@ class HlsEngine final : public MomentsEngine {
   }
 
  private:
-  std::unique_ptr<hls::ColumnMomentsKernel> kernel_ = std::make_unique<hls::ColumnMomentsKernel>();
-  std::unique_ptr<hls::ColumnRunsKernel> runs_kernel_ = std::make_unique<hls::ColumnRunsKernel>();
-  hls::Stream<hls::AxisBeat<32>> video_;
-  hls::Stream<hls::AxisBeat<128>> payload_;
+  // Gives the beats of a frame as the board does, with their places, and appends the payload to `bytes_`.
+  template <class Block, class Pins>
+  void play(const model::ImageView& frame, const MomentsSettings& settings, Block& block, Pins& pins) {
+    const model::Measure& measure = settings.measure;
+    reset(block, pins);
+    pins.accept_i = 1;
+    pins.mode_i = static_cast<std::uint8_t>(measure.mode);
+    pins.beat_valid_i = 1;
+    for (int row = 1; row <= frame.rows; ++row) {
+      const std::uint8_t* line = frame.pixels + (row - 1) * frame.stride;
+      pins.beat_row_i = static_cast<std::uint16_t>(row);
+      pins.beat_first_row_i = row == 1;
+      pins.beat_last_row_i = row == frame.rows;
+      pins.threshold_i = static_cast<std::uint8_t>(measure.window.counts(row) ? measure.threshold : 255);
+      for (int column = 0; column < frame.columns; column += spec::kPixelsPerBeat) {
+        pins.beat_pixels_i = model::load_little_endian<std::uint32_t>(line + column);
+        pins.beat_group_i = static_cast<std::uint16_t>(column / spec::kPixelsPerBeat);
+        pins.beat_line_end_i = column + spec::kPixelsPerBeat == frame.columns;
+        tick(block, pins);
+      }
+    }
+    pins.beat_valid_i = 0;
+    for (int i = 0; i < frame.columns / 2 + kRegisters; ++i) {  // two columns in a clock
+      tick(block, pins);
+    }
+  }
+
+  template <class Block, class Pins>
+  void tick(Block& block, Pins& pins) {
+    block.clock(pins);
+    if (pins.moments_valid_o != 0) {
+      for (const std::uint32_t word : pins.moments_data_o) {
+        for (std::size_t i = 0; i < sizeof word; ++i) {
+          bytes_.push_back(static_cast<std::uint8_t>(word >> (8 * i)));
+        }
+      }
+    }
+  }
+
   std::vector<std::uint8_t> bytes_;
+};
+
+// The decoder with its memory, and the median behind it, wired as in sp_gray_core.
+class GrayHlsEngine final : public GrayEngine {
+ public:
+  [[nodiscard]] std::string name() const override { return "hls"; }
+  // The decoder does not count rows: it only sees whether their number changes.
+  [[nodiscard]] int max_rows() const override { return 4095; }
+  [[nodiscard]] int max_columns() const override { return spec::kMaxColumns; }
+
+  void start(const model::GraySettings& settings, bool median) override {
+    decoder_ = {};
+    median_ = {};
+    reset(shells().decoder, decoder_);
+    reset(shells().median, median_);
+    const auto pixels = static_cast<std::size_t>(settings.rows) * static_cast<std::size_t>(settings.columns);
+    memory_.resize(pixels / spec::kPixelsPerBeat);
+    decoder_.decode_i = 1;
+    decoder_.bits_i = static_cast<std::uint8_t>(settings.bits);
+    decoder_.threshold_i = static_cast<std::uint8_t>(settings.threshold);
+    decoder_.columns_i = static_cast<std::uint16_t>(settings.columns);
+    decoder_.rows_i = static_cast<std::uint16_t>(settings.rows);
+    median_.s_median_i = median;
+  }
+
+  bool take(const model::ImageView& image, int pattern, std::uint16_t* codes) override {
+    out_ = codes;
+    left_ = static_cast<std::size_t>(image.rows) * static_cast<std::size_t>(image.columns);
+    const std::size_t all = left_;
+    decoder_.pattern_i = static_cast<std::uint16_t>(pattern);  // nothing of the previous frame is under way any more
+    decoder_.beat_valid_i = 1;
+    for (int row = 0; row < image.rows; ++row) {
+      const std::uint8_t* line = image.pixels + row * image.stride;
+      decoder_.beat_last_row_i = row + 1 == image.rows;
+      for (int column = 0; column < image.columns; column += spec::kPixelsPerBeat) {
+        const bool first = row == 0 && column == 0;
+        decoder_.take_i = first;
+        decoder_.frame_start_i = first;
+        decoder_.beat_pixels_i = model::load_little_endian<std::uint32_t>(line + column);
+        decoder_.beat_line_start_i = column == 0;
+        decoder_.beat_line_end_i = column + spec::kPixelsPerBeat == image.columns;
+        tick();
+      }
+    }
+    decoder_.beat_valid_i = 0;
+    decoder_.take_i = 0;
+    decoder_.frame_start_i = 0;
+    for (int i = 0; i < image.columns / spec::kPixelsPerBeat + kRegisters; ++i) {  // the median's last line
+      tick();
+    }
+    if (left_ != 0 && left_ != all) {
+      throw std::runtime_error("engine hls: a part of a code image");
+    }
+    return left_ == 0;
+  }
+
+ private:
+  void tick() {
+    access_memory();
+    median_.s_valid_i = decoder_.codes_valid_o;
+    median_.s_codes_i = decoder_.codes_o;
+    median_.s_start_i = decoder_.codes_start_o;
+    median_.s_line_start_i = decoder_.codes_line_start_o;
+    median_.s_line_end_i = decoder_.codes_line_end_o;
+    median_.s_last_row_i = decoder_.codes_last_row_o;
+    median_.s_break_i = decoder_.codes_break_o;
+    median_.s_status_i = decoder_.codes_status_o;
+    decoder_.busy_i = median_.busy_o;
+    shells().decoder.clock(decoder_);
+    shells().median.clock(median_);
+    if (median_.m_valid_o != 0) {
+      if (left_ < spec::kPixelsPerBeat) {
+        throw std::runtime_error("engine hls: more codes than pixels");
+      }
+      for (unsigned i = 0; i < spec::kPixelsPerBeat; ++i) {
+        *out_++ = static_cast<std::uint16_t>(median_.m_codes_o >> (spec::kCodeWordBits * i));
+      }
+      left_ -= spec::kPixelsPerBeat;
+    }
+  }
+
+  // A word appears two clocks after its request.
+  void access_memory() {
+    decoder_.mem_data_i = arriving_;
+    arriving_ = requested_;
+    if (decoder_.mem_read_o != 0) {
+      read_at_ = decoder_.mem_read_first_o != 0 ? 0 : read_at_ + 1;
+      requested_ = memory_[read_at_];
+    }
+    if (decoder_.mem_write_o != 0) {
+      write_at_ = decoder_.mem_write_first_o != 0 ? 0 : write_at_ + 1;
+      memory_[write_at_] = decoder_.mem_data_o;
+    }
+  }
+
+  GrayDecoderPins decoder_;
+  Median3x3Pins median_;
+  std::vector<Wide128> memory_;  // the states of four pixels
+  Wide128 requested_{};
+  Wide128 arriving_{};  // requested a clock before that
+  std::size_t read_at_ = 0;
+  std::size_t write_at_ = 0;
+  std::uint16_t* out_ = nullptr;
+  std::size_t left_ = 0;  // codes still to come
 };
 
 }  // namespace
 
 std::unique_ptr<MomentsEngine> make_moments_hls_engine() { return std::make_unique<HlsEngine>(); }
-
-// Codes from the HLS kernel: its C simulation, one step for each clock.
-
-namespace {
-
-class GrayHlsEngine final : public GrayEngine {
- public:
-  [[nodiscard]] std::string name() const override { return "hls"; }
-  [[nodiscard]] int max_rows() const override { return kRows; }
-  [[nodiscard]] int max_columns() const override { return kColumns; }
-
-  void start(const model::GraySettings& settings, bool median) override {
-    kernel_ = std::make_unique<Kernel>();
-    setup_.columns = settings.columns;
-    setup_.rows = settings.rows;
-    setup_.bits = settings.bits;
-    setup_.threshold = settings.threshold;
-    setup_.median = median;
-  }
-
-  bool take(const model::ImageView& image, int pattern, std::uint16_t* codes) override {
-    push_frame(image, video_);
-    const hls::PatternIndex index = pattern;
-    bool more = true;
-    while (more || !video_.empty()) {
-      more = kernel_->step(video_, setup_, index, codes_);
-    }
-    const std::size_t all = static_cast<std::size_t>(image.rows) * static_cast<std::size_t>(image.columns);
-    std::size_t count = 0;
-    hls::AxisBeat<64> beat;
-    while (codes_.read_nb(beat)) {
-      if (count == all) {
-        throw std::runtime_error("engine hls: more codes than pixels");
-      }
-      const std::uint64_t words = beat.data.to_uint64();
-      for (unsigned i = 0; i < spec::kPixelsPerBeat; ++i) {
-        codes[count++] = static_cast<std::uint16_t>(words >> (spec::kCodeWordBits * i));
-      }
-    }
-    if (count != 0 && count != all) {
-      throw std::runtime_error("engine hls: a part of a code image");
-    }
-    return count != 0;
-  }
-
- private:
-  static constexpr int kColumns = 4096;
-  static constexpr int kRows = 4095;
-  using Kernel = hls::GrayDecoderKernel<kColumns, kRows>;
-
-  std::unique_ptr<Kernel> kernel_;
-  hls::GraySetup setup_;
-  hls::Stream<hls::AxisBeat<32>> video_;
-  hls::Stream<hls::AxisBeat<64>> codes_;
-};
-
-}  // namespace
 
 std::unique_ptr<GrayEngine> make_gray_hls_engine() { return std::make_unique<GrayHlsEngine>(); }
 

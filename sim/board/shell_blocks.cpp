@@ -38,16 +38,17 @@ void connect(Ram& ram, sc_core::sc_signal<bool>& clk, Bit& rd_en, Address& rd_ad
 }  // namespace
 
 // A change of a signal wakes threads and methods in the next delta cycle. Those on which others wait write in that
-// cycle, so three cycles are enough.
+// cycle, so three cycles are enough. Outside of threads SystemC warns of cycles in which nothing happens.
 void ShellBlock::settle() {
   constexpr int kDeltas = 3;
-  const bool in_thread = sc_core::sc_get_current_process_handle().valid();
-  for (int i = 0; i < kDeltas; ++i) {
-    if (in_thread) {
+  if (sc_core::sc_get_current_process_handle().valid()) {
+    for (int i = 0; i < kDeltas; ++i) {
       sc_core::wait(sc_core::SC_ZERO_TIME);
-    } else {
-      sc_core::sc_start(sc_core::SC_ZERO_TIME);
     }
+    return;
+  }
+  while (sc_core::sc_pending_activity_at_current_time()) {
+    sc_core::sc_start(sc_core::SC_ZERO_TIME);
   }
 }
 

@@ -71,7 +71,8 @@ rig::Rig rig_of(const CosimOptions& options) {
   options.select.apply(measure);
   rig.measure.apply(measure);
   if (measure.select == model::Select::strongest && options.engine == "hls") {
-    throw UserError("--select strongest", "the SystemC shell has no runs; --engine rtl and model have them");
+    throw UserError("--select strongest",
+                    "no board has the SystemC shell of the runs; --engine rtl and model have them");
   }
   if (measure.select == model::Select::strongest && !options.trace.empty()) {
     throw UserError("--select strongest", "the board with waveforms has no runs; leave out --trace");

@@ -1,23 +1,22 @@
-// Soak of the strongest runs: random small frames through the RTL, the HLS kernel, the model and the host's fast
+// Soak of the strongest runs: random small frames through the RTL, the SystemC shells, the model and the host's fast
 // kernel.
 //
 //     runs_soak [FRAMES] [FIRST_SEED]      1,000,000 frames from seed 1 on by default
 //
 // Every frame goes through the board's RTL, one grey and one binary build in turns, with stalls on both sides; in half
 // of the runs every fifth frame has a fault. Every packet is compared with the model's. The same image goes whole
-// through the HLS kernel with pauses, whose every word is compared with the model, and through the fast kernel, whose
-// every column is.
+// through the shells and the fast kernel, whose every column is compared with the model.
 #include <algorithm>
 #include <cstdint>
 #include <memory>
+#include <vector>
 
 #include "Vboard_codes.h"
 #include "Vboard_codes_raw.h"
-#include "hls/column_runs.h"
 #include "host/files/results_file.h"
 #include "selfproj/light_section/fast_moments.h"
 #include "selfproj/model/column_runs.h"
-#include "tests/hls/moments_bench.h"
+#include "sim/board/engines.h"
 #include "tests/rtl/board/random_frames.h"
 #include "tests/support/soak.h"
 
@@ -29,6 +28,7 @@ struct ImageCounts {
   std::uint64_t several = 0;  // of these, with two runs or more
   std::uint64_t ties = 0;     // of these, with two equal strongest runs
   std::uint64_t windows = 0;  // frames of which not all rows count
+  std::uint64_t shells = 0;   // columns of the shells
 };
 
 // Compares the fast kernel with the model, and counts what the image has.
@@ -47,43 +47,43 @@ void compare_fast(const TestImage& image, const model::Measure& measure, ImageCo
   images.windows += measure.window == model::RowWindow{} ? 0 : 1;
 }
 
+// Compares the SystemC shells with the model.
+void compare_shells(const TestImage& image, const model::Measure& measure, ImageCounts& images) {
+  static const auto shells = sim::make_moments_hls_engine();
+  static const auto model = sim::make_moments_model_engine();
+  const sim::MomentsSettings settings{.rows = image.rows, .columns = image.columns, .measure = measure};
+  const std::vector<model::ImageView> frames{image.view()};
+  std::vector<model::Runs> right(1);
+  std::vector<model::Runs> found(1);
+  model->process(frames, settings, right);
+  shells->process(frames, settings, found);
+  ASSERT_TRUE(found == right) << "the shells differ";
+  images.shells += static_cast<std::uint64_t>(image.columns);
+}
+
 template <class Model>
-void play(std::uint64_t seed, RandomFrames limits, FrameCounts& counts, ImageCounts& images, std::uint64_t& words) {
-  const auto kernel = std::make_shared<hls::ColumnRunsKernel>();
-  MomentsBench bench([&](auto& video, const auto& setup, auto& payload) { kernel->step(video, setup, payload); });
-  Random random(seed + (std::uint64_t{1} << 32));
+void play(std::uint64_t seed, RandomFrames limits, FrameCounts& counts, ImageCounts& images) {
   limits.also = [&](const TestImage& image, const model::BoardSettings& settings) {
     compare_fast(image, settings.measure(), images);
-    bench.play({.columns = settings.columns,
-                .rows = settings.rows,
-                .mode = settings.mode,
-                .threshold = settings.threshold,
-                .pixels = image.pixels,
-                .select = settings.select,
-                .gap = settings.gap,
-                .window = settings.window},
-               random.chance(50) ? 0 : 30, random);
+    compare_shells(image, settings.measure(), images);
   };
   play_random_frames<Model>(seed, limits, counts);
-  bench.finish();
-  words += bench.matched();
 }
 
 TEST(RunsSoak, FourImplementationsAreEqual) {
   FrameCounts counts;
   ImageCounts images;
-  std::uint64_t words = 0;
   soak(counts.frames, 1'000'000, [&](std::uint64_t seed) {
     const int faults = seed % 4 < 2 ? 0 : 20;
     if (seed % 2 == 0) {
-      play<Vboard_codes>(seed, {.runs = true, .fault_percent = faults}, counts, images, words);
+      play<Vboard_codes>(seed, {.runs = true, .fault_percent = faults}, counts, images);
     } else {
       play<Vboard_codes_raw>(seed,
                              {.max_columns = 128, .grey = false, .image = false, .runs = true, .fault_percent = faults},
-                             counts, images, words);
+                             counts, images);
     }
   });
-  report_soak("runs_soak", "Strongest runs: the board's RTL, the HLS kernel and the fast kernel against the model",
+  report_soak("runs_soak", "Strongest runs: the board's RTL, the SystemC shells and the fast kernel against the model",
               {{"frames", counts.frames},
                {"packets", counts.delivered},
                {"bytes", counts.bytes},
@@ -92,7 +92,7 @@ TEST(RunsSoak, FourImplementationsAreEqual) {
                {"columns", images.columns},
                {"columns_with_several_runs", images.several},
                {"columns_with_a_tie", images.ties},
-               {"hls_words", words},
+               {"shell_columns", images.shells},
                {"mismatches", 0}});
 }
 

@@ -248,6 +248,13 @@ void tallest_images() {
   expect_clocks(15'000);
 }
 
+// The widest image, with as many rows as it takes for its packet to leave before the next one.
+template <typename Circuit>
+void widest_images() {
+  moments::large_size<Circuit>(spec::kMaxColumns, 4, kModes);
+  expect_clocks(12'000);
+}
+
 template <typename Circuit>
 void random_frames() {
   for_cases(60, [&](std::uint64_t seed) {
@@ -261,6 +268,7 @@ void random_frames() {
 
 TEST(ColumnMomentsShell, SmallSizes) { small_sizes<Moments>(); }
 TEST(ColumnMomentsShell, TallestImages) { tallest_images<Moments>(); }
+TEST(ColumnMomentsShell, WidestImages) { widest_images<Moments>(); }
 TEST(ColumnMomentsShell, RandomFrames) { random_frames<Moments>(); }
 
 TEST(ColumnMomentsShell, OriginalImage) {
@@ -270,6 +278,7 @@ TEST(ColumnMomentsShell, OriginalImage) {
 
 TEST(ColumnRunsShell, SmallSizes) { small_sizes<StrongestRuns>(); }
 TEST(ColumnRunsShell, TallestImages) { tallest_images<StrongestRuns>(); }
+TEST(ColumnRunsShell, WidestImages) { widest_images<StrongestRuns>(); }
 TEST(ColumnRunsShell, RandomFrames) { random_frames<StrongestRuns>(); }
 
 TEST(GrayDecoderShell, RandomSequences) {
