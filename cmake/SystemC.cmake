@@ -6,13 +6,6 @@ find_path(SELFPROJ_SYSTEMC_INCLUDE_DIR systemc REQUIRED)
 find_library(SELFPROJ_SYSTEMC_LIBRARY systemc REQUIRED)
 mark_as_advanced(SELFPROJ_SYSTEMC_INCLUDE_DIR SELFPROJ_SYSTEMC_LIBRARY)
 
-# The kernels are C++14, as the HLS tools compile them. SystemC 3 needs C++17 for its integers.
-set(selfproj_kernel_standard 14)
-file(STRINGS "${SELFPROJ_SYSTEMC_INCLUDE_DIR}/sysc/kernel/sc_ver.h" major REGEX "define SC_VERSION_MAJOR +[0-9]+")
-if(major MATCHES " ([0-9]+)" AND CMAKE_MATCH_1 GREATER_EQUAL 3)
-  set(selfproj_kernel_standard 17)
-endif()
-
 if(NOT TARGET systemc::systemc)
   add_library(systemc::systemc UNKNOWN IMPORTED)
   set_target_properties(systemc::systemc PROPERTIES

@@ -1,17 +1,16 @@
 #!/usr/bin/env python3
-"""check_sources.py [FILE...]: finds what synthesis tools refuse in the kernels and shells of hls/, or in FILEs.
+"""check_sources.py [FILE...]: finds what synthesis tools refuse in the sources of hls/, or in FILEs.
 
 Everywhere these are findings: dynamic allocation, virtual functions, exceptions and run-time types, the standard
 library except its integers, floating point, goto, loops whose bounds are not constants, recursion, and headers that do
-not belong to the kernels. In files under a folder `shells` there are more: processes other than methods and clocked
+not belong to the shells. In files under a folder `shells` there are more: processes other than methods and clocked
 threads with a synchronous reset; threads without a reset section, or with a path without wait(); whatever the open
 compiler ICSC does not take. ICSC 1.6.8 refuses some calls in arguments of other calls, and some constants that come
 from a call and are passed on. Here all of them are findings, in the functions outside of classes in other headers too,
 because the shells call those. It refuses arrays of records that give their members initial values or have a
 constructor, wherever these are defined.
 
-The check reads what an HLS tool sees: in shared headers, the branches of SELFPROJ_HLS_VENDOR_TYPES. It prints one line
-a finding, and its exit status is then 1.
+It prints one line a finding, and its exit status is then 1.
 """
 import functools
 import pathlib
@@ -20,11 +19,7 @@ import sys
 
 FOLDER = pathlib.Path(__file__).resolve().parent
 
-DEFINED = {"SELFPROJ_HLS_VENDOR_TYPES"}
-UNDEFINED = {"SELFPROJ_HLS_LATE_MEMORY", "SELFPROJ_HLS_VENDOR_AXIS"}
-HEADERS = re.compile(r'"(hls/[\w/]+\.h|selfproj/model/generated/selfproj_spec\.h)"|'
-                     r"<(cstdint|cstddef|ap_int\.h|hls_stream\.h|ap_axi_sdata\.h)>")
-SHELL_HEADERS = re.compile(HEADERS.pattern + "|<systemc>")
+HEADERS = re.compile(r'"(hls/[\w/]+\.h|selfproj/model/generated/selfproj_spec\.h)"|<(cstdint|cstddef|systemc)>')
 WORDS = [
     ("dynamic allocation", r"\b(new|delete|malloc|calloc|realloc|free|alloca)\b"),
     ("virtual function", r"\b(virtual|override|dynamic_cast|typeid)\b"),
@@ -56,24 +51,8 @@ def blank(match):
 
 
 def seen(text):
-    """Returns the source as a tool sees it: without comments, texts and branches that are not compiled, with the same
-    lines."""
-    text = re.sub(r"//[^\n]*|/\*.*?\*/", blank, text, flags=re.S)
-    out = []
-    branches = []  # of conditions: whether what is inside counts
-    for line in text.split("\n"):
-        directive = re.match(r"\s*#\s*(\w+)\s*(.*)", line)
-        word, rest = (directive.group(1), directive.group(2).strip()) if directive else ("", "")
-        if word in ("if", "ifdef", "ifndef"):
-            known = rest in DEFINED or rest in UNDEFINED
-            counts = rest in DEFINED if word == "ifdef" else rest in UNDEFINED
-            branches.append([counts, known] if known and word != "if" else [True, False])
-        elif word in ("else", "elif") and branches and branches[-1][1]:
-            branches[-1][0] = not branches[-1][0]
-        elif word == "endif" and branches:
-            branches.pop()
-        out.append(line if all(b[0] for b in branches) else "")
-    return "\n".join(out)
+    """Returns the source without comments, with the same lines."""
+    return re.sub(r"//[^\n]*|/\*.*?\*/", blank, text, flags=re.S)
 
 
 def closing(text, start):
@@ -100,7 +79,7 @@ class Source:
 
     def check(self):
         for include in re.finditer(r'^\s*#\s*include\s+(\S+)', self.text, flags=re.M):
-            if not (SHELL_HEADERS if self.shell else HEADERS).fullmatch(include.group(1)):
+            if not HEADERS.fullmatch(include.group(1)):
                 self.find(include.start(1), f"header {include.group(1)}")
         for what, pattern in WORDS + (SHELL_WORDS if self.shell else []):
             for word in re.finditer(pattern, self.code):
@@ -196,8 +175,8 @@ def called_names(sources):
 
 @functools.cache
 def names_here():
-    """Returns the names of the functions of the kernels and shells, which any source may call."""
-    return called_names([Source(str(f), f.read_text(), False) for f in kernel_files()])
+    """Returns the names of the functions of hls/, which any source may call."""
+    return called_names([Source(str(f), f.read_text(), False) for f in files_here()])
 
 
 def calls(sources):
@@ -287,15 +266,12 @@ def check(files):
     return [f"{source.name}:{line}: {what}" for source in sources for line, what in sorted(source.findings)]
 
 
-def kernel_files():
-    # late_memory.h is for tests; tools never see it.
-    return sorted(
-        f for pattern in ("*.h", "*.cpp", "shells/*.h") for f in FOLDER.glob(pattern) if f.name != "late_memory.h"
-    )
+def files_here():
+    return sorted(f for pattern in ("*.h", "shells/*.h") for f in FOLDER.glob(pattern))
 
 
 def main():
-    files = [pathlib.Path(name) for name in sys.argv[1:]] or kernel_files()
+    files = [pathlib.Path(name) for name in sys.argv[1:]] or files_here()
     try:
         findings = check(
             [(str(f.relative_to(FOLDER.parent) if FOLDER in f.parents else f), f.read_text()) for f in files]

@@ -1,5 +1,5 @@
-// Formats and pure functions of the column moments: operations on one pixel, one sum, one word. The kernel
-// (column_moments.h) and the SystemC shell (hls/shells/column_moments_shell.h) use them.
+// Formats and pure functions of the column moments: operations on one pixel, one sum, one word. The SystemC
+// shell (hls/shells/column_moments_shell.h) uses them.
 #ifndef SELFPROJ_HLS_MOMENTS_ARITHMETIC_H
 #define SELFPROJ_HLS_MOMENTS_ARITHMETIC_H
 
@@ -28,7 +28,6 @@ static_assert(bits_for(spec::kMaxRows) == spec::kGreyNBits, "a number of lit pix
 
 // The weight of a pixel; 0 if and only if it is not lit.
 inline Pixel weight_of(Pixel pixel, Pixel threshold, ModeBits mode) {
-#pragma HLS inline
   Pixel weight = 0;
   if (pixel > threshold) {
     if (mode == spec::kModeBinary) {
@@ -43,17 +42,14 @@ inline Pixel weight_of(Pixel pixel, Pixel threshold, ModeBits mode) {
 }
 
 inline Pixel lane_of(Pixels pixels, int lane) {
-#pragma HLS inline
   Pixel pixel = pixels >> (spec::kPixelBits * lane);
   return pixel;
 }
 
 // The weights of four pixels.
 inline Pixels weights_of(Pixels pixels, Pixel threshold, ModeBits mode) {
-#pragma HLS inline
   Pixels weights = 0;
   for (int lane = kLanes - 1; lane >= 0; --lane) {
-#pragma HLS unroll
     Pixel pixel = lane_of(pixels, lane);
     Pixel weight = weight_of(pixel, threshold, mode);
     weights = (weights << spec::kPixelBits) | weight;
@@ -62,13 +58,11 @@ inline Pixels weights_of(Pixels pixels, Pixel threshold, ModeBits mode) {
 }
 
 inline Sum0 next_m0(Sum0 m0, Pixel weight) {
-#pragma HLS inline
   Sum0 next = m0 + weight;
   return next;
 }
 
 inline Row next_n(Row n, Pixel weight) {
-#pragma HLS inline
   Row next = n;
   if (weight != 0) {
     next = n + 1;
@@ -78,7 +72,6 @@ inline Row next_n(Row n, Pixel weight) {
 
 // The summand of A for a row: the M0 before it in the grey modes, and the row of a lit pixel in mode binary.
 inline Sum1 addend_of(Sum0 m0_before, Pixel weight, Row row, bool grey) {
-#pragma HLS inline
   Sum1 addend = 0;
   if (grey) {
     addend = m0_before;
@@ -90,7 +83,6 @@ inline Sum1 addend_of(Sum0 m0_before, Pixel weight, Row row, bool grey) {
 
 // M1 of a column with `rows` rows, from M0 with the last row, and M0 and A before it.
 inline Sum1 finished_m1(Row rows, Sum0 m0, Sum0 m0_before, Sum1 a) {
-#pragma HLS inline
   Uint<spec::kGreyM0Bits + spec::kGreyNBits> product = rows * m0;
   Sum1 over = a + m0_before;
   Sum1 m1 = product - over;  // the difference fits, because it is M1
@@ -99,7 +91,6 @@ inline Sum1 finished_m1(Row rows, Sum0 m0, Sum0 m0_before, Sum1 a) {
 
 // The payload word of a column in mode binary.
 inline Uint<spec::kBinaryWordBits> binary_word(Sum0 m0, Sum1 m1) {
-#pragma HLS inline
   Uint<spec::kBinaryWordBits> word = m0;
   word = (word << (spec::kBinaryM0Lsb - spec::kBinaryM1Lsb)) | m1;
   return word;
@@ -107,7 +98,6 @@ inline Uint<spec::kBinaryWordBits> binary_word(Sum0 m0, Sum1 m1) {
 
 // The payload word of a column in the grey modes.
 inline Uint<spec::kGreyWordBits> grey_word(Sum0 m0, Sum1 m1, Row n) {
-#pragma HLS inline
   Uint<spec::kGreyWordBits> word = n;
   word = (word << (spec::kGreyNLsb - spec::kGreyM0Lsb)) | m0;
   word = (word << (spec::kGreyM0Lsb - spec::kGreyM1Lsb)) | m1;
@@ -117,7 +107,6 @@ static_assert(spec::kBinaryM1Lsb == 0 && spec::kGreyM1Lsb == 0, "M1 has the low 
 
 // What the words of the strongest run report besides: the number of runs, and how strong the second is in sixteenths.
 inline Uint<spec::kBinaryRunWordBits> binary_run_word(Uint<spec::kBinaryWordBits> word, Uint<2> runs, Uint<5> second) {
-#pragma HLS inline
   Uint<spec::kBinaryRunWordBits> all = runs;
   all = all << (spec::kBinaryRunRunsLsb - spec::kBinaryRunSecondLsb);
   if (second >= 8) {
@@ -127,7 +116,6 @@ inline Uint<spec::kBinaryRunWordBits> binary_run_word(Uint<spec::kBinaryWordBits
   return all;
 }
 inline Uint<spec::kGreyRunWordBits> grey_run_word(Uint<spec::kGreyWordBits> word, Uint<2> runs, Uint<5> second) {
-#pragma HLS inline
   Uint<spec::kGreyRunWordBits> all = second;
   all = (all << (spec::kGreyRunSecondLsb - spec::kGreyRunRunsLsb)) | runs;
   all = (all << spec::kGreyRunRunsLsb) | word;

@@ -1,5 +1,5 @@
-// Pure functions of the strongest runs: operations on one run and on the runs of one column. The kernel (column_runs.h)
-// and the SystemC shell (hls/shells/column_runs_shell.h) use them.
+// Pure functions of the strongest runs: operations on one run and on the runs of one column. The SystemC shell
+// (hls/shells/column_runs_shell.h) uses them.
 //
 // Each column has an open run, the strongest of the runs that have ended, and M0 of the second. A run ends in the row
 // in which it has had more dark rows than the gap allows. A run has M0, N, and A, the sum over the rows of M0 before
@@ -58,7 +58,6 @@ struct EndedRuns {
 
 // A row is added to the open run; `ends`: the row, which is dark, ended it.
 inline OpenRun next_run(const OpenRun& old, Pixel weight, bool strongest, Uint<2> gap, bool& ends) {
-#pragma HLS inline
   OpenRun next;
   next.clear();
   ends = false;
@@ -81,7 +80,6 @@ inline OpenRun next_run(const OpenRun& old, Pixel weight, bool strongest, Uint<2
 
 // `run` meets the strongest of the runs that ended before it, and the second.
 inline EndedRuns next_ended(const EndedRuns& old, const OpenRun& run, Row row) {
-#pragma HLS inline
   EndedRuns next = old;
   if (old.runs != 3) {
     next.runs = old.runs + 1;
@@ -100,11 +98,9 @@ inline EndedRuns next_ended(const EndedRuns& old, const OpenRun& run, Row row) {
 
 // floor(16 second / m0) of second <= m0; 0 where both are 0.
 inline Uint<5> ratio_of(Sum0 second, Sum0 m0) {
-#pragma HLS inline
   Uint<5> ratio = 0;
   Uint<spec::kGreyM0Bits + 1> rest = second;
   for (int bit = 4; bit >= 0; --bit) {
-#pragma HLS unroll
     ratio = ratio << 1;
     if (m0 != 0 && rest >= m0) {
       rest = rest - m0;

@@ -20,7 +20,7 @@ for_programs=(
   libsdl2-dev                                # projectors
 )
 for_tests=(
-  git python3 python3-pip                    # lists of sources, checks, headers of HLS tools
+  git python3 python3-pip                    # lists of sources, checks
   python3-dev python3-venv                   # the Python package, and what comes from PyPI
   python3-markdown-it                        # links and commands of the documents
   yosys iverilog z3                          # synthesis, lint, proofs
@@ -33,7 +33,6 @@ for_tests=(
   # a server with two displays, for the same tests
   xserver-xorg-core xserver-xorg-video-dummy x11-xserver-utils x11-apps
   librsvg2-bin                               # the printed chessboard as an image
-  tcl                                        # check of the scripts for HLS tools
   chromium-driver                            # the live page in a browser
   pkg-config dpkg-dev                        # tests of the installation and of the Debian packages
   iproute2 util-linux                        # namespaces, in which tests have networks of their own

@@ -45,7 +45,7 @@ state_of_all() {
   } | sha256sum | cut -d ' ' -f 1
 }
 
-captures() { find ../shared/data build/ap_types -type f -printf '%p %s\n' 2>/dev/null | LC_ALL=C sort || true; }
+captures() { find ../shared/data -type f -printf '%p %s\n' 2>/dev/null | LC_ALL=C sort || true; }
 
 # ---- the steps ----
 
@@ -172,10 +172,6 @@ minutes() { printf '%d:%02d min' "$(($1 / 60))" "$(($1 % 60))"; }
 if $record; then export CCACHE_RECACHE=1; fi
 
 scripts/setup.sh tests
-if $all; then
-  hls/get_ap_types.sh ||
-    echo "test.sh: skipped for want of PyPI: tests of the HLS kernels with the vendor's integers (kernels_ap)"
-fi
 state=$(state_of_all)
 
 echo "test.sh will do this, in this order, and take about as long as in the last run here (*: an estimate):"

@@ -2,17 +2,17 @@
 // clocked threads.
 //
 // With the same inputs in every clock the outputs equal those of the RTL in every clock: one beat a clock, no bubble.
-// The tests compare both clock by clock. The operations on a pixel are the pure functions of hls/gray_decoder.h. This
-// file decides when they happen. The registers have the names of the RTL's. Unlike there, the new state is made in one
-// clock, from a state two clocks delayed, so that a synthesizer can move the registers into it. The memory is outside,
-// as in the RTL.
+// The tests compare both clock by clock. The operations on a pixel are the pure functions of hls/gray_arithmetic.h.
+// This file decides when they happen. The registers have the names of the RTL's. Unlike there, the new state is made in
+// one clock, from a state two clocks delayed, so that a synthesizer can move the registers into it. The memory is
+// outside, as in the RTL.
 #ifndef SELFPROJ_HLS_SHELLS_GRAY_DECODER_SHELL_H
 #define SELFPROJ_HLS_SHELLS_GRAY_DECODER_SHELL_H
 
 #include <systemc>
 
-#include "hls/column_moments.h"
-#include "hls/gray_decoder.h"
+#include "hls/gray_arithmetic.h"
+#include "hls/moments_arithmetic.h"
 
 namespace selfproj {
 namespace hls {

@@ -2,16 +2,16 @@
 // translate clocked threads.
 //
 // With the same inputs in every clock the outputs equal those of the RTL in every clock: one beat a clock, no bubble.
-// The tests compare both clock by clock. The median itself is median_of() of hls/median3x3.h. This file decides when it
-// is taken. The registers have the names of the RTL's. Unlike there, a median is found in one clock and then passes two
-// registers, which a synthesizer may move into it. The line buffers are outside, behind ports. Each has one port that
-// writes and one that reads a clock later, like sp_ram.
+// The tests compare both clock by clock. The median itself is median_of() of hls/median_arithmetic.h. This file decides
+// when it is taken. The registers have the names of the RTL's. Unlike there, a median is found in one clock and then
+// passes two registers, which a synthesizer may move into it. The line buffers are outside, behind ports. Each has one
+// port that writes and one that reads a clock later, like sp_ram.
 #ifndef SELFPROJ_HLS_SHELLS_MEDIAN3X3_SHELL_H
 #define SELFPROJ_HLS_SHELLS_MEDIAN3X3_SHELL_H
 
 #include <systemc>
 
-#include "hls/median3x3.h"
+#include "hls/median_arithmetic.h"
 
 namespace selfproj {
 namespace hls {

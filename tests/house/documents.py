@@ -173,7 +173,7 @@ def simple_commands(line):
 def is_ours(words):
     """Returns whether the command belongs to this project or to its build."""
     first = words[0].removeprefix("./")
-    return (first in PROGRAMS or first in ("ctest", "cmake", "vitis_hls")
+    return (first in PROGRAMS or first in ("ctest", "cmake")
             or re.match(r"^(scripts|hls|model|tests|constraints|lab)/[\w/-]+\.(sh|py)$", first) is not None
             or re.match(r"^build/\w+/tests/[\w./-]+$", first) is not None
             or (first.startswith("python3") and len(words) > 1 and "/" in words[1]))
