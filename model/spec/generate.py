@@ -4,7 +4,7 @@
     generate.py            write the files
     generate.py --check    write nothing; exit 1 and name each file that differs
 
-Outputs: the C++ header (C++14), the table of registers by name (C++20, register_table.py), the SystemVerilog package,
+Outputs: the C++ header, the table of registers by name (C++20, register_table.py), the SystemVerilog package,
 the registers as SystemRDL (system_rdl.py), what the dissector for Wireshark knows of packets (lua_format.py), and the
 tables (tables.py) between the markers `<!-- BEGIN GENERATED name -->` and `<!-- END GENERATED name -->` of the Markdown
 files listed in TABLES.
@@ -236,7 +236,6 @@ def cpp_header(spec):
     out = []
     emit = out.append
     emit("// Generated from model/spec/selfproj.json by model/spec/generate.py; do not edit.")
-    emit("// Also compiles as C++14, for HLS tools.")
     emit("#ifndef SELFPROJ_SPEC_GENERATED_SELFPROJ_SPEC_H")
     emit("#define SELFPROJ_SPEC_GENERATED_SELFPROJ_SPEC_H")
     emit("")

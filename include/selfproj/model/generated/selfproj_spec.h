@@ -1,5 +1,4 @@
 // Generated from model/spec/selfproj.json by model/spec/generate.py; do not edit.
-// Also compiles as C++14, for HLS tools.
 #ifndef SELFPROJ_SPEC_GENERATED_SELFPROJ_SPEC_H
 #define SELFPROJ_SPEC_GENERATED_SELFPROJ_SPEC_H
 
