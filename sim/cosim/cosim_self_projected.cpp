@@ -57,7 +57,7 @@ int bits_of(const CosimOptions& options, int cells_below) {
 std::unique_ptr<MatchEngine> match_engine_of([[maybe_unused]] const CosimOptions& options,
                                              const structured_light::MatchTable& table) {
 #ifdef SELFPROJ_HAS_RTL_ENGINE
-  if (options.engine != "model") {  // the block has no kernel in HLS
+  if (options.engine != "model") {  // the block has no shell
     return make_match_rtl_engine(table.by_pixels(), table.bits());
   }
 #endif
