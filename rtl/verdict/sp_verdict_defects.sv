@@ -97,6 +97,10 @@ module sp_verdict_defects #(
   end
 
   logic [27:0] kept;  // for the next frame
+`ifdef FORMAL
+  (* anyconst *) logic [GroupBits+1:0] f_column;  // any column, from 0
+  logic [27:0] f_word;  // of its group, in the memory
+`endif
   for (genvar lane = 0; lane < 4; lane++) begin : gen_lane
     // Hits of the newest four frames, and of the four before, as sums of ones and twos
     logic [3:0] new_hits, old_hits;
@@ -126,8 +130,8 @@ module sp_verdict_defects #(
     .rd_data_o(past)
 `ifdef FORMAL
     ,
-    .f_addr_i ('0),
-    .f_word_o (),
+    .f_addr_i (f_column[GroupBits+1:2]),
+    .f_word_o (f_word),
     .f_first_o()
 `endif
   );
@@ -251,6 +255,209 @@ module sp_verdict_defects #(
       lit_o   <= lit_o + ColumnBits'(ones(group_lit_i));
     end
   end
+
+`ifdef FORMAL
+  // Assumptions: one reset at the beginning. start_i begins a frame, behind the verdict of the frame
+  // before or if that one had no groups. Its groups and its done_i follow; no more groups than there
+  // are. The settings stand still from the first of these to the verdict.
+  localparam int FColumns = MaxColumns < 16 ? MaxColumns : 16;  // no proof has more
+  localparam int FGroups = FColumns / 4;
+  logic               f_ran_q = 1'b0;
+  logic               f_open_q;    // between start_i and done_i
+  logic               f_busy_q;    // between done_i and the verdict
+  logic [GroupBits:0] f_groups_q;  // groups of the frame that came
+  logic               f_fixed_q;   // settings stand still
+  logic [18:0]        f_settings, f_settings_q;
+  assign f_settings = {width_i, history_i, hits_i, above_i, below_i, fresh_i, 1'b0};
+  always_ff @(posedge clk_i) begin
+    f_ran_q      <= 1'b1;
+    f_settings_q <= f_settings;
+    if (rst_i) {f_open_q, f_busy_q, f_fixed_q} <= '0;
+    else begin
+      f_open_q  <= start_i || f_open_q && !done_i;
+      f_busy_q  <= done_i || f_busy_q && !found_valid_o;
+      f_fixed_q <= (f_fixed_q || group_valid_i || done_i) && !found_valid_o;
+    end
+    if (rst_i || start_i) f_groups_q <= '0;
+    else if (group_valid_i) f_groups_q <= f_groups_q + (GroupBits + 1)'(1);
+  end
+  always_comb begin
+    assume (rst_i == !f_ran_q);
+    if (rst_i || start_i) assume (!group_valid_i && !done_i);
+    if (start_i) assume (!f_busy_q && (!f_open_q || f_groups_q == '0));
+    if (group_valid_i) assume (f_open_q && f_groups_q < (GroupBits + 1)'(FGroups));
+    if (done_i) assume (f_open_q);
+    assume (width_i != '0 && hits_i != '0);
+    if (f_fixed_q) assume (f_settings == f_settings_q);
+  end
+
+  // Any column: in which frames of its part it was out, of those in which it came. A part has one
+  // history_i, and all columns come with fresh_i before one comes without.
+  logic [1:0] f_lane;
+  logic       f_here, f_out, f_mark;
+  logic [5:1] f_here_q, f_mark_q;
+  logic [6:0] f_past_q, f_past, f_counts, f_kept_counts;
+  logic       f_came_q;
+  logic [2:0] f_history_q;
+  logic [3:0] f_hits;
+  assign f_lane = f_column[1:0];
+  assign f_here = group_valid_i && f_groups_q == {1'b0, f_column[GroupBits+1:2]};
+  assign f_out  = group_above_i[f_lane] && above_i || group_below_i[f_lane] && below_i;
+  assign f_past = fresh_i ? '0 : f_past_q;
+  assign f_mark = f_hits >= hits_i;
+  always_comb begin
+    f_hits = 4'(f_out);
+    for (int frame = 0; frame < 7; frame++) begin
+      f_counts[frame]      = frame < 32'(history_i);
+      f_kept_counts[frame] = frame < 32'(f_history_q);
+      f_hits               = f_hits + 4'(f_past[frame] && f_counts[frame]);
+    end
+    assume (32'(f_column) < FColumns);
+    if (f_here && !fresh_i) assume (f_came_q && history_i == f_history_q);
+  end
+  always_ff @(posedge clk_i) begin
+    f_mark_q <= {f_mark_q[4:1], f_mark};
+    if (rst_i) {f_came_q, f_here_q} <= '0;
+    else begin
+      f_here_q <= {f_here_q[4:1], f_here};
+      if (f_here) f_came_q <= 1'b1;
+    end
+    if (f_here) {f_history_q, f_past_q} <= {history_i, f_past[5:0], f_out};
+  end
+
+  // Rule 1: each column is marked exactly if it was out in hits_i or more of the last frames that
+  // count, this one included. (Marks of other columns are right too, because the column is any.)
+  always_comb if (f_ran_q) begin
+    if (f_here_q[5]) begin
+      assert (valid_q[5] && f_places_q == {1'b0, f_column[GroupBits+1:2]});
+      assert (s5_marked_q[f_lane] == f_mark_q[5]);
+    end
+    if (f_came_q && f_here_q[2:1] == '0) begin
+      assert (((f_word[7*f_lane+:7] ^ f_past_q) & f_kept_counts) == '0);
+    end
+  end
+
+  // The marks of the frame, one and three clocks later too, and how many groups of it have come
+  logic [FColumns-1:0] f_marks_q, f_marks1_q, f_marks2_q, f_marks3_q;
+  logic [GroupBits:0]    f_places_q, f_places1_q, f_places2_q, f_places3_q;
+  logic [10:1]           f_done_q;
+  always_ff @(posedge clk_i) begin
+    if (rst_i || start_i) begin
+      {f_marks_q, f_marks1_q, f_marks2_q, f_marks3_q}     <= '0;
+      {f_places_q, f_places1_q, f_places2_q, f_places3_q} <= '0;
+    end else begin
+      {f_marks3_q, f_marks2_q, f_marks1_q}    <= {f_marks2_q, f_marks1_q, f_marks_q};
+      {f_places3_q, f_places2_q, f_places1_q} <= {f_places2_q, f_places1_q, f_places_q};
+      if (valid_q[5]) begin
+        f_places_q <= f_places_q + (GroupBits + 1)'(1);
+        for (int group = 0; group < FGroups; group++) begin
+          if (32'(f_places_q) == group) f_marks_q[4*group+:4] <= s5_marked_q;
+        end
+      end
+    end
+    f_done_q <= rst_i ? '0 : {f_done_q[9:1], done_i};
+  end
+
+  // Neighbouring marks from each column on to the right, without those that may go on with the next
+  // group of the frame; and the leftmost column with width_i of them
+  logic                  f_ended7_q, f_ended9_q;  // the frame has ended, as seen in stages 7 and 9
+  logic                  f_defect;
+  logic [ColumnBits-1:0] f_first, f_columns;
+  always_ff @(posedge clk_i) begin
+    if (rst_i || start_i) {f_ended7_q, f_ended9_q} <= '0;
+    else begin
+      if (f_done_q[7]) f_ended7_q <= 1'b1;
+      if (f_done_q[9]) f_ended9_q <= 1'b1;
+    end
+  end
+  for (genvar c = 0; c <= FColumns; c++) begin : gen_f_column
+    logic                  may_go_on, defect;
+    logic [ColumnBits-1:0] length, first, columns;
+    if (c == FColumns) begin : gen_none
+      assign may_go_on                            = !f_ended9_q;
+      assign {length, defect, first, columns} = '0;
+    end else begin : gen_column
+      assign may_go_on = gen_f_column[c+1].may_go_on &&
+                         (f_marks3_q[c] || f_places3_q <= (GroupBits + 1)'(c / 4));
+      assign length    = f_marks3_q[c] && !may_go_on ?
+                         gen_f_column[c+1].length + ColumnBits'(1) : '0;
+      assign {defect, first, columns} = 12'(length) >= 12'(width_i) ?
+          {1'b1, ColumnBits'(c + 1), length} :
+          {gen_f_column[c+1].defect, gen_f_column[c+1].first, gen_f_column[c+1].columns};
+    end
+  end
+  assign {f_defect, f_first, f_columns} =
+      {gen_f_column[0].defect, gen_f_column[0].first, gen_f_column[0].columns};
+
+  // Light, counted one by one
+  logic [ColumnBits-1:0] f_unlit_q, f_lit_q;
+  always_ff @(posedge clk_i) begin
+    if (rst_i || start_i) {f_unlit_q, f_lit_q} <= '0;
+    else if (group_valid_i) begin
+      f_unlit_q <= f_unlit_q + ColumnBits'(group_unlit_i[0]) + ColumnBits'(group_unlit_i[1]) +
+                   ColumnBits'(group_unlit_i[2]) + ColumnBits'(group_unlit_i[3]);
+      f_lit_q   <= f_lit_q + ColumnBits'(group_lit_i[0]) + ColumnBits'(group_lit_i[1]) +
+                   ColumnBits'(group_lit_i[2]) + ColumnBits'(group_lit_i[3]);
+    end
+  end
+
+  always_comb if (f_ran_q) begin
+    // Rule 2: the verdict comes ten clocks after done_i.
+    assert (found_valid_o == f_done_q[10]);
+    // Rule 3: it tells the leftmost width_i or more neighbouring columns that are marked, and how
+    // many they are: none is missed, none is told that is not there.
+    if (f_open_q || f_fixed_q || found_valid_o) begin
+      assert (defect_o == f_defect && first_column_o == f_first && columns_o == f_columns);
+    end
+    if (found_valid_o) assert (f_places3_q == f_groups_q && f_ended9_q);
+    // Rule 4: unlit_o and lit_o are the numbers of such columns in the frame.
+    assert (unlit_o == f_unlit_q && lit_o == f_lit_q);
+    // The registers agree with that.
+    if (f_open_q || f_busy_q) assert (group_q == f_groups_q[GroupBits-1:0]);
+    if (valid_q[1]) assert (s1_group_q == group_q - GroupBits'(1));
+    if (valid_q[2]) assert (s2_group_q == group_q - GroupBits'(1) - GroupBits'(valid_q[1]));
+    for (int c = 0; c < FColumns; c++) begin
+      // the run that comes from the left
+      if (c < 4 * 32'(f_places1_q)) begin
+        if (c >= 4 * 32'(f_places1_q) - 32'(run_q)) assert (f_marks1_q[c]);
+        if (c + 1 == 4 * 32'(f_places1_q) - 32'(run_q)) assert (f_ended7_q || !f_marks1_q[c]);
+      end else begin
+        assert (!f_marks1_q[c]);
+      end
+    end
+    assert (32'(run_q) <= 4 * 32'(f_places1_q));
+    if (f_ended7_q) assert (run_q == '0);
+    else if (f_open_q || f_busy_q) assert (s6_group_q == f_places1_q);
+    assert (f_places_q <= f_groups_q && f_groups_q <= (GroupBits + 1)'(FGroups));
+    if (!f_open_q && !f_busy_q) assert (!f_fixed_q);
+    if (f_open_q) assert (!f_busy_q && !f_ended7_q && !f_ended9_q);
+    if (f_ended9_q) assert (f_ended7_q);
+    assert ({s8_done_q, s7_done_q, s6_done_q, s5_end_q, done_q} == f_done_q[9:1]);
+    if (f_open_q || f_busy_q) begin
+      assert (f_groups_q == f_places_q + (GroupBits + 1)'($countones(valid_q)));
+    end else begin
+      assert (valid_q == '0 && f_here_q == '0);
+    end
+    if (f_busy_q) assert (f_fixed_q && f_done_q != '0);
+    if (f_done_q != '0) assert (f_busy_q);
+    assert ((f_done_q & (f_done_q - 10'd1)) == '0);
+    for (int stage = 1; stage <= 5; stage++) begin
+      if (valid_q[stage]) assert (f_done_q >> stage == '0);
+    end
+    if (f_busy_q) assert (f_ended7_q == (f_done_q[10:8] != '0));
+    if (f_open_q && !f_fixed_q) assert (f_groups_q == '0);
+  end
+
+  always_ff @(posedge clk_i) if (f_ran_q) begin
+    // a defect over all groups; one inside of a group; a mark by hits of frames before; a frame
+    // that breaks with a defect of its first group
+    cover (found_valid_o && 32'(columns_o) == FColumns);
+    cover (found_valid_o && first_column_o == ColumnBits'(6) && columns_o == ColumnBits'(2));
+    cover (f_here_q[5] && f_mark_q[5] && f_past_q[3:0] == 4'b1010 && hits_i == 4'd2);
+    cover (found_valid_o && defect_o && f_groups_q == (GroupBits + 1)'(1));
+    cover (found_valid_o && !defect_o && f_marks3_q != '0 && 32'(unlit_o) == 2);
+  end
+`endif
 
 endmodule
 

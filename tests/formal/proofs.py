@@ -99,6 +99,7 @@ PROOFS = [
     Proof("channel_link_lock_twice", "sp_channel_link_lock", ("Samples=2", "LogGood=1"), "induction", 3, 48),
     Proof("moments_window", "sp_moments_path", ("MaxColumns=16", "MaxRows=15", "LogDepth=4"), "induction", 1, 2,
           lemmas=False),
+    Proof("verdict_defects", "sp_verdict_defects", ("MaxColumns=12",), "induction", 5, 48),
 ]
 
 FAULTS = [
@@ -372,4 +373,14 @@ FAULTS = [
           "s5_runs_q + 2'(s5_run_q && s5_runs_q != 2'd3),", "s5_runs_q + 2'(s5_run_q),"),
     Fault("column_runs_values/equal_runs_told_as_weaker", "column_runs_values", "moments/sp_run_finish.sv",
           "+ {1'b0, ~{1'b0, divisor}} + (M0Bits + 2)'(1);", "+ {1'b0, ~{1'b0, divisor}} + (M0Bits + 2)'(s != 0);"),
+    Fault("verdict_defects/hits_of_the_part_before", "verdict_defects", "verdict/sp_verdict_defects.sv",
+          "!fresh_i && history_i > 3'(frame);", "history_i > 3'(frame);", 40),
+    Fault("verdict_defects/a_frame_too_many", "verdict_defects", "verdict/sp_verdict_defects.sv",
+          "!fresh_i && history_i > 3'(frame);", "!fresh_i && history_i >= 3'(frame);", 40),
+    Fault("verdict_defects/a_full_group_ends_a_run", "verdict_defects", "verdict/sp_verdict_defects.sv",
+          "run_q <= s6_all_q ? run_q + ColumnBits'(4) :", "run_q <= s6_all_q ? ColumnBits'(4) :", 24),
+    Fault("verdict_defects/not_the_leftmost", "verdict_defects", "verdict/sp_verdict_defects.sv",
+          "end else if (!defect_o) begin", "end else if (!defect_o || s8_long_q) begin", 24),
+    Fault("verdict_defects/last_group_left_out", "verdict_defects", "verdict/sp_verdict_defects.sv",
+          "s6_valid_q <= valid_q[5] || s5_end_q;", "s6_valid_q <= valid_q[5];", 24),
 ]
