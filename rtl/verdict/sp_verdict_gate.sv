@@ -60,13 +60,15 @@ module sp_verdict_gate (
       judging_o <= 1'b0;
       judge_o   <= 1'b0;
     end else begin
-      started_q <= {started_q[EncoderDelay-2:1], frame_start_i};
+      // A frame that begins breaks the one before, whose count may not be known yet.
+      started_q <= {started_q[EncoderDelay-2:1] & {EncoderDelay - 2{!frame_start_i}},
+                    frame_start_i};
       known_q   <= !frame_start_i && (started_q[EncoderDelay-1] || known_q);
       waits_q   <= frame_start_i ? on_i : waits_q && !frame_o;
       restart_o <= frame_start_i && !on_i || restart_o && !frame_o;
       // A decision about the frame before may still be due, two clocks after this one's start.
       ready_o   <= !started_q[2] && !decision_i &&
-                   (composed_i && !waits_q && !begins_q || ready_o);
+                   (composed_i && !waits_q && !begins_q && !started_q[1] || ready_o);
       missed_o  <= decision_i && !ready_o;
       begins_q  <= frame_o || begins_q && !start_i;
       if (decision_i) judge_o <= ready_o && !spoiled_i;
