@@ -76,6 +76,100 @@ module sp_verdict_gate (
     end
   end
 
+`ifdef FORMAL
+  // Assumptions: one reset at the beginning. A frame that is to be judged has one decision or none:
+  // four clocks behind its start or later, and two behind the start of the next frame at the latest
+  // (its last row begins before that, and the frame three clocks or more before it). start_i
+  // answers frame_o once, at any time later. verdict_i ends the sums of a frame that is judged.
+  logic       f_ran_q = 1'b0;
+  logic [2:0] f_age_q;      // clocks since the last frame began, 7 at most; 0: none has
+  logic       f_on_q;       // it is to be judged
+  logic       f_decided_q;  // its decision came
+  logic       f_given_q;    // frame_o told of it, and of none after it
+  logic [1:0] f_due_q;      // clocks in which the decision about the frame before may still come
+  logic       f_given_due_q;  // frame_o told of that one
+  logic       f_begins_q;   // start_i is due
+  logic       f_off_q;      // a frame that is not to be judged has begun since the last frame_o
+  logic       f_judging_q, f_judge_q, f_new, f_given;
+  assign f_new   = decision_i && f_due_q == '0;
+  assign f_given = f_due_q != '0 ? f_given_due_q : f_given_q;
+  always_ff @(posedge clk_i) begin
+    f_ran_q <= 1'b1;
+    if (rst_i) begin
+      {f_age_q, f_on_q, f_decided_q, f_given_q, f_due_q, f_begins_q, f_off_q} <= '0;
+      {f_off_q, f_judging_q, f_judge_q}                                       <= 3'b100;
+    end else begin
+      f_begins_q  <= frame_o || f_begins_q && !start_i;
+      f_off_q     <= frame_start_i && !on_i || f_off_q && !frame_o;
+      f_judging_q <= decision_i && ready_o && !spoiled_i || f_judging_q && !verdict_i;
+      if (decision_i) f_judge_q <= ready_o && !spoiled_i;
+      f_due_q     <= decision_i || f_due_q == '0 ? '0 : f_due_q - 2'd1;
+      if (f_new) f_decided_q <= 1'b1;
+      if (frame_start_i) begin
+        f_age_q     <= 3'd1;
+        f_on_q      <= on_i;
+        f_decided_q <= 1'b0;
+        f_given_q   <= 1'b0;
+        if (f_on_q && !f_decided_q && !f_new && f_age_q >= 3'd3) begin
+          f_due_q       <= 2'd2;
+          f_given_due_q <= f_given_q || frame_o;
+        end
+      end else begin
+        if (f_age_q != 3'd0 && f_age_q != 3'd7) f_age_q <= f_age_q + 3'd1;
+        if (frame_o) f_given_q <= 1'b1;
+      end
+    end
+  end
+  always_comb begin
+    assume (rst_i == !f_ran_q);
+    if (rst_i) assume (!frame_start_i && !decision_i && !start_i && !verdict_i);
+    if (f_new) assume (f_on_q && !f_decided_q && f_age_q >= 3'd4);
+    if (start_i) assume (f_begins_q);
+    if (verdict_i) assume (f_judging_q);
+  end
+
+  always_comb if (f_ran_q) begin
+    // Rule 1: sp_verdict begins with a frame that is to be judged, once, six clocks behind its start
+    // or later, when it is free; and at once then.
+    assert (frame_o == (f_age_q >= 3'd6 && f_on_q && !f_given_q && !f_begins_q && !f_judging_q));
+    // Rule 2: restart_o says whether another frame began since the one before, or none was before.
+    if (frame_o) assert (restart_o == f_off_q);
+    // Rule 3: a frame is judged only if sp_verdict has begun with this very frame, and never while
+    // another is. A frame that it has begun with is not missed.
+    if (decision_i && ready_o) assert (f_given && !f_begins_q && !f_judging_q);
+    if (f_new && f_given_q && !f_begins_q) assert (ready_o);
+    // Rule 4: sums are those of a judged frame from its decision to its verdict.
+    assert (judging_o == f_judging_q && judge_o == f_judge_q);
+    // The registers agree with that.
+    assert (begins_q == f_begins_q);
+    assert (known_q == (f_age_q >= 3'd6));
+    assert (waits_q == (f_on_q && !f_given_q));
+    assert (restart_o == f_off_q);
+    for (int clock = 1; clock < EncoderDelay; clock++) begin
+      assert (started_q[clock] == (32'(f_age_q) == clock));
+    end
+    if (f_age_q == '0) assert (!f_on_q && !f_begins_q && !ready_o);
+    assert (f_due_q != 2'd3 && !(f_begins_q && f_judging_q));
+    if (f_due_q != '0) assert (f_age_q != '0 && f_age_q + {1'b0, f_due_q} <= 3'd3);
+    if (f_given_q) assert (f_on_q);
+    if (ready_o) begin
+      assert (!f_begins_q && !f_judging_q && (f_given_q || !f_on_q || f_age_q < 3'd3));
+      if (f_due_q != '0) assert (f_given_due_q);
+    end
+    if (f_given_q && !f_begins_q && !f_decided_q) assert (ready_o);
+  end
+  // Rule 5: each decision is answered in the next clock: the frame is judged, or its sums are void,
+  // or it is missed.
+  always_ff @(posedge clk_i) if (f_ran_q) begin
+    assert (missed_o == ($past(decision_i && !ready_o) && !$past(rst_i)));
+    if ($past(decision_i && !rst_i)) assert (missed_o || judging_o || $past(ready_o && spoiled_i));
+    cover (missed_o && judging_o);
+    cover (judging_o && f_age_q == 3'd2 && f_on_q);  // a decision two clocks behind the next start
+    cover (frame_o && restart_o && f_judge_q);
+    cover (frame_o && !restart_o && f_decided_q);  // behind a frame that was missed
+  end
+`endif
+
 endmodule
 
 `default_nettype wire

@@ -100,6 +100,7 @@ PROOFS = [
     Proof("moments_window", "sp_moments_path", ("MaxColumns=16", "MaxRows=15", "LogDepth=4"), "induction", 1, 2,
           lemmas=False),
     Proof("verdict_defects", "sp_verdict_defects", ("MaxColumns=12",), "induction", 5, 48),
+    Proof("verdict_gate", "sp_verdict_gate", (), "induction", 3, 40),
 ]
 
 FAULTS = [
@@ -383,4 +384,13 @@ FAULTS = [
           "end else if (!defect_o) begin", "end else if (!defect_o || s8_long_q) begin", 24),
     Fault("verdict_defects/last_group_left_out", "verdict_defects", "verdict/sp_verdict_defects.sv",
           "s6_valid_q <= valid_q[5] || s5_end_q;", "s6_valid_q <= valid_q[5];", 24),
+    Fault("verdict_gate/count_of_the_frame_before", "verdict_gate", "verdict/sp_verdict_gate.sv",
+          "{started_q[EncoderDelay-2:1] & {EncoderDelay - 2{!frame_start_i}}, frame_start_i};",
+          "{started_q[EncoderDelay-2:1], frame_start_i};", 16),
+    Fault("verdict_gate/judges_another_frame", "verdict_gate", "verdict/sp_verdict_gate.sv",
+          "(start_i && !waits_q && !started_q[1] || ready_o);", "(start_i && !waits_q || ready_o);", 16),
+    Fault("verdict_gate/two_frames_at_once", "verdict_gate", "verdict/sp_verdict_gate.sv",
+          "!begins_q && !judging_o;", "!begins_q;", 16),
+    Fault("verdict_gate/missed_untold", "verdict_gate", "verdict/sp_verdict_gate.sv",
+          "missed_o  <= decision_i && !ready_o;", "missed_o <= decision_i && !ready_o && !waits_q;", 16),
 ]
