@@ -80,7 +80,8 @@ module sp_verdict_gate (
   // Assumptions: one reset at the beginning. A frame that is to be judged has one decision or none:
   // four clocks behind its start or later, and two behind the start of the next frame at the latest
   // (its last row begins before that, and the frame three clocks or more before it). start_i
-  // answers frame_o once, at any time later. verdict_i ends the sums of a frame that is judged.
+  // answers frame_o once, at any time later, and composed_i start_i. verdict_i ends the sums of a
+  // frame that is judged.
   logic       f_ran_q = 1'b0;
   logic [2:0] f_age_q;      // clocks since the last frame began, 7 at most; 0: none has
   logic       f_on_q;       // it is to be judged
@@ -89,6 +90,7 @@ module sp_verdict_gate (
   logic [1:0] f_due_q;      // clocks in which the decision about the frame before may still come
   logic       f_given_due_q;  // frame_o told of that one
   logic       f_begins_q;   // start_i is due
+  logic       f_composing_q;  // composed_i is due
   logic       f_off_q;      // a frame that is not to be judged has begun since the last frame_o
   logic       f_judging_q, f_judge_q, f_new, f_given;
   assign f_new   = decision_i && f_due_q == '0;
@@ -96,10 +98,11 @@ module sp_verdict_gate (
   always_ff @(posedge clk_i) begin
     f_ran_q <= 1'b1;
     if (rst_i) begin
-      {f_age_q, f_on_q, f_decided_q, f_given_q, f_due_q, f_begins_q, f_off_q} <= '0;
+      {f_age_q, f_on_q, f_decided_q, f_given_q, f_due_q, f_begins_q, f_composing_q} <= '0;
       {f_off_q, f_judging_q, f_judge_q}                                       <= 3'b100;
     end else begin
       f_begins_q  <= frame_o || f_begins_q && !start_i;
+      f_composing_q <= start_i || f_composing_q && !composed_i;
       f_off_q     <= frame_start_i && !on_i || f_off_q && !frame_o;
       f_judging_q <= decision_i && ready_o && !spoiled_i || f_judging_q && !verdict_i;
       if (decision_i) f_judge_q <= ready_o && !spoiled_i;
@@ -122,9 +125,10 @@ module sp_verdict_gate (
   end
   always_comb begin
     assume (rst_i == !f_ran_q);
-    if (rst_i) assume (!frame_start_i && !decision_i && !start_i && !verdict_i);
+    if (rst_i) assume (!frame_start_i && !decision_i && !start_i && !composed_i && !verdict_i);
     if (f_new) assume (f_on_q && !f_decided_q && f_age_q >= 3'd4);
     if (start_i) assume (f_begins_q);
+    if (composed_i) assume (f_composing_q);
     if (verdict_i) assume (f_judging_q);
   end
 
@@ -135,9 +139,9 @@ module sp_verdict_gate (
     // Rule 2: restart_o says whether another frame began since the one before, or none was before.
     if (frame_o) assert (restart_o == f_off_q);
     // Rule 3: a frame is judged only if sp_verdict has begun with this very frame, and never while
-    // another is. A frame that it has begun with is not missed.
-    if (decision_i && ready_o) assert (f_given && !f_begins_q && !f_judging_q);
-    if (f_new && f_given_q && !f_begins_q) assert (ready_o);
+    // another is. A frame whose limits are composed is not missed.
+    if (decision_i && ready_o) assert (f_given && !f_begins_q && !f_composing_q && !f_judging_q);
+    if (f_new && f_given_q && !f_begins_q && !f_composing_q) assert (ready_o);
     // Rule 4: sums are those of a judged frame from its decision to its verdict.
     assert (judging_o == f_judging_q && judge_o == f_judge_q);
     // The registers agree with that.
@@ -148,15 +152,16 @@ module sp_verdict_gate (
     for (int clock = 1; clock < EncoderDelay; clock++) begin
       assert (started_q[clock] == (32'(f_age_q) == clock));
     end
-    if (f_age_q == '0) assert (!f_on_q && !f_begins_q && !ready_o);
-    assert (f_due_q != 2'd3 && !(f_begins_q && f_judging_q));
+    if (f_age_q == '0) assert (!f_on_q && !f_begins_q && !f_composing_q && !ready_o);
+    assert (f_due_q != 2'd3 && !((f_begins_q || f_composing_q) && f_judging_q));
     if (f_due_q != '0) assert (f_age_q != '0 && f_age_q + {1'b0, f_due_q} <= 3'd3);
     if (f_given_q) assert (f_on_q);
     if (ready_o) begin
-      assert (!f_begins_q && !f_judging_q && (f_given_q || !f_on_q || f_age_q < 3'd3));
+      assert (!f_begins_q && !f_composing_q && !f_judging_q);
+      assert (f_given_q || !f_on_q || f_age_q < 3'd3);
       if (f_due_q != '0) assert (f_given_due_q);
     end
-    if (f_given_q && !f_begins_q && !f_decided_q) assert (ready_o);
+    if (f_given_q && !f_begins_q && !f_composing_q && !f_decided_q) assert (ready_o);
   end
   // Rule 5: each decision is answered in the next clock: the frame is judged, or its sums are void,
   // or it is missed.

@@ -388,7 +388,7 @@ FAULTS = [
           "{started_q[EncoderDelay-2:1] & {EncoderDelay - 2{!frame_start_i}}, frame_start_i};",
           "{started_q[EncoderDelay-2:1], frame_start_i};", 16),
     Fault("verdict_gate/judges_another_frame", "verdict_gate", "verdict/sp_verdict_gate.sv",
-          "(start_i && !waits_q && !started_q[1] || ready_o);", "(start_i && !waits_q || ready_o);", 16),
+          "(composed_i && !waits_q && !begins_q && !started_q[1] || ready_o);", "(composed_i && !waits_q && !begins_q || ready_o);", 16),
     Fault("verdict_gate/two_frames_at_once", "verdict_gate", "verdict/sp_verdict_gate.sv",
           "!begins_q && !judging_o;", "!begins_q;", 16),
     Fault("verdict_gate/missed_untold", "verdict_gate", "verdict/sp_verdict_gate.sv",
