@@ -147,8 +147,10 @@ std::uint32_t RegisterFile::verdict_state(const BoardState& state) const {
 bool RegisterFile::bank_is_free() const {
   const std::uint32_t bank = field(spec::kRegVerdictTable, spec::kRegVerdictTableBankLsb, 1);
   const bool named = bank == field(spec::kRegVerdictDefect, spec::kRegVerdictDefectBankLsb, 1);
+  // While settings are held, the next part keeps the bank in force.
+  const bool held = field(spec::kRegVerdictControl, spec::kRegVerdictControlHoldLsb, 1) != 0;
   const bool judges =
-      verdict_ != nullptr && verdict_->in_part() && bank == static_cast<std::uint32_t>(verdict_->bank());
+      verdict_ != nullptr && (verdict_->in_part() || held) && bank == static_cast<std::uint32_t>(verdict_->bank());
   return field(spec::kRegVerdictControl, spec::kRegVerdictControlOnLsb, 1) == 0 || (!named && !judges);
 }
 

@@ -116,7 +116,9 @@ module sp_verdict_registers #(
   assign word = address_i[6:2];
   assign high = {1'b0, data_i[LowLsb+:LowSpan]} + (LowSpan + 1)'(data_i[BandLsb+:BandSpan]);
   assign here = address_i[7] && address_i[1:0] == 2'b00 && sp_spec_pkg::VerdictWords[word];
-  assign free = !(on_o && (write_bank_o == named_bank_q || passes_i && write_bank_o == bank_i));
+  // While settings are held, the next part keeps the bank in force.
+  assign free = !(on_o && (write_bank_o == named_bank_q ||
+                           (passes_i || hold_o) && write_bank_o == bank_i));
 
   assign put  = !rst_i && asked_q[1] && write_i && can_put_q && good_q;
 

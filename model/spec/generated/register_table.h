@@ -253,7 +253,7 @@ inline constexpr std::array<Register, 42> kRegisters{{
     {"ejector_delay", 0xA0, true, false, 0x00000000U, "from the first bad frame of a part to the pulse for the ejector", kFieldsOfEjectorDelay},
     {"ejector_length", 0xA4, true, false, 0x00000000U, "length of the pulse for the ejector", kFieldsOfEjectorLength},
     {"verdict_table", 0xA8, true, false, 0x00000000U, "where verdict_limits and verdict_begin write to; what the build does not have is refused", kFieldsOfVerdictTable},
-    {"verdict_limits", 0xAC, true, false, 0x00000000U, "limits of the column that verdict_table names; while on is 1, refused for the bank that verdict_defect names, and for the bank in force while a part passes; limits beyond the build's rows are refused", kFieldsOfVerdictLimits},
+    {"verdict_limits", 0xAC, true, false, 0x00000000U, "limits of the column that verdict_table names; while on is 1, refused for the bank that verdict_defect names, and for the bank in force while a part passes or settings are held; limits beyond the build's rows are refused", kFieldsOfVerdictLimits},
     {"verdict_begin", 0xB0, true, false, 0x00000000U, "where the section begins that verdict_table names; that of section 0 has no meaning; refused as verdict_limits", kFieldsOfVerdictBegin},
     {"verdict_state", 0xC0, false, false, 0x00000000U, "what the verdict is doing", kFieldsOfVerdictState},
     {"verdict_parts", 0xC4, false, false, 0x00000000U, "parts", kFieldsOfVerdictParts},
