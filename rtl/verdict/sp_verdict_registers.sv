@@ -199,6 +199,10 @@ module sp_verdict_registers #(
   logic        reads_kept_q, reads_state_q, reads_parts_q;
   logic [15:0] bad_q;
   logic [7:0]  missed_q, lost_q;
+`ifdef FORMAL
+  (* anyconst *) logic [3:0] f_word;  // any word that can be written
+  logic [31:0] f_kept;                // it
+`endif
 
   sp_ram #(
     .Width   (32),
@@ -214,8 +218,8 @@ module sp_verdict_registers #(
     .rd_data_o(kept)
 `ifdef FORMAL
     ,
-    .f_addr_i ('0),
-    .f_word_o (),
+    .f_addr_i ({1'b0, f_word}),
+    .f_word_o (f_kept),
     .f_first_o()
 `endif
   );
@@ -250,6 +254,147 @@ module sp_verdict_registers #(
     parts_q       <= reads_parts_q ? parts_word : '0;
   end
   assign data_o = kept_q | state_q | parts_q;
+
+`ifdef FORMAL
+  // Assumptions: one reset at the beginning, for four clocks. One request at a time, for one clock;
+  // it stands still until its answer (sp_axil_bridge). A part that begins takes the bank that
+  // verdict_defect names or, while settings are held, keeps that of the part before; the bank
+  // changes nowhere else (sp_verdict_parts).
+  logic [3:0]  f_reset_q = 4'd0;
+  logic        f_ran_q;
+  logic [2:0]  f_age_q;      // clocks since the request, 1 to 5; 0: none
+  logic [40:0] f_asked_q;
+  logic        f_passes_q, f_bank_q;
+  assign f_ran_q = f_reset_q[3];
+  always_ff @(posedge clk_i) begin
+    f_reset_q  <= {f_reset_q[2:0], 1'b1};
+    f_asked_q  <= {write_i, address_i, data_i};
+    f_passes_q <= passes_i;
+    f_bank_q   <= bank_i;
+    f_age_q    <= rst_i ? '0 : f_age_q == '0 ? 3'(request_i) :
+                  f_age_q == 3'd5 ? '0 : f_age_q + 3'd1;
+  end
+  always_comb begin
+    assume (rst_i == !f_ran_q);
+    if (rst_i) assume (!request_i && !passes_i && !bank_i);
+    if (f_age_q != '0) begin
+      assume (!request_i);
+      assume ({write_i, address_i, data_i} == f_asked_q);
+    end
+    if (bank_i != f_bank_q) assume (bank_i == f_bank_named_q);
+    else if (passes_i && !f_passes_q) assume (hold_o || bank_i == f_bank_named_q);
+  end
+
+  // The settings that are written and which of them there are, by address; the word at any address
+  logic        f_on_q, f_hold_q, f_by_encoder_q, f_bank_named_q, f_table_bank_q;
+  logic [1:0]  f_packets_q;
+  logic [15:0] f_length_q;
+  logic [10:0] f_column_q;
+  logic [5:0]  f_section_q;
+  logic [9:1]  f_there_q;   // verdict_defect to verdict_table
+  logic        f_any_there_q, f_free_q, f_good, f_takes, f_took_q;
+  logic [31:0] f_any_q;
+  logic [17:0] f_high;
+  assign f_high = {1'b0, data_i[16:0]} + {4'd0, data_i[30:17]};
+  always_comb begin
+    case (address_i)
+      8'h80: f_good = data_i[5:4] != 2'd3 && (!data_i[0] || f_there_q[8:1] == 8'hFF);
+      8'h88: f_good = data_i[7:0] != '0 && data_i[15:12] != '0;
+      8'h90: f_good = data_i[11:0] != '0 && data_i[23:16] != '0;
+      8'h98, 8'h9C: f_good = data_i[23:0] != '0;
+      8'h8C, 8'h94, 8'hA0, 8'hA4: f_good = 1'b1;
+      8'hA8: f_good = 32'(data_i[10:0]) < MaxColumns && 32'(data_i[21:16]) < 1 << LogSections;
+      8'hAC: f_good = f_free_q && f_high >> LimitBits == '0;
+      8'hB0: f_good = f_free_q;
+      default: f_good = 1'b0;
+    endcase
+  end
+  assign f_takes = f_age_q == 3'd3 && write_i && f_good;
+  always_ff @(posedge clk_i) begin
+    // Limits may be written, as seen two clocks before.
+    if (f_age_q == 3'd1) begin
+      f_free_q <= !f_on_q || f_table_bank_q != f_bank_named_q &&
+                             !((passes_i || f_hold_q) && f_table_bank_q == bank_i);
+    end
+    if (f_age_q == 3'd3) f_took_q <= f_takes;
+    if (rst_i) begin
+      {f_on_q, f_hold_q, f_by_encoder_q, f_bank_named_q, f_table_bank_q, f_packets_q} <= '0;
+      {f_length_q, f_column_q, f_section_q, f_there_q, f_any_there_q}                 <= '0;
+    end else if (f_takes) begin
+      if (address_i == 8'h80) begin
+        {f_packets_q, f_by_encoder_q, f_hold_q, f_on_q} <= {data_i[5:4], data_i[2:0]};
+      end
+      if (address_i == 8'h88) f_bank_named_q <= data_i[18];
+      if (address_i == 8'hA4) f_length_q <= data_i[15:0];
+      if (address_i == 8'hA8) begin
+        {f_table_bank_q, f_section_q, f_column_q} <= {data_i[24], data_i[21:16], data_i[10:0]};
+      end
+      for (int word_of = 2; word_of <= 10; word_of++) begin
+        if (32'(address_i) == 'h80 + 4 * word_of) f_there_q[word_of-1] <= 1'b1;
+      end
+      if (address_i == {2'b10, f_word, 2'b00}) {f_any_there_q, f_any_q} <= {1'b1, data_i};
+    end
+  end
+
+  always_comb if (f_ran_q) begin
+    // Rule 1: three clocks behind a request, writes that are allowed and no others are taken.
+    assert (put_q == f_takes && write_o == f_takes);
+    assert (write_limits_o == (f_takes && address_i == 8'hAC));
+    // Rule 2: the settings are what was taken. So a write that is refused changes nothing.
+    assert ({on_o, hold_o, by_encoder_o, packets_o, length_o, write_bank_o} ==
+            {f_on_q, f_hold_q, f_by_encoder_q, f_packets_q, f_length_q, f_table_bank_q});
+    assert (column_q == f_column_q && section_q == f_section_q && named_bank_q == f_bank_named_q);
+    // Rule 3: while verdicts are on, neither limits nor beginnings of sections go to a bank that
+    // verdict_defect names or that judges a part, even one that has just begun.
+    if ((write_limits_o || write_o && write_word_o[LogWords-1]) && on_o) begin
+      assert (write_bank_o != f_bank_named_q && !(passes_i && write_bank_o == bank_i));
+    end
+    // Rule 4: a beginning goes to the section that verdict_table names, and limits to its column.
+    if (write_o && write_word_o[LogWords-1]) begin
+      assert (address_i == 8'hB0 && write_word_o[SectionBits:0] == {f_table_bank_q, write_section_o});
+    end
+    if (write_limits_o) begin
+      assert (write_section_o == SectionBits'(f_section_q));
+      assert (11'(write_column_o) == f_column_q && 32'(f_section_q) < 1 << LogSections);
+      assert (write_limits_word_o[0+:LimitBits] == LimitBits'(data_i[16:0]));
+      assert (18'(write_limits_word_o[LimitBits+:LimitBits]) == f_high);
+    end
+    // Rule 5: the answer tells what was refused, and a read the word that was written last.
+    if (f_age_q == 3'd5) begin
+      if (write_i) assert (error_o == !f_took_q);
+      else begin
+        assert (error_o == !(address_i == 8'h80 || address_i == 8'hC0 || address_i == 8'hC4 ||
+                             address_i >= 8'h88 && address_i <= 8'hB0 && address_i[1:0] == '0));
+        if (address_i == {2'b10, f_word, 2'b00}) begin
+          assert (data_o == (error_o || !f_any_there_q ? '0 : f_any_q));
+        end
+      end
+    end
+    // The registers agree with that.
+    assert (asked_q == {f_age_q == 3'd3, f_age_q == 3'd2, f_age_q == 3'd1});
+    assert (f_age_q < 3'd6);
+    assert (written_q[9:2] == f_there_q[8:1]);
+    assert (written_q[f_word] == f_any_there_q);
+    assert (32'(column_q) < MaxColumns && 32'(section_q) < 1 << LogSections);
+    if (f_any_there_q) assert (f_kept == f_any_q);
+  end
+  // Writes in the order of a host, each as soon as it may come; 15: another order
+  logic [3:0] f_order_q;
+  always_ff @(posedge clk_i) begin
+    if (rst_i) f_order_q <= 4'd0;
+    else if (f_age_q == '0 ? !request_i : f_age_q == 3'd3 && !f_takes) f_order_q <= 4'd15;
+    else if (f_takes) begin
+      if (address_i == 8'h88 + {2'b00, f_order_q, 2'b00} && f_order_q < 4'd8 ||
+          address_i == 8'h80 && f_order_q == 4'd8) f_order_q <= f_order_q + 4'd1;
+      else f_order_q <= 4'd15;
+    end
+  end
+  always_ff @(posedge clk_i) if (f_ran_q) begin
+    cover (write_limits_o && on_o && f_order_q == 4'd9);
+    cover (f_age_q == 3'd5 && write_i && error_o && address_i == 8'h80);
+    cover (f_age_q == 3'd5 && !write_i && data_o == 32'h12345678);
+  end
+`endif
 
 endmodule
 

@@ -100,6 +100,7 @@ PROOFS = [
     Proof("moments_window", "sp_moments_path", ("MaxColumns=16", "MaxRows=15", "LogDepth=4"), "induction", 1, 2,
           lemmas=False),
     Proof("verdict_defects", "sp_verdict_defects", ("MaxColumns=12",), "induction", 5, 48),
+    Proof("verdict_registers", "sp_verdict_registers", ("MaxColumns=12", "MaxRows=3"), "induction", 6, 64),
     Proof("verdict_gate", "sp_verdict_gate", (), "induction", 3, 40),
 ]
 
@@ -393,4 +394,15 @@ FAULTS = [
           "!begins_q && !judging_o;", "!begins_q;", 16),
     Fault("verdict_gate/missed_untold", "verdict_gate", "verdict/sp_verdict_gate.sv",
           "missed_o  <= decision_i && !ready_o;", "missed_o <= decision_i && !ready_o && !waits_q;", 16),
+    Fault("verdict_registers/bank_that_is_held", "verdict_registers", "verdict/sp_verdict_registers.sv",
+          "(passes_i || hold_o) && write_bank_o", "passes_i && write_bank_o"),
+    Fault("verdict_registers/bank_that_judges", "verdict_registers", "verdict/sp_verdict_registers.sv",
+          "(passes_i || hold_o) && write_bank_o", "hold_o && write_bank_o"),
+    Fault("verdict_registers/bank_that_judges_next", "verdict_registers", "verdict/sp_verdict_registers.sv",
+          "(write_bank_o == named_bank_q || (passes_i", "((passes_i"),
+    Fault("verdict_registers/on_without_a_pitch", "verdict_registers", "verdict/sp_verdict_registers.sv",
+          "(Plain'(1) << (Ejector + 1)) - (Plain'(1) << Defect);",
+          "(Plain'(1) << (Ejector + 1)) - (Plain'(1) << Defect) - (Plain'(1) << Pitch);"),
+    Fault("verdict_registers/refused_write_is_taken", "verdict_registers", "verdict/sp_verdict_registers.sv",
+          "write_i && can_put_q && good_q;", "write_i && can_put_q;", 16),
 ]
