@@ -190,6 +190,10 @@ module sp_verdict_parts #(
 
   // --- The words ---
   logic [LogWords-1:0] next_section;
+`ifdef FORMAL
+  (* anyconst *) logic [LogWords-1:0] f_place;  // any word
+  logic [31:0] f_there;                         // it
+`endif
   always_comb begin
     address = step_q[3:1] != '0 ? Light :
               step_q[4] ? Length :
@@ -214,8 +218,8 @@ module sp_verdict_parts #(
     .rd_data_o(read_word)
 `ifdef FORMAL
     ,
-    .f_addr_i ('0),
-    .f_word_o (),
+    .f_addr_i (f_place),
+    .f_word_o (f_there),
     .f_first_o()
 `endif
   );
@@ -241,6 +245,250 @@ module sp_verdict_parts #(
     assign next_section = Delay;
     assign section_o    = '0;
   end
+
+`ifdef FORMAL
+  // Assumptions: one reset at the beginning. frame_i comes behind the start_o of the frame before.
+  // found_i comes once or not at all, between start_o and the next frame_i; found_lit_i stands
+  // still from then to the next start_o. Words are written at any time.
+  logic        f_ran_q = 1'b0;
+  logic [3:0]  f_step_q;   // 0: none
+  logic        f_last;     // start_o follows
+  logic        f_open_q;   // found_i may come
+  logic        f_found_q;  // it came
+  logic [11:0] f_lit_q;
+  logic        f_any_q;    // a frame has begun since the reset
+  assign f_last = f_step_q == 4'd13 && !write_i;
+  always_ff @(posedge clk_i) begin
+    f_ran_q <= 1'b1;
+    f_lit_q <= found_lit_i;
+    if (rst_i) {f_step_q, f_open_q, f_found_q, f_any_q} <= '0;
+    else begin
+      if (frame_i) f_step_q <= 4'd1;
+      else if (f_last) f_step_q <= 4'd0;
+      else if (f_step_q != '0 && !write_i) f_step_q <= f_step_q + 4'd1;
+      f_open_q  <= (start_o || f_open_q) && !found_i && !frame_i;
+      f_found_q <= (found_i || f_found_q) && !start_o;
+      f_any_q   <= f_any_q || frame_i;
+    end
+  end
+  always_comb begin
+    assume (rst_i == !f_ran_q);
+    if (rst_i || f_step_q != '0 || start_o) assume (!frame_i);
+    if (!f_open_q || frame_i) assume (!found_i);
+    if (f_found_q) assume (found_lit_i == f_lit_q);
+  end
+
+  // Rule 1: start_o comes fourteen clocks behind frame_i, and one more for each write meanwhile.
+  logic f_start_q;
+  always_ff @(posedge clk_i) f_start_q <= f_last && !rst_i;
+  always_comb if (f_ran_q) begin
+    assert (start_o == f_start_q && f_step_q <= 4'd13);
+    assert (step_q == (f_step_q == '0 ? '0 : 13'd1 << (f_step_q - 4'd1)));
+  end
+
+  // Rule 2: a word is what was last written to its place before it was read, any place.
+  logic                f_known_q, f_known1_q, f_known2_q;
+  logic [31:0]         f_word_q, f_word1_q, f_word2_q;
+  logic [LogWords-1:0] f_from1_q, f_from2_q;  // places of read_word and of word_q
+  always_ff @(posedge clk_i) begin
+    if (rst_i) {f_known_q, f_known1_q, f_known2_q} <= '0;
+    else begin
+      if (write_i && write_word_i == f_place) {f_known_q, f_word_q} <= {1'b1, write_data_i};
+      if (!write_i) begin
+        f_known1_q <= f_known_q && address == f_place;
+        f_known2_q <= f_known1_q;
+      end
+    end
+    if (!write_i) begin
+      {f_word2_q, f_word1_q} <= {f_word1_q, f_word_q};
+      {f_from2_q, f_from1_q} <= {f_from1_q, address};
+    end
+  end
+  always_comb if (f_ran_q) begin
+    if (f_known_q) assert (f_there == f_word_q);
+    if (f_known1_q) assert (read_word == f_word1_q);
+    if (f_known2_q) assert (word_q == f_word2_q);
+  end
+
+  // The definition (model/verdict.cpp). State behind the frame before:
+  logic        f_in_q, f_due_q, f_chosen_q, f_waits_q, f_taken_q, f_fresh_q, f_first_q;
+  logic [7:0]  f_dark_q;
+  logic [15:0] f_part_q;
+  logic [31:0] f_defect_q, f_shift_q;
+  logic [SectionBits-1:0] f_section_q;
+  // The frame, and the words as they were used for it
+  logic        f_by_q, f_hold_q;
+  logic [23:0] f_count_q;
+  logic [11:0] f_lit_word_q;
+  logic [7:0]  f_frames_q;
+  logic [31:0] f_defect_word_q, f_shift_word_q;
+  // What follows. Where the encoder is (over_q, reached_q, later_q) is taken from the circuit.
+  logic        f_changed, f_looks, f_is_dark, f_by_light, f_in1, f_in2, f_begins, f_waits;
+  logic        f_in, f_taken;
+  logic        f_was_in_q;
+  logic [7:0]  f_dark1;
+  logic        f_later;
+  logic [31:0] f_defect, f_shift;
+  logic [SectionBits-1:0] f_section;
+  if (LogSections > 0) begin : gen_f_later
+    assign f_later = gen_sections.later_q;
+  end else begin : gen_f_one_section
+    assign f_later = 1'b0;
+  end
+  always_comb begin
+    f_changed  = f_by_q != f_chosen_q;
+    f_looks    = !f_changed && f_due_q && !f_by_q;
+    f_is_dark  = found_lit_i < f_lit_word_q;
+    f_dark1    = f_is_dark ? f_dark_q + 8'd1 : 8'd0;
+    f_by_light = f_looks && !f_in_q && !f_is_dark;
+    f_in1      = f_in_q && !f_changed && !(f_looks && f_is_dark && f_dark1 >= f_frames_q);
+    f_waits    = f_changed || f_waits_q;
+    f_in2      = f_in1 && !(f_by_q && over_q);
+    f_begins   = (f_taken_q || !f_hold_q) && (f_by_q ? !f_in2 && reached_q : f_by_light);
+    f_in       = f_in2 || f_begins;
+    f_section  = f_begins ? '0 :
+                 f_in2 && LogSections > 0 && f_section_q != '1 && f_later ?
+                 f_section_q + SectionBits'(1) : f_section_q;
+    f_taken    = f_taken_q || f_begins && !f_hold_q;
+    f_defect   = f_begins && !f_hold_q ? f_defect_word_q : f_defect_q;
+    f_shift    = f_begins && !f_hold_q ? f_shift_word_q : f_shift_q;
+  end
+  always_ff @(posedge clk_i) begin
+    if (frame_i) {f_by_q, f_hold_q, f_count_q} <= {by_encoder_i, hold_i, encoder_i};
+    if (!write_i) begin
+      case (f_step_q)
+        4'd3: f_lit_word_q <= word_q[11:0];
+        4'd5: f_frames_q <= word_q[23:16];
+        4'd12: f_defect_word_q <= word_q;
+        4'd13: f_shift_word_q <= word_q;
+        default: ;
+      endcase
+    end
+    if (rst_i) begin
+      {f_in_q, f_due_q, f_chosen_q, f_waits_q, f_taken_q, f_part_q, f_section_q} <= '0;
+      {f_first_q, f_fresh_q, f_defect_q}                                       <= {2'b01, defect_o};
+    end else if (frame_i && restart_i) begin
+      {f_in_q, f_due_q, f_chosen_q, f_first_q} <= '0;
+    end else if (f_last) begin
+      {f_in_q, f_chosen_q, f_waits_q, f_taken_q} <= {f_in, f_by_q, f_waits && !f_begins, f_taken};
+      {f_first_q, f_due_q, f_section_q}          <= {f_begins, 1'b0, f_section};
+      f_defect_q <= f_defect;
+      f_shift_q <= f_begins && !f_hold_q ? word_q : f_shift_q;
+      f_dark_q  <= f_begins ? 8'd0 : f_due_q ? f_dark1 : f_dark_q;
+      f_part_q  <= f_part_q + 16'(f_begins);
+      f_fresh_q <= f_begins || f_fresh_q;
+    end else if (found_i && found_whole_i) begin
+      {f_due_q, f_fresh_q} <= {1'b1, f_fresh_q && !f_in_q};
+    end
+  end
+
+  // Places that are read, step by step
+  function automatic logic [LogWords-1:0] f_address(input logic [3:0] step);
+    f_address = step <= 4'd3 ? LogWords'(4) : step == 4'd4 ? LogWords'(6) :
+                step == 4'd5 ? next_section : step == 4'd6 ? LogWords'(5) :
+                step <= 4'd9 ? LogWords'(7) : step == 4'd10 ? LogWords'(2) :
+                step == 4'd11 ? LogWords'(3) : LogWords'(8);
+  endfunction
+
+  // Rule 3: behind start_o everything is as the definition says, until the next frame_i, with where
+  // the encoder is.
+  // Rule 4: settings, and with them the bank, change only for the first frame of a part, between
+  // its frame_i and its start_o, and not if they are held. Held from the beginning, no part begins.
+  // Rule 5: within a part sections go forward, one by one.
+  logic                   f_free_q;    // a frame has come that was not held
+  logic [31:0]            f_defect_before_q;
+  logic                   f_settled_q; // defect_o was not just reset
+  logic [SectionBits-1:0] f_section_before_q;
+  always_ff @(posedge clk_i) begin
+    f_free_q           <= !rst_i && (f_free_q || frame_i && !hold_i);
+    f_defect_before_q  <= defect_o;
+    f_section_before_q <= section_o;
+    f_settled_q        <= f_ran_q;
+    if (f_last) f_was_in_q <= f_in_q;
+  end
+  always_comb if (f_ran_q) begin
+    if (f_step_q == '0) begin
+      assert ({in_part_o, first_o, section_o, part_o} == {f_in_q, f_first_q, f_section_q, f_part_q});
+      assert (fresh_o == f_fresh_q);
+      if (f_any_q) assert (count_o == f_count_q);
+      if (f_taken_q) assert ({defect_o, shift_o} == {f_defect_q, f_shift_q});
+      if (f_any_q) assert (f_from2_q == Delay && f_from1_q == Delay);
+    end
+    if (f_settled_q && defect_o != f_defect_before_q) begin
+      assert (f_step_q == 4'd13 && first_o && in_part_o && !f_hold_q);
+    end
+    if (!f_free_q) assert (!in_part_o && !taken_q && part_o == '0);
+    if (f_settled_q && section_o != f_section_before_q) begin
+      assert (first_o ? section_o == '0 : section_o == f_section_before_q + SectionBits'(1) &&
+                                          section_o != '0 && in_part_o);
+    end
+    // The places of the words that are used
+    if (f_step_q >= 4'd2) begin
+      assert (f_from1_q == f_address(f_step_q - 4'd1));
+      assert (f_step_q == 4'd2 || f_from2_q == f_address(f_step_q - 4'd2));
+    end
+  end
+
+  // The registers agree with the definition, in each step as far as it has come.
+  always_comb if (f_ran_q) begin
+    if (!f_free_q) assert (!f_taken_q && (f_step_q == '0 || f_hold_q));
+    if (f_in_q) assert (f_taken_q);
+    if (f_step_q == '0 || f_step_q <= 4'd12) assert (taken_q == f_taken_q);
+    if (f_chosen_q && f_waits_q) assert (!f_in_q);
+    if (f_open_q || start_o) assert (f_step_q == '0);
+    if (!f_any_q) assert (f_step_q == '0 && !start_o && !f_open_q && !f_found_q && !f_in_q && !f_due_q);
+    if (f_due_q) assert (f_found_q);
+    if (f_step_q <= 4'd11) begin
+      assert (chosen_q == f_chosen_q && section_o == f_section_q && part_o == f_part_q);
+      assert (fresh_o == f_fresh_q && first_o == f_first_q);
+    end
+    if (f_step_q <= 4'd12 && f_taken_q) assert (defect_o == f_defect_q);
+    if (f_taken_q) assert (shift_o == f_shift_q);
+    if (f_step_q <= 4'd5) begin
+      assert (in_part_o == f_in_q && due_q == f_due_q && !begins_next_q);
+    end else begin
+      assert (!due_q);
+    end
+    if (f_step_q <= 4'd7 && f_chosen_q) assert (waits_q == f_waits_q);
+    if ((f_step_q <= 4'd7 || f_step_q <= 4'd11 && !f_by_q) && f_in_q && !f_chosen_q) begin
+      assert (!waits_q);
+    end
+    if (f_step_q <= 4'd4 && f_in_q && !f_chosen_q) assert (dark_frames_q == f_dark_q);
+    if (f_step_q >= 4'd1) begin
+      assert ({by_encoder_q, hold_q, count_o} == {f_by_q, f_hold_q, f_count_q});
+    end
+    if (f_step_q >= 4'd4 && f_due_q) assert (dark_q == f_is_dark);
+    if (f_step_q >= 4'd5 && f_step_q <= 4'd11 && f_in_q && !f_chosen_q &&
+        !(f_step_q == 4'd11 && f_begins)) begin
+      assert (dark_frames_q == (f_due_q ? f_dark1 : f_dark_q));
+    end
+    if (f_step_q >= 4'd6 && f_step_q <= 4'd11) begin
+      assert (in_part_o == f_in1 && begins_next_q == f_by_light);
+    end
+    if (f_step_q == 4'd8 && f_by_q && !f_changed) assert (waits_q == f_waits_q);
+    if (f_step_q >= 4'd9 && f_step_q <= 4'd11 && f_by_q) assert (waits_q == f_waits);
+    if (f_step_q >= 4'd12) begin
+      assert (waits_q == (f_by_q && f_waits && !f_begins));
+      assert ({in_part_o, first_o, chosen_q, begins_next_q} == {f_in, f_begins, f_by_q, 1'b0});
+      assert (section_o == f_section && part_o == f_part_q + 16'(f_begins));
+      assert (fresh_o == (f_begins || f_fresh_q));
+      if (f_begins) assert (dark_frames_q == '0);
+      else if (f_in && !f_by_q) assert (dark_frames_q == (f_due_q ? f_dark1 : f_dark_q));
+    end
+    if (f_step_q == 4'd13) begin
+      if (f_taken) assert (defect_o == f_defect);
+      assert (taken_q == f_taken_q || taken_q && f_taken);
+    end
+  end
+  always_ff @(posedge clk_i) if (f_ran_q) begin
+    // a second part by the encoder, with other settings; a part by light that ends; a part that is
+    // held; a section farther
+    cover (start_o && first_o && f_by_q && f_part_q == 16'd2 && !f_hold_q);
+    cover (start_o && !in_part_o && f_part_q == 16'd1 && !f_by_q && f_was_in_q);
+    cover (start_o && first_o && f_hold_q);
+    cover (start_o && section_o == SectionBits'(1));
+  end
+`endif
 
 endmodule
 

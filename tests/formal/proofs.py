@@ -101,6 +101,7 @@ PROOFS = [
           lemmas=False),
     Proof("verdict_defects", "sp_verdict_defects", ("MaxColumns=12",), "induction", 5, 48),
     Proof("verdict_registers", "sp_verdict_registers", ("MaxColumns=12", "MaxRows=3"), "induction", 6, 64),
+    Proof("verdict_parts", "sp_verdict_parts", ("LogSections=2",), "induction", 2, 40),
     Proof("verdict_gate", "sp_verdict_gate", (), "induction", 3, 40),
 ]
 
@@ -405,4 +406,15 @@ FAULTS = [
           "(Plain'(1) << (Ejector + 1)) - (Plain'(1) << Defect) - (Plain'(1) << Pitch);"),
     Fault("verdict_registers/refused_write_is_taken", "verdict_registers", "verdict/sp_verdict_registers.sv",
           "write_i && can_put_q && good_q;", "write_i && can_put_q;", 16),
+    Fault("verdict_parts/settings_within_a_part", "verdict_parts", "verdict/sp_verdict_parts.sv",
+          "if (goes_on && first_o && !hold_q) begin", "if (goes_on && in_part_o && !hold_q) begin"),
+    Fault("verdict_parts/begins_while_held", "verdict_parts", "verdict/sp_verdict_parts.sv",
+          "assign begins  = (!hold_q || taken_q) &&", "assign begins  ="),
+    Fault("verdict_parts/step_beside_a_write", "verdict_parts", "verdict/sp_verdict_parts.sv",
+          "else if (frame_i) step_q[1] <= 1'b1;",
+          "else step_q <= {step_q[Steps-1:1], frame_i};", 20),
+    Fault("verdict_parts/section_of_the_part_before", "verdict_parts", "verdict/sp_verdict_parts.sv",
+          "if (begins) section_o <= '0;", "if (begins && in_part_o) section_o <= '0;"),
+    Fault("verdict_parts/dark_frames_of_the_part_before", "verdict_parts", "verdict/sp_verdict_parts.sv",
+          "if (step_q[11] && begins) dark_frames_q <= '0;", ""),
 ]
