@@ -257,9 +257,9 @@ module sp_verdict_defects #(
   end
 
 `ifdef FORMAL
-  // Assumptions: one reset at the beginning. start_i begins a frame, behind the verdict of the frame
-  // before or if that one had no groups. Its groups and its done_i follow; no more groups than there
-  // are. The settings stand still from the first of these to the verdict.
+  // Assumptions: one reset at the beginning. start_i begins a frame, behind the verdict of the
+  // frame before or if that one had no groups. Its groups and its done_i follow; no more groups
+  // than there are. The settings stand still from the first of these to the verdict.
   localparam int FColumns = MaxColumns < 16 ? MaxColumns : 16;  // no proof has more
   localparam int FGroups = FColumns / 4;
   logic               f_ran_q = 1'b0;
@@ -293,6 +293,7 @@ module sp_verdict_defects #(
 
   // Any column: in which frames of its part it was out, of those in which it came. A part has one
   // history_i, and all columns come with fresh_i before one comes without.
+  logic [GroupBits:0] f_places_q;  // groups of the frame that have been marked
   logic [1:0] f_lane;
   logic       f_here, f_out, f_mark;
   logic [5:1] f_here_q, f_mark_q;
@@ -339,7 +340,7 @@ module sp_verdict_defects #(
 
   // The marks of the frame, one and three clocks later too, and how many groups of it have come
   logic [FColumns-1:0] f_marks_q, f_marks1_q, f_marks2_q, f_marks3_q;
-  logic [GroupBits:0]    f_places_q, f_places1_q, f_places2_q, f_places3_q;
+  logic [GroupBits:0]  f_places1_q, f_places2_q, f_places3_q;
   logic [10:1]           f_done_q;
   always_ff @(posedge clk_i) begin
     if (rst_i || start_i) begin

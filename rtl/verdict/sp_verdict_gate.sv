@@ -133,8 +133,8 @@ module sp_verdict_gate (
   end
 
   always_comb if (f_ran_q) begin
-    // Rule 1: sp_verdict begins with a frame that is to be judged, once, six clocks behind its start
-    // or later, when it is free; and at once then.
+    // Rule 1: sp_verdict begins with a frame that is to be judged, once, six clocks behind its
+    // start or later, when it is free; and at once then.
     assert (frame_o == (f_age_q >= 3'd6 && f_on_q && !f_given_q && !f_begins_q && !f_judging_q));
     // Rule 2: restart_o says whether another frame began since the one before, or none was before.
     if (frame_o) assert (restart_o == f_off_q);

@@ -408,7 +408,8 @@ module sp_verdict_parts #(
   end
   always_comb if (f_ran_q) begin
     if (f_step_q == '0) begin
-      assert ({in_part_o, first_o, section_o, part_o} == {f_in_q, f_first_q, f_section_q, f_part_q});
+      assert ({in_part_o, first_o} == {f_in_q, f_first_q});
+      assert ({section_o, part_o} == {f_section_q, f_part_q});
       assert (fresh_o == f_fresh_q);
       if (f_any_q) assert (count_o == f_count_q);
       if (f_taken_q) assert ({defect_o, shift_o} == {f_defect_q, f_shift_q});
@@ -436,7 +437,9 @@ module sp_verdict_parts #(
     if (f_step_q == '0 || f_step_q <= 4'd12) assert (taken_q == f_taken_q);
     if (f_chosen_q && f_waits_q) assert (!f_in_q);
     if (f_open_q || start_o) assert (f_step_q == '0);
-    if (!f_any_q) assert (f_step_q == '0 && !start_o && !f_open_q && !f_found_q && !f_in_q && !f_due_q);
+    if (!f_any_q) begin
+      assert (f_step_q == '0 && !start_o && !f_open_q && !f_found_q && !f_in_q && !f_due_q);
+    end
     if (f_due_q) assert (f_found_q);
     if (f_step_q <= 4'd11) begin
       assert (chosen_q == f_chosen_q && section_o == f_section_q && part_o == f_part_q);

@@ -264,7 +264,7 @@ module sp_verdict_registers #(
   logic        f_ran_q;
   logic [2:0]  f_age_q;      // clocks since the request, 1 to 5; 0: none
   logic [40:0] f_asked_q;
-  logic        f_passes_q, f_bank_q;
+  logic        f_passes_q, f_bank_q, f_bank_named_q;
   assign f_ran_q = f_reset_q[3];
   always_ff @(posedge clk_i) begin
     f_reset_q  <= {f_reset_q[2:0], 1'b1};
@@ -286,7 +286,7 @@ module sp_verdict_registers #(
   end
 
   // The settings that are written and which of them there are, by address; the word at any address
-  logic        f_on_q, f_hold_q, f_by_encoder_q, f_bank_named_q, f_table_bank_q;
+  logic        f_on_q, f_hold_q, f_by_encoder_q, f_table_bank_q;
   logic [1:0]  f_packets_q;
   logic [15:0] f_length_q;
   logic [10:0] f_column_q;
@@ -351,7 +351,8 @@ module sp_verdict_registers #(
     end
     // Rule 4: a beginning goes to the section that verdict_table names, and limits to its column.
     if (write_o && write_word_o[LogWords-1]) begin
-      assert (address_i == 8'hB0 && write_word_o[SectionBits:0] == {f_table_bank_q, write_section_o});
+      assert (address_i == 8'hB0);
+      assert (write_word_o[SectionBits:0] == {f_table_bank_q, write_section_o});
     end
     if (write_limits_o) begin
       assert (write_section_o == SectionBits'(f_section_q));

@@ -102,6 +102,7 @@ PROOFS = [
     Proof("verdict_defects", "sp_verdict_defects", ("MaxColumns=12",), "induction", 5, 48),
     Proof("verdict_registers", "sp_verdict_registers", ("MaxColumns=12", "MaxRows=3"), "induction", 6, 64),
     Proof("verdict_parts", "sp_verdict_parts", ("LogSections=2",), "induction", 2, 40),
+    Proof("ejector", "sp_ejector", ("LogDepth=1",), "bounded", 18, 30),
     Proof("verdict_gate", "sp_verdict_gate", (), "induction", 3, 40),
 ]
 
@@ -417,4 +418,12 @@ FAULTS = [
           "if (begins) section_o <= '0;", "if (begins && in_part_o) section_o <= '0;"),
     Fault("verdict_parts/dark_frames_of_the_part_before", "verdict_parts", "verdict/sp_verdict_parts.sv",
           "if (step_q[11] && begins) dark_frames_q <= '0;", ""),
+    Fault("ejector/one_count_too_long", "ejector", "verdict/sp_ejector.sv",
+          "way_q >= {8'd0, length_i};", "way_q > {8'd0, length_i};"),
+    Fault("ejector/pulse_before_its_place", "ejector", "verdict/sp_ejector.sv",
+          "ejector_o <= aimed_q && !way_q[23] && !done;", "ejector_o <= aimed_q && !done;"),
+    Fault("ejector/lost_untold", "ejector", "verdict/sp_ejector.sv",
+          "lost_o    <= put_q && !full_n;", "lost_o    <= put_q && !full_n && waits && done;"),
+    Fault("ejector/without_its_delay", "ejector", "verdict/sp_ejector.sv",
+          "place_i + {1'b0, delay_i};", "place_i + {1'b0, delay_i[22:1], 1'b0};"),
 ]
