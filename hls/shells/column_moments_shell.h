@@ -87,7 +87,7 @@ class ColumnMomentsShell : public MomentsPorts {
 
   void clocked() {
     reset();
-    show();
+    show_reset();
     wait();
     while (true) {
       // From the exit to the entry, so that each step sees the registers before it as they were in the clock that ends.
@@ -155,6 +155,23 @@ class ColumnMomentsShell : public MomentsPorts {
     enter_beat(beat_[0]);
     beat_[0].one_group = one_group_i.read();
     beat_[0].two_groups = two_groups_i.read();
+  }
+
+  // The outputs of a reset: see show_reset_common().
+  void show_reset() {
+    show_reset_common();
+    m_rd_en_o.write(false);
+    m_rd_addr_o.write(0);
+    m_wr_en_o.write(false);
+    m_wr_addr_o.write(0);
+    m_wr_low_o.write(0);
+    m_wr_high_o.write(0);
+    a_rd_en_o.write(false);
+    a_rd_addr_o.write(0);
+    a_wr_en_o.write(false);
+    a_wr_addr_o.write(0);
+    a_wr_low_o.write(0);
+    a_wr_high_o.write(0);
   }
 
   // The outputs of the clock that begins.

@@ -85,7 +85,7 @@ class ColumnRunsShell : public MomentsPorts {
 
   void clocked() {
     reset();
-    show();
+    show_reset();
     wait();
     while (true) {
       // From the exit to the entry, so that each step sees the registers before it as they were in the clock that ends.
@@ -133,6 +133,27 @@ class ColumnRunsShell : public MomentsPorts {
     enter_beat(beat_[0]);
     beat_[0].strongest = strongest_i.read();
     beat_[0].gap = gap_i.read();
+  }
+
+  // The outputs of a reset: see show_reset_common().
+  void show_reset() {
+    show_reset_common();
+    rd_en_o.write(false);
+    rd_addr_o.write(0);
+    wr_en_o.write(false);
+    wr_addr_o.write(0);
+    open_wr0_o.write(0);
+    open_wr1_o.write(0);
+    open_wr2_o.write(0);
+    open_wr3_o.write(0);
+    best_wr0_o.write(0);
+    best_wr1_o.write(0);
+    best_wr2_o.write(0);
+    best_wr3_o.write(0);
+    rest_wr0_o.write(0);
+    rest_wr1_o.write(0);
+    rest_wr2_o.write(0);
+    rest_wr3_o.write(0);
   }
 
   // The outputs of the clock that begins.

@@ -171,7 +171,7 @@ class GrayDecoderShell : public sc_core::sc_module {
 
   void clocked() {
     reset();
-    show();
+    show_reset();
     wait();
     while (true) {
       // From the exit to the entry, so that each step sees the registers before it as they were in the clock that ends.
@@ -338,6 +338,26 @@ class GrayDecoderShell : public sc_core::sc_module {
       columns_ = columns;
       rows_ = rows;
     }
+  }
+
+  // The outputs of a reset, which are those that show() would give. But ICSC lets show() see the registers as they were
+  // before the reset: each output would need registers of its own, and what is computed for it would be there twice.
+  void show_reset() {
+    mem_read_o.write(false);
+    mem_read_first_o.write(false);
+    mem_write_o.write(false);
+    mem_write_first_o.write(false);
+    mem_data_o.write(0);
+    mem_end_o.write(false);
+    codes_valid_o.write(false);
+    codes_o.write(0);
+    codes_start_o.write(false);
+    codes_line_start_o.write(false);
+    codes_line_end_o.write(false);
+    codes_last_row_o.write(false);
+    codes_break_o.write(false);
+    codes_status_o.write(0);
+    abandoned_o.write(0);
   }
 
   // The outputs of the clock that begins.

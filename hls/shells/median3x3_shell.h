@@ -174,7 +174,7 @@ class Median3x3Shell : public sc_core::sc_module {
 
   void clocked() {
     reset();
-    show();
+    show_reset();
     wait();
     while (true) {
       // From the exit to the entry, so that each step sees the registers before it as they were in the clock that ends.
@@ -375,6 +375,23 @@ class Median3x3Shell : public sc_core::sc_module {
         median_ = s_median_i.read();
       }
     }
+  }
+
+  // The outputs of a reset, which are those that show() would give. But ICSC lets show() see the registers as they were
+  // before the reset: each output would need registers of its own, and what is computed for it would be there twice.
+  void show_reset() {
+    busy_o.write(false);
+    m_valid_o.write(false);
+    m_codes_o.write(0);
+    m_start_o.write(false);
+    m_line_start_o.write(false);
+    m_line_end_o.write(false);
+    m_break_o.write(false);
+    m_status_o.write(0);
+    wr_addr_o.write(0);
+    near_wr_en_o.write(false);
+    near_wr_data_o.write(0);
+    far_wr_en_o.write(false);
   }
 
   // The outputs of the clock that begins.

@@ -98,6 +98,21 @@ class MomentsPorts : public sc_core::sc_module {
     beat.weights = weights_of(pixels, threshold, mode);
   }
 
+  // The outputs of a reset, which are those that the two functions below would give. But ICSC lets them see the
+  // registers as they were before the reset: each output would need registers of its own, and what is computed for it
+  // would be there twice.
+  void show_reset_common() {
+    moments_valid_o.write(false);
+    moments_data_o.write(0);
+    moments_break_o.write(false);
+    spoiled_o.write(false);
+    s4_drain_row_.write(false);
+    line_wr_addr_o.write(0);
+    line_wr_data_o.write(0);
+    line_rd_en_o.write(false);
+    line_rd_addr_o.write(0);
+  }
+
   // The requests of the clock that begins, with this beat in stage 4 and this order of the drain. A first row needs no
   // read and may pass a drain. Any other row meets a drain only after a change of size: see spoiled_o.
   template <typename Beat, typename Order>
