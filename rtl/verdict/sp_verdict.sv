@@ -7,11 +7,12 @@
 //
 // Input: frame_i, with the encoder's count, begins a frame, after the verdict of the frame before.
 // start_o follows fourteen clocks later, one more for each word that is written meanwhile, ready_o
-// 4 groups_i + 5 clocks behind it, and after that the first payload beat. Beats are those of
-// sp_column_moments or sp_column_runs; groups_i counts at start_o, the mode stands still from there
-// to the verdict. A frame without beats has no verdict, and is told by a frame_i alone; the next
-// frame_i may come from its start_o on, and what was begun for it ends. write_i fills the memory of
-// the registers (sp_verdict_parts), write_limits_i the table, in a bank that is not in force.
+// 4 groups_i + 5 clocks behind it, and two clocks after that or later the first payload beat. Beats
+// are those of sp_column_moments or sp_column_runs; groups_i counts at start_o, the mode stands
+// still from there to the verdict. A frame without beats has no verdict, and is told by a frame_i
+// alone; the next frame_i may come from its start_o on, and what was begun for it ends. write_i
+// fills the memory of the registers (sp_verdict_parts), write_limits_i the table, in a bank that is
+// not in force.
 //
 // Output: verdict_valid_o comes 15 clocks after the last beat of a frame, or 16 after its break, for
 // each frame whose beats came. What it says stays until the next start_o. Outside of a part there

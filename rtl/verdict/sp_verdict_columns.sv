@@ -17,9 +17,10 @@
 // four columns in mode binary, two in the grey modes. start_i begins a frame, in any clock that is
 // two or more after the last beat or the break of a frame that was judged; a start_i before ready_o
 // takes the place of the one before. groups_i counts at start_i; bank, section, shifts and mode
-// stand still from then to the frame's last beat. The first beat comes after ready_o. break_i ends
-// a frame before its last group is whole: it comes after ready_o, with or after the last beat that
-// came. Limits are written at any time to a bank and section that is not in force.
+// stand still from then to the frame's last beat. The first beat comes two clocks after ready_o or
+// later. break_i ends a frame before its last group is whole: it comes after ready_o, with or after
+// the last beat that came. Limits are written at any time to a bank and section that is not in
+// force.
 //
 // Output: ready_o comes 4 groups_i + 5 clocks after start_i. Groups of four columns come in order,
 // four clocks after their beat, in the grey modes after the second of their two beats. The half of
@@ -28,7 +29,7 @@
 //
 //   composing                                   judging
 //   place             <c>----------------       beat_valid_i  /1\____________________
-//   master            ----<c>------------       limits        <l>--------------------
+//   master            ----<c>------------       limits_q      <l>--------------------
 //   word_*_q          --------<c>--------       s1_*_q        ----<m>----------------
 //   moved_*_q         ------------<c>----       s2_*_q        --------<p>------------
 //   low_q, high_q     ----------------<c>       s3_*_q        ------------<c>--------
@@ -98,7 +99,7 @@ module sp_verdict_columns #(
   // Of a column of the table, or of one as far beside it as columns may be shifted, which is beyond
   // the last one then, or below 0 and so far beyond it
   localparam int PlaceBits = (ColumnBits > 8 ? ColumnBits : 8) + 1;
-  localparam int MovedBits = (LimitBits > 14 ? LimitBits : 14) + 2;  // of a limit plus d, signed
+  localparam int MovedBits = (LimitBits > 14 ? LimitBits : 14) + 2;  // of a limit plus d
   localparam int TableBits = LogSections + 3 + GroupBits;  // {bank, section, column}
 
   // --- Where the frame stands. The limits of group g lie at the address g + 1. ---
@@ -107,21 +108,24 @@ module sp_verdict_columns #(
   logic [ColumnBits-3:0] group_q;      // of the word that is composed, or of that to be read next
   logic [1:0]            lane_q;       // of the word that is composed
   logic                  composed;     // the last one
+  logic                  second_q;     // read those of the second group, after the first one's
   logic                  read;         // read the limits of a group
   logic                  half_q;       // the second two columns of a group
-  logic                  last_q;       // the group that comes next is the last one
+  // the group that comes next, that after it, is the last one
+  logic                  last_q, last_next_q;
   logic                  grey, group_end, break_q;
 
   assign grey      = Grey && grey_i;
   assign group_end = !grey || half_q;
   assign composed  = composing_q && lane_q == 2'd3 && group_q == groups_q;
-  assign read      = ready_o || beat_valid_i && group_end;
+  assign read      = ready_o || second_q || beat_valid_i && group_end;
 
   always_ff @(posedge clk_i) begin
-    if (rst_i) {composing_q, ready_o} <= 2'b00;
+    if (rst_i) {composing_q, ready_o, second_q} <= 3'b000;
     else begin
       composing_q <= start_i || composing_q && !composed;
       ready_o     <= composed && !start_i;
+      second_q    <= ready_o && !start_i;
     end
   end
   always_ff @(posedge clk_i) begin
@@ -136,17 +140,17 @@ module sp_verdict_columns #(
       if (composing_q) lane_q <= lane_q + 2'd1;
       if (beat_valid_i) half_q <= grey && !half_q;
     end
-    if (read) last_q <= group_q == groups_q;
+    if (read) {last_q, last_next_q} <= {last_next_q, group_q == groups_q};
   end
 
   // --- Composing: a word of the table, moved, four clocks after its place ---
   logic [PlaceBits-1:0]        place;
   logic [TableBits-1:0]        read_at, write_at;
   logic [WordBits-1:0]         master;
-  logic                        there_q;  // the table has this word
-  logic                        word_judged_q, moved_judged_q, judged_q;
+  logic                        there_q, word_there_q;  // the table has this word
+  logic                        word_judged, word_judged_q, moved_judged_q, judged_q;
   logic [LimitBits-1:0]        word_low_q, word_high_q, moved_low_q, moved_high_q, low_q, high_q;
-  logic signed [MovedBits-1:0] low, high;
+  logic        [MovedBits-1:0] low, high;  // in two's complement
   logic                        low_over_q, high_over_q;
   logic                        unused;
 
@@ -155,6 +159,7 @@ module sp_verdict_columns #(
     over = limit >> LimitBits != '0;
   endfunction
 
+  assign word_judged = word_judged_q && word_there_q;
   assign place = PlaceBits'({group_q, lane_q}) -
                  {{(PlaceBits - 8){shift_columns_i[7]}}, shift_columns_i};
   assign low   = MovedBits'(word_low_q) -
@@ -194,16 +199,17 @@ module sp_verdict_columns #(
   always_ff @(posedge clk_i) begin
     there_q <= place < PlaceBits'(MaxColumns);
 
-    {word_judged_q, word_high_q, word_low_q} <= {there_q && master[2*LimitBits],
-                                                 master[2*LimitBits-1:0]};
+    // Directly from the memory, which is slow
+    {word_judged_q, word_high_q, word_low_q} <= master;
+    word_there_q                             <= there_q;
 
-    moved_judged_q <= word_judged_q;
+    moved_judged_q <= word_judged;
     moved_low_q    <= low[LimitBits-1:0];
     low_over_q     <= over(low);
-    if (low < 0 || !word_judged_q) {low_over_q, moved_low_q} <= '0;
+    if (low[MovedBits-1] || !word_judged) {low_over_q, moved_low_q} <= '0;
     moved_high_q   <= high[LimitBits-1:0];
-    high_over_q    <= over(high) || !word_judged_q;
-    if (high < 0 && word_judged_q) {high_over_q, moved_high_q} <= '0;
+    high_over_q    <= over(high) || !word_judged;
+    if (high[MovedBits-1] && word_judged) {high_over_q, moved_high_q} <= '0;
 
     judged_q <= moved_judged_q;
     low_q    <= low_over_q ? '1 : moved_low_q;
@@ -261,8 +267,9 @@ module sp_verdict_columns #(
       assign s0_m1   = beat_data_i[32*lane+sp_spec_pkg::BinaryRunM1Lsb+:M1Bits];
     end
 
-    // Its limits: in a memory, which has those of the next group ready, and in a register
-    logic [WordBits-1:0] limits;
+    // Its limits: those of this group in a register, those of the next one behind the memory,
+    // which is slow
+    logic [WordBits-1:0] limits, limits_q;
     sp_ram #(
       .Width   (WordBits),
       .LogDepth(GroupBits)
@@ -297,10 +304,12 @@ module sp_verdict_columns #(
     assign s2_above = (ProductBits - 5)'({s2_m1_q, 1'b0}) -
                       (ProductBits - 5)'({s2_low_q[ProductBits-1:7], s2_low_q[6:0] != '0});
     always_ff @(posedge clk_i) begin
+      if (read) limits_q <= limits;
+
       s1_m0_q   <= s0_m0;
       s1_m1_q   <= s0_m1;
       s1_came_q <= s0_came;
-      {s1_judged_q, s1_high_q, s1_low_q} <= limits;
+      {s1_judged_q, s1_high_q, s1_low_q} <= limits_q;
 
       s2_came_q   <= s1_came_q;
       s2_judged_q <= s1_judged_q;

@@ -27,7 +27,7 @@ constexpr int kStartDelay = 14;    // from frame_i
 constexpr int kVerdictDelay = 15;  // from the last beat of a frame
 constexpr int kBreakDelay = 16;    // from its break
 constexpr int kReadyDelay = 5;     // from start_o, and one clock more for each column
-constexpr int kFirstBeat = 1;      // least clocks from ready_o
+constexpr int kFirstBeat = 2;      // least clocks from ready_o
 
 template <typename Port, typename Value>
 void set(Port& port, Value value) {
