@@ -18,7 +18,8 @@ NAMES = {"MEMID"}  # parameters of cells that hold names
 PRIMITIVES = [
     (r"LUT[1-6]|SB_LUT4|INV", "lut", 1),
     (r"RAM(16|32|64)X1S.*", "lut", 1), (r"RAM(16|32|64)X1D.*", "lut", 2), (r"RAM32M|RAM64M", "lut", 4),
-    (r"RAM128X1D", "lut", 4), (r"RAM256X1S", "lut", 4), (r"SRL.*", "lut", 1), (r"TRELLIS_DPR16X4", "lut", 6),
+    (r"RAM128X1S", "lut", 2), (r"RAM128X1D", "lut", 4), (r"RAM256X1S", "lut", 4), (r"SRL.*", "lut", 1),
+    (r"TRELLIS_DPR16X4", "lut", 6),
     (r"CCU2C", "lut", 2),
     (r"FD\w*|SB_DFF\w*|TRELLIS_FF|LD\w*", "ff", 1),
     (r"RAMB16\w*|RAMB18\w*|DP16KD|PDPW16KD|SB_RAM40_4K\w*", "ram", 1), (r"RAMB8\w*", "ram", 0.5),
