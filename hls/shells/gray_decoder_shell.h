@@ -340,8 +340,8 @@ class GrayDecoderShell : public sc_core::sc_module {
     }
   }
 
-  // The outputs of a reset, which are those that show() would give. But ICSC lets show() see the registers as they were
-  // before the reset: each output would need registers of its own, and what is computed for it would be there twice.
+  // The outputs of a reset: what show() would give, as constants, because ICSC lets it see the registers as they were
+  // before the reset.
   void show_reset() {
     mem_read_o.write(false);
     mem_read_first_o.write(false);

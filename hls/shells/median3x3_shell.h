@@ -377,8 +377,8 @@ class Median3x3Shell : public sc_core::sc_module {
     }
   }
 
-  // The outputs of a reset, which are those that show() would give. But ICSC lets show() see the registers as they were
-  // before the reset: each output would need registers of its own, and what is computed for it would be there twice.
+  // The outputs of a reset: what show() would give, as constants, because ICSC lets it see the registers as they were
+  // before the reset.
   void show_reset() {
     busy_o.write(false);
     m_valid_o.write(false);

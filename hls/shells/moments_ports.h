@@ -98,9 +98,8 @@ class MomentsPorts : public sc_core::sc_module {
     beat.weights = weights_of(pixels, threshold, mode);
   }
 
-  // The outputs of a reset, which are those that the two functions below would give. But ICSC lets them see the
-  // registers as they were before the reset: each output would need registers of its own, and what is computed for it
-  // would be there twice.
+  // The outputs of a reset: what show() would give, as constants, because ICSC lets it see the registers as they were
+  // before the reset.
   void show_reset_common() {
     moments_valid_o.write(false);
     moments_data_o.write(0);

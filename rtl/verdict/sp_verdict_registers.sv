@@ -206,7 +206,7 @@ module sp_verdict_registers #(
 
   sp_ram #(
     .Width   (32),
-    .LogDepth(5)  // as wide as a block RAM is cheap; only the lower half is used
+    .LogDepth(5)  // so that it becomes a block RAM; only the lower half is used
   ) u_kept (
     .wr_clk_i (clk_i),
     .wr_en_i  (put_q),

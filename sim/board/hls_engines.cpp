@@ -103,9 +103,8 @@ class HlsEngine final : public MomentsEngine {
     block.clock(pins);
     if (pins.moments_valid_o != 0) {
       for (const std::uint32_t word : pins.moments_data_o) {
-        for (std::size_t i = 0; i < sizeof word; ++i) {
-          bytes_.push_back(static_cast<std::uint8_t>(word >> (8 * i)));
-        }
+        bytes_.resize(bytes_.size() + sizeof word);
+        model::store_little_endian(bytes_.data() + bytes_.size() - sizeof word, word);
       }
     }
   }

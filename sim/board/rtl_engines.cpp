@@ -18,6 +18,7 @@
 #include "Vgray.h"
 #include "Vmatch.h"
 #include "selfproj/model/generated/selfproj_spec.h"
+#include "selfproj/model/little_endian.h"
 #include "selfproj/model/packet.h"
 #include "sim/board/board_device.h"
 #include "sim/board/engines.h"
@@ -137,15 +138,11 @@ class GrayRtlEngine final : public GrayEngine {
     for (int row = 0; row < image.rows; ++row) {
       const std::uint8_t* line = image.pixels + row * image.stride;
       for (int column = 0; column < image.columns; column += spec::kPixelsPerBeat) {
-        std::uint32_t pixels = 0;
-        for (int i = spec::kPixelsPerBeat - 1; i >= 0; --i) {
-          pixels = pixels << 8U | line[column + i];
-        }
         const bool first = row == 0 && column == 0;
         dut_->take_i = first;
         dut_->frame_start_i = first;
         dut_->beat_valid_i = 1;
-        dut_->beat_pixels_i = pixels;
+        dut_->beat_pixels_i = model::load_little_endian<std::uint32_t>(line + column);
         dut_->beat_line_start_i = column == 0;
         dut_->beat_line_end_i = column + spec::kPixelsPerBeat == image.columns;
         dut_->beat_last_row_i = row + 1 == image.rows;
