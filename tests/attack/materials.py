@@ -151,7 +151,8 @@ SMALL_SCANNER = {
     "max_lit_px": "32",
     "pixel_pitch_um": "160",
     "line_pitch_um": "1015",
-    "column_pitch_um": "1354"
+    "column_pitch_um": "1354",
+    "max_z_per_line_mm": "100"
 }
 
 
