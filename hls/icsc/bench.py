@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """bench.py SHELL...: prints a SystemC program that holds the shells.
 
-The shells are column_moments, column_runs, gray_decoder and median3x3.
+The shells are column_moments, column_runs, gray_decoder, median3x3 and verdict.
 
 Each is in a module that binds every port to a signal of its own: SystemC elaborates no module with an open port.
 

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """replay.py SHELLS FOLDER [SUITE[.TEST]]: lints the translated shells in the folder SHELLS with Verilator, and replays
-the benches of the RTL in them: all, or those of one SUITE (ColumnMoments, ColumnRuns, GrayDecoder, Median3x3), or one
-of them.
+the benches of the RTL in them: all, or those of one SUITE (ColumnMoments, ColumnRuns, GrayDecoder, Median3x3,
+VerdictWhole), or one of them.
 
-Each test of the benches whose first module is one of the four blocks records its inputs and outputs (recorder.h). They
+Each test of the benches whose first module is one of the five blocks records its inputs and outputs (recorder.h). They
 are replayed in the translation, together with its memories: an output that differs is a fault. The recordings and the
 simulations are in FOLDER. SELFPROJ_RTL_BLOCKS names the program with the benches. The exit status is 1 if an output
 differs or a block is not compared, and 2 if a file is missing.
@@ -23,7 +23,8 @@ Block = collections.namedtuple("Block", "top suite shell port bits")
 BLOCKS = [Block("sp_column_moments_hls", "ColumnMoments", "column_moments_shell.sv", "beat_group_i", 9),
           Block("sp_column_runs_hls", "ColumnRuns", "column_runs_shell.sv", "beat_group_i", 9),
           Block("hls_GrayDecoderShell", "GrayDecoder", "gray_decoder_shell.sv", "mem_data_i", 128),
-          Block("sp_median3x3_hls", "Median3x3", "median3x3_shell.sv", "s_codes_i", 64)]
+          Block("sp_median3x3_hls", "Median3x3", "median3x3_shell.sv", "s_codes_i", 64),
+          Block("sp_verdict_hls", "VerdictWhole", "verdict_shell.sv", "write_column_i", 11)]
 STEPS = "100000"
 
 

@@ -21,7 +21,7 @@ export ICSC_HOME
 # The translators load libraries of the tool.
 export LD_LIBRARY_PATH=$ICSC_HOME/lib:$ICSC_HOME/lib64${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}
 
-shells=(column_moments column_runs gray_decoder median3x3)
+shells=(column_moments column_runs gray_decoder median3x3 verdict)
 mkdir -p "$to"
 for name in "${shells[@]}"; do
   python3 hls/icsc/bench.py "$name" >"$to/$name.cpp"
@@ -36,4 +36,4 @@ done
 
 [[ -x $benches ]] || scripts/build.sh release rtl_blocks
 SELFPROJ_RTL_BLOCKS=$benches python3 hls/icsc/replay.py "$to/sv_out" "$to/replay"
-echo "icsc/run.sh: four shells translated, linted and replayed → $to/sv_out"
+echo "icsc/run.sh: five shells translated, linted and replayed → $to/sv_out"

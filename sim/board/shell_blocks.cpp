@@ -315,4 +315,105 @@ void Median3x3Block::clock(Median3x3Pins& pins) {
   pins.m_status_o = static_cast<std::uint8_t>(status_o_.read().to_uint());
 }
 
+VerdictBlock::VerdictBlock(const sc_core::sc_module_name& name) : ShellBlock(name) {
+  shell_.clk_i(clk_);
+  shell_.rst_i(rst_);
+  shell_.write_i(write_);
+  shell_.hold_i(hold_);
+  shell_.by_encoder_i(by_encoder_);
+  shell_.frame_i(frame_);
+  shell_.restart_i(restart_);
+  shell_.encoder_i(encoder_);
+  shell_.groups_i(groups_);
+  shell_.grey_i(grey_);
+  shell_.start_o(start_o_);
+  shell_.ready_o(ready_o_);
+  shell_.beat_valid_i(valid_);
+  shell_.beat_data_i(data_);
+  shell_.break_i(break_);
+  shell_.verdict_valid_o(verdict_valid_o_);
+  shell_.in_part_o(in_part_o_);
+  shell_.defect_o(defect_o_);
+  shell_.lacks_light_o(lacks_light_o_);
+  shell_.first_column_o(first_column_o_);
+  shell_.columns_o(columns_o_);
+  shell_.unlit_o(unlit_o_);
+  shell_.section_o(section_o_);
+  shell_.part_o(part_o_);
+  shell_.count_o(count_o_);
+  shell_.bank_o(bank_o_);
+  shell_.first_bad_o(first_bad_o_);
+  shell_.passes_o(passes_o_);
+  shell_.word_o(word_o_);
+  shell_.words_rd_en_o(words_rd_);
+  shell_.words_rd_addr_o(words_at_);
+  shell_.words_rd_data_i(words_in_);
+  shell_.table_rd_addr_o(table_at_);
+  shell_.table_rd_data_i(table_in_);
+  shell_.limits_rd_addr_o(limits_rd_at_);
+  shell_.limits_rd0_i(limits_in_[0]);
+  shell_.limits_rd1_i(limits_in_[1]);
+  shell_.limits_rd2_i(limits_in_[2]);
+  shell_.limits_rd3_i(limits_in_[3]);
+  shell_.limits_wr_en_o(limits_wr_);
+  shell_.limits_wr_addr_o(limits_wr_at_);
+  shell_.limits_wr_data_o(limits_out_);
+  shell_.past_rd_addr_o(past_rd_at_);
+  shell_.past_rd_data_i(past_in_);
+  shell_.past_wr_en_o(past_wr_);
+  shell_.past_wr_addr_o(past_wr_at_);
+  shell_.past_wr_data_o(past_out_);
+  connect(words_, clk_, words_rd_, words_at_, words_in_, write_, write_word_, write_data_);
+  connect(table_, clk_, always_, table_at_, table_in_, write_limits_, write_place_, write_limits_word_);
+  for (std::size_t lane = 0; lane < hls::kLanes; ++lane) {
+    connect(limits_[lane], clk_, always_, limits_rd_at_, limits_in_[lane], limit_wr_[lane], limits_wr_at_, limits_out_);
+  }
+  connect(past_, clk_, always_, past_rd_at_, past_in_, past_wr_, past_wr_at_, past_out_);
+  SC_HAS_PROCESS(VerdictBlock);
+  SC_METHOD(split_lanes);
+  sensitive << limits_wr_;
+}
+
+void VerdictBlock::split_lanes() {
+  for (std::size_t lane = 0; lane < hls::kLanes; ++lane) {
+    limit_wr_[lane].write((limits_wr_.read() >> static_cast<int>(lane) & 1) != 0);
+  }
+}
+
+void VerdictBlock::clock(VerdictPins& pins) {
+  write_.write(pins.write_i != 0);
+  write_word_.write(pins.write_word_i);
+  write_data_.write(pins.write_data_i);
+  hold_.write(pins.hold_i != 0);
+  by_encoder_.write(pins.by_encoder_i != 0);
+  write_limits_.write(pins.write_limits_i != 0);
+  write_place_.write((pins.write_bank_i * 2U + pins.write_section_i) * spec::kMaxColumns + pins.write_column_i);
+  write_limits_word_.write(pins.write_limits_word_i);
+  frame_.write(pins.frame_i != 0);
+  restart_.write(pins.restart_i != 0);
+  encoder_.write(pins.encoder_i);
+  groups_.write(pins.groups_i);
+  grey_.write(pins.grey_i != 0);
+  valid_.write(pins.beat_valid_i != 0);
+  data_.write(wide_of(pins.beat_data_i));
+  break_.write(pins.break_i != 0);
+  pass_clock(pins.rst_i != 0);
+  pins.start_o = start_o_.read();
+  pins.ready_o = ready_o_.read();
+  pins.verdict_valid_o = verdict_valid_o_.read();
+  pins.in_part_o = in_part_o_.read();
+  pins.defect_o = defect_o_.read();
+  pins.lacks_light_o = lacks_light_o_.read();
+  pins.first_column_o = static_cast<std::uint16_t>(first_column_o_.read().to_uint());
+  pins.columns_o = static_cast<std::uint16_t>(columns_o_.read().to_uint());
+  pins.unlit_o = static_cast<std::uint16_t>(unlit_o_.read().to_uint());
+  pins.section_o = section_o_.read();
+  pins.part_o = static_cast<std::uint16_t>(part_o_.read().to_uint());
+  pins.count_o = count_o_.read().to_uint();
+  pins.bank_o = bank_o_.read();
+  pins.first_bad_o = first_bad_o_.read();
+  pins.passes_o = passes_o_.read();
+  pins.word_o = word_o_.read().to_uint();
+}
+
 }  // namespace selfproj::sim

@@ -12,6 +12,7 @@
 #include "hls/shells/column_runs_shell.h"
 #include "hls/shells/gray_decoder_shell.h"
 #include "hls/shells/median3x3_shell.h"
+#include "hls/shells/verdict_shell.h"
 #include "hls/types.h"
 
 namespace selfproj::sim {
@@ -160,6 +161,45 @@ struct Median3x3Pins {
   std::uint8_t m_status_o = 0;
 };
 
+struct VerdictPins {
+  std::uint8_t rst_i = 0;
+  std::uint8_t write_i = 0;
+  std::uint8_t write_word_i = 0;
+  std::uint32_t write_data_i = 0;
+  std::uint8_t hold_i = 0;
+  std::uint8_t by_encoder_i = 0;
+  std::uint8_t write_limits_i = 0;
+  std::uint8_t write_bank_i = 0;
+  std::uint8_t write_section_i = 0;
+  std::uint16_t write_column_i = 0;
+  std::uint64_t write_limits_word_i = 0;
+  std::uint8_t frame_i = 0;
+  std::uint8_t restart_i = 0;
+  std::uint32_t encoder_i = 0;
+  std::uint16_t groups_i = 0;
+  std::uint8_t grey_i = 0;
+  std::uint8_t beat_valid_i = 0;
+  Wide128 beat_data_i{};
+  std::uint8_t break_i = 0;
+
+  std::uint8_t start_o = 0;
+  std::uint8_t ready_o = 0;
+  std::uint8_t verdict_valid_o = 0;
+  std::uint8_t in_part_o = 0;
+  std::uint8_t defect_o = 0;
+  std::uint8_t lacks_light_o = 0;
+  std::uint16_t first_column_o = 0;
+  std::uint16_t columns_o = 0;
+  std::uint16_t unlit_o = 0;
+  std::uint8_t section_o = 0;
+  std::uint16_t part_o = 0;
+  std::uint32_t count_o = 0;
+  std::uint8_t bank_o = 0;
+  std::uint8_t first_bad_o = 0;
+  std::uint8_t passes_o = 0;
+  std::uint32_t word_o = 0;
+};
+
 // The common part of the blocks: clock and reset, and how a clock passes.
 class ShellBlock : public sc_core::sc_module {
  public:
@@ -303,6 +343,48 @@ class Median3x3Block : public ShellBlock {
   Signal<bool> rd_{"rd"}, near_wr_{"near_wr"}, far_wr_{"far_wr"};
   Signal<hls::CodeGroup> rd_at_{"rd_at"}, wr_at_{"wr_at"};
   Signal<hls::CodeLine> near_out_{"near_out"}, near_in_{"near_in"}, far_out_{"far_out"}, far_in_{"far_in"};
+};
+
+// Two sections a bank.
+class VerdictBlock : public ShellBlock {
+ public:
+  explicit VerdictBlock(const sc_core::sc_module_name& name);
+  void clock(VerdictPins& pins);
+
+ private:
+  static constexpr int kLimitsWord = 2 * hls::kLimitBits + 1;
+  static constexpr int kPastBits = hls::kLanes * hls::kPastFrames;
+
+  hls::VerdictShell shell_{"shell"};
+  ShellRam<32, 5> words_{"words"};
+  ShellRam<kLimitsWord, hls::kGroupIndexBits + 4> table_{"table"};
+  sc_core::sc_vector<ShellRam<kLimitsWord, hls::kGroupIndexBits>> limits_{"limits", hls::kLanes};
+  ShellRam<kPastBits, hls::kGroupIndexBits> past_{"past"};
+
+  Signal<bool> always_{"always", true};
+  Signal<bool> write_{"write"}, hold_{"hold"}, by_encoder_{"by_encoder"}, write_limits_{"write_limits"};
+  Signal<bool> frame_{"frame"}, restart_{"restart"}, grey_{"grey"}, valid_{"valid"}, break_{"break_in"};
+  Signal<hls::VerdictPlace> write_word_{"write_word"}, words_at_{"words_at"};
+  Signal<hls::VerdictWord> write_data_{"write_data"}, words_in_{"words_in"}, word_o_{"word_o"};
+  Signal<hls::TablePlace> write_place_{"write_place"}, table_at_{"table_at"};
+  Signal<hls::LimitsWord> write_limits_word_{"write_limits_word"}, table_in_{"table_in"}, limits_out_{"limits_out"};
+  Signal<hls::VerdictCount> encoder_{"encoder"}, count_o_{"count_o"};
+  Signal<hls::VerdictGroups> groups_{"groups"};
+  Signal<hls::WideUint<128>> data_{"data"};
+  Signal<bool> start_o_{"start_o"}, ready_o_{"ready_o"}, verdict_valid_o_{"verdict_valid_o"}, in_part_o_{"in_part_o"};
+  Signal<bool> defect_o_{"defect_o"}, lacks_light_o_{"lacks_light_o"}, section_o_{"section_o"}, bank_o_{"bank_o"};
+  Signal<bool> first_bad_o_{"first_bad_o"}, passes_o_{"passes_o"};
+  Signal<hls::VerdictColumns> first_column_o_{"first_column_o"}, columns_o_{"columns_o"}, unlit_o_{"unlit_o"};
+  Signal<hls::Uint<16>> part_o_{"part_o"};
+  Signal<bool> words_rd_{"words_rd"}, past_wr_{"past_wr"};
+  Signal<hls::Group> limits_rd_at_{"limits_rd_at"}, limits_wr_at_{"limits_wr_at"};
+  sc_core::sc_vector<Signal<hls::LimitsWord>> limits_in_{"limits_in", hls::kLanes};
+  Signal<hls::Uint<hls::kLanes>> limits_wr_{"limits_wr"};
+  sc_core::sc_vector<Signal<bool>> limit_wr_{"limit_wr", hls::kLanes};
+  Signal<hls::Group> past_rd_at_{"past_rd_at"}, past_wr_at_{"past_wr_at"};
+  Signal<hls::PastWord> past_in_{"past_in"}, past_out_{"past_out"};
+
+  void split_lanes();
 };
 
 }  // namespace selfproj::sim

@@ -31,6 +31,16 @@ BITS = {
     "CodeStatus": 5,
     "CodeGroup": 9,
     "CodeLine": 52,
+    "VerdictCount": 24,
+    "VerdictWord": 32,
+    "VerdictPlace": 5,
+    "VerdictGroups": 10,
+    "VerdictColumns": 12,
+    "TablePlace": 13,
+    "LimitsWord": 35,
+    "PastWord": 28,
+    "Uint<16>": 16,
+    "Uint<kLanes>": 4,
 }
 
 
@@ -56,7 +66,8 @@ def main():
     failed = 0
     for name, shell, rtl in (("sp_column_moments_hls", "column_moments", "moments/sp_column_moments.sv"),
                              ("sp_column_runs_hls", "column_runs", "moments/sp_column_runs.sv"),
-                             ("sp_median3x3_hls", "median3x3", "gray/sp_median3x3.sv")):
+                             ("sp_median3x3_hls", "median3x3", "gray/sp_median3x3.sv"),
+                             ("sp_verdict_hls", "verdict", "verdict/sp_verdict.sv")):
         wrapper = ROOT / "hls" / "icsc" / f"{name}.sv"
         module = re.search(r"hls_\w+Shell", wrapper.read_text()).group()
         listed = ports(shell)
@@ -79,7 +90,7 @@ def main():
         if lint.returncode or lint.stderr:
             print(f"{name}: {lint.stderr}", file=sys.stderr)
             failed = 1
-        parameters = {"GroupBits": 9, "RowBits": 10, "sp_spec_pkg__StatusBits": 5}
+        parameters = {"GroupBits": 9, "RowBits": 10, "ColumnBits": 12, "LimitBits": 17, "SectionBits": 1, "LogWords": 5, "sp_spec_pkg__StatusBits": 5}
         source = (ROOT / "rtl" / rtl)
         with tempfile.TemporaryDirectory() as folder:
             plain = pathlib.Path(folder) / "rtl.sv"

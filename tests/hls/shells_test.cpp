@@ -12,10 +12,12 @@
 #include "Vsp_column_runs_ports.h"
 #include "Vsp_gray_decoder_ports.h"
 #include "Vsp_median3x3_ports.h"
+#include "Vsp_verdict_whole_ports.h"
 #include "sim/board/shell_blocks.h"
 #include "tests/rtl/blocks/column_moments_bench.h"
 #include "tests/rtl/blocks/gray_bench.h"
 #include "tests/rtl/blocks/median3x3_bench.h"
+#include "tests/rtl/blocks/verdict_bench.h"
 #include "tests/support/random_cases.h"
 
 namespace selfproj::test {
@@ -28,6 +30,7 @@ struct Shells {
   sim::ColumnRunsBlock runs{"runs"};
   sim::GrayDecoderBlock decoder{"decoder"};
   sim::Median3x3Block median{"median"};
+  sim::VerdictBlock verdict{"verdict"};
 };
 
 Shells& shells() {
@@ -216,6 +219,53 @@ class Median final : public Beside<sim::Median3x3Pins, Vsp_median3x3, Median> {
   }
 };
 
+class Judge final : public Beside<sim::VerdictPins, Vsp_verdict_whole, Judge> {
+ public:
+  using Beside::Beside;
+  static sim::VerdictBlock& block() { return shells().verdict; }
+  void inputs(Vsp_verdict_whole& rtl) const {
+    set(rtl.rst_i, rst_i);
+    set(rtl.write_i, write_i);
+    set(rtl.write_word_i, write_word_i);
+    set(rtl.write_data_i, write_data_i);
+    set(rtl.hold_i, hold_i);
+    set(rtl.by_encoder_i, by_encoder_i);
+    set(rtl.write_limits_i, write_limits_i);
+    set(rtl.write_bank_i, write_bank_i);
+    set(rtl.write_section_i, write_section_i);
+    set(rtl.write_column_i, write_column_i);
+    set(rtl.write_limits_word_i, write_limits_word_i);
+    set(rtl.frame_i, frame_i);
+    set(rtl.restart_i, restart_i);
+    set(rtl.encoder_i, encoder_i);
+    set(rtl.groups_i, groups_i);
+    set(rtl.grey_i, grey_i);
+    set(rtl.beat_valid_i, beat_valid_i);
+    set(rtl.beat_data_i, beat_data_i);
+    set(rtl.break_i, break_i);
+  }
+  void compare(Vsp_verdict_whole& rtl) const {
+    EXPECT_EQ(start_o, rtl.start_o);
+    EXPECT_EQ(ready_o, rtl.ready_o);
+    EXPECT_EQ(passes_o, rtl.passes_o);
+    EXPECT_EQ(first_bad_o, rtl.first_bad_o);
+    EXPECT_EQ(verdict_valid_o, rtl.verdict_valid_o);
+    if (rtl.verdict_valid_o != 0) {
+      EXPECT_EQ(in_part_o, rtl.in_part_o);
+      EXPECT_EQ(defect_o, rtl.defect_o);
+      EXPECT_EQ(lacks_light_o, rtl.lacks_light_o);
+      EXPECT_EQ(first_column_o, rtl.first_column_o);
+      EXPECT_EQ(columns_o, rtl.columns_o);
+      EXPECT_EQ(unlit_o, rtl.unlit_o);
+      EXPECT_EQ(section_o, rtl.section_o);
+      EXPECT_EQ(part_o, rtl.part_o);
+      EXPECT_EQ(count_o, rtl.count_o);
+      EXPECT_EQ(bank_o, rtl.bank_o);
+      EXPECT_EQ(word_o, rtl.word_o);
+    }
+  }
+};
+
 template <typename Dut>
 void list_ports(const Dut& /*dut*/, const Recorder& /*recorder*/) {}  // records nothing of them
 
@@ -300,6 +350,11 @@ TEST(GrayDecoderShell, RandomSequences) {
 TEST(Median3x3Shell, RandomImagesGapsAndBreaks) {
   median::random_images<Median>(40);
   expect_clocks(10'000);
+}
+
+TEST(VerdictShell, RandomFrames) {
+  verdict::random_frames<Judge>(8, 250);
+  expect_clocks(200'000);
 }
 
 }  // namespace

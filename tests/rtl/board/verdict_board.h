@@ -1,0 +1,207 @@
+// The board with verdicts beside the models of its packets and of its registers, and random frames for both.
+#ifndef SELFPROJ_TESTS_RTL_BOARD_VERDICT_BOARD_H
+#define SELFPROJ_TESTS_RTL_BOARD_VERDICT_BOARD_H
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdint>
+
+#include "Vboard_verdict.h"
+#include "model/register_file.h"
+#include "selfproj/model/verdict.h"
+#include "tests/rtl/board/frames.h"
+#include "tests/rtl/board/random_frames.h"
+#include "tests/rtl/board/scoreboard.h"
+#include "tests/support/random_cases.h"
+
+namespace selfproj::test {
+
+template <class Model>
+constexpr model::BoardBuild kBuild = {
+    .max_columns = 64, .max_rows = 40, .runs = true, .region = true, .compact = true, .verdict_log_sections = 1};
+constexpr int kApart = 200;  // clocks between frames, more than the verdict of a frame takes
+
+// The board, the model of its packets, and the model of its registers.
+template <class Model>
+class VerdictBoard {
+ public:
+  explicit VerdictBoard(const sim::BoardDeviceOptions& options = {}) : board_(options) {
+    board_.model().judge_with(verdict_);
+    registers_.judge_with(verdict_);
+  }
+
+  Scoreboard<Model>& board() { return board_; }
+  sim::BoardDevice<Model>& device() { return board_.device(); }
+  model::Verdict& verdict() { return verdict_; }
+
+  // The same access to the board and to the model of its registers: both take it, or both refuse it.
+  bool access(bool write, std::uint32_t address, std::uint32_t data = 0) {
+    const model::RegisterAnswer got = device().access(write, address, data);
+    const model::RegisterAnswer wanted =
+        write ? registers_.write(address, data)
+              : registers_.read(address, {.frame_open = board_.model().frame_open(),
+                                          .frames = static_cast<std::uint32_t>(board_.model().frames())});
+    EXPECT_EQ(got.error, wanted.error) << "address " << address << ", data " << data;
+    if (!write && !wanted.error) {
+      EXPECT_EQ(got.data, wanted.data) << "address " << address;
+    }
+    return !got.error;
+  }
+  bool write(std::uint32_t address, std::uint32_t data) { return access(true, address, data); }
+
+  // All settings of the verdict, through both.
+  void write(const model::BoardSettings& settings) {
+    for (const auto& [address, data] : model::verdict_writes(settings.verdict_settings, settings.part_rule)) {
+      write(address, data);
+    }
+    write(spec::kRegVerdictControl,
+          model::verdict_control_word(settings.verdict, settings.verdict_hold, settings.part_rule.by_encoder,
+                                      settings.verdict_packets));
+    board_.write(settings);
+  }
+
+  // Limits of a column. Returns whether they were taken.
+  bool write_limits(int bank, int section, int column, const model::ColumnLimits& limits) {
+    aim(bank, section, column);
+    return write(spec::kRegVerdictLimits, model::limits_word(limits));
+  }
+  bool begin_section(int bank, int section, std::uint32_t counts) {
+    aim(bank, section, 0);
+    return write(spec::kRegVerdictBegin, counts);
+  }
+
+ private:
+  void aim(int bank, int section, int column) {
+    write(spec::kRegVerdictTable, static_cast<std::uint32_t>(column) << spec::kRegVerdictTableColumnLsb |
+                                      static_cast<std::uint32_t>(section) << spec::kRegVerdictTableSectionLsb |
+                                      static_cast<std::uint32_t>(bank) << spec::kRegVerdictTableBankLsb);
+  }
+
+  model::Verdict verdict_{kBuild<Model>.max_columns, 1 << kBuild<Model>.verdict_log_sections};
+  Scoreboard<Model> board_;
+  model::RegisterFile registers_{kBuild<Model>};
+};
+
+inline model::ColumnLimits random_limits(Random& random, int rows) {
+  const int middle = model::kRowParts * random.between(1, rows);
+  const int band = random.between(0, 3 * model::kRowParts);
+  return {.low = static_cast<std::uint32_t>(std::max(0, middle - band)),
+          .high = static_cast<std::uint32_t>(std::min(model::kRowParts * 40, middle + band)),
+          .judged = random.chance(90)};
+}
+
+// Frames of fewer rows than 8 may end too soon, of fewer than 17 come too soon behind one that broke.
+// All frames of a part have the same columns.
+inline model::BoardSettings random_settings(Random& random, int columns, std::uint32_t encoder, int least_rows) {
+  const int history = random.between(1, model::kMaxHistory);
+  const auto length = static_cast<std::uint32_t>(random.between(1, 60));
+  const int rows = random.between(least_rows, least_rows + 9);
+  const bool strongest = random.chance(40);
+  return {.hold = random.chance(15),
+          .image = random.chance(20),
+          .columns = columns,
+          .rows = rows,
+          .mode = static_cast<model::Mode>(random.between(0, 2)),
+          .threshold = random.between(50, 200),
+          .select = strongest ? model::Select::strongest : model::Select::all,
+          .gap = random.between(0, 3),
+          .stream = random.between(0, 255),
+          .compact = random.chance(40),
+          .verdict = random.chance(90),
+          .verdict_packets = random.between(0, 2),
+          .verdict_hold = random.chance(15),
+          .verdict_settings = {.width = random.between(1, 5),
+                               .history = history,
+                               .hits = random.between(1, history),
+                               .above = random.chance(70),
+                               .below = random.chance(70),
+                               .most_unlit = random.chance(50) ? 4095 : random.between(0, 40),
+                               .shift_columns = random.chance(50) ? 0 : random.between(-12, 12),
+                               .shift_rows = random.chance(50) ? 0 : random.between(-60, 60),
+                               .bank = random.between(0, 1)},
+          .part_rule = {.by_encoder = random.chance(50),
+                        .lit = random.between(1, 40),
+                        .dark_frames = random.between(1, 2),
+                        .start = (encoder + static_cast<std::uint32_t>(random.between(-20, 40))) & model::kCountMask,
+                        .length = length,
+                        .pitch = length + static_cast<std::uint32_t>(random.between(1, 20))}};
+}
+
+struct VerdictCounts {
+  std::uint64_t frames = 0, delivered = 0, lost = 0, parts = 0, bad = 0, refused = 0;
+};
+
+// Frames of `changes` settings, each with limits and words written before it, packets lost by stalls, and faults.
+inline void play_verdicts(std::uint64_t seed, int fault_percent, int changes, VerdictCounts& seen) {
+  Random random(seed);
+  constexpr int kSections = 2;
+  VerdictBoard<Vboard_verdict> bench(random_board_clocks(random, seed));
+  const int columns = 4 * random.between(8, 16);
+  Scoreboard<Vboard_verdict>& board = bench.board();
+  bench.access(false, spec::kRegVerdictControl);
+  EXPECT_FALSE(bench.write(spec::kRegVerdictControl, 1U << spec::kRegVerdictControlOnLsb)) << "nothing is written yet";
+  bench.write(spec::kRegEjectorDelay, 0);
+  bench.write(spec::kRegEjectorLength, 3);
+  for (int bank = 0; bank < 2; ++bank) {
+    for (int section = 0; section < kSections; ++section) {
+      for (int column = 0; column < 64; ++column) {
+        bench.write_limits(bank, section, column, random_limits(random, 8));
+      }
+      bench.begin_section(bank, section, static_cast<std::uint32_t>(random.between(0, 30)));
+    }
+  }
+  board.turn_encoder(random.between(4, 200));
+  int rows = 0;  // in force
+  for (int change = 0; change < changes && !::testing::Test::HasFailure(); ++change) {
+    board.device().drain(kApart);
+    model::BoardSettings settings =
+        random_settings(random, columns, board.device().read(spec::kRegEncoder), fault_percent == 0 ? 8 : 17);
+    // What `hold` keeps is the size of frames too, but not what belongs to verdicts.
+    settings.hold = settings.hold && change > 0;
+    settings.rows = settings.hold ? rows : settings.rows;
+    rows = settings.rows;
+    bench.write(settings);
+    // While a frame is open the board knows its part already, the model does not.
+    if (!board.model().frame_open()) {
+      for (int i = random.between(0, 6); i > 0; --i) {
+        const int bank = random.between(0, 1);
+        seen.refused +=
+            bench.write_limits(bank, random.between(0, 1), random.between(0, 63), random_limits(random, settings.rows))
+                ? 0
+                : 1;
+        seen.refused += bench.begin_section(bank, 1, static_cast<std::uint32_t>(random.between(0, 30))) ? 0 : 1;
+      }
+      bench.access(false, spec::kRegVerdictState);
+      bench.access(false, spec::kRegVerdictParts);
+      bench.access(false, spec::kRegVerdictLimits);
+      bench.access(false, spec::kRegVerdictDefect);
+    }
+    board.device().set_video_gap_percent(random.chance(40) ? 0 : random.between(0, 60));
+    const bool stalls = random.chance(20);  // until packets are lost
+    board.device().set_bus_stall_percent(stalls ? 99 : random.chance(60) ? 0 : random.between(0, 90));
+    const int dark = random.chance(50) ? 0 : 40;
+    for (int i = stalls ? 60 : random.between(1, 12); i > 0; --i) {
+      const TestImage image = random.chance(dark) ? constant_image(settings.rows, settings.columns, 0)
+                                                  : random_image(random, settings.rows, settings.columns);
+      board.send(random, image, fault_percent);
+      board.device().gap(static_cast<std::uint32_t>(kApart + random.between(0, 100)));
+    }
+    board.play();
+    board.device().set_bus_stall_percent(0);
+  }
+  board.finish();
+  seen.frames += board.model().frames();
+  seen.delivered += board.delivered(spec::kKindMoments);
+  seen.lost += board.lost(spec::kKindMoments);
+  seen.parts += bench.verdict().parts();
+  seen.bad += bench.verdict().bad_parts();
+  if (!board.model().frame_open()) {
+    bench.access(false, spec::kRegVerdictParts);
+    bench.access(false, spec::kRegVerdictState);
+  }
+}
+
+}  // namespace selfproj::test
+
+#endif  // SELFPROJ_TESTS_RTL_BOARD_VERDICT_BOARD_H
