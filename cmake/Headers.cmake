@@ -2,6 +2,12 @@
 # depends on them, and without SELFPROJ_FAST_BUILD every source is compiled alone.
 option(SELFPROJ_FAST_BUILD "Precompile headers of libraries, and compile the sources of each library as one file" OFF)
 
+# g++ looks through its memory for what it no longer needs when that has doubled. Below 1 GB it need not: a tenth of the
+# time.
+if(SELFPROJ_FAST_BUILD)
+  add_compile_options($<$<COMPILE_LANG_AND_ID:CXX,GNU>:--param=ggc-min-heapsize=1000000>)
+endif()
+
 # An invalid precompiled header only costs time. In the builds where warnings are errors, it is found.
 set(CMAKE_PCH_WARN_INVALID ${SELFPROJ_WARNINGS_AS_ERRORS})
 

@@ -8,7 +8,8 @@ threads with a synchronous reset; threads without a reset section, or with a pat
 compiler ICSC does not take. ICSC 1.6.8 refuses some calls in arguments of other calls, and some constants that come
 from a call and are passed on. Here all of them are findings, in the functions outside of classes in other headers too,
 because the shells call those. It refuses arrays of records that give their members initial values or have a
-constructor, wherever these are defined.
+constructor, wherever these are defined. A constant that keeps the value of a register, which then gets a literal one,
+it takes for that literal.
 
 It prints one line a finding, and its exit status is then 1.
 """
@@ -199,6 +200,17 @@ def calls(sources):
                 source.find(start + local.start(), f"constant from a call that is passed on: {local.group(1)}")
 
 
+def kept(sources):
+    """Finds what ICSC gets wrong: constants that keep the value of a register, which then gets a literal value."""
+    copy = re.compile(r"\bconst\s+\w+(?:<[^;(){}]*>)?\s+(\w+)\s*=\s*(\w+);")
+    for source in sources:
+        for _, name, at, body, _ in source.functions():
+            start = source.code.index(body, source.code.index("{", at + len(name)))
+            for local in copy.finditer(body):
+                if re.search(rf"\b{local.group(2)}\s*=\s*(\d\w*|true|false)\s*;", body[local.end():]):
+                    source.find(start + local.start(), f"constant that keeps a register: {local.group(1)}")
+
+
 def flat(body):
     """Returns the code of a block without what is in its inner blocks."""
     while (inner := re.sub(r"\{[^{}]*\}", blank, body)) != body:
@@ -263,6 +275,7 @@ def check(files):
     recursion(sources)
     calls(sources)
     records(sources)
+    kept([source for source in sources if source.shell])
     return [f"{source.name}:{line}: {what}" for source in sources for line, what in sorted(source.findings)]
 
 

@@ -83,7 +83,7 @@ inline Uint<4> state_of(VerdictM0 m0, VerdictM1 m1, LimitsWord limits) {
   return state;
 }
 
-// The frames of `past` that count for a history of h, which is `history` + 1 with this one.
+// The frames of `past` that count: `history` of them, which is h - 1.
 inline Past counted(Past past, Uint<3> history) { return past & ((1 << history) - 1); }
 
 inline Uint<4> hits_of(Past past, bool out) {

@@ -25,7 +25,7 @@ constexpr int kSectionPlace = 16;
 struct VerdictParts {
   Uint<4> at;  // the step of a frame, 1 to 13, or 0
   bool start;
-  VerdictWord word;  // the word that was read; one clock later
+  VerdictWord word;  // read two clocks ago
   bool by_encoder, hold;
   bool chosen;
   bool waits;
@@ -100,7 +100,7 @@ struct VerdictParts {
   // A clock. `found` ends a frame, `whole` says that it did not break.
   void step(bool write, bool hold_in, bool by_encoder_in, bool frame, bool restart, const VerdictCount& encoder,
             bool found, bool whole, const Uint<12>& lit, const VerdictWord& read) {
-    const Uint<4> now = at;
+    Uint<4> now = at;  // not const: behind `at = 0` ICSC 1.6.8 would take it for 0, and leave out what depends on it
     const bool chooses = by_encoder && !chosen;
     VerdictCount least = word;
     if (waits) {

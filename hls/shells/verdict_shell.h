@@ -1,11 +1,11 @@
 // The verdict of frames as a SystemC module with the ports of rtl/verdict/sp_verdict.sv, for compilers that translate
-// clocked threads.
+// clocked threads. It has two sections a bank.
 //
-// With the same inputs in every clock the outputs equal those of the RTL in every clock: one beat a clock, no bubble.
-// The tests compare both clock by clock. Limits, states and hits are the pure functions of hls/verdict_arithmetic.h;
-// verdict_parts.h says where parts begin. This file decides when columns are judged. Unlike in the RTL a column is
-// judged in one clock, and the defects of a group are found in one; then they pass empty registers, which a synthesizer
-// may move into them.
+// With the same inputs in every clock the outputs equal those of the RTL in every clock in which they count: one beat a
+// clock, no bubble. The tests compare both clock by clock. Limits, states and hits are the pure functions of
+// hls/verdict_arithmetic.h; verdict_parts.h says where parts begin. This file decides when columns are judged. Unlike
+// in the RTL a column is judged in one clock, and the defects of a group are found in one; the flag of the frame's end
+// waits, so that the verdict comes when the RTL's does.
 //
 // The memories are outside, behind ports. Each has one port that writes and one that reads a clock later, like sp_ram.
 // Words of the registers and limits are written from outside, past this module: write_i says when.
@@ -108,7 +108,7 @@ class VerdictShell : public sc_core::sc_module {
   VerdictParts parts_;
   // The limits of the frame
   bool composing_, ready_;
-  Uint<kGroupIndexBits + 3> column_;  // whose word is read; a few behind the last one are none
+  Uint<kGroupIndexBits + 3> column_;  // whose word is read; the four behind the last one empty the pipeline
   Uint<kGroupIndexBits + 3> columns_of_line_;
   bool there_;                          // the table has the word that is there now
   Uint<kGroupIndexBits + 3> composed_;  // whose it is
@@ -203,9 +203,9 @@ class VerdictShell : public sc_core::sc_module {
     wait();
     while (true) {
       // From the exit to the entry, so that each step sees the registers before it as they were in the clock that ends.
-      const bool found = done_[kDone - 1];
-      const bool whole = whole_;
-      const Uint<12> lit = lit_;
+      bool found = done_[kDone - 1];
+      bool whole = whole_;
+      Uint<12> lit = lit_;
       decide();
       mark();
       judge();

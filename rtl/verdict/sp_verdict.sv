@@ -9,13 +9,13 @@
 // start_o follows fourteen clocks later, one more for each word that is written meanwhile, ready_o
 // 4 groups_i + 5 clocks behind it, and two clocks after that or later the first payload beat. Beats
 // are those of sp_column_moments or sp_column_runs; groups_i counts at start_o, the mode stands
-// still from there to the verdict. A frame without beats has no verdict, and is told by a frame_i
-// alone; the next frame_i may come from its start_o on, and what was begun for it ends. write_i
+// still from there to the verdict. A frame with neither beats nor a break has no verdict, and is
+// told by a frame_i alone; the next frame_i may come from its start_o on, and what was begun for it ends. write_i
 // fills the memory of the registers (sp_verdict_parts), write_limits_i the table, in a bank that is
 // not in force.
 //
-// Output: verdict_valid_o comes 15 clocks after the last beat of a frame, or 16 after its break, for
-// each frame whose beats came. What it says stays until the next start_o. Outside of a part there
+// Output: verdict_valid_o comes 15 clocks after the last beat of a frame, or 16 after its break.
+// What it says stays until the next frame_i. Outside of a part there
 // is no defect and no unlit column; section, part and bank are those of the part before. first_bad_o
 // comes with the first verdict of a part that has a defect or lacks light.
 //

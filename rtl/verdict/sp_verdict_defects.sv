@@ -5,7 +5,7 @@
 // frame.
 // Two groups of one place, of two frames, are eight clocks apart or more. The settings stand still
 // from the first group of a frame until found_valid_o. A column is out if it is above and above_i,
-// or below and below_i. fresh_i: no frame of the part came before, so columns have no hits yet.
+// or below and below_i. fresh_i: no whole frame of the part came before, so columns have no hits yet.
 //
 // Output: found_valid_o comes ten clocks after done_i, with the leftmost defect of the frame. It
 // stays until the next one. unlit_o counts the columns that are judged and unlit, lit_o the lit
@@ -28,7 +28,7 @@ module sp_verdict_defects #(
   // Settings
   input  wire logic [7:0]            width_i,    // w, 1..255
   input  wire logic [2:0]            history_i,  // h - 1
-  input  wire logic [3:0]            hits_i,     // m, 1..h
+  input  wire logic [3:0]            hits_i,     // m, 1..15
   input  wire logic                  above_i,
   input  wire logic                  below_i,
   input  wire logic                  fresh_i,

@@ -11,14 +11,15 @@
 // where a part begins, and only while hold_i is 0. With hold_i from the beginning no part begins.
 //
 // frame_i begins a frame. Fourteen clocks later, and one more for each write_i meanwhile, start_o
-// says that all outputs are those of this frame. They stand still until the next frame_i. found_i
+// says that all outputs are those of this frame. All but fresh_o and word_o stand still until the
+// next frame_i. found_i
 // ends the frame: found_whole_i says that it did not break, and found_lit_i, which stands still
 // until the next start_o, how many columns were lit. frame_i comes after the found_i of the frame
 // before, or found_i does not come at all: then that frame changes nothing. With restart_i it is the
 // first one of all, and no part passes before it.
 //
-// Between frames word_o is the word of the register ejector_delay, from three clocks after start_o
-// on.
+// From start_o to the next frame_i word_o is the word of the register ejector_delay, three clocks
+// after it was written.
 //
 //   frame_i  _/1\_ … ______
 //   step_q   -----<1> … <13>---

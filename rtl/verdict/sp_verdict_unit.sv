@@ -6,7 +6,7 @@
 //
 // This module only connects them. It decides with sp_moments_path which frames are judged
 // (sp_verdict_gate), and gives the verdict of each of them 15 clocks after the last of its sums, 16
-// after a break. The pin follows seven clocks later, if its delay is 0.
+// after a break. The pin follows six clocks later, if its delay is 0.
 `default_nettype none
 
 module sp_verdict_unit #(

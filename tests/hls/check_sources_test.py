@@ -94,6 +94,9 @@ SHELL_FAULTS = [
      "    const Sum0 m = now();  // HERE\n    s = next_m0(m, 1);\n  }\n};"),
     ("constant from a call that is passed on: m", "struct F {\n  void f() {\n"
      "    const Pixels m = pixels_i.read();  // HERE\n    s = lane_of(m, 1);\n  }\n};"),
+    # What it got wrong
+    ("constant that keeps a register: now", "struct F {\n  void f() {\n    const Uint<4> now = at;  // HERE\n"
+     "    at = 0;\n    if (now != 0) {\n      at = now + 1;\n    }\n  }\n};"),
 ]
 SHARED_CALLS = [("call in an argument: lane_of(", "inline Pixel f(Pixels p, Pixel t, ModeBits m) {\n"
                  "  Pixel w = weight_of(lane_of(p, 1), t, m);  // HERE\n  return w;\n}")]

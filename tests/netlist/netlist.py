@@ -10,7 +10,8 @@ Makes a netlist of a module of rtl/ by Yosys, and of that netlist a Verilated mo
     mutants  flat, of Yosys's words (adders, multiplexers, registers), with N mutations. An input `mutant` of 16 bits
              turns on the mutation of its number (0: none), and NAME.mutants lists them, one a line, from number 1 on.
              sp_counter is mutated in its own netlist only. In the board only the logic outside of blocks is mutated:
-             glue and the blocks' ports; in a board with the decoder, only what the decoder adds.
+             glue and the blocks' ports; in a board with the decoder or with verdicts, only what that adds, where
+             registers and gate of the verdict have no netlist of their own and are not blocks.
 
 It writes NAME.v, NAME.cpp (all that Verilator makes), NAME.h, NAME_ports.h (for tests/rtl/blocks/recorder.h).
 Standard library only.
@@ -30,6 +31,8 @@ from lib import rtl_tree, tools  # noqa: E402
 
 SELECT_BITS = 16
 BOARD = "sp_board"
+# The cells that these parameters add to the board
+ADDED = {"*gen_codes*": "Codes=1'b1", "*gen_verdict*": "Verdict=1'b1"}
 # Its users start it at zero, so no run reaches its upper chains. In its own netlist it begins just before each carry.
 COUNTER = "sp_counter"
 
@@ -81,12 +84,15 @@ def write_ecp5(top, read, path):
     path.write_text(cells_of(netlist, "ecp5") + netlist)
 
 
-def write_mutants(top, read, path, mutants, codes):
+def write_mutants(top, read, path, mutants, added):
     listing = path.with_suffix(".mutants")
     flat = path.with_suffix(".il").name
-    cells = "t:*" if top == COUNTER else f"{top}/{'*gen_codes*' if codes else 't:*'} a:src=*{COUNTER}.sv* %d"
+    cells = "t:*" if top == COUNTER else f"{top}/{added or 't:*'} a:src=*{COUNTER}.sv* %d"
     # modules of the board that contain blocks are flattened, and the blocks are their cells
-    blocks = f"setattr -mod -set keep_hierarchy 1 *sp_* {BOARD} %d *_path %d; " if top == BOARD else ""
+    glue = [BOARD, "*_path", "*sp_verdict_unit*", "*sp_verdict_registers*", "*sp_verdict_gate*"]
+    blocks = "setattr -mod -set keep_hierarchy 1 *sp_* " + "".join(f"{one} %d " for one in glue) + "; "
+    if top != BOARD:
+        blocks = ""
     lines, listed, asked = [], [], 0
     while not lines or len(lines) < mutants and len(listed) == asked:
         asked = mutants + len(listed) - len(lines)
@@ -146,7 +152,8 @@ def main():
     elif args.kind == "ecp5":
         write_ecp5(args.top, read, path)
     else:
-        write_mutants(args.top, read, path, args.mutants, "Codes=1'b1" in args.parameters)
+        added = [name for name, is_on in ADDED.items() if is_on in args.parameters]
+        write_mutants(args.top, read, path, args.mutants, added[0] if added and args.top == BOARD else "")
     verilate(args.verilator, args.top, args.prefix, path)
     return 0
 

@@ -26,8 +26,8 @@
 // last of e whole frames in a row that have fewer. A column is lit if M0 > 0, judged or not; t and e are those in force
 // at the next frame. By the encoder, which counts up: part k = 0, 1, … begins with the first frame whose encoder count
 // is not before start + k · pitch, and ends before the first frame whose count is `length` or more behind that point. k
-// counts from where the encoder was chosen. Counts are compared modulo 2^24. A part ends, too, where the way of telling
-// parts changes. Frames outside of parts have no verdict.
+// counts from where the encoder was chosen, or from the first frame behind stop(). Counts are compared modulo 2^24. A
+// part ends, too, where the way of telling parts changes. Frames outside of parts are never bad.
 //
 // **Sections.** A part may have other limits along its way. It begins with section 0; the next section begins with the
 // first frame whose count is `begins[section + 1]` or more behind the part's beginning, by one section at most from
@@ -149,7 +149,7 @@ struct FrameVerdict {
 // The 16 bytes of a packet that have the verdict (docs/packet-reference.md); all but first_bad, which they do not have.
 void pack_verdict(const FrameVerdict& verdict, std::uint8_t* bytes);
 
-// Reads them back; nothing if they have no verdict, because the frame broke.
+// Reads them back; nothing if the packet has none, because the frame broke.
 std::optional<FrameVerdict> unpack_verdict(const std::uint8_t* bytes);
 
 // Judges frame after frame.
@@ -172,7 +172,7 @@ class Verdict {
   FrameVerdict frame(const VerdictSettings& settings, bool hold, const PartRule& rule, std::uint32_t encoder,
                      std::span<const std::uint32_t> m0, std::span<const std::uint32_t> m1, bool whole);
 
-  // A frame that is not to be judged: no part passes.
+  // A frame that is not to be judged: no part passes, and the next frame is the first one of all.
   void stop();
 
   [[nodiscard]] int columns() const { return columns_; }

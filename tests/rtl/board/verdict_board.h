@@ -161,6 +161,13 @@ inline void play_verdicts(std::uint64_t seed, int fault_percent, int changes, Ve
     settings.hold = settings.hold && change > 0;
     settings.rows = settings.hold ? rows : settings.rows;
     rows = settings.rows;
+    // Anything to any register, but for those of the pin, whose pulses the model does not know. The settings follow.
+    for (int i = board.model().frame_open() ? 0 : random.between(0, 12); i > 0; --i) {
+      const auto word = static_cast<std::uint32_t>(random.bits()) >> random.between(0, 31);
+      const std::uint32_t address = spec::kRegVerdictControl + 4U * static_cast<std::uint32_t>(random.between(0, 31));
+      const bool of_the_pin = address == spec::kRegEjectorDelay || address == spec::kRegEjectorLength;
+      bench.access(random.chance(50) && !of_the_pin, address, word);
+    }
     bench.write(settings);
     // While a frame is open the board knows its part already, the model does not.
     if (!board.model().frame_open()) {
