@@ -246,7 +246,8 @@ class VerdictShell : public sc_core::sc_module {
     }
   }
 
-  // Stage 4: columns with enough hits, and defects among them.
+  // Stage 4: columns with enough hits, and defects among them. In a group of which not all columns have enough, a run
+  // that came from the left ends behind `lead` columns; another one may begin and end in it; a third one may leave it.
   void mark() {
     past_put_ = group_valid_[1];
     past_put_group_ = past_group_[1];
@@ -255,6 +256,11 @@ class VerdictShell : public sc_core::sc_module {
       Uint<3> history = parts_.defect >> spec::kRegVerdictDefectHistoryLsb;
       const Uint<4> wanted = parts_.defect >> spec::kRegVerdictDefectHitsLsb;
       past_ = 0;
+      Uint<3> run = 0;  // columns of the group with enough hits directly before the next one
+      bool all = true;  // so far
+      Uint<3> lead = 0;
+      Uint<3> inner = 0;
+      Uint<3> inner_end = 0;
       for (int lane = 0; lane < kLanes; ++lane) {
         Past of_column = past >> (kPastFrames * lane);
         Past seen = 0;
@@ -269,27 +275,45 @@ class VerdictShell : public sc_core::sc_module {
         }
         past_ = past_ | (PastWord(kept) << (kPastFrames * lane));
         if (hits >= wanted) {
-          run_ = run_ + 1;
+          run = run + 1;
         } else {
-          end_run();
+          if (all) {
+            lead = run;
+          } else if (run != 0) {
+            inner = run;
+            inner_end = lane;
+          }
+          all = false;
+          run = 0;
         }
-        at_ = at_ + 1;
       }
+      if (all) {
+        run_ = run_ + kLanes;
+      } else {
+        VerdictColumns length = run_ + lead;
+        VerdictColumns end = at_ + lead;
+        end_run(length, end);
+        length = inner;
+        end = at_ + inner_end;
+        end_run(length, end);
+        run_ = run;
+      }
+      at_ = at_ + kLanes;
     }
     if (done_[3]) {  // with the last group, or behind it
-      end_run();
+      end_run(run_, at_);
+      run_ = 0;
     }
   }
 
-  // A run of columns with enough hits ends before at_: the first one that is long enough is the defect.
-  void end_run() {
+  // A run of columns with enough hits ends before `end`: the first one that is long enough is the defect.
+  void end_run(const VerdictColumns& run, const VerdictColumns& end) {
     const Uint<8> width = parts_.defect >> spec::kRegVerdictDefectWidthLsb;
-    if (!found_defect_ && run_ >= width) {
+    if (!found_defect_ && run >= width) {
       found_defect_ = true;
-      first_column_ = at_ + 1 - run_;
-      columns_ = run_;
+      first_column_ = end + 1 - run;
+      columns_ = run;
     }
-    run_ = 0;
   }
 
   // Stages 3 and 2: groups, and columns of beats.
@@ -298,18 +322,22 @@ class VerdictShell : public sc_core::sc_module {
     const bool below = parts_.in_part && ((parts_.defect >> spec::kRegVerdictDefectBelowLsb) & 1) != 0;
     if (group_valid_[0]) {
       out_ = 0;
+      Uint<3> unlit = 0;
+      Uint<3> lit = 0;
       for (int lane = 0; lane < kLanes; ++lane) {
         const Uint<4> state = state_[lane];
         if ((above && (state & 1) != 0) || (below && (state & 2) != 0)) {
           out_ = out_ | (1 << lane);
         }
         if (parts_.in_part && (state & 4) != 0) {
-          unlit_ = unlit_ + 1;
+          unlit = unlit + 1;
         }
         if ((state & 8) != 0) {
-          lit_ = lit_ + 1;
+          lit = lit + 1;
         }
       }
+      unlit_ = unlit_ + unlit;
+      lit_ = lit_ + lit;
     }
     group_valid_[1] = group_valid_[0];
     past_group_[1] = past_group_[0];
