@@ -3,7 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include "Vsp_ejector_ports.h"
 #include "Vsp_verdict_ports.h"
@@ -68,6 +71,61 @@ TEST(Ejector, PulsesByTheEncoder) {
   });
   if (runs_all_cases()) {
     EXPECT_GT(pulses, 1000);
+  }
+}
+
+// Any delay and length, an encoder that runs far between two looks, and more bad parts than can wait.
+TEST(Ejector, LongWaysAndAFullQueue) {
+  constexpr std::size_t kPlaces = 33;  // that can wait
+  constexpr int kSettled = 150;        // clocks in which all places behind the encoder leave
+  int pulses = 0, lost = 0;
+  for_cases(40, [&](Random& random) {
+    Clocked<Vsp_ejector> ejector;
+    const auto delay = static_cast<std::uint32_t>(random.bits() & 0x7F'FFFF) >> random.between(0, 22);
+    const auto length = std::max(1U, static_cast<std::uint32_t>(random.bits() & 0xFFFF) >> random.between(0, 15));
+    const int step_bits = random.between(1, 20);
+    ejector->delay_i = delay;
+    set(ejector->length_i, length);
+    ejector->bad_i = 0;
+    auto encoder = static_cast<std::uint32_t>(random.bits()) & model::kCountMask;
+    ejector->encoder_i = encoder;
+    ejector.reset();
+    std::vector<std::uint32_t> places;  // that wait
+    const auto look = [&](int clocks) {
+      int told = 0;
+      for (int i = 0; i < clocks; ++i) {
+        ejector.settle();
+        told += ejector->lost_o;
+        ejector.rise();
+        ejector->bad_i = 0;
+      }
+      const auto way = [&](std::uint32_t place) { return (encoder - place - delay) & model::kCountMask; };
+      std::erase_if(places, [&](std::uint32_t place) { return way(place) >= length && way(place) < 1U << 23; });
+      const bool wanted = std::ranges::any_of(places, [&](std::uint32_t place) { return way(place) < length; });
+      ejector.settle();
+      EXPECT_EQ(ejector->ejector_o != 0, wanted);
+      pulses += wanted ? 1 : 0;
+      return told;
+    };
+    for (int i = 0; i < 100 && !HasFailure(); ++i) {
+      encoder = (encoder + static_cast<std::uint32_t>(random.between(1, 1 << step_bits))) & model::kCountMask;
+      ejector->encoder_i = encoder;
+      ASSERT_EQ(look(kSettled), 0);
+      if (random.chance(70)) {
+        ejector->bad_i = 1;
+        ejector->place_i = encoder;
+        const bool is_lost = places.size() == kPlaces;
+        if (!is_lost) {
+          places.push_back(encoder);
+        }
+        lost += is_lost ? 1 : 0;
+        ASSERT_EQ(look(20), is_lost ? 1 : 0);
+      }
+    }
+  });
+  if (runs_all_cases()) {
+    EXPECT_GT(pulses, 500);
+    EXPECT_GT(lost, 100);
   }
 }
 
