@@ -49,7 +49,7 @@ wanted = {str(root / name) for name in sys.argv[3:]}
 product = re.compile("(capi|constraints|host|model|sim)/")
 entries, all_of_product = [], []
 for entry in json.loads((build / "compile_commands.json").read_text()):
-    command = re.sub(r" -(Winvalid-pch|fpch-preprocess|include \S+cmake_pch\.hxx)", "", entry["command"])
+    command = re.sub(r" -(Winvalid-pch|fpch-preprocess|-param=ggc-\S+|include \S+cmake_pch\.hxx)", "", entry["command"])
     file, base = pathlib.Path(entry["file"]), root
     names = [str(file)]
     if file.name.startswith("unity_"):
