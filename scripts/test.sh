@@ -72,7 +72,7 @@ check_format() {
       { echo "skipped: there is no clang-format 14"; return; }
     format=$folder/clang-format
   fi
-  "$format" --dry-run --Werror "${files[@]}"
+  printf '%s\0' "${files[@]}" | xargs -0 -n 50 -P "$(nproc)" "$format" --dry-run --Werror
   echo "${#files[@]} files"
 }
 
