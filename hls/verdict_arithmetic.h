@@ -25,6 +25,7 @@ using RowShift = Uint<kShiftRowsBits>;        // -d, in two's complement
 using Past = Uint<kPastFrames>;               // a bit for each frame, the newest lowest
 using VerdictM0 = Uint<spec::kGreyM0Bits>;
 using VerdictM1 = Uint<spec::kGreyM1Bits>;
+using VerdictProduct = Uint<spec::kGreyM0Bits + kLimitBits>;
 
 // A limit plus d: 0 if it would be less, the greatest if it would have more bits. Rows are 1 to kMaxRows, so that this
 // changes no verdict.
@@ -60,12 +61,18 @@ inline LimitsWord moved_limits(LimitsWord word, bool there, RowShift back) {
   return result;
 }
 
-// {lit, judged and unlit, below, above}
-inline Uint<4> state_of(VerdictM0 m0, VerdictM1 m1, LimitsWord limits) {
+inline VerdictProduct least_of(VerdictM0 m0, LimitsWord limits) {
   const Limit low = limits & ((1 << kLimitBits) - 1);
+  return low * m0;
+}
+
+inline VerdictProduct most_of(VerdictM0 m0, LimitsWord limits) {
   const Limit high = (limits >> kLimitBits) & ((1 << kLimitBits) - 1);
-  const Uint<spec::kGreyM0Bits + kLimitBits> least = low * m0;
-  const Uint<spec::kGreyM0Bits + kLimitBits> most = high * m0;
+  return high * m0;
+}
+
+// {lit, judged and unlit, below, above}, from the products of the limits with M0
+inline Uint<4> state_of(VerdictM1 m1, VerdictProduct least, VerdictProduct most, bool judged, bool lit) {
   const Uint<spec::kGreyM1Bits + 7> at = Uint<spec::kGreyM1Bits + 7>(m1) << 7;
   Uint<4> state = 0;
   if (at < least) {
@@ -74,10 +81,10 @@ inline Uint<4> state_of(VerdictM0 m0, VerdictM1 m1, LimitsWord limits) {
   if (at > most) {
     state = state | 2;
   }
-  if (m0 == 0 && (limits >> (2 * kLimitBits)) != 0) {
+  if (judged && !lit) {
     state = state | 4;
   }
-  if (m0 != 0) {
+  if (lit) {
     state = state | 8;
   }
   return state;

@@ -126,12 +126,21 @@ class VerdictShell : public sc_core::sc_module {
   bool grey_[2];
   bool second_[2];
   WideUint<128> data_[2];
-  // A group of columns, stages 3 and 4
+  // Columns of a beat with their products, stage 3
+  bool came_[kLanes];
+  bool group_end_;
+  VerdictM1 m1_[kLanes];
+  VerdictProduct least_[kLanes];
+  VerdictProduct most_[kLanes];
+  bool judged_[kLanes];
+  bool column_lit_[kLanes];
+  // A group of columns, stages 4 to 6
   Uint<4> state_[kLanes];
-  bool group_valid_[2];
+  bool group_valid_[3];
   Group group_;  // of the next one
   Group past_group_[2];
   Uint<kLanes> out_;
+  Uint<kLanes> enough_;  // columns with enough hits
   // Defects
   VerdictColumns run_, at_;  // columns with enough hits directly before the next one, which is at_
   bool found_defect_;
@@ -167,10 +176,20 @@ class VerdictShell : public sc_core::sc_module {
       grey_[i] = false;
       second_[i] = false;
       data_[i] = 0;
-      group_valid_[i] = false;
       past_group_[i] = 0;
     }
+    for (int i = 0; i < 3; ++i) {
+      group_valid_[i] = false;
+    }
+    group_end_ = false;
+    enough_ = 0;
     for (int lane = 0; lane < kLanes; ++lane) {
+      came_[lane] = false;
+      m1_[lane] = 0;
+      least_[lane] = 0;
+      most_[lane] = 0;
+      judged_[lane] = false;
+      column_lit_[lane] = false;
       state_[lane] = 0;
     }
     group_ = 0;
@@ -207,8 +226,10 @@ class VerdictShell : public sc_core::sc_module {
       bool whole = whole_;
       Uint<12> lit = lit_;
       decide();
+      find_defects();
       mark();
       judge();
+      multiply();
       enter();
       compose();
       if (parts_.start) {
@@ -246,35 +267,17 @@ class VerdictShell : public sc_core::sc_module {
     }
   }
 
-  // Stage 4: columns with enough hits, and defects among them. In a group of which not all columns have enough, a run
-  // that came from the left ends behind `lead` columns; another one may begin and end in it; a third one may leave it.
-  void mark() {
-    past_put_ = group_valid_[1];
-    past_put_group_ = past_group_[1];
-    if (group_valid_[1]) {
-      PastWord past = past_rd_data_i.read();
-      Uint<3> history = parts_.defect >> spec::kRegVerdictDefectHistoryLsb;
-      const Uint<4> wanted = parts_.defect >> spec::kRegVerdictDefectHitsLsb;
-      past_ = 0;
+  // Stage 6: defects among the columns with enough hits. In a group of which not all have enough, a run that came from
+  // the left ends behind `lead` columns; another one may begin and end in it; a third one may leave it.
+  void find_defects() {
+    if (group_valid_[2]) {
       Uint<3> run = 0;  // columns of the group with enough hits directly before the next one
       bool all = true;  // so far
       Uint<3> lead = 0;
       Uint<3> inner = 0;
       Uint<3> inner_end = 0;
       for (int lane = 0; lane < kLanes; ++lane) {
-        Past of_column = past >> (kPastFrames * lane);
-        Past seen = 0;
-        if (!parts_.fresh && parts_.in_part) {
-          seen = counted(of_column, history);
-        }
-        const bool out = ((out_ >> lane) & 1) != 0;
-        Uint<4> hits = hits_of(seen, out);
-        Past kept = seen << 1;
-        if (out) {
-          kept = kept | 1;
-        }
-        past_ = past_ | (PastWord(kept) << (kPastFrames * lane));
-        if (hits >= wanted) {
+        if (((enough_ >> lane) & 1) != 0) {
           run = run + 1;
         } else {
           if (all) {
@@ -300,7 +303,7 @@ class VerdictShell : public sc_core::sc_module {
       }
       at_ = at_ + kLanes;
     }
-    if (done_[3]) {  // with the last group, or behind it
+    if (done_[5]) {  // with the last group, or behind it
       end_run(run_, at_);
       run_ = 0;
     }
@@ -316,10 +319,41 @@ class VerdictShell : public sc_core::sc_module {
     }
   }
 
-  // Stages 3 and 2: groups, and columns of beats.
+  // Stage 5: hits of the last frames.
+  void mark() {
+    past_put_ = group_valid_[1];
+    past_put_group_ = past_group_[1];
+    group_valid_[2] = group_valid_[1];
+    PastWord past = past_rd_data_i.read();
+    Uint<3> history = parts_.defect >> spec::kRegVerdictDefectHistoryLsb;
+    const Uint<4> wanted = parts_.defect >> spec::kRegVerdictDefectHitsLsb;
+    past_ = 0;
+    enough_ = 0;
+    for (int lane = 0; lane < kLanes; ++lane) {
+      Past of_column = past >> (kPastFrames * lane);
+      Past seen = 0;
+      if (!parts_.fresh && parts_.in_part) {
+        seen = counted(of_column, history);
+      }
+      const bool out = ((out_ >> lane) & 1) != 0;
+      Uint<4> hits = hits_of(seen, out);
+      Past kept = seen << 1;
+      if (out) {
+        kept = kept | 1;
+      }
+      past_ = past_ | (PastWord(kept) << (kPastFrames * lane));
+      if (hits >= wanted) {
+        enough_ = enough_ | (1 << lane);
+      }
+    }
+  }
+
+  // Stages 4 and 3: groups, and states of columns.
   void judge() {
     const bool above = parts_.in_part && ((parts_.defect >> spec::kRegVerdictDefectAboveLsb) & 1) != 0;
     const bool below = parts_.in_part && ((parts_.defect >> spec::kRegVerdictDefectBelowLsb) & 1) != 0;
+    group_valid_[1] = group_valid_[0];
+    past_group_[1] = past_group_[0];
     if (group_valid_[0]) {
       out_ = 0;
       Uint<3> unlit = 0;
@@ -339,36 +373,46 @@ class VerdictShell : public sc_core::sc_module {
       unlit_ = unlit_ + unlit;
       lit_ = lit_ + lit;
     }
-    group_valid_[1] = group_valid_[0];
-    past_group_[1] = past_group_[0];
-    group_valid_[0] = valid_[1] && (!grey_[1] || second_[1]);
-    if (group_valid_[0]) {
+    group_valid_[0] = group_end_;
+    if (group_end_) {
       past_group_[0] = group_;
       group_ = group_ + 1;
     }
-    if (valid_[1]) {
-      LimitsWord limits[kLanes];
-      limits[0] = limits_rd0_i.read();
-      limits[1] = limits_rd1_i.read();
-      limits[2] = limits_rd2_i.read();
-      limits[3] = limits_rd3_i.read();
-      for (int lane = 0; lane < kLanes; ++lane) {
-        VerdictM0 m0 = 0;
-        VerdictM1 m1 = 0;
-        if (grey_[1]) {
-          const Uint<64> word = data_[1].range(64 * (lane % 2) + 63, 64 * (lane % 2)).to_uint64();
-          m0 = word >> spec::kGreyM0Lsb;
-          m1 = word >> spec::kGreyM1Lsb;
-        } else {
-          const Uint<32> word = data_[1].range(32 * lane + 31, 32 * lane).to_uint();
-          m0 = (word >> spec::kBinaryRunM0Lsb) & ((1 << spec::kBinaryRunM0Bits) - 1);
-          m1 = (word >> spec::kBinaryRunM1Lsb) & ((1 << spec::kBinaryRunM1Bits) - 1);
-        }
-        LimitsWord of_column = limits[lane];
-        if (!grey_[1] || second_[1] == (lane > 1)) {
-          state_[lane] = state_of(m0, m1, of_column);
-        }
+    for (int lane = 0; lane < kLanes; ++lane) {
+      if (came_[lane]) {
+        VerdictM1 m1 = m1_[lane];
+        VerdictProduct least = least_[lane];
+        VerdictProduct most = most_[lane];
+        state_[lane] = state_of(m1, least, most, judged_[lane], column_lit_[lane]);
       }
+    }
+  }
+
+  // Stage 2: the moments of a beat, and the limits of their columns.
+  void multiply() {
+    LimitsWord limits[kLanes];
+    limits[0] = limits_rd0_i.read();
+    limits[1] = limits_rd1_i.read();
+    limits[2] = limits_rd2_i.read();
+    limits[3] = limits_rd3_i.read();
+    group_end_ = valid_[1] && (!grey_[1] || second_[1]);
+    for (int lane = 0; lane < kLanes; ++lane) {
+      VerdictM0 m0 = 0;
+      if (grey_[1]) {
+        const Uint<64> word = data_[1].range(64 * (lane % 2) + 63, 64 * (lane % 2)).to_uint64();
+        m0 = word >> spec::kGreyM0Lsb;
+        m1_[lane] = word >> spec::kGreyM1Lsb;
+      } else {
+        const Uint<32> word = data_[1].range(32 * lane + 31, 32 * lane).to_uint();
+        m0 = (word >> spec::kBinaryRunM0Lsb) & ((1 << spec::kBinaryRunM0Bits) - 1);
+        m1_[lane] = (word >> spec::kBinaryRunM1Lsb) & ((1 << spec::kBinaryRunM1Bits) - 1);
+      }
+      LimitsWord of_column = limits[lane];
+      came_[lane] = valid_[1] && (!grey_[1] || second_[1] == (lane > 1));
+      least_[lane] = least_of(m0, of_column);
+      most_[lane] = most_of(m0, of_column);
+      judged_[lane] = (of_column >> (2 * kLimitBits)) != 0;
+      column_lit_[lane] = m0 != 0;
     }
   }
 
