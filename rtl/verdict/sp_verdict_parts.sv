@@ -140,8 +140,10 @@ module sp_verdict_parts #(
       if (step_q[12]) defect_o <= word_q;
       if (step_q[13]) shift_o <= word_q;
     end
-    // A part by light leaves it where it does, whatever it was; a simulator needs a beginning.
+`ifndef SYNTHESIS
+    // What it was before does not matter, which is proved, but an x would stay.
     if (rst_i) point_q <= '0;
+`endif
     // Before the first part no column may count as out.
     if (rst_i) defect_o <= 32'd1 << sp_spec_pkg::RegVerdictDefectWidthLsb |
                            32'd1 << sp_spec_pkg::RegVerdictDefectHitsLsb;

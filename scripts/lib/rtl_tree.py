@@ -54,10 +54,10 @@ def without_comments(path):
 
 def read_command(top, parameters=(), formal=False, files=()):
     """Returns Yosys's commands that read the files, or else all of rtl, and set parameters ("NAME=VALUE") of the module
-    `top`."""
+    `top`. What is proved is what is synthesized."""
     files = " ".join(f'"{file}"' for file in files or sources())
     sets = "".join(f" -set {text.replace('=', ' ', 1)}" for text in parameters)
-    return f"read_verilog {'-formal ' if formal else ''}-sv {files}; " + (f"chparam{sets} {top}; " if sets else "")
+    return f"read_verilog {'-formal -DSYNTHESIS ' if formal else ''}-sv {files}; " + (f"chparam{sets} {top}; " if sets else "")
 
 
 def plain(text):
