@@ -116,17 +116,18 @@ class VerdictShell : public sc_core::sc_module {
   Uint<kLanes> put_lane_;
   Group put_group_;
   LimitsWord put_word_;
-  // Beats, stages 1 and 2
+  // Beats, stages 1 to 3
   bool open_;  // a frame has begun and is not over
   bool break_;
   bool half_;  // the second two columns of a group come
   VerdictGroups beat_group_;
   Group read_group_;
-  bool valid_[2];
-  bool grey_[2];
-  bool second_[2];
-  WideUint<128> data_[2];
-  // Columns of a beat with their products, stage 3
+  bool valid_[3];
+  bool grey_[3];
+  bool second_[3];
+  WideUint<128> data_[3];
+  LimitsWord limits_[kLanes];  // of the beat in stage 3
+  // Columns of a beat with their products, stage 4
   bool came_[kLanes];
   bool group_end_;
   VerdictM1 m1_[kLanes];
@@ -134,7 +135,7 @@ class VerdictShell : public sc_core::sc_module {
   VerdictProduct most_[kLanes];
   bool judged_[kLanes];
   bool column_lit_[kLanes];
-  // A group of columns, stages 4 to 6
+  // A group of columns, stages 5 to 7
   Uint<4> state_[kLanes];
   bool group_valid_[3];
   Group group_;  // of the next one
@@ -171,19 +172,20 @@ class VerdictShell : public sc_core::sc_module {
     half_ = false;
     beat_group_ = 0;
     read_group_ = 0;
-    for (int i = 0; i < 2; ++i) {
+    for (int i = 0; i < 3; ++i) {
       valid_[i] = false;
       grey_[i] = false;
       second_[i] = false;
       data_[i] = 0;
-      past_group_[i] = 0;
-    }
-    for (int i = 0; i < 3; ++i) {
       group_valid_[i] = false;
+    }
+    for (int i = 0; i < 2; ++i) {
+      past_group_[i] = 0;
     }
     group_end_ = false;
     enough_ = 0;
     for (int lane = 0; lane < kLanes; ++lane) {
+      limits_[lane] = 0;
       came_[lane] = false;
       m1_[lane] = 0;
       least_[lane] = 0;
@@ -267,7 +269,7 @@ class VerdictShell : public sc_core::sc_module {
     }
   }
 
-  // Stage 6: defects among the columns with enough hits. In a group of which not all have enough, a run that came from
+  // Stage 7: defects among the columns with enough hits. In a group of which not all have enough, a run that came from
   // the left ends behind `lead` columns; another one may begin and end in it; a third one may leave it.
   void find_defects() {
     if (group_valid_[2]) {
@@ -303,7 +305,7 @@ class VerdictShell : public sc_core::sc_module {
       }
       at_ = at_ + kLanes;
     }
-    if (done_[5]) {  // with the last group, or behind it
+    if (done_[6]) {  // with the last group, or behind it
       end_run(run_, at_);
       run_ = 0;
     }
@@ -319,7 +321,7 @@ class VerdictShell : public sc_core::sc_module {
     }
   }
 
-  // Stage 5: hits of the last frames.
+  // Stage 6: hits of the last frames.
   void mark() {
     past_put_ = group_valid_[1];
     past_put_group_ = past_group_[1];
@@ -348,7 +350,7 @@ class VerdictShell : public sc_core::sc_module {
     }
   }
 
-  // Stages 4 and 3: groups, and states of columns.
+  // Stages 5 and 4: groups, and states of columns.
   void judge() {
     const bool above = parts_.in_part && ((parts_.defect >> spec::kRegVerdictDefectAboveLsb) & 1) != 0;
     const bool below = parts_.in_part && ((parts_.defect >> spec::kRegVerdictDefectBelowLsb) & 1) != 0;
@@ -388,27 +390,22 @@ class VerdictShell : public sc_core::sc_module {
     }
   }
 
-  // Stage 2: the moments of a beat, and the limits of their columns.
+  // Stage 3: the moments of a beat, and the limits of their columns.
   void multiply() {
-    LimitsWord limits[kLanes];
-    limits[0] = limits_rd0_i.read();
-    limits[1] = limits_rd1_i.read();
-    limits[2] = limits_rd2_i.read();
-    limits[3] = limits_rd3_i.read();
-    group_end_ = valid_[1] && (!grey_[1] || second_[1]);
+    group_end_ = valid_[2] && (!grey_[2] || second_[2]);
     for (int lane = 0; lane < kLanes; ++lane) {
       VerdictM0 m0 = 0;
-      if (grey_[1]) {
-        const Uint<64> word = data_[1].range(64 * (lane % 2) + 63, 64 * (lane % 2)).to_uint64();
+      if (grey_[2]) {
+        const Uint<64> word = data_[2].range(64 * (lane % 2) + 63, 64 * (lane % 2)).to_uint64();
         m0 = word >> spec::kGreyM0Lsb;
         m1_[lane] = word >> spec::kGreyM1Lsb;
       } else {
-        const Uint<32> word = data_[1].range(32 * lane + 31, 32 * lane).to_uint();
+        const Uint<32> word = data_[2].range(32 * lane + 31, 32 * lane).to_uint();
         m0 = (word >> spec::kBinaryRunM0Lsb) & ((1 << spec::kBinaryRunM0Bits) - 1);
         m1_[lane] = (word >> spec::kBinaryRunM1Lsb) & ((1 << spec::kBinaryRunM1Bits) - 1);
       }
-      LimitsWord of_column = limits[lane];
-      came_[lane] = valid_[1] && (!grey_[1] || second_[1] == (lane > 1));
+      LimitsWord of_column = limits_[lane];
+      came_[lane] = valid_[2] && (!grey_[2] || second_[2] == (lane > 1));
       least_[lane] = least_of(m0, of_column);
       most_[lane] = most_of(m0, of_column);
       judged_[lane] = (of_column >> (2 * kLimitBits)) != 0;
@@ -416,16 +413,22 @@ class VerdictShell : public sc_core::sc_module {
     }
   }
 
-  // Beats, stage 1, and where the frame ends.
+  // Beats, stages 2 and 1, and where the frame ends.
   void enter() {
     const bool grey = grey_i.read();
     const bool valid = beat_valid_i.read();
     const bool group_end = valid && (!grey || half_);
     const bool last = group_end && ((beat_group_ + 1) << kLaneBits) == columns_of_line_;
-    valid_[1] = valid_[0];
-    grey_[1] = grey_[0];
-    second_[1] = second_[0];
-    data_[1] = data_[0];
+    limits_[0] = limits_rd0_i.read();
+    limits_[1] = limits_rd1_i.read();
+    limits_[2] = limits_rd2_i.read();
+    limits_[3] = limits_rd3_i.read();
+    for (int i = 2; i > 0; --i) {
+      valid_[i] = valid_[i - 1];
+      grey_[i] = grey_[i - 1];
+      second_[i] = second_[i - 1];
+      data_[i] = data_[i - 1];
+    }
     valid_[0] = valid;
     grey_[0] = grey;
     second_[0] = half_;
