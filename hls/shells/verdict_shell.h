@@ -4,8 +4,8 @@
 // With the same inputs in every clock the outputs equal those of the RTL in every clock in which they count: one beat a
 // clock, no bubble. The tests compare both clock by clock. Limits, states and hits are the pure functions of
 // hls/verdict_arithmetic.h; verdict_parts.h says where parts begin. This file decides when columns are judged. Unlike
-// in the RTL a column is judged in one clock, and the defects of a group are found in one; the flag of the frame's end
-// waits, so that the verdict comes when the RTL's does.
+// in the RTL a comparison with a limit is one clock, and so are the runs of columns in a group; the flag of the frame's
+// end waits, so that the verdict comes when the RTL's does.
 //
 // The memories are outside, behind ports. Each has one port that writes and one that reads a clock later, like sp_ram.
 // Words of the registers and limits are written from outside, past this module: write_i says when.
