@@ -142,7 +142,11 @@ class Source:
             if body and re.search(r"\bwait\s*\(", self.code[body.end():closing(self.code, body.end() - 1)]):
                 self.find(body.start(), f"method {process.group(1)} waits")
 
-    # --- Functions, for recursion ---
+    # --- Functions ---
+
+    def start_of(self, body, name, at):
+        """Returns where the body of a function begins, from what functions() says of it."""
+        return self.code.index(body, self.code.index("{", at + len(name)))
 
     def functions(self):
         """(class or "", name, place, code of the body, the types of its class's members and of its parameters)"""
@@ -189,8 +193,7 @@ def calls(sources):
     for source, owner, name, at, body, _ in functions:
         if owner and not source.shell:
             continue
-        start = source.code.index("{", at + len(name))
-        start = source.code.index(body, start)
+        start = source.start_of(body, name, at)
         for text, place in arguments(body, names):
             if inner := any_call.search(text):
                 source.find(start + place + inner.start(), "call in an argument: " + " ".join(inner.group().split()))
@@ -205,7 +208,7 @@ def kept(sources):
     copy = re.compile(r"\bconst\s+\w+(?:<[^;(){}]*>)?\s+(\w+)\s*=\s*(\w+);")
     for source in sources:
         for _, name, at, body, _ in source.functions():
-            start = source.code.index(body, source.code.index("{", at + len(name)))
+            start = source.start_of(body, name, at)
             for local in copy.finditer(body):
                 if re.search(rf"\b{local.group(2)}\s*=\s*(\d\w*|true|false)\s*;", body[local.end():]):
                     source.find(start + local.start(), f"constant that keeps a register: {local.group(1)}")

@@ -84,15 +84,13 @@ def write_ecp5(top, read, path):
     path.write_text(cells_of(netlist, "ecp5") + netlist)
 
 
-def write_mutants(top, read, path, mutants, added):
+def write_mutants(top, read, path, mutants, cells="t:*"):
     listing = path.with_suffix(".mutants")
     flat = path.with_suffix(".il").name
-    cells = "t:*" if top == COUNTER else f"{top}/{added or 't:*'} a:src=*{COUNTER}.sv* %d"
+    cells = "t:*" if top == COUNTER else f"{top}/{cells} a:src=*{COUNTER}.sv* %d"
     # modules of the board that contain blocks are flattened, and the blocks are their cells
-    glue = [BOARD, "*_path", "*sp_verdict_unit*", "*sp_verdict_registers*", "*sp_verdict_gate*"]
-    blocks = "setattr -mod -set keep_hierarchy 1 *sp_* " + "".join(f"{one} %d " for one in glue) + "; "
-    if top != BOARD:
-        blocks = ""
+    glue = f"{BOARD} %d *_path %d *sp_verdict_unit* %d *sp_verdict_registers* %d *sp_verdict_gate* %d"
+    blocks = f"setattr -mod -set keep_hierarchy 1 *sp_* {glue}; " if top == BOARD else ""
     lines, listed, asked = [], [], 0
     while not lines or len(lines) < mutants and len(listed) == asked:
         asked = mutants + len(listed) - len(lines)
@@ -152,8 +150,8 @@ def main():
     elif args.kind == "ecp5":
         write_ecp5(args.top, read, path)
     else:
-        added = [name for name, is_on in ADDED.items() if is_on in args.parameters]
-        write_mutants(args.top, read, path, args.mutants, added[0] if added and args.top == BOARD else "")
+        added = [cells for cells, parameter in ADDED.items() if args.top == BOARD and parameter in args.parameters]
+        write_mutants(args.top, read, path, args.mutants, *added[:1])
     verilate(args.verilator, args.top, args.prefix, path)
     return 0
 
