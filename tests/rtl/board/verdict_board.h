@@ -83,11 +83,21 @@ class VerdictBoard {
   model::RegisterFile registers_{kBuild<Model>};
 };
 
+// Half of the limits lie where centroids of few lit rows do, M1 / M0, or 1/128 beside them.
 inline model::ColumnLimits random_limits(Random& random, int rows) {
   const int middle = model::kRowParts * random.between(1, rows);
   const int band = random.between(0, 3 * model::kRowParts);
-  return {.low = static_cast<std::uint32_t>(std::max(0, middle - band)),
-          .high = static_cast<std::uint32_t>(std::min(model::kRowParts * 40, middle + band)),
+  int low = middle - band, high = middle + band;
+  if (random.chance(50)) {
+    const int m0 = random.between(1, 9);
+    const auto centroid = [&](int limit) {
+      return limit * m0 / model::kRowParts * model::kRowParts / m0 + random.between(-1, 1);
+    };
+    low = centroid(low);
+    high = std::max(low, centroid(high));
+  }
+  return {.low = static_cast<std::uint32_t>(std::max(0, low)),
+          .high = static_cast<std::uint32_t>(std::clamp(high, 0, model::kRowParts * 40)),
           .judged = random.chance(90)};
 }
 
@@ -152,15 +162,14 @@ inline void play_verdicts(std::uint64_t seed, int fault_percent, int changes, Ve
     }
   }
   board.turn_encoder(random.between(4, 200));
-  int rows = 0;  // in force
+  int rows = 0;  // in force: of the last frame
   for (int change = 0; change < changes && !::testing::Test::HasFailure(); ++change) {
     board.device().drain(kApart);
     model::BoardSettings settings =
         random_settings(random, columns, board.device().read(spec::kRegEncoder), fault_percent == 0 ? 8 : 17);
     // What `hold` keeps is the size of frames too, but not what belongs to verdicts.
-    settings.hold = settings.hold && change > 0;
+    settings.hold = settings.hold && rows > 0;
     settings.rows = settings.hold ? rows : settings.rows;
-    rows = settings.rows;
     // Anything to any register, but for those of the pin, whose pulses the model does not know. The settings follow.
     for (int i = board.model().frame_open() ? 0 : random.between(0, 12); i > 0; --i) {
       const auto word = static_cast<std::uint32_t>(random.bits()) >> random.between(0, 31);
@@ -188,7 +197,8 @@ inline void play_verdicts(std::uint64_t seed, int fault_percent, int changes, Ve
     const bool stalls = random.chance(20);  // until packets are lost
     board.device().set_bus_stall_percent(stalls ? 99 : random.chance(60) ? 0 : random.between(0, 90));
     const int dark = random.chance(50) ? 0 : 40;
-    for (int i = stalls ? 60 : random.between(1, 12); i > 0; --i) {
+    for (int i = stalls ? 60 : random.between(-2, 12); i > 0; --i) {
+      rows = settings.rows;
       const TestImage image = random.chance(dark) ? constant_image(settings.rows, settings.columns, 0)
                                                   : random_image(random, settings.rows, settings.columns);
       board.send(random, image, fault_percent);

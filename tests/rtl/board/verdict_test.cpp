@@ -39,6 +39,55 @@ TEST(VerdictBoard, RandomFaultsEqualTheModel) {
   }
 }
 
+// One column after the other has a limit at its centroid, rounded up or down, and all others may lie anywhere.
+TEST(VerdictBoard, LimitsCountToTheLastBit) {
+  constexpr int kColumns = 64, kRows = 17;
+  const model::ColumnLimits wide = {.low = 0, .high = model::kRowParts * 40, .judged = true};
+  VerdictBoard<Vboard_verdict> bench;
+  Random random(1);
+  bench.write(spec::kRegEjectorDelay, 0);
+  bench.write(spec::kRegEjectorLength, 1);
+  for (int column = 0; column < kColumns; ++column) {
+    bench.write_limits(0, 0, column, wide);
+  }
+  bench.begin_section(0, 1, model::kCountMask);  // never
+  model::BoardSettings settings = {.columns = kColumns,
+                                   .rows = kRows,
+                                   .mode = model::Mode::binary,
+                                   .threshold = 100,
+                                   .verdict = true,
+                                   .verdict_packets = 1,
+                                   .verdict_settings = {.width = 1, .history = 1, .hits = 1},
+                                   .part_rule = {.by_encoder = true, .length = 1000, .pitch = 2000}};
+  std::uint64_t out = 0, good = 0, bad_parts = 0;
+  for (int i = 0; i < 4 * kColumns && !HasFailure(); ++i) {
+    const int column = i % kColumns;
+    const TestImage image = random_image(random, kRows, kColumns);
+    model::Moments moments;
+    moments.resize(kColumns);
+    model::column_moments(image.view(), settings.mode, settings.threshold, moments.view());
+    const auto at = static_cast<std::size_t>(column);
+    const std::uint32_t low = model::kRowParts * moments.m1[at] / std::max(1U, moments.m0[at]);
+    model::ColumnLimits limits = wide;
+    (i < 2 * kColumns ? limits.low : limits.high) = low + static_cast<std::uint32_t>(random.between(0, 1));
+    settings.verdict = false;
+    bench.write(settings);
+    bench.device().send(constant_image(kRows, kColumns, 0).view());
+    bench.board().play();
+    bench.write_limits(0, 0, (column + kColumns - 1) % kColumns, wide);
+    bench.write_limits(0, 0, column, limits);
+    settings.verdict = true;
+    bench.write(settings);
+    bench.device().send(image.view());
+    bench.board().play();
+    (bench.verdict().bad_parts() > bad_parts ? out : good) += 1;
+    bad_parts = bench.verdict().bad_parts();
+  }
+  bench.board().finish();
+  EXPECT_GT(out, 50U);
+  EXPECT_GT(good, 50U);
+}
+
 // From the last pixels of the frame that has the first defect to the pin.
 template <class Model>
 int clocks_to_the_pin(int columns, model::Mode mode) {
