@@ -5,9 +5,10 @@
 
 namespace selfproj::model {
 
-void column_moments(const ImageView& image, Mode mode, int threshold, const MomentsView& out, const RowWindow& window,
-                    int max_rows) {
-  check_column_moments(image, mode, threshold, out, max_rows);
+namespace {
+
+template <typename Pixel>
+void sum_up(const PixelView<Pixel>& image, Mode mode, int threshold, const MomentsView& out, const RowWindow& window) {
   for (int column = 0; column < image.columns; ++column) {
     std::uint32_t m0 = 0;
     std::uint32_t m1 = 0;
@@ -28,17 +29,43 @@ void column_moments(const ImageView& image, Mode mode, int threshold, const Mome
   }
 }
 
-void check_column_moments(const ImageView& image, Mode mode, int threshold, const MomentsView& out, int max_rows) {
-  const auto require = [](bool good, const char* what) {
-    if (!good) {
-      throw std::invalid_argument(std::string("column_moments: ") + what);
-    }
-  };
+void require(bool good, const char* what) {
+  if (!good) {
+    throw std::invalid_argument(std::string("column_moments: ") + what);
+  }
+}
+
+template <typename Pixel>
+void check(const PixelView<Pixel>& image, Mode mode, const MomentsView& out, int max_rows) {
   require(image.rows >= 1 && image.rows <= max_rows, "rows are not in 1..kMaxRows");
   require(image.columns >= 1, "columns are less than 1");
-  require(threshold >= 0 && threshold <= 255, "threshold is not in 0..255");
   require(mode == Mode::binary || mode == Mode::grey || mode == Mode::grey_over, "unknown mode");
   require(image.pixels != nullptr && out.m0 != nullptr && out.m1 != nullptr && out.n != nullptr, "null pointer");
+}
+
+}  // namespace
+
+void column_moments(const ImageView& image, Mode mode, int threshold, const MomentsView& out, const RowWindow& window,
+                    int max_rows) {
+  check_column_moments(image, mode, threshold, out, max_rows);
+  sum_up(image, mode, threshold, out, window);
+}
+
+void column_moments(const WideImageView& image, int bits, Mode mode, int threshold, const MomentsView& out,
+                    const RowWindow& window) {
+  check_column_moments(image, bits, mode, threshold, out);
+  sum_up(image, mode, threshold, out, window);
+}
+
+void check_column_moments(const ImageView& image, Mode mode, int threshold, const MomentsView& out, int max_rows) {
+  check(image, mode, out, max_rows);
+  require(threshold >= 0 && threshold <= 255, "threshold is not in 0..255");
+}
+
+void check_column_moments(const WideImageView& image, int bits, Mode mode, int threshold, const MomentsView& out) {
+  check(image, mode, out, spec::kMaxRows);
+  require(bits >= 8 && bits <= kMaxPixelBits, "bits are not in 8..12");
+  require(threshold >= 0 && threshold < 1 << bits, "threshold is not in 0..2^bits - 1");
 }
 
 void Moments::resize(int columns) {

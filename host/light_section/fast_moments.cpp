@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -9,7 +10,6 @@
 
 #include "model/cpu_clones.h"
 #include "selfproj/model/generated/selfproj_spec.h"
-#include "selfproj/model/little_endian.h"
 
 namespace selfproj::light_section {
 
@@ -27,20 +27,40 @@ namespace {
 //
 // P is at most w_max · L (L + 1) / 2. With L <= 22 this is 253 for w = 1 and 64,515 for w = 255. So lanes as wide as a
 // pixel are enough in mode binary, and lanes twice as wide in the grey modes. The sums are widened once for each block.
-// (With pixels of 16 bits the same holds for L <= 361.)
-using Pixel = std::uint8_t;
-using Wide = std::uint16_t;  // twice as wide
-constexpr int kBlockRows = 22;
-static_assert(kBlockRows * (kBlockRows + 1) / 2 <= std::numeric_limits<Pixel>::max());
-static_assert(std::numeric_limits<Pixel>::max() * kBlockRows * (kBlockRows + 1) / 2 <=
-              std::numeric_limits<Wide>::max());
-static_assert(sizeof(Wide) == 2 * sizeof(Pixel));
+// Pixels of up to 12 bits lie in words of 16, for which the same holds for L <= 361; there are fewer rows in a block,
+// so that its share of M1 in mode binary fits in 16 bits.
+template <typename Pixel>
+struct Lanes;
+template <>
+struct Lanes<std::uint8_t> {
+  using Wide = std::uint16_t;  // twice as wide
+  static constexpr int kBlockRows = 22;
+  static constexpr int kBrightest = 255;
+};
+template <>
+struct Lanes<std::uint16_t> {
+  using Wide = std::uint32_t;
+  static constexpr int kBlockRows = 64;
+  static constexpr int kBrightest = (1 << model::kMaxPixelBits) - 1;
+};
+template <typename Pixel>
+using Wide = typename Lanes<Pixel>::Wide;
+
+template <typename Pixel>
+constexpr bool lanes_hold() {
+  using L = Lanes<Pixel>;
+  constexpr int kPairs = L::kBlockRows * (L::kBlockRows + 1) / 2;
+  return kPairs <= std::numeric_limits<Pixel>::max() && sizeof(Wide<Pixel>) == 2 * sizeof(Pixel) &&
+         std::int64_t{L::kBrightest} * kPairs <= std::numeric_limits<Wide<Pixel>>::max() &&
+         L::kBlockRows * spec::kMaxRows <= std::numeric_limits<std::uint16_t>::max();
+}
+static_assert(lanes_hold<std::uint8_t>() && lanes_hold<std::uint16_t>());
 
 // How memory is read. A strip is as wide as a cache line. So the sums of a block stay in registers: 2 of the 32
 // registers of AVX-512 in mode binary and 5 in the grey modes, 10 of the 16 of AVX2. The block of one strip is followed
-// by the same rows of the next strip. A band of kBandStrips strips is as wide as the usual image, whose rows follow one
-// another in memory; wider images are read band after band. Each pixel is read once, but for up to 63
-// columns of the last strip where the width is no multiple of 64.
+// by the same rows of the next strip. A band of kBandStrips strips is as wide as the usual image, whose rows follow
+// one another in memory; wider images are read band after band. Each pixel is read once, but for up to 63 columns of
+// the last strip where the width is no multiple of 64.
 //
 // Memory answers late, and these loops do not load far enough ahead by themselves: so they reach 25 % of the speed at
 // which one core can read it in one stream. Therefore each cache line is asked for, into the second-level cache, kAhead
@@ -54,17 +74,31 @@ constexpr int kNarrowColumns = 16;  // of a strip in an image narrower than that
 constexpr int kBandStrips = 8;
 constexpr std::array kAhead = {48, 32, 16};
 
+template <typename Pixel>
 [[gnu::always_inline]] inline void prefetch_below(const Pixel* pixels, std::ptrdiff_t stride) {
   constexpr int kSecondLevel = 2;
   for (const int rows : kAhead) {
-    __builtin_prefetch(pixels + rows * stride, 0, kSecondLevel);
+    for (int line = 0; line < static_cast<int>(sizeof(Pixel)); ++line) {
+      __builtin_prefetch(pixels + rows * stride + line * kStripColumns / static_cast<int>(sizeof(Pixel)), 0,
+                         kSecondLevel);
+    }
   }
 }
 
-inline Pixel narrow(int value) { return static_cast<Pixel>(value); }
-inline Wide widen(int value) { return static_cast<Wide>(value); }
+// Two neighbours as one word, the first one in its lower half.
+template <typename Pixel>
+[[gnu::always_inline]] inline Wide<Pixel> pair_at(const Pixel* pixels) {
+  if constexpr (std::endian::native == std::endian::little) {
+    Wide<Pixel> pair;
+    std::memcpy(&pair, pixels, sizeof pair);
+    return pair;
+  } else {
+    return static_cast<Wide<Pixel>>(pixels[0] | Wide<Pixel>{pixels[1]} << 8 * sizeof(Pixel));
+  }
+}
 
 // Some rows of a strip, and the number of rows above them.
+template <typename Pixel>
 struct Block {
   const Pixel* pixels;
   std::ptrdiff_t stride;
@@ -79,11 +113,10 @@ struct BinarySums {
   alignas(64) std::array<std::uint16_t, Columns> m0{};
   alignas(64) std::array<std::uint32_t, Columns> m1{};
 };
-static_assert(kBlockRows * spec::kMaxRows <= std::numeric_limits<std::uint16_t>::max());
 
 // Adds a block in mode binary. Three operations a vector of pixels.
-template <int Columns>
-[[gnu::always_inline]] inline void add_block(const Block& block, Pixel threshold, Pixel /*offset*/,
+template <typename Pixel, int Columns>
+[[gnu::always_inline]] inline void add_block(const Block<Pixel>& block, Pixel threshold, Pixel /*offset*/,
                                              BinarySums<Columns>& out) {
   alignas(64) std::array<Pixel, Columns> sum{};     // S
   alignas(64) std::array<Pixel, Columns> prefix{};  // P
@@ -92,8 +125,8 @@ template <int Columns>
   for (int row = 0; row < block.rows; ++row, pixels += block.stride) {
     prefetch_below(pixels, block.stride);
     for (int i = 0; i < Columns; ++i) {
-      sum[i] = narrow(sum[i] + (pixels[i] > threshold ? 1 : 0));
-      prefix[i] = narrow(prefix[i] + sum[i]);
+      sum[i] = static_cast<Pixel>(sum[i] + (pixels[i] > threshold ? 1 : 0));
+      prefix[i] = static_cast<Pixel>(prefix[i] + sum[i]);
     }
   }
   const auto factor = static_cast<std::uint16_t>(block.above + block.rows + 1);
@@ -126,38 +159,39 @@ struct GreySums {
 //
 // Two neighbouring weights are one word: the even column's plus 2^8 times the odd one's. The sum of such words, and the
 // sum of the odd columns alone, give that of the even columns modulo 2^16; so only one of the two must be widened, by a
-// shift. Eight operations a vector of pixels.
-template <int Columns>
-[[gnu::always_inline]] inline void add_block(const Block& block, Pixel threshold, Pixel offset,
+// shift. Eight operations a vector of pixels. (With pixels in 16 bits: 2^16 and 2^32.)
+template <typename Pixel, int Columns>
+[[gnu::always_inline]] inline void add_block(const Block<Pixel>& block, Pixel threshold, Pixel offset,
                                              GreySums<Columns>& out) {
+  using Word = Wide<Pixel>;
   constexpr int kPairs = Columns / 2;
   constexpr int kPixelBits = 8 * sizeof(Pixel);
   alignas(64) std::array<Pixel, Columns> weight;   // w
   alignas(64) std::array<Pixel, Columns> count{};  // lit pixels
-  alignas(64) std::array<Wide, kPairs> sum{};      // S of both
-  alignas(64) std::array<Wide, kPairs> sum_odd{};  // S of the odd columns
-  alignas(64) std::array<Wide, kPairs> prefix{};   // P likewise
-  alignas(64) std::array<Wide, kPairs> prefix_odd{};
+  alignas(64) std::array<Word, kPairs> sum{};      // S of both
+  alignas(64) std::array<Word, kPairs> sum_odd{};  // S of the odd columns
+  alignas(64) std::array<Word, kPairs> prefix{};   // P likewise
+  alignas(64) std::array<Word, kPairs> prefix_odd{};
   const Pixel* pixels = block.pixels;
   for (int row = 0; row < block.rows; ++row, pixels += block.stride) {
     prefetch_below(pixels, block.stride);
     for (int i = 0; i < Columns; ++i) {
       const Pixel pixel = pixels[i];
-      count[i] = narrow(count[i] + (pixel > threshold ? 1 : 0));
-      weight[i] = pixel > threshold ? narrow(pixel - offset) : narrow(0);
+      count[i] = static_cast<Pixel>(count[i] + (pixel > threshold ? 1 : 0));
+      weight[i] = static_cast<Pixel>(pixel > threshold ? pixel - offset : 0);
     }
     for (int i = 0; i < kPairs; ++i) {
-      const Wide pair = model::load_little_endian<Wide>(&weight[2 * i]);
-      sum[i] = widen(sum[i] + pair);
-      sum_odd[i] = widen(sum_odd[i] + (pair >> kPixelBits));
-      prefix[i] = widen(prefix[i] + sum[i]);
-      prefix_odd[i] = widen(prefix_odd[i] + sum_odd[i]);
+      const Word pair = pair_at(&weight[2 * i]);
+      sum[i] = static_cast<Word>(sum[i] + pair);
+      sum_odd[i] = static_cast<Word>(sum_odd[i] + (pair >> kPixelBits));
+      prefix[i] = static_cast<Word>(prefix[i] + sum[i]);
+      prefix_odd[i] = static_cast<Word>(prefix_odd[i] + sum_odd[i]);
     }
   }
   const auto factor = static_cast<std::uint32_t>(block.above + block.rows + 1);
   for (int i = 0; i < kPairs; ++i) {
-    const Wide sum_even = widen(sum[i] - (sum_odd[i] << kPixelBits));
-    const Wide prefix_even = widen(prefix[i] - (prefix_odd[i] << kPixelBits));
+    const auto sum_even = static_cast<Word>(sum[i] - (sum_odd[i] << kPixelBits));
+    const auto prefix_even = static_cast<Word>(prefix[i] - (prefix_odd[i] << kPixelBits));
     out.m0[i] += sum_even;
     out.m1[i] += factor * sum_even - prefix_even;
   }
@@ -190,10 +224,11 @@ model::MomentsView from_column(const model::MomentsView& view, int first) {
 
 // The moments of an image of at least Sums::kColumns columns. Where its width is no multiple of that, the last strip
 // overlaps the one before it, and both give the same results.
-template <typename Sums>
-[[gnu::always_inline]] inline void add_up(const model::ImageView& image, Pixel threshold, Pixel offset,
+template <typename Sums, typename Pixel>
+[[gnu::always_inline]] inline void add_up(const model::PixelView<Pixel>& image, Pixel threshold, Pixel offset,
                                           const model::MomentsView& out) {
   constexpr int kColumns = Sums::kColumns;
+  constexpr int kBlockRows = Lanes<Pixel>::kBlockRows;
   const int strips = (image.columns + kColumns - 1) / kColumns;
   const auto first_column = [&](int strip) { return std::min(strip * kColumns, image.columns - kColumns); };
   for (int band = 0; band < strips; band += kBandStrips) {
@@ -203,7 +238,7 @@ template <typename Sums>
       const int rows = std::min(kBlockRows, image.rows - above);
       for (int i = 0; i < count; ++i) {
         const Pixel* pixels = image.pixels + above * image.stride + first_column(band + i);
-        add_block({pixels, image.stride, above, rows}, threshold, offset, sums[i]);
+        add_block(Block<Pixel>{pixels, image.stride, above, rows}, threshold, offset, sums[i]);
       }
     }
     for (int i = 0; i < count; ++i) {
@@ -212,21 +247,34 @@ template <typename Sums>
   }
 }
 
-SELFPROJ_CLONES void add_up_binary(const model::ImageView& image, Pixel threshold, const model::MomentsView& out) {
+template <template <int> typename Sums, typename Pixel>
+[[gnu::always_inline]] inline void add_up_either(const model::PixelView<Pixel>& image, Pixel threshold, Pixel offset,
+                                                 const model::MomentsView& out) {
   if (image.columns >= kStripColumns) {
-    add_up<BinarySums<kStripColumns>>(image, threshold, 0, out);
+    add_up<Sums<kStripColumns>>(image, threshold, offset, out);
   } else {
-    add_up<BinarySums<kNarrowColumns>>(image, threshold, 0, out);
+    add_up<Sums<kNarrowColumns>>(image, threshold, offset, out);
   }
 }
 
-SELFPROJ_CLONES void add_up_grey(const model::ImageView& image, Pixel threshold, Pixel offset,
+SELFPROJ_CLONES void add_up_binary(const model::ImageView& image, std::uint8_t threshold,
+                                   const model::MomentsView& out) {
+  add_up_either<BinarySums>(image, threshold, std::uint8_t{0}, out);
+}
+
+SELFPROJ_CLONES void add_up_grey(const model::ImageView& image, std::uint8_t threshold, std::uint8_t offset,
                                  const model::MomentsView& out) {
-  if (image.columns >= kStripColumns) {
-    add_up<GreySums<kStripColumns>>(image, threshold, offset, out);
-  } else {
-    add_up<GreySums<kNarrowColumns>>(image, threshold, offset, out);
-  }
+  add_up_either<GreySums>(image, threshold, offset, out);
+}
+
+SELFPROJ_CLONES void add_up_wide_binary(const model::WideImageView& image, std::uint16_t threshold,
+                                        const model::MomentsView& out) {
+  add_up_either<BinarySums>(image, threshold, std::uint16_t{0}, out);
+}
+
+SELFPROJ_CLONES void add_up_wide_grey(const model::WideImageView& image, std::uint16_t threshold, std::uint16_t offset,
+                                      const model::MomentsView& out) {
+  add_up_either<GreySums>(image, threshold, offset, out);
 }
 
 }  // namespace
@@ -234,12 +282,26 @@ SELFPROJ_CLONES void add_up_grey(const model::ImageView& image, Pixel threshold,
 void fast_column_moments(const model::ImageView& image, model::Mode mode, int threshold,
                          const model::MomentsView& out) {
   model::check_column_moments(image, mode, threshold, out);
+  const auto level = static_cast<std::uint8_t>(threshold);
   if (image.columns < kNarrowColumns) {
     model::column_moments(image, mode, threshold, out);
   } else if (mode == model::Mode::binary) {
-    add_up_binary(image, narrow(threshold), out);
+    add_up_binary(image, level, out);
   } else {
-    add_up_grey(image, narrow(threshold), narrow(mode == model::Mode::grey_over ? threshold : 0), out);
+    add_up_grey(image, level, mode == model::Mode::grey_over ? level : std::uint8_t{0}, out);
+  }
+}
+
+void fast_column_moments(const model::WideImageView& image, int bits, model::Mode mode, int threshold,
+                         const model::MomentsView& out) {
+  model::check_column_moments(image, bits, mode, threshold, out);
+  const auto level = static_cast<std::uint16_t>(threshold);
+  if (image.columns < kNarrowColumns) {
+    model::column_moments(image, bits, mode, threshold, out);
+  } else if (mode == model::Mode::binary) {
+    add_up_wide_binary(image, level, out);
+  } else {
+    add_up_wide_grey(image, level, mode == model::Mode::grey_over ? level : std::uint16_t{0}, out);
   }
 }
 

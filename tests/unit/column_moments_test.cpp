@@ -214,6 +214,23 @@ TEST(ColumnMoments, PartsOfRandomImages) {
   }
 }
 
+// Worked out by hand: rows 1 to 3 of 12 bits, threshold 1000.
+TEST(ColumnMoments, PixelsOfTwelveBits) {
+  const std::vector<std::uint16_t> pixels = {1000, 4095,   //
+                                             1001, 4095,   //
+                                             3000, 1000};  //
+  const auto moments_of = [&](model::Mode mode, const model::RowWindow& window = {}) {
+    model::Moments moments;
+    moments.resize(2);
+    model::column_moments(model::WideImageView{pixels.data(), 3, 2, 2}, 12, mode, 1000, moments.view(), window);
+    return moments;
+  };
+  EXPECT_EQ(moments_of(model::Mode::binary), (model::Moments{{2, 2}, {5, 3}, {2, 2}}));
+  EXPECT_EQ(moments_of(model::Mode::grey), (model::Moments{{4001, 8190}, {11002, 12285}, {2, 2}}));
+  EXPECT_EQ(moments_of(model::Mode::grey_over), (model::Moments{{2001, 6190}, {6002, 9285}, {2, 2}}));
+  EXPECT_EQ(moments_of(model::Mode::grey, {2, 2}), (model::Moments{{1001, 4095}, {2002, 8190}, {1, 1}}));
+}
+
 TEST(ColumnMoments, RefusesWhatIsOutOfRange) {
   expect_refusals_of_moments([](const model::ImageView& image, model::Mode mode, int threshold,
                                 const model::MomentsView& out) { model::column_moments(image, mode, threshold, out); });

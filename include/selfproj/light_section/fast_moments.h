@@ -13,6 +13,10 @@ namespace selfproj::light_section {
 // it at once.
 void fast_column_moments(const model::ImageView& image, model::Mode mode, int threshold, const model::MomentsView& out);
 
+// The same for pixels of `bits` bits, 8 to model::kMaxPixelBits, one in each word of 16.
+void fast_column_moments(const model::WideImageView& image, int bits, model::Mode mode, int threshold,
+                         const model::MomentsView& out);
+
 // Writes the same as column_runs for the same arguments, and throws whenever that throws. Allocates nothing and keeps
 // no state, so any number of threads may call it at once.
 //

@@ -48,12 +48,16 @@ struct RowWindow {
 };
 
 // An image that someone else owns: pixel (row r, column c), both from 0, is pixels[r * stride + c].
-struct ImageView {
-  const std::uint8_t* pixels = nullptr;  // the upper left pixel; needs no alignment
+template <typename Pixel>
+struct PixelView {
+  const Pixel* pixels = nullptr;  // the upper left pixel; needs no alignment
   int rows = 0;
   int columns = 0;
   std::ptrdiff_t stride = 0;  // distance in pixels from one row to the next; negative for an image that is upside down
 };
+using ImageView = PixelView<std::uint8_t>;
+using WideImageView = PixelView<std::uint16_t>;  // pixels of more than 8 bits, one in each word, from bit 0 on
+inline constexpr int kMaxPixelBits = 12;
 
 // Moments that someone else owns: three arrays with one entry for each column.
 struct MomentsView {
@@ -89,6 +93,12 @@ void column_moments(const ImageView& image, Mode mode, int threshold, const Mome
 
 // The most rows of which M1 always fits in 32 bits: 255 R (R + 1) / 2 < 2^32.
 inline constexpr int kMaxSoftwareRows = 5803;
+
+// The same for pixels of `bits` bits, 8 to kMaxPixelBits, and a threshold of 0..2^bits - 1. M1 fits in 32 bits, because
+// 4095 · 1023 · 1024 / 2 < 2^31. Pixels of 2^bits and more are not looked for; they give wrong sums.
+void column_moments(const WideImageView& image, int bits, Mode mode, int threshold, const MomentsView& out,
+                    const RowWindow& window = {});
+void check_column_moments(const WideImageView& image, int bits, Mode mode, int threshold, const MomentsView& out);
 
 // Throws std::invalid_argument under the conditions of column_moments.
 void check_column_moments(const ImageView& image, Mode mode, int threshold, const MomentsView& out,

@@ -13,6 +13,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <stdexcept>
 #include <utility>
 #include <vector>
 
@@ -232,7 +233,115 @@ TEST_F(FastMoments, RandomImages) {
   }
 }
 
-TEST_F(FastMoments, RefusesWhatIsOutOfRange) { expect_refusals_of_moments(light_section::fast_column_moments); }
+TEST_F(FastMoments, RefusesWhatIsOutOfRange) {
+  expect_refusals_of_moments(
+      [](const model::ImageView& image, model::Mode mode, int threshold, const model::MomentsView& out) {
+        light_section::fast_column_moments(image, mode, threshold, out);
+      });
+}
+
+// Pixels of 8 to 12 bits, one in each word of 16.
+class FastWideMoments : public FastMoments {
+ protected:
+  static void expect_right(const model::WideImageView& image, int bits, model::Mode mode, int threshold) {
+    constexpr std::size_t kGuard = 64;
+    model::Moments right, found;
+    right.resize(image.columns);
+    model::column_moments(image, bits, mode, threshold, right.view());
+    for (auto* values : {&found.m0, &found.m1, &found.n}) {
+      values->assign(right.m0.size() + kGuard, kUntouched);
+    }
+    light_section::fast_column_moments(image, bits, mode, threshold, found.view());
+    for (auto* values : {&found.m0, &found.m1, &found.n}) {
+      EXPECT_TRUE(std::all_of(values->end() - kGuard, values->end(), [](std::uint32_t v) { return v == kUntouched; }));
+    }
+    found.resize(image.columns);
+    ASSERT_TRUE(found == right) << "rows " << image.rows << ", columns " << image.columns << ", stride " << image.stride
+                                << ", bits " << bits << ", mode " << static_cast<int>(mode) << ", threshold "
+                                << threshold;
+  }
+
+  static std::vector<std::uint16_t> random_pixels(Random& random, std::size_t count, int bits) {
+    std::vector<std::uint16_t> pixels(count);
+    for (std::uint16_t& pixel : pixels) {
+      pixel = static_cast<std::uint16_t>(random.between(0, (1 << bits) - 1));
+    }
+    return pixels;
+  }
+};
+
+TEST_F(FastWideMoments, EverySizeThatEndsWhereItsMemoryEnds) {
+  Random random(1);
+  for (const int rows : {1, 2, 63, 64, 65, 96, 127, 128, 129, 200}) {
+    for (const int columns : kColumnEdges) {
+      for (const int bits : {8, 10, 12}) {
+        const std::vector<std::uint16_t> pixels = random_pixels(random, area(rows, columns), bits);
+        for (const model::Mode mode : kModes) {
+          expect_right({pixels.data(), rows, columns, columns}, bits, mode, random.between(0, (1 << bits) - 1));
+          if (HasFatalFailure()) {
+            return;
+          }
+        }
+      }
+    }
+  }
+}
+
+// The largest sums of all, and the largest beside the least: the grey modes add two columns as one word.
+TEST_F(FastWideMoments, LargestSums) {
+  constexpr int kColumns = 131;
+  for (const int step : {1, 2}) {
+    std::vector<std::uint16_t> pixels(area(spec::kMaxRows, kColumns), 0);
+    for (std::size_t i = 0; i < pixels.size(); i += static_cast<std::size_t>(step)) {
+      pixels[i] = 4095;
+    }
+    for (const model::Mode mode : kModes) {
+      for (const int threshold : {0, 1, 4094, 4095}) {
+        expect_right({pixels.data(), spec::kMaxRows, kColumns, kColumns}, 12, mode, threshold);
+      }
+    }
+  }
+}
+
+TEST_F(FastWideMoments, RandomImages) {
+  for (const std::uint64_t seed : seeds(100)) {
+    SCOPED_TRACE(how_to_repeat(seed));
+    Random random(seed);
+    const int bits = random.between(8, model::kMaxPixelBits);
+    const int rows = random.between(1, random.chance(10) ? spec::kMaxRows : 120);
+    const int columns = random.between(1, random.chance(10) ? spec::kMaxColumns : 600);
+    const int stride = columns + random.between(0, 40);
+    const std::vector<std::uint16_t> pixels = random_pixels(random, area(rows, stride), bits);
+    const std::uint16_t* const last = pixels.data() + static_cast<std::ptrdiff_t>(rows - 1) * stride;
+    for (const model::Mode mode : kModes) {
+      const int threshold = random.between(0, (1 << bits) - 1);
+      expect_right({pixels.data(), rows, columns, stride}, bits, mode, threshold);
+      expect_right({last, rows, columns, -stride}, bits, mode, threshold);
+      if (HasFatalFailure()) {
+        return;
+      }
+    }
+  }
+}
+
+TEST_F(FastWideMoments, RefusesWhatIsOutOfRange) {
+  const std::vector<std::uint16_t> words(64, 1);
+  for (const int bits : {8, 12}) {
+    expect_refusals_of_moments(
+        [&](const model::ImageView& image, model::Mode mode, int threshold, const model::MomentsView& out) {
+          const std::uint16_t* const pixels = image.pixels != nullptr ? words.data() : nullptr;
+          const int level = threshold == 256 ? 1 << bits : threshold;
+          light_section::fast_column_moments({pixels, image.rows, image.columns, image.stride}, bits, mode, level, out);
+        });
+  }
+  model::Moments moments;
+  moments.resize(8);
+  for (const int bits : {7, 13}) {
+    EXPECT_THROW(
+        light_section::fast_column_moments({words.data(), 8, 8, 8}, bits, model::Mode::grey, 1, moments.view()),
+        std::invalid_argument);
+  }
+}
 
 class FastRuns : public FastMoments {};
 
