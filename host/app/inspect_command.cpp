@@ -87,7 +87,7 @@ std::vector<report::Fact> facts_of(const SectionCounts& work, const std::optiona
       {"broken_frames", "frames flagged by the board", number(work.broken)},
       {"other_size", "frames of another size", number(work.other_size)},
       {"other_select", "frames of another select", number(work.other_select)},
-      {"other_packets", "packets of images and codes", number(work.not_moments)}};
+      {"other_packets", "packets of images, codes and verdicts alone", number(work.not_moments)}};
   if (counters) {
     const std::vector<report::Fact> driver = report::counter_facts(*counters);
     facts.insert(facts.end(), driver.begin(), driver.end());
@@ -238,6 +238,9 @@ class Run {
       mover->finish();
     }
     finish(receiver.counters());
+    if (counts().profiles == 0) {
+      say_doubts();
+    }
     receiver.check(counts().other_size + counts().other_select);
     say_doubts();
   }
@@ -302,8 +305,17 @@ class Run {
         }
         return static_cast<std::uint32_t>(number);
       };
+      if (options_.ejector_mm.size() != 2) {
+        throw UserError("--ejector-mm", fmt::format("has {} values; two are expected, where the pulse begins and how "
+                                                    "long it is",
+                                                    options_.ejector_mm.size()));
+      }
       setup.ejector_delay = counts(options_.ejector_mm[0], (1U << spec::kRegEjectorDelayCountsBits) - 1);
       setup.ejector_length = counts(options_.ejector_mm[1], (1U << spec::kRegEjectorLengthCountsBits) - 1);
+      if (setup.ejector_length == 0) {
+        throw UserError("--ejector-mm", fmt::format("a pulse of {} mm is shorter than a count of the encoder, {} mm",
+                                                    options_.ejector_mm[1], rig_.conveyor.encoder_mm_per_count));
+      }
     }
     return setup;
   }
@@ -556,7 +568,8 @@ selfproj inspect --device file:/dev/xdma0_c2h_0 --reference good-part --check --
           "--ejector-mm", options->ejector_mm,
           "Where the board's pulse for an ejector begins behind the first bad frame of a part, and how long it "
           "is, along the belt.")
-      ->expected(2)
+      ->transform(cli::real_number(0, 1e6))
+      ->expected(1, 9)  // two; more and fewer are told apart from other mistakes below
       ->delimiter(',')
       ->type_name("MM,MM")
       ->needs(on_board);

@@ -108,6 +108,9 @@ void add_section_options(CLI::App& command, SectionOptions& options) {
 }
 
 std::string doubt_about(const SectionCounts& counts, const rig::Rig& rig) {
+  if (counts.profiles == 0 && counts.not_moments > 0) {
+    return fmt::format("none of {} packets has moments: they are images, codes or verdicts alone", counts.not_moments);
+  }
   rig::RigMeasure measure = rig.measure;
   measure.threshold = counts.threshold;
   return light_section::doubt_about_columns(counts.columns, measure);

@@ -54,7 +54,7 @@ struct SectionCounts {
   std::uint64_t broken = 0;                 // frames flagged by the board
   std::uint64_t other_size = 0;             // frames of another size than the rig's camera
   std::uint64_t other_select = 0;           // frames measured otherwise than --select or the reference says
-  std::uint64_t not_moments = 0;            // packets of images and codes
+  std::uint64_t not_moments = 0;            // packets of images, codes and verdicts alone
   light_section::ValidityCounts columns{};  // of all profiles
   int threshold = 0;                        // of the newest frame
   std::int64_t first_done_ns = 0;           // when the first profile was there

@@ -142,6 +142,9 @@ void run_table(TableOptions options) {
                                                : "; where columns meet the part one after another, as on a belt "
                                                  "that runs askew, a short --section helps"));
   }
+  for (const std::string& what : production::never(table)) {
+    cli::note_doubt(options.out, what);
+  }
   if (!facts.finds_defect) {
     cli::note_doubt("--defect " + options.defect, "is smaller than what is found for certain");
   }
@@ -273,7 +276,11 @@ struct ShowOptions {
 void run_show(const ShowOptions& options) {
   production::VerdictTable table = production::load_verdict_table(options.table);
   table.settings = production::shifted_settings(table, options.across_mm, options.higher_mm, options.table);
+  production::parse_verdict_table(production::to_yaml(table), options.table);  // still holds when it is shifted
   print_table(table);
+  for (const std::string& what : production::never(table)) {
+    cli::note_doubt(options.table, what);
+  }
 }
 
 void add_show_command(CLI::App& verdict) {

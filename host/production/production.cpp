@@ -386,15 +386,19 @@ void Production::describe(report::ReportParts& report) const {
 
 std::string Production::doubt_about_moments() const {
   const std::uint64_t parts = counts_.parts();
-  if (!verdict_ || parts == 0) {
+  if (!verdict_) {
     return "";
   }
   const char* const ask =
       "; are --start, --pitch and --shift of the table, or the light that begins a part, those of "
       "these parts?";
+  // Of many parts, one in so many may differ. Those that the end of the frames cuts off may come by one way only.
+  constexpr std::uint64_t kOneOfMany = 20;
   const std::uint64_t apart = std::max(moments_.parts, parts) - std::min(moments_.parts, parts);
-  if (moments_.parts == 0 || apart > 1 + parts / 10) {
-    return fmt::format("by moments {} parts came, by heights {}{}", moments_.parts, parts, ask);
+  if ((parts > 0 && moments_.parts == 0) || apart > cut_off_ + std::max(parts, moments_.parts) / kOneOfMany) {
+    const std::uint64_t defects = moments_.parts_with_defect;
+    return fmt::format("by moments {} parts came{}, by heights {}{}", moments_.parts,
+                       defects > 0 ? fmt::format(" ({} with a defect)", defects) : std::string(), parts, ask);
   }
   if (moments_.parts_with_defect > counts_.by_moments + 1) {
     return fmt::format("by moments {} parts have a defect, but only {} where heights find a part{}",
@@ -402,12 +406,17 @@ std::string Production::doubt_about_moments() const {
   }
   constexpr std::uint64_t kOneOf = 100;  // parts may be taken for bad by noise
   if (kOneOf * moments_.more > parts) {
-    return fmt::format("by moments {} of the good parts {} a defect{}", moments_.more,
-                       moments_.more == 1 ? "has" : "have", ask);
+    return fmt::format(
+        "by moments {} of the good parts {} a defect; noise may make them (`selfproj verdict table` says how many; a "
+        "larger --defect or --margin helps){}",
+        moments_.more, moments_.more == 1 ? "has" : "have", ask);
   }
   const std::uint64_t bad = counts_.verdicts[static_cast<std::size_t>(Verdict::bad)];
-  if (bad > 1 && moments_.less == bad) {
-    return fmt::format("by moments none of the {} bad parts has a defect{}", bad, ask);
+  if (kOneOfMany * moments_.less > bad) {
+    return fmt::format(
+        "by moments {} of the {} bad parts {} no defect; columns beside edges and walls are not judged (`selfproj "
+        "verdict table` says how much is){}",
+        moments_.less, bad, moments_.less == 1 ? "has" : "have", ask);
   }
   return "";
 }

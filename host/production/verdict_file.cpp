@@ -54,6 +54,9 @@ void visit_made_with(TableT& table, Visitor& v) {
   if (v.has_any({"shift_mm"}, table.shift_mm)) {  // not in files of earlier versions
     v.number("shift_mm", *table.shift_mm, 1, rig::kAny);
   }
+  if (v.has_any({"encoder_mm_per_count"}, table.encoder_mm_per_count)) {  // likewise
+    v.number("encoder_mm_per_count", *table.encoder_mm_per_count, 1, rig::kPositive);
+  }
   v.end();
 }
 
@@ -175,6 +178,11 @@ void read_stretch(const YAML::Node& node, const std::string& source, VerdictTabl
                                           "no greater than the second",
                                           at + i + 1, low[i], high[i]));
     }
+    if (high[i] - low[i] > model::kMaxBand) {
+      throw UserError(source,
+                      fmt::format("column {} has the limits {} and {}; a board takes them no more than {} apart",
+                                  at + i + 1, low[i], high[i], model::kMaxBand));
+    }
     section.limits[at + i] = {
         .low = static_cast<std::uint32_t>(low[i]), .high = static_cast<std::uint32_t>(high[i]), .judged = true};
   }
@@ -194,6 +202,25 @@ VerdictTable::Section read_section(const YAML::Node& node, const std::string& so
     read_stretch(stretch, fmt::format("{}: columns, entry {}", source, ++number), section, free_from);
   }
   return section;
+}
+
+// Limits with their shift must be rows of the frame.
+void check_rows(const VerdictTable& table, const std::string& source) {
+  const int lowest = model::kRowParts, highest = model::kRowParts * table.rows;
+  for (const VerdictTable::Section& section : table.sections) {
+    for (std::size_t i = 0; i < section.limits.size(); ++i) {
+      const model::ColumnLimits& limits = section.limits[i];
+      const int low = static_cast<int>(limits.low) + table.settings.shift_rows;
+      const int high = static_cast<int>(limits.high) + table.settings.shift_rows;
+      if (limits.judged && (low < lowest || high > highest)) {
+        throw UserError(source, fmt::format("column {} has limits at the rows {:.2f} and {:.2f}{}; the frames have "
+                                            "rows 1 to {}",
+                                            i + 1, static_cast<double>(low) / model::kRowParts,
+                                            static_cast<double>(high) / model::kRowParts,
+                                            table.settings.shift_rows != 0 ? ", shifted" : "", table.rows));
+      }
+    }
+  }
 }
 
 }  // namespace
@@ -228,6 +255,10 @@ VerdictTable parse_verdict_table(const std::string& yaml, const std::string& sou
   if (table.columns % 4 != 0) {
     throw UserError(source, fmt::format("frames.columns is {}; it must be a multiple of 4", table.columns));
   }
+  if (!table.rule.by_encoder && table.rule.lit > table.columns) {
+    throw UserError(source,
+                    fmt::format("parts.lit_columns is {}; the frames have {} columns", table.rule.lit, table.columns));
+  }
   if (table.settings.hits > table.settings.history) {
     throw UserError(source, fmt::format("defect.hits is {}, and history {}; it must not be greater",
                                         table.settings.hits, table.settings.history));
@@ -254,6 +285,7 @@ VerdictTable parse_verdict_table(const std::string& yaml, const std::string& sou
   if (table.sections.empty()) {
     throw UserError(source, "sections is empty");
   }
+  check_rows(table, source);
   return table;
 }
 
@@ -270,6 +302,12 @@ void check_verdict_table(const VerdictTable& table, const rig::Rig& rig, const s
                                 "{} x {} from row {}, column {} on",
                                 table.columns, table.rows, table.row_offset + 1, table.column_offset + 1, rig.name,
                                 sent.columns, sent.rows, sent.row_offset + 1, sent.column_offset + 1));
+  }
+  constexpr double kOther = 0.01;  // by more than calibrations differ
+  const double encoder = rig.conveyor.encoder_mm_per_count;
+  if (table.encoder_mm_per_count && std::abs(encoder / *table.encoder_mm_per_count - 1) > kOther) {
+    throw UserError(source, fmt::format("is for an encoder of {} mm a count; {} has {}", *table.encoder_mm_per_count,
+                                        rig.name, encoder));
   }
   if (rig.parts && !rig.parts->by_encoder) {
     throw UserError(source, fmt::format("its parts and sections are those of an encoder's counts, and the section "

@@ -106,6 +106,20 @@ double deviations_of_all(int count) {
   return deviations;
 }
 
+void check_bands(const VerdictTable& table, const std::string& source) {
+  for (const VerdictTable::Section& section : table.sections) {
+    for (const model::ColumnLimits& limits : section.limits) {
+      const std::uint32_t band = limits.judged ? limits.high - limits.low : 0;
+      if (band > model::kMaxBand) {
+        throw UserError(source, fmt::format("with a margin of {} mm makes bands of {:.0f} rows; a board takes no more "
+                                            "than {:.0f}",
+                                            table.margin_mm, static_cast<double>(band) / kParts,
+                                            static_cast<double>(model::kMaxBand) / kParts));
+      }
+    }
+  }
+}
+
 std::ptrdiff_t judged_in(const VerdictTable::Section& section) {
   return std::count_if(section.limits.begin(), section.limits.end(), [](const auto& limits) { return limits.judged; });
 }
@@ -138,6 +152,35 @@ model::VerdictSettings shifted_settings(const VerdictTable& table, double across
   settings.shift_columns = static_cast<int>(columns);
   settings.shift_rows = static_cast<int>(rows);
   return settings;
+}
+
+std::vector<std::string> never(const VerdictTable& table) {
+  std::vector<std::string> found;
+  const model::VerdictSettings& settings = table.settings;
+  constexpr int kNotJudged = 4095;
+  const int judged = table.judged();
+  int longest = 0;  // stretch of neighbouring columns that are judged
+  for (const VerdictTable::Section& section : table.sections) {
+    int stretch = 0;
+    for (const model::ColumnLimits& limits : section.limits) {
+      stretch = limits.judged ? stretch + 1 : 0;
+      longest = std::max(longest, stretch);
+    }
+  }
+  if (judged == 0) {
+    found.emplace_back("no column is judged");
+  } else if (settings.width > longest) {
+    found.push_back(
+        fmt::format("there is never a defect: it takes {} neighbouring columns, and no more than {} are judged",
+                    settings.width, longest));
+  } else if (!settings.above && !settings.below) {
+    found.emplace_back("there is never a defect: neither above nor below is asked for");
+  }
+  if (settings.most_unlit < kNotJudged && settings.most_unlit >= judged) {
+    found.push_back(fmt::format("a frame never lacks light: {} columns are judged, and {} of them may be unlit", judged,
+                                settings.most_unlit));
+  }
+  return found;
 }
 
 double usual_lit_rows(const rig::Rig& rig) { return 0.5 * (rig.measure.min_lit_px + rig.measure.max_lit_px / 2.0); }
@@ -476,7 +519,8 @@ VerdictTable VerdictTables::table(double shift_mm, double play_along_mm) const {
                      .lit_rows = lit_rows_,
                      .section_mm = options_.section_mm,
                      .frame_mm = options_.frame_mm,
-                     .shift_mm = shift_mm};
+                     .shift_mm = shift_mm,
+                     .encoder_mm_per_count = rig_.conveyor.encoder_mm_per_count};
   table.max_shift_columns = static_cast<int>(std::ceil(options_.max_shift_mm / std::abs(column_mm_) - 1e-9));
   if (table.max_shift_columns > model::kMaxShiftColumns) {
     throw UserError("--max-shift", fmt::format("is {} columns; at most {} can be set", table.max_shift_columns,
@@ -543,6 +587,7 @@ VerdictTable VerdictTables::table(double shift_mm, double play_along_mm) const {
     throw UserError(source_, fmt::format("there are {} sections along the part; a table has at most {}",
                                          table.sections.size(), kMaxVerdictSections));
   }
+  check_bands(table, source_);
   if (table.judged() == 0) {
     throw UserError(source_, fmt::format("no column of {} can be judged: regions are narrower or shorter than the "
                                          "plays of {} mm across and {:.3g} mm along leave, or the line does not stay "

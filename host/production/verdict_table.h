@@ -38,7 +38,8 @@ struct VerdictTable {
   std::optional<double> section_mm = {};
   std::optional<double> frame_mm = {};
   std::optional<double> shift_mm = {};  // for parts so far across from where the reference lay; nothing: not known
-  int max_shift_columns = 0;            // the limits hold for settings.shift_columns of up to this, both ways
+  std::optional<double> encoder_mm_per_count = {};
+  int max_shift_columns = 0;  // the limits hold for settings.shift_columns of up to this, both ways
   model::VerdictSettings settings = {};
   model::PartRule rule = {};
   std::vector<Section> sections = {};  // 1 to kMaxVerdictSections
@@ -92,6 +93,9 @@ struct VerdictFacts {
   double judged = 0;         // share of the regions' area that is judged, about
   bool finds_defect = true;  // found_across_mm and found_along_mm are within the defect that was asked for
 };
+
+// What of a table can never happen, as it stands: one line for each, for people.
+std::vector<std::string> never(const VerdictTable& table);
 
 // Computes tables for one rig, reference and tolerance.
 //

@@ -214,7 +214,8 @@ class Run {
     model::PacketView packet;
     while (device_.next(packet, std::chrono::nanoseconds(0)) == driver::Next::packet) {
       const std::span<const std::uint8_t> bytes = packet.bytes();
-      if (scoreboard_.compare(bytes) && model::has_columns(packet.header.kind)) {
+      const auto kind = packet.header.kind;
+      if (scoreboard_.compare(bytes) && (model::has_columns(kind) || kind == spec::kKindVerdict)) {
         ++result_.frames;
       }
       if (stream_ != nullptr) {

@@ -396,7 +396,8 @@ class LightSectionCosim final : public CosimMeasurement {
   }
 
   [[nodiscard]] std::string matched(const CosimResult& result) const override {
-    return fmt::format("{} columns in {} frames", result.columns, result.frames);
+    return options_.verdict_alone ? fmt::format("the verdicts of {} frames", result.frames)
+                                  : fmt::format("{} columns in {} frames", result.columns, result.frames);
   }
 
  private:

@@ -27,7 +27,7 @@ namespace selfproj::sim {
 struct CosimResult {
   std::uint64_t columns = 0;     // columns whose moments matched
   std::uint64_t codes = 0;       // pixels whose code matched
-  std::uint64_t frames = 0;      // frames whose packets of moments matched
+  std::uint64_t frames = 0;      // frames whose packets of moments, or of verdicts alone, matched
   std::uint64_t mismatches = 0;  // packets that did not match, and counters that disagree
   std::uint64_t lost = 0;        // expected packets that did not arrive
   std::string first_mismatch;

@@ -215,6 +215,20 @@ TEST_F(PartsCommand, JudgesMomentsByATable) {
     EXPECT_EQ(of_parts, defects);
     EXPECT_GT(defects, 30U);
   }
+
+  // A table that finds none of the bad parts, and one by which every second part never begins
+  const std::string text = read_text(*folder_ / "verdict.yaml");
+  for (const auto& [name, from, to, why] :
+       {std::array<std::string, 4>{"blind", "width: 2", "width: 60", "by moments 2 of the 2 bad parts have no defect"},
+        {"rare", "pitch_counts: 3000", "pitch_counts: 6000", "by moments 3 parts came"}}) {
+    std::string changed = text;
+    changed.replace(changed.find(from), from.size(), to);
+    write_text(*folder_ / (name + ".yaml"), changed);
+    const Outcome run =
+        inspect({"--tolerance", "tolerance.yaml", "--verdict", name + ".yaml", "--parts", name, "--check"});
+    EXPECT_EQ(run.status, 1);
+    EXPECT_NE(run.err.find(why), std::string::npos) << run.err;
+  }
 }
 
 TEST_F(PartsCommand, VerdictRefusesInOneLine) {

@@ -394,6 +394,20 @@ TEST(VerdictFile, IsReadBackAndChecked) {
   EXPECT_EQ(production::parse_verdict_table(production::to_yaml(table), "v.yaml"), table);
   EXPECT_NO_THROW(production::check_verdict_table(table, setup.rig, "v.yaml"));
   EXPECT_THROW(production::check_verdict_table(table, block_in_region().rig, "v.yaml"), UserError);
+  rig::Rig other = setup.rig;
+  other.conveyor.encoder_mm_per_count *= 1.005;
+  EXPECT_NO_THROW(production::check_verdict_table(table, other, "v.yaml")) << "calibrated anew";
+  other.conveyor.encoder_mm_per_count *= 5;
+  EXPECT_THROW(production::check_verdict_table(table, other, "v.yaml"), UserError);
+
+  EXPECT_EQ(production::never(table), std::vector<std::string>());
+  VerdictTable dead = table;
+  dead.settings.width = 250;
+  dead.settings.most_unlit = 4094;
+  EXPECT_EQ(production::never(dead).size(), 2U);
+  dead.settings.width = 1;
+  dead.settings.above = dead.settings.below = false;
+  EXPECT_EQ(production::never(dead).at(0), "there is never a defect: neither above nor below is asked for");
 
   const auto error = [&](const std::string& from, const std::string& to) {
     std::string changed = text;
@@ -412,8 +426,12 @@ TEST(VerdictFile, IsReadBackAndChecked) {
     return key + text.substr(at, text.find_first_of(",]\n", at) - at);
   };
   const std::string low = number_after("low: [");
+  const std::string high = number_after("high: [");
   const std::vector<std::array<std::string, 3>> wrong = {
       {"  columns: 512", "  columns: 511", "frames.columns is 511; it must be a multiple of 4"},
+      {high, "high: [99999", "; a board takes them no more than 16383 apart"},
+      {"  rows: 96", "  rows: 20", "; the frames have rows 1 to 20"},
+      {"  shift_rows: 0", "  shift_rows: 8191", ", shifted; the frames have rows 1 to 96"},
       {"  columns: 512", "  columns: 100", "entry 1: line"},
       {number_after("  hits: "), "  hits: 8", "defect.hits is 8, and history "},
       {number_after("  shift_columns: "), "  shift_columns: 3",
