@@ -599,6 +599,31 @@ TEST(BoardTest, EachFaultByItsName) {
   }
 }
 
+// A bit that cannot be set is found, and every register has its old value afterwards.
+TEST(BoardTest, RegistersHaveTheirOldValuesWhereABitIsStuck) {
+  for (const std::uint32_t stuck :
+       {spec::kRegTimeout, spec::kRegTriggerPeriod, spec::kRegTriggerCamera, spec::kRegTriggerWidth}) {
+    SCOPED_TRACE(stuck);
+    model::RegisterFile board;
+    const model::RegisterFile fresh;
+    std::uint64_t time = 0;
+    const auto access = [&](bool write, std::uint32_t address, std::uint32_t data) -> model::RegisterAnswer {
+      constexpr std::uint32_t kBit = 1U << 9U;
+      const std::uint32_t taken = address == stuck ? (data & ~kBit) | (fresh.value(stuck) & kBit) : data;
+      time += 20;
+      return write ? board.write(address, taken) : board.read(address, {.time = time});
+    };
+    driver::Control control(std::make_unique<sim::AccessPort>(access));
+    const auto results = driver::test_board(control);
+    EXPECT_TRUE(std::any_of(results.begin(), results.end(),
+                            [](const driver::BoardTestResult& result) { return !result.fault.empty(); }));
+    for (const std::uint32_t address :
+         {spec::kRegTimeout, spec::kRegTriggerPeriod, spec::kRegTriggerCamera, spec::kRegTriggerWidth}) {
+      EXPECT_EQ(board.value(address), fresh.value(address)) << address;
+    }
+  }
+}
+
 // Trigger pulses alone are enough to refuse the test.
 TEST(BoardTest, NotWhileItGivesTriggerPulses) {
   model::RegisterFile board;

@@ -755,6 +755,26 @@ TEST_F(Ring, ShortenedToNothingLosesWhatWasUnread) {
   EXPECT_EQ(info().lost, 3U);
 }
 
+// What guards the memory of a ring against a shortened file is free again where the ring is closed.
+TEST_F(Ring, ShortenedAfterManyOpenings) {
+  constexpr int kOpenings = 200;
+  {
+    driver::RingWriter writer(name_, kSlots);
+    for (int i = 0; i < kOpenings; ++i) {
+      open_ring();
+    }
+  }
+  driver::remove_ring(name_);
+  driver::RingWriter writer(name_, 16 * kSlots);  // larger, so it lies elsewhere
+  write(writer, 0, 1);
+  const auto device = open_ring();
+  const int file = shm_open(driver::ring::shared_name(name_).c_str(), O_RDWR | O_CLOEXEC, 0);
+  ASSERT_EQ(ftruncate(file, 0), 0);
+  close(file);
+  model::PacketView packet;
+  EXPECT_NE(device->next(packet, std::chrono::milliseconds(10)), driver::Next::packet);
+}
+
 TEST_F(Ring, InterruptedWhileItWasMade) {
   const int descriptor = shm_open(driver::ring::shared_name(name_).c_str(), O_RDWR | O_CREAT, 0600);
   ASSERT_EQ(ftruncate(descriptor, 5000), 0);

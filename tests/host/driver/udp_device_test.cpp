@@ -667,6 +667,29 @@ TEST_F(UdpDevice, IncompleteBeforeASilence) {
   EXPECT_EQ(device_->counters(), (driver::Counters{.delivered = 1, .lost_network = 1}));
 }
 
+// A packet behind an incomplete one comes after the silence, however long the reader would wait.
+TEST_F(UdpDevice, TheSilenceWakesAReaderThatSleeps) {
+  const BoardSocket socket("127.0.0.2", static_cast<std::uint16_t>(std::stoi(port_)));
+  const sockaddr_in host = driver::udp_address("", {.host = "127.0.0.1", .port = socket.port()});
+  model::DatagramCutter cutter(7);
+  for (std::uint64_t sequence = 0; sequence < 3; ++sequence) {
+    bool lost = sequence == 1;  // its first datagram
+    cutter.packet(moments_packet(sequence, 512), [&](std::span<const std::uint8_t> datagram) {
+      if (!lost) {
+        socket.send({host, Bytes(datagram.begin(), datagram.end())});
+      }
+      lost = false;
+    });
+  }
+  model::PacketView packet;
+  for (const std::uint64_t sequence : {0U, 2U}) {
+    ASSERT_EQ(device_->next(packet, std::chrono::hours(1)), driver::Next::packet);
+    EXPECT_EQ(packet.header.sequence, sequence);
+    device_->release();
+  }
+  EXPECT_EQ(device_->counters().lost_network, 1U);
+}
+
 // It would wait for ever.
 TEST_F(UdpDevice, APortThatAnotherProgramHas) {
   try {
