@@ -244,7 +244,23 @@ std::vector<std::string> run_remedies(const ExperimentOptions& options, std::opt
   return {};
 }
 
+void write_line(const PartLine& line, files::OutputFolder& folder) {
+  folder.append("rig.yaml", line.rig_yaml);
+  folder.append("tolerance.yaml", line.tolerance_yaml);
+  folder.append("part/reference.csv", line.reference_csv);
+  const auto write = [&folder](const char* name, const std::vector<images::Image>& frames) {
+    for (std::size_t i = 0; i < frames.size(); ++i) {
+      folder.append(fmt::format("{}/image_{:05}.png", name, i + 1), images::encode_png(frames[i]));
+    }
+  };
+  write("good", line.good);
+  write("bad", line.bad);
+}
+
 std::vector<std::string> run_parts(const ExperimentOptions& options, std::optional<files::OutputFolder>& folder) {
+  if (options.line_parts > 0 && !folder) {
+    throw UserError("--line-parts", "needs --out, the folder for the line's files");
+  }
   PartDetectionOptions experiment;
   experiment.render = options.render();
   experiment.parts = options.parts;
@@ -253,10 +269,14 @@ std::vector<std::string> run_parts(const ExperimentOptions& options, std::option
   experiment.perturbed_rig_seed = options.perturbed_rig_seed;
   experiment.null_test = options.null_test;
   experiment.verdict = options.verdict;
+  experiment.line_parts = options.line_parts;
   PartDetectionResult result;
   {
     ShownProgress progress("image or part");
     result = run_part_detection(experiment, std::ref(progress));
+  }
+  if (folder && options.line_parts > 0) {
+    write_line(result.line, *folder);
   }
   keep_study(options.verdict ? "verdict_detection" : "parts_detection",
              options.verdict ? "Planted defects on a running line: found by moments, of those that the host finds"

@@ -47,6 +47,7 @@ struct ExperimentOptions {
   std::uint64_t good_parts = 1000;
   std::uint64_t parts_seed = 2;
   bool verdict = false;
+  std::uint64_t line_parts = 0;
 
   // For B1:
   int paths = 10;               // GrayMotionOptions::paths

@@ -121,6 +121,8 @@ selfproj-lab experiment parts --out detection
   number("--good-parts", options->good_parts, 1, 100'000, "Parts without any.")->capture_default_str();
   command->add_flag("--verdict", options->verdict,
                     "Judge the moments, too, as a board does. The parts are shifted by up to 2 mm.");
+  number("--line-parts", options->line_parts, 0, 1000,
+         "Also write rig, reference and tolerance, and images of so many good and so many bad parts that lie alike.");
   number("--parts-seed", options->parts_seed, 1, 100'000,
          "Seed of these parts. The tolerance is learned from parts of the seed before.")
       ->capture_default_str();

@@ -27,6 +27,7 @@
 #include "lab/planted_parts.h"
 #include "selfproj/files/user_error.h"
 #include "selfproj/light_section/differential_profile.h"
+#include "selfproj/light_section/reference_file.h"
 #include "selfproj/rig/rig.h"
 #include "sim/cosim/light_section.h"
 #include "sim/scene/perturbed_rig.h"
@@ -231,6 +232,9 @@ class Detection {
     if (options_.verdict) {
       make_table();
     }
+    if (options_.line_parts > 0) {
+      make_line();
+    }
     // A share of each at a time, so that a run that is stopped has both.
     constexpr std::uint64_t kShares = 50;
     const files::StopSignal stop;
@@ -260,6 +264,28 @@ class Detection {
     table_ =
         production::VerdictTables(setup_->rig, setup_->references[0], tolerance_, verdict_options_, "the tolerance")
             .table();
+  }
+
+  void make_line() {
+    const light_section::ReferenceProfile& reference = setup_->references[0];
+    line_ = {rig::to_yaml(setup_->rig),
+             light_section::reference_csv(setup_->rig, reference),
+             production::to_yaml(tolerance_),
+             {},
+             {}};
+    constexpr std::uint64_t kNumber = 1'000'000;  // none of those that are judged here
+    const PlantedParts belt(*setup_, options_.render);
+    for (std::uint64_t i = 0; i < options_.line_parts; ++i) {
+      for (const bool bad : {false, true}) {
+        DrawnPart part = draw_part(drawn_, options_.seed, kNumber + i, bad, kMaxShift);
+        part.pose = draw_part(drawn_, options_.seed, kNumber, false, kMaxShift).pose;
+        part.defects.resize(bad ? 1 : 0);
+        std::vector<images::Image>& frames = bad ? line_.bad : line_.good;
+        for (images::Image& image : belt.images_of(part)) {
+          frames.push_back(std::move(image));
+        }
+      }
+    }
   }
 
   // For the parts that follow, which lie where the host finds them.
@@ -404,6 +430,7 @@ class Detection {
   std::optional<production::VerdictTable> table_;
   std::optional<production::VerdictRun> run_;
   MomentDetection moments_;
+  PartLine line_;
   std::size_t done_ = 0;
   std::size_t all_ = 0;
 };
@@ -551,6 +578,7 @@ PartDetectionResult Detection::result() const {
   result.false_parts += good.false_parts;
   result.inconclusive += good.inconclusive;
   result.moments = moments_;
+  result.line = line_;
   result.tables = {summary_table(result)};
   if (table_) {
     result.tables.push_back(moments_table());

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "host/images/image_files.h"
 #include "host/report/report.h"
 #include "sim/scene/renderer.h"
 
@@ -24,6 +25,9 @@ struct PartDetectionOptions {
       false;  // also by moments (VerdictRun); parts are shifted by up to 2 mm, and have the goal's defect alone
   bool null_test = false;  // the rig is known perfectly, and the good part's shape
   int threads = 0;         // 0: one for each core
+  // Of how many parts, as many good ones as ones with the goal's defect, the images are in `line` of the result; these
+  // parts all lie alike, and have their own noise.
+  std::uint64_t line_parts = 0;
 };
 
 // How many defects were planted and found.
@@ -50,6 +54,12 @@ struct MomentDetection {
   std::vector<std::string> missed;  // where those of the host lay that it did not find
 };
 
+// What a user of the product has: files that his commands take.
+struct PartLine {
+  std::string rig_yaml, reference_csv, tolerance_yaml;
+  std::vector<images::Image> good, bad;  // frames of the good parts, and of those with a defect, one after another
+};
+
 struct PartDetectionResult {
   DetectionCount goal;              // kGoalSize, kGoalDepth, on the surface that is judged
   DetectionCount goal_at_edges;     // those that reach into the strips along edges and walls, which is not judged
@@ -62,6 +72,7 @@ struct PartDetectionResult {
   std::vector<std::string> not_reached;  // one line for each goal that is not reached
   std::string data;                      // all figures as numbers, JSON
   report::ReportPage page;
+  PartLine line;
 };
 
 // The goals.

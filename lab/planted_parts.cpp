@@ -62,6 +62,7 @@ rig::Rig rig_of_planted_parts(rig::Rig rig) {
                             .above_mm = 5,
                             .min_width_mm = 5,
                             .gap_mm = 1.5,
+                            .pause_s = 0.005,
                             .min_length_mm = 5,
                             .length_mm = 25};
   return rig;
@@ -95,6 +96,24 @@ void PlantedParts::pass(const std::vector<DrawnPart>& parts, int threads, const 
     });
   };
   pass(parts.size(), threads, part, take);
+}
+
+std::vector<images::Image> PlantedParts::images_of(const DrawnPart& part) const {
+  sim::PerturbedRig actual = setup_.actual;
+  actual.rig.imaging.seed = static_cast<std::int64_t>(part.noise);
+  const PlantedPart scene(actual.rig, part.pose, part.defects);
+  const sim::LineRenderer renderer(actual, scene, setup_.pattern, options_);
+  const rig::RigCamera& camera = setup_.rig.camera;
+  // Where the line falls on bare belt, the camera sees it up to 13 mm nearer to the next part, which is in no image.
+  constexpr double kBefore = 14;
+  const int first = static_cast<int>((sim::ConveyedScene::kLead - kBefore) / kStep);
+  const int last = first_frame() + frames_of_part();
+  std::vector<images::Image> frames;
+  for (int frame = first; frame < last; ++frame) {
+    frames.push_back({camera.rows, camera.columns, std::vector<std::uint8_t>(camera.pixels())});
+    renderer.render(frame, frames.back().pixels);
+  }
+  return frames;
 }
 
 CleanPart PlantedParts::clean(const DrawnPart& part) const {

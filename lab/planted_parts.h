@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "host/images/image_files.h"
 #include "selfproj/light_section/profile.h"
 #include "selfproj/model/column_moments.h"
 #include "selfproj/model/packet.h"
@@ -62,8 +63,12 @@ class PlantedParts {
   // several threads (0: one for each core); `take` is called in the thread that calls.
   void pass(const std::vector<DrawnPart>& parts, int threads, const Take& take);
 
-  // The same for parts that lie exactly alike, each with noise of this seed: images are those that pass() would render,
-  // in a tenth of the time. Not in a world with disturbances.
+  // The images of the frames in which such a part passes by the camera, with as much bare belt before it that nothing
+  // is missing where another part came before.
+  [[nodiscard]] std::vector<images::Image> images_of(const DrawnPart& part) const;
+
+  // The same as pass() for parts that lie exactly alike, each with noise of this seed: images are those that pass()
+  // would render, in a tenth of the time. Not in a world with disturbances.
   [[nodiscard]] CleanPart clean(const DrawnPart& part) const;
   void pass(const CleanPart& clean, const std::vector<std::uint64_t>& noise, int threads, const Take& take);
 

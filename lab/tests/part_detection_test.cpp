@@ -84,7 +84,12 @@ TEST(PartDetection, MomentsFindWhatHeightsFind) {
   options.learn_parts = 5;
   options.parts = 4;
   options.good_parts = 6;
+  options.line_parts = 2;
   const lab::PartDetectionResult result = lab::run_part_detection(options, [](std::size_t, std::size_t) {});
+  EXPECT_EQ(result.line.good.size(), 256U);
+  EXPECT_EQ(result.line.bad.size(), 256U);
+  EXPECT_NE(result.line.good[70].pixels, result.line.good[198].pixels) << "each part has its own noise";
+  EXPECT_TRUE(rig::parse_rig(result.line.rig_yaml, "the line's rig").parts.has_value());
   EXPECT_GT(result.moments.of_host.planted, 1U);
   EXPECT_EQ(result.moments.of_host.found, result.moments.of_host.planted);
   EXPECT_EQ(result.moments.of_host.planted + result.moments.of_host_at_edges.planted + result.moments.of_others.planted,
