@@ -204,25 +204,6 @@ VerdictTable::Section read_section(const YAML::Node& node, const std::string& so
   return section;
 }
 
-// Limits with their shift must be rows of the frame.
-void check_rows(const VerdictTable& table, const std::string& source) {
-  const int lowest = model::kRowParts, highest = model::kRowParts * table.rows;
-  for (const VerdictTable::Section& section : table.sections) {
-    for (std::size_t i = 0; i < section.limits.size(); ++i) {
-      const model::ColumnLimits& limits = section.limits[i];
-      const int low = static_cast<int>(limits.low) + table.settings.shift_rows;
-      const int high = static_cast<int>(limits.high) + table.settings.shift_rows;
-      if (limits.judged && (low < lowest || high > highest)) {
-        throw UserError(source, fmt::format("column {} has limits at the rows {:.2f} and {:.2f}{}; the frames have "
-                                            "rows 1 to {}",
-                                            i + 1, static_cast<double>(low) / model::kRowParts,
-                                            static_cast<double>(high) / model::kRowParts,
-                                            table.settings.shift_rows != 0 ? ", shifted" : "", table.rows));
-      }
-    }
-  }
-}
-
 }  // namespace
 
 std::string to_yaml(const VerdictTable& table) {
@@ -287,6 +268,24 @@ VerdictTable parse_verdict_table(const std::string& yaml, const std::string& sou
   }
   check_rows(table, source);
   return table;
+}
+
+void check_rows(const VerdictTable& table, const std::string& source) {
+  const int lowest = model::kRowParts, highest = model::kRowParts * table.rows;
+  for (const VerdictTable::Section& section : table.sections) {
+    for (std::size_t i = 0; i < section.limits.size(); ++i) {
+      const model::ColumnLimits& limits = section.limits[i];
+      const int low = static_cast<int>(limits.low) + table.settings.shift_rows;
+      const int high = static_cast<int>(limits.high) + table.settings.shift_rows;
+      if (limits.judged && (low < lowest || high > highest)) {
+        throw UserError(source, fmt::format("column {} has limits at the rows {:.2f} and {:.2f}{}; the frames have "
+                                            "rows 1 to {}",
+                                            i + 1, static_cast<double>(low) / model::kRowParts,
+                                            static_cast<double>(high) / model::kRowParts,
+                                            table.settings.shift_rows != 0 ? ", shifted" : "", table.rows));
+      }
+    }
+  }
 }
 
 VerdictTable load_verdict_table(const std::string& file) {

@@ -15,6 +15,10 @@ std::string to_yaml(const VerdictTable& table);
 VerdictTable parse_verdict_table(const std::string& yaml, const std::string& source);
 VerdictTable load_verdict_table(const std::string& file);
 
+// Throws UserError, naming `source`, if limits, shifted as the settings say, are not rows of the frames. In a table
+// that was read they are.
+void check_rows(const VerdictTable& table, const std::string& source);
+
 // Throws UserError, naming `source`, if frames of this rig are not those of the table.
 void check_verdict_table(const VerdictTable& table, const rig::Rig& rig, const std::string& source);
 

@@ -38,7 +38,7 @@ struct VerdictTable {
   std::optional<double> section_mm = {};
   std::optional<double> frame_mm = {};
   std::optional<double> shift_mm = {};  // for parts so far across from where the reference lay; nothing: not known
-  std::optional<double> encoder_mm_per_count = {};
+  std::optional<double> encoder_mm_per_count = {};  // by which counts are made of mm; nothing: not known
   int max_shift_columns = 0;  // the limits hold for settings.shift_columns of up to this, both ways
   model::VerdictSettings settings = {};
   model::PartRule rule = {};

@@ -127,7 +127,7 @@ def record(rigs, options):
               "share": round(total["found"] / max(1, total["of_host"]), 5)}
     results.write("hidden_verdicts", "Verdicts by moments on rigs calibrated from images alone: found of what the host "
                   "finds, and false alarms", f"lab/scripts/hidden_verdicts.py --parts {options.parts} --good-parts "
-                  f"{options.good_parts} --line-parts {options.line_parts}",
+                  f"{options.good_parts} --line-parts {options.line_parts}{' --line-only' * options.line_only}",
                   {"rigs": dict(sorted(rigs.items(), key=lambda item: int(item[0]))), **total})
     return total
 
