@@ -106,8 +106,8 @@ Settle measure_settle(Shots& shots, const WhiteAndBlack& levels, const std::stri
       next = shots.arrived_ns() + 1;
     }
     flashes.push_back(times);
-    // Where images are rare, a single delay explains a few flashes even if delays spread.
-    if (i + 1 == kFlashes && milliseconds(interval) > settle_of(flashes).max_ms) {
+    // Where an image takes more than half the delay, a single delay explains a few flashes even if delays spread.
+    if (i + 1 == kFlashes && 2 * milliseconds(interval) > settle_of(flashes).max_ms) {
       wanted = 3 * kFlashes;
     }
   }

@@ -39,7 +39,7 @@ Settle settle_of(const std::vector<FlashTimes>& flashes);
 // values apart.
 WhiteAndBlack take_white_and_black(Shots& shots, const std::string& camera, std::optional<double> settle_ms = {});
 
-// Flashes 16 times, or 48 times where images come more rarely than the light takes. An image has the new light when all
+// Flashes 16 times, or 48 times where two images take longer than the light. An image has the new light when all
 // of it has followed (light_check.h). Throws UserError if the light does not follow within 3 s.
 Settle measure_settle(Shots& shots, const WhiteAndBlack& levels, const std::string& camera);
 
