@@ -15,8 +15,9 @@ constexpr std::size_t kCompactBytes = spec::kCompactWordBits / 8;
 constexpr std::size_t kCodeBytes = spec::kCodeWordBits / 8;
 constexpr std::size_t kPixelBytes = spec::kPixelBits / 8;
 
-// The words of runs are as long as those of moments.
-static_assert(spec::kBinaryRunWordBits == spec::kBinaryWordBits && spec::kGreyRunWordBits == spec::kGreyWordBits);
+// The words of runs and of wide pixels are as long as those of moments.
+static_assert(spec::kBinaryRunWordBits == spec::kBinaryWordBits && spec::kGreyRunWordBits == spec::kGreyWordBits &&
+              spec::kWideGreyWordBits == spec::kGreyWordBits);
 
 constexpr int kHalf = 8;  // the second run has half of the strongest, in sixteenths
 
@@ -96,6 +97,34 @@ void unpack_moments(Mode mode, int columns, const std::uint8_t* payload, const M
   } else {
     for_each_grey_word(payload, 0, columns, store);
   }
+}
+
+void pack_wide_moments(Mode mode, int columns, const MomentsView& moments, std::uint8_t* payload) {
+  if (mode == Mode::binary) {
+    pack_moments(mode, columns, moments, payload);
+    return;
+  }
+  const std::size_t count = checked(mode, columns);
+  for (std::size_t i = 0; i < count; ++i) {
+    store_little_endian(payload + i * kGreyBytes,
+                        (moments.m1[i] & ones64(spec::kWideGreyM1Bits)) << spec::kWideGreyM1Lsb |
+                            (moments.m0[i] & ones64(spec::kWideGreyM0Bits)) << spec::kWideGreyM0Lsb |
+                            (moments.n[i] & ones64(spec::kWideGreyNBits)) << spec::kWideGreyNLsb);
+  }
+  std::fill(payload + count * kGreyBytes, payload + moments_bytes(mode, count), std::uint8_t{0});
+}
+
+void unpack_wide_moments(Mode mode, int columns, const std::uint8_t* payload, const MomentsView& out) {
+  if (mode == Mode::binary) {
+    unpack_moments(mode, columns, payload, out);
+    return;
+  }
+  checked(mode, columns);
+  for_each_wide_grey_word(payload, 0, columns, [&](int i, std::uint32_t m0, std::uint32_t m1, std::uint32_t n) {
+    out.m0[i] = m0;
+    out.m1[i] = m1;
+    out.n[i] = n;
+  });
 }
 
 void pack_runs(Mode mode, int columns, const RunsView& runs, std::uint8_t* payload) {

@@ -44,6 +44,9 @@ board_configurations=(
 # Parameters of sp_camera_link besides the default, Base: Medium, Full and 80 bit
 camera_link_configurations=("Taps=4" "Taps=8 Columns=516" "Taps=10 Columns=512")
 
+# The same of sp_column_moments: pixels of more than 8 bits
+column_moments_configurations=("PixelBits=10" "PixelBits=12" "Grey=1'b0 PixelBits=12")
+
 # Each of the three: TOOL_lint MODULE [PARAMETER=VALUE...]
 
 verilator_lint() {
@@ -111,6 +114,7 @@ jobs=("${modules[@]}")
 for module in "${modules[@]}"; do
   [[ $module == sp_board ]] && jobs+=("${board_configurations[@]/#/sp_board }")
   [[ $module == sp_camera_link ]] && jobs+=("${camera_link_configurations[@]/#/sp_camera_link }")
+  [[ $module == sp_column_moments ]] && jobs+=("${column_moments_configurations[@]/#/sp_column_moments }")
 done
 
 # One job for each processor.

@@ -110,6 +110,11 @@ local format = {
       {"code", 0, 12, "space code, from 0"},
       {"measurable", 15, 1, "1: at most one bit plane is ambiguous; 0: do not use the code"},
     }},
+    wide_grey = {bits = 64, fields = {
+      {"m1", 0, 31, "1st moment"},
+      {"m0", 31, 22, "0th moment"},
+      {"n", 53, 11, "number of lit pixels"},
+    }},
     compact = {bits = 32, fields = {
       {"centroid", 0, 20, "M1 / M0 in 1/512 rows, rounded to the nearest, halves up; 0: no light"},
       {"n", 20, 6, "number of lit pixels; 63: as many or more"},

@@ -20,8 +20,9 @@ def formats(spec):
     out = [f"Largest image: {spec.sizes['max_columns']} columns, {spec.sizes['max_rows']} rows; pixels 0..255.",
            "", "| word | bits | field | meaning | largest value | it fits |", "|---|---|---|---|---|---|"]
     for fmt in spec.raw["formats"]:
+        pixels = f", pixels of {fmt['pixel_bits']}" if "pixel_bits" in fmt else ""
         for field in fmt["fields"]:
-            out.append(f"| {fmt['name']}, {fmt['word_bits']} bits | {bit_range(field['lsb'], field['bits'])} | "
+            out.append(f"| {fmt['name']}, {fmt['word_bits']} bits{pixels} | {bit_range(field['lsb'], field['bits'])} | "
                        f"{field['name']} | {field['description']} | {field['max'].replace('*', ' · ')} | "
                        f"{field['max_value']:,} < 2^{field['bits']} = {1 << field['bits']:,} |")
     return out

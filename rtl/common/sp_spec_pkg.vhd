@@ -61,6 +61,13 @@ package sp_spec_pkg is
   constant CodeCodeBits : natural := 12;
   constant CodeMeasurableLsb : natural := 15;
   constant CodeMeasurableBits : natural := 1;
+  constant WideGreyWordBits : natural := 64;
+  constant WideGreyM1Lsb : natural := 0;
+  constant WideGreyM1Bits : natural := 31;
+  constant WideGreyM0Lsb : natural := 31;
+  constant WideGreyM0Bits : natural := 22;
+  constant WideGreyNLsb : natural := 53;
+  constant WideGreyNBits : natural := 11;
   constant CompactWordBits : natural := 32;
   constant CompactCentroidLsb : natural := 0;
   constant CompactCentroidBits : natural := 20;

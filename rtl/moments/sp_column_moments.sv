@@ -4,8 +4,8 @@
 //
 // A pixel is lit where it is greater than the threshold. A lit pixel weighs w = 1 (binary), its
 // value (grey) or its value minus the threshold (grey_over). Rows count from 1. No sum wraps: all
-// widths follow from MaxRows. The last row of a frame completes the sums, so they leave while that
-// row passes. There is no second bank of sums and no pass that clears them.
+// widths follow from MaxRows and PixelBits. The last row of a frame completes the sums, so they
+// leave while that row passes. There is no second bank of sums and no pass that clears them.
 //
 // Input: beats with their position, as sp_frame_tracker gives them. accept_i says, four clocks
 // after each beat of a last row, whether the moments of this beat are wanted. break_i ends a frame
@@ -14,8 +14,8 @@
 //
 // Output: 16-byte payload beats of the packet format, without back-pressure. In mode binary a beat
 // holds four columns and leaves 8 clocks after their pixels (10 in a grey build). In the grey modes
-// a beat holds two columns; the first leaves after 16 clocks, the last of G groups G + 16 clocks
-// after its pixels.
+// a beat holds two columns, as words wide_grey if pixels have more than 8 bits; the first leaves
+// after 16 clocks, the last of G groups G + 16 clocks after its pixels.
 //
 // spoiled_o: a frame of three or more rows came while a larger frame before it was still draining,
 // which only a change of size in a grey build can cause. Its sums are void; its packet counts as
@@ -26,6 +26,7 @@ module sp_column_moments #(
   parameter int MaxColumns = sp_spec_pkg::MaxColumns,  // image width: a multiple of 4, 8..2048
   parameter int MaxRows = sp_spec_pkg::MaxRows,  // image height: 2..1023
   parameter bit Grey = 1'b1,  // modes grey and grey_over
+  parameter int PixelBits = sp_spec_pkg::PixelBits,  // 8..12
   // derived, do not set
   parameter int GroupBits = $clog2(MaxColumns / 4),
   parameter int RowBits = $clog2(MaxRows + 1)
@@ -34,13 +35,13 @@ module sp_column_moments #(
   input  wire logic                 rst_i,             // active high, synchronous
 
   input  wire logic                 beat_valid_i,  // a beat of four pixels
-  input  wire logic [31:0]          beat_pixels_i,     // leftmost pixel in 7..0
+  input  wire logic [4*PixelBits-1:0] beat_pixels_i,   // leftmost pixel lowest
   input  wire logic [GroupBits-1:0] beat_group_i,      // group of four columns, from 0
   input  wire logic [RowBits-1:0]   beat_row_i,        // row, from 1
   input  wire logic                 beat_first_row_i,  // the row is the first of the frame
   input  wire logic                 beat_last_row_i,   // the row is the last of the frame
   input  wire logic                 beat_line_end_i,   // the group is the last of its line
-  input  wire logic [7:0]           threshold_i,  // a pixel of this beat is lit where it is greater
+  input  wire logic [PixelBits-1:0] threshold_i,  // a pixel of this beat is lit where it is greater
   input  wire logic                 break_i,           // the frame ends early, in its last row
   input  wire logic                 accept_i,          // the beat of four clocks ago is wanted
 
@@ -60,10 +61,14 @@ module sp_column_moments #(
   begin : gen_max_columns
     max_columns_is_not_a_multiple_of_4_in_8_to_2048 u_error ();
   end
+  if (PixelBits < 8 || PixelBits > 12) begin : gen_pixel_bits
+    pixel_bits_is_not_in_8_to_12 u_error ();
+  end
 
-  localparam int WeightBits = Grey ? 8 : 1;
-  localparam int M0Bits = Grey ? $clog2(255 * MaxRows + 1) : RowBits;
-  localparam int ABits = $clog2((Grey ? 255 : 1) * MaxRows * (MaxRows + 1) / 2 + 1);
+  localparam int WeightBits = Grey ? PixelBits : 1;
+  localparam int MaxWeight = 2 ** WeightBits - 1;
+  localparam int M0Bits = $clog2(MaxWeight * MaxRows + 1);
+  localparam int ABits = $clog2(MaxWeight * (MaxRows * (MaxRows + 1) / 2) + 1);
   localparam int LaneMBits = Grey ? M0Bits + 1 + RowBits : M0Bits;
   localparam int LaneABits = Grey ? ABits + 1 : ABits;
   localparam int M1Bits = $clog2(MaxRows * (MaxRows + 1) / 2 + 1);  // in mode binary
@@ -101,7 +106,8 @@ module sp_column_moments #(
   assign {s4_first_row, s4_last_row, s4_line_end, s4_one, s4_two, s4_grey} = s4_flags_q;
 
   sp_pixel_weights #(
-    .Grey(Grey)
+    .Grey     (Grey),
+    .PixelBits(PixelBits)
   ) u_weights (
     .clk_i        (clk_i),
     .rst_i        (rst_i),
@@ -156,7 +162,8 @@ module sp_column_moments #(
   sp_moment_sums #(
     .MaxRows  (MaxRows),
     .GroupBits(GroupBits),
-    .Grey     (Grey)
+    .Grey     (Grey),
+    .PixelBits(PixelBits)
   ) u_sums (
     .clk_i        (clk_i),
     .rst_i        (rst_i),
@@ -206,7 +213,7 @@ module sp_column_moments #(
     logic [M1Bits-1:0]  m1;
     logic [31:0]        word;
     if (Grey) begin : gen_halves
-      localparam int MLow = sp_spec_pkg::PixelBits;
+      localparam int MLow = WeightBits;
       localparam int MHigh = M0Bits - MLow;
       localparam int ALow = (ABits + 1) / 2;
       localparam int AHigh = ABits - ALow;
@@ -251,7 +258,8 @@ module sp_column_moments #(
 
     sp_moment_drain #(
       .MaxRows  (MaxRows),
-      .GroupBits(GroupBits)
+      .GroupBits(GroupBits),
+      .PixelBits(PixelBits)
     ) u_drain (
       .clk_i           (clk_i),
       .rst_i           (rst_i),
@@ -322,8 +330,13 @@ module sp_column_moments #(
   always_comb if (f_run) begin
     if (f_here) begin
       if (f_grey) begin
-        assert (f_word[26:0] == 27'(f_m1_q) && f_word[44:27] == 18'(f_m0_q) &&
-                f_word[54:45] == f_n_q[9:0]);
+        if (PixelBits > 8) begin
+          assert (f_word[30:0] == 31'(f_m1_q) && f_word[52:31] == 22'(f_m0_q) &&
+                  f_word[63:53] == f_n_q[10:0]);
+        end else begin
+          assert (f_word[26:0] == 27'(f_m1_q) && f_word[44:27] == 18'(f_m0_q) &&
+                  f_word[54:45] == f_n_q[9:0]);
+        end
       end else begin
         assert (f_word[19:0] == 20'(f_m1_q) && f_word[31:20] == f_m0_q[11:0]);
       end

@@ -270,6 +270,7 @@ module sp_column_runs #(
 `ifdef FORMAL
   localparam int FWait = 11, FChangeWait = 23;
   localparam bit FBinaryDrains = 1'b1;
+  localparam int PixelBits = sp_spec_pkg::PixelBits;
 `include "sp_formal_frames.svh"
 
   // Of the frame with the column, and of the others

@@ -9,9 +9,9 @@
 // FChangeWait + 1 clocks lie before every frame that is wanted. (sp_packetizer takes none until
 // seven clocks after the last payload beat of the one before.)
 //
-// The module says FWait, FChangeWait, and FBinaryDrains: whether mode binary of a grey build goes
-// through the drain.
-  parameter bit [7:0] ValueBits = 8'hFF;  // bits that pixels and threshold have
+// The module says PixelBits, FWait, FChangeWait, and FBinaryDrains: whether mode binary of a grey
+// build goes through the drain.
+  parameter bit [PixelBits-1:0] ValueBits = {PixelBits{1'b1}};  // bits that pixels and threshold have
   parameter bit Changes = 1'b0;  // the other frames have another mode and threshold
   localparam int FSumBits = 16;  // hold every sum of the sizes that are proved
   logic f_ran_q = 1'b0, f_run;
@@ -22,7 +22,7 @@
   (* anyconst *) logic [RowBits-1:0]   f_rows;
   (* anyconst *) logic [GroupBits-1:0] f_last_group;
   (* anyconst *) logic [1:0]           f_mode, f_other_mode;
-  (* anyconst *) logic [7:0]           f_threshold, f_other_threshold;
+  (* anyconst *) logic [PixelBits-1:0] f_threshold, f_other_threshold;
   (* anyconst *) logic [4:0]           f_frame;
   (* anyseq *) logic                   f_choice;
   logic [GroupBits-1:0] f_group_q;
@@ -88,10 +88,10 @@
   // The column
   (* anyconst *) logic [1:0]           f_lane;
   (* anyconst *) logic [GroupBits-1:0] f_group;
-  logic [7:0]          f_pixel;
+  logic [PixelBits-1:0] f_pixel;
   logic                f_mine, f_lit;  // a beat that has the column; its pixel is lit
   logic [FSumBits-1:0] f_weight, f_row_weight;  // of the pixel; times the row
-  assign f_pixel  = beat_pixels_i[8*f_lane+:8];
+  assign f_pixel  = beat_pixels_i[PixelBits*f_lane+:PixelBits];
   assign f_lit    = f_pixel > f_threshold;
   assign f_weight = !f_lit ? '0 : !f_grey ? FSumBits'(1) :
                     f_mode == sp_spec_pkg::ModeGrey ? FSumBits'(f_pixel) :

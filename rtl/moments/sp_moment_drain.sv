@@ -33,10 +33,11 @@
 module sp_moment_drain #(
   parameter int MaxRows = 1023,  // 2..1023
   parameter int GroupBits = 9,  // 1..24
+  parameter int PixelBits = sp_spec_pkg::PixelBits,  // 8..12
   // derived, do not set
   parameter int RowBits = $clog2(MaxRows + 1),
-  parameter int M0Bits = $clog2(255 * MaxRows + 1),
-  parameter int ABits = $clog2(255 * MaxRows * (MaxRows + 1) / 2 + 1),
+  parameter int M0Bits = $clog2((2 ** PixelBits - 1) * MaxRows + 1),
+  parameter int ABits = $clog2((2 ** PixelBits - 1) * (MaxRows * (MaxRows + 1) / 2) + 1),
   parameter int LaneMBits = M0Bits + 1 + RowBits,
   parameter int LaneABits = ABits + 1
 ) (
@@ -47,7 +48,7 @@ module sp_moment_drain #(
   input  wire logic                   push_i,
   input  wire logic                   push_end_i,  // the last group of the row
   input  wire logic [GroupBits-1:0]   push_group_i,
-  input  wire logic [31:0]            push_weights_i,
+  input  wire logic [4*PixelBits-1:0] push_weights_i,
   input  wire logic [RowBits-1:0]     push_row_i,
   input  wire logic                   push_first_row_i,
   input  wire logic                   push_one_group_i,
@@ -74,9 +75,13 @@ module sp_moment_drain #(
   if (MaxRows < 2 || MaxRows > sp_spec_pkg::MaxRows) begin : gen_max_rows
     max_rows_is_not_in_2_to_1023 u_error ();
   end
+  if (PixelBits < 8 || PixelBits > 12) begin : gen_pixel_bits
+    pixel_bits_is_not_in_8_to_12 u_error ();
+  end
 
+  localparam bit Wide = PixelBits > 8;  // the words have more bits for the moments
   localparam int Latency = 8;  // from stage 2 to stage 10, where the words are complete
-  localparam int MLow = sp_spec_pkg::PixelBits;
+  localparam int MLow = PixelBits;
   localparam int MHigh = M0Bits - MLow;
   localparam int ALow = (ABits + 1) / 2;
   localparam int AHigh = ABits - ALow;
@@ -85,11 +90,12 @@ module sp_moment_drain #(
   logic [RowBits-1:0]   row_number_q;   // number of the last row: R
   logic                 first_row_q;    // the last row is also the first: there are no earlier sums
   logic                 one_group_q;    // the image has 4 columns
-  logic [31:0]          raw_weights;    // weights of the last row, from the line buffer
+  logic [4*PixelBits-1:0] raw_weights;  // weights of the last row, from the line buffer
   logic                 s0_break;       // the break in the stages, behind the last word
 
   sp_drain_order #(
-    .GroupBits(GroupBits)
+    .GroupBits(GroupBits),
+    .Width    (4 * PixelBits)
   ) u_order (
     .clk_i         (clk_i),
     .rst_i         (rst_i),
@@ -124,7 +130,7 @@ module sp_moment_drain #(
   logic                   s2_valid_q;      // the stage holds columns, the first two or the others
   logic [4*LaneMBits-1:0] s2_m_q;
   logic [4*LaneABits-1:0] s3_a_q;
-  logic [31:0]            s2_weights_q;
+  logic [4*PixelBits-1:0] s2_weights_q;
   logic                   s1_break_q, s2_break_q;
 
   logic [Latency-1:0]     valid_q;  // from stage 3 on
@@ -168,7 +174,7 @@ module sp_moment_drain #(
 
   for (genvar c = 0; c < 2; c++) begin : gen_column
     // Stage 3: one of the two columns
-    logic [7:0]           s3_weight_q;
+    logic [PixelBits-1:0] s3_weight_q;
     logic [RowBits-1:0]   s3_n_q;
     logic [MHigh-1:0]     s3_m_high_q;
     logic [MLow-1:0]      s3_m_low_q;
@@ -176,7 +182,8 @@ module sp_moment_drain #(
     always_ff @(posedge clk_i) if (moving_q) begin
       {s3_n_q, s3_m_high_q, s3_m_carry_q, s3_m_low_q} <=
           s2_first_q ? s2_m_q[c*LaneMBits+:LaneMBits] : s2_m_q[(c+2)*LaneMBits+:LaneMBits];
-      s3_weight_q <= s2_first_q ? s2_weights_q[c*8+:8] : s2_weights_q[(c+2)*8+:8];
+      s3_weight_q <= s2_first_q ? s2_weights_q[c*PixelBits+:PixelBits] :
+                                  s2_weights_q[(c+2)*PixelBits+:PixelBits];
     end
 
     // Stage 4: M0' in one piece; the low half of M0; N; A of the column
@@ -249,8 +256,8 @@ module sp_moment_drain #(
     // Stage 10: the word
     logic [63:0] word;
     assign word = 64'(s10_m1_q) << sp_spec_pkg::GreyM1Lsb |
-                  64'(s10_m0_q) << sp_spec_pkg::GreyM0Lsb |
-                  64'(s10_n_q) << sp_spec_pkg::GreyNLsb;
+                  64'(s10_m0_q) << (Wide ? sp_spec_pkg::WideGreyM0Lsb : sp_spec_pkg::GreyM0Lsb) |
+                  64'(s10_n_q) << (Wide ? sp_spec_pkg::WideGreyNLsb : sp_spec_pkg::GreyNLsb);
     assign data_o[64*c+:64] = word;
   end
 

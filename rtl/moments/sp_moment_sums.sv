@@ -29,11 +29,13 @@ module sp_moment_sums #(
   parameter int MaxRows = 1023,  // 2..1023
   parameter int GroupBits = 9,  // 1..24
   parameter bit Grey = 1'b1,
+  parameter int PixelBits = sp_spec_pkg::PixelBits,  // 8..12
   // derived, do not set
   parameter int RowBits = $clog2(MaxRows + 1),
-  parameter int M0Bits = Grey ? $clog2(255 * MaxRows + 1) : RowBits,
-  parameter int WeightBits = Grey ? 8 : 1,
-  parameter int ABits = $clog2((Grey ? 255 : 1) * MaxRows * (MaxRows + 1) / 2 + 1),
+  parameter int WeightBits = Grey ? PixelBits : 1,
+  parameter int MaxWeight = 2 ** WeightBits - 1,
+  parameter int M0Bits = $clog2(MaxWeight * MaxRows + 1),
+  parameter int ABits = $clog2(MaxWeight * (MaxRows * (MaxRows + 1) / 2) + 1),
   parameter int LaneMBits = Grey ? M0Bits + 1 + RowBits : M0Bits,
   parameter int LaneABits = Grey ? ABits + 1 : ABits
 ) (
@@ -65,6 +67,9 @@ module sp_moment_sums #(
 
   if (MaxRows < 2 || MaxRows > sp_spec_pkg::MaxRows) begin : gen_max_rows
     max_rows_is_not_in_2_to_1023 u_error ();
+  end
+  if (PixelBits < 8 || PixelBits > 12) begin : gen_pixel_bits
+    pixel_bits_is_not_in_8_to_12 u_error ();
   end
 
   // Stage 1: the word of M is read, and the read of A begins
@@ -140,7 +145,7 @@ module sp_moment_sums #(
     assign sum_a_o[lane*LaneABits+:LaneABits] = sum_a_q;
 
     if (Grey) begin : gen_grey
-      localparam int MLow = sp_spec_pkg::PixelBits;  // a weight is no wider
+      localparam int MLow = WeightBits;
       localparam int MHigh = M0Bits - MLow;
       localparam int ALow = (ABits + 1) / 2;
       localparam int AHigh = ABits - ALow;

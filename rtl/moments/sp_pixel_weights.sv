@@ -12,20 +12,25 @@
 
 module sp_pixel_weights #(
   parameter bit Grey = 1'b1,
+  parameter int PixelBits = sp_spec_pkg::PixelBits,  // 8..12
   // derived, do not set
-  parameter int WeightBits = Grey ? 8 : 1
+  parameter int WeightBits = Grey ? PixelBits : 1
 ) (
   input  wire logic                    clk_i,
   input  wire logic                    rst_i,
-  input  wire logic [31:0]             beat_pixels_i,  // leftmost pixel in 7..0
+  input  wire logic [4*PixelBits-1:0]  beat_pixels_i,  // leftmost pixel lowest
   input  wire logic [1:0]              mode_i,  // of the beat
-  input  wire logic [7:0]              threshold_i,  // of the beat
+  input  wire logic [PixelBits-1:0]    threshold_i,  // of the beat
   output logic      [4*WeightBits-1:0] weights_o
 );
 
+  if (PixelBits < 8 || PixelBits > 12) begin : gen_pixel_bits
+    pixel_bits_is_not_in_8_to_12 u_error ();
+  end
+
   // The threshold comes from a comparison of rows, so nothing but a register takes it.
-  logic [31:0] s1_pixels_q;
-  logic [7:0]  s1_room_q;     // 255 minus the threshold
+  logic [4*PixelBits-1:0] s1_pixels_q;
+  logic [PixelBits-1:0]   s1_room_q;  // the largest pixel minus the threshold
   always_ff @(posedge clk_i) begin
     s1_pixels_q <= beat_pixels_i;
     s1_room_q   <= ~threshold_i;
@@ -39,21 +44,22 @@ module sp_pixel_weights #(
   end
 
   for (genvar lane = 0; lane < 4; lane++) begin : gen_weight
-    // A pixel is lit where pixel + (255 - threshold) exceeds 255. The carry is taken as a bit of
-    // the sum, so that it stays at the end of its chain. It does not matter in reset.
-    logic       lit, lit2_q;
-    logic [7:0] unused_sum;
-    assign {lit, unused_sum} = {rst_i, s1_pixels_q[8*lane+:8]} + {1'b0, s1_room_q};
+    // A pixel is lit where pixel + (largest - threshold) exceeds the largest. The carry is taken as
+    // a bit of the sum, so that it stays at the end of its chain. It does not matter in reset.
+    logic                 lit, lit2_q;
+    logic [PixelBits-1:0] pixel, unused_sum;
+    assign pixel = s1_pixels_q[PixelBits*lane+:PixelBits];
+    assign {lit, unused_sum} = {rst_i, pixel} + {1'b0, s1_room_q};
     always_ff @(posedge clk_i) lit2_q <= lit;
 
     if (Grey) begin : gen_grey
-      logic [7:0] pixel2_q, over2_q;
+      logic [PixelBits-1:0] pixel2_q, over2_q;
       always_ff @(posedge clk_i) begin
-        pixel2_q <= s1_pixels_q[8*lane+:8];
-        over2_q  <= s1_pixels_q[8*lane+:8] + s1_room_q + 8'd1;  // less the threshold
-        if (!lit2_q) weights_o[8*lane+:8] <= 8'd0;
-        else if (s2_binary_q) weights_o[8*lane+:8] <= 8'd1;
-        else weights_o[8*lane+:8] <= s2_grey_q ? pixel2_q : over2_q;
+        pixel2_q <= pixel;
+        over2_q  <= pixel + s1_room_q + PixelBits'(1);  // less the threshold
+        if (!lit2_q) weights_o[PixelBits*lane+:PixelBits] <= '0;
+        else if (s2_binary_q) weights_o[PixelBits*lane+:PixelBits] <= PixelBits'(1);
+        else weights_o[PixelBits*lane+:PixelBits] <= s2_grey_q ? pixel2_q : over2_q;
       end
     end else begin : gen_binary
       always_ff @(posedge clk_i) weights_o[lane] <= lit2_q;

@@ -59,6 +59,8 @@ PROOFS = [
           lemmas=False),
     Proof("column_moments_frames", "sp_column_moments", ("MaxColumns=8", "MaxRows=2", "Grey=1'b1", "ValueBits=8'h01"),
           "bounded", 28, 28, lemmas=False),
+    Proof("column_moments_wide", "sp_column_moments", ("MaxColumns=8", "MaxRows=2", "Grey=1'b1", "PixelBits=12"),
+          "bounded", 22, 30, lemmas=False),
     Proof("column_moments_modes", "sp_column_moments", ("MaxColumns=8", "MaxRows=2", "Grey=1'b1", "ValueBits=8'h03",
           "Changes=1'b1"), "bounded", 24, 24, lemmas=False),
     Proof("column_runs_modes", "sp_column_runs", ("MaxColumns=8", "MaxRows=3", "Grey=1'b1", "ValueBits=8'h03",

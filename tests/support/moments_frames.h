@@ -21,7 +21,9 @@ struct MomentsFrame {
   int rows = 1;
   model::Mode mode = model::Mode::binary;
   int threshold = 0;
-  std::vector<std::uint8_t> pixels = {};  // row by row
+  int bits = 8;                                 // of a pixel
+  std::vector<std::uint8_t> pixels = {};        // row by row
+  std::vector<std::uint16_t> wide_pixels = {};  // instead, where there are more than 8 bits
   model::Select select = model::Select::all;
   int gap = 0;
   model::RowWindow window = {};
@@ -29,8 +31,15 @@ struct MomentsFrame {
 
 // The payload of its packet, by the model.
 inline std::vector<std::uint8_t> payload_of_moments(const MomentsFrame& frame) {
+  std::vector<std::uint8_t> payload(model::moments_payload_bytes(frame.mode, frame.columns));
   model::Runs runs;
   runs.resize(frame.select, frame.columns);
+  if (frame.bits > 8) {
+    model::column_moments({frame.wide_pixels.data(), frame.rows, frame.columns, frame.columns}, frame.bits, frame.mode,
+                          frame.threshold, runs.moments.view(), frame.window);
+    model::pack_wide_moments(frame.mode, frame.columns, runs.moments.view(), payload.data());
+    return payload;
+  }
   model::measure_columns({frame.pixels.data(), frame.rows, frame.columns, frame.columns},
                          {.mode = frame.mode,
                           .threshold = frame.threshold,
@@ -38,9 +47,23 @@ inline std::vector<std::uint8_t> payload_of_moments(const MomentsFrame& frame) {
                           .gap = frame.gap,
                           .window = frame.window},
                          runs.view());
-  std::vector<std::uint8_t> payload(model::moments_payload_bytes(frame.mode, frame.columns));
   model::pack_columns(frame.select, frame.mode, frame.columns, runs.view(), payload.data());
   return payload;
+}
+
+// Gives a frame pixels and a threshold of more than 8 bits. Those of its 8 are their upper bits.
+inline void widen(Random& random, int bits, MomentsFrame& frame) {
+  const int shift = bits - 8;
+  const auto wide = [&](int value) {
+    const int low = random.between(0, (1 << shift) - 1);
+    return (value << shift) + (value == 255 && random.chance(70) ? (1 << shift) - 1 : value == 0 ? 0 : low);
+  };
+  frame.bits = bits;
+  frame.threshold = wide(frame.threshold);
+  for (const std::uint8_t pixel : frame.pixels) {
+    frame.wide_pixels.push_back(static_cast<std::uint16_t>(wide(pixel)));
+  }
+  frame.pixels.clear();
 }
 
 // Pixels of few values or dark stretches, so that columns have several runs and equal ones.

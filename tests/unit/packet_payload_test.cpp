@@ -92,6 +92,30 @@ TEST(PayloadWords, FieldsAtTheirBits) {
   EXPECT_EQ(word_of(model::Mode::grey, 0, 0, 0xFFFFFFFF), 0x007FE00000000000U);
 }
 
+// The same for pixels of more than 8 bits; mode binary has the words of 8 bits.
+TEST(PayloadWords, WideFieldsAtTheirBits) {
+  const auto word_of = [](model::Mode mode, std::uint32_t m0, std::uint32_t m1, std::uint32_t n) {
+    std::array<std::uint8_t, kBeat> bytes{};
+    bytes.fill(0xEE);
+    model::pack_wide_moments(mode, 1, {&m0, &m1, &n}, bytes.data());
+    EXPECT_TRUE(std::all_of(bytes.begin() + 8, bytes.end(), [](std::uint8_t b) { return b == 0; }));
+    std::uint32_t found_m0 = 0;
+    std::uint32_t found_m1 = 0;
+    std::uint32_t found_n = 0;
+    model::unpack_wide_moments(mode, 1, bytes.data(), {&found_m0, &found_m1, &found_n});
+    EXPECT_EQ(found_m1, mode == model::Mode::binary ? m1 & 0xFFFFF : m1 & 0x7FFFFFFF);
+    EXPECT_EQ(found_m0, mode == model::Mode::binary ? m0 & 0xFFF : m0 & 0x3FFFFF);
+    EXPECT_EQ(found_n, mode == model::Mode::binary ? found_m0 : n & 0x7FF);
+    return model::load_little_endian<std::uint64_t>(bytes.data());
+  };
+  EXPECT_EQ(word_of(model::Mode::grey, 0, 0x7FFFFFFF, 0), 0x000000007FFFFFFFU);
+  EXPECT_EQ(word_of(model::Mode::grey_over, 0x3FFFFF, 0, 0), 0x001FFFFF80000000U);
+  EXPECT_EQ(word_of(model::Mode::grey, 0, 0, 0x7FF), 0xFFE0000000000000U);
+  EXPECT_EQ(word_of(model::Mode::grey, 0xFFFFFFFF, 0, 0), 0x001FFFFF80000000U);
+  EXPECT_EQ(word_of(model::Mode::grey, 0, 0xFFFFFFFF, 0), 0x000000007FFFFFFFU);
+  EXPECT_EQ(word_of(model::Mode::binary, 0xFFF, 0xFFFFF, 0), 0x00000000FFFFFFFFU);
+}
+
 // What an image can give, at its corners: the centroid is the nearest multiple of 1/512, halves up, and so within half
 // of one of M1 / M0; no field overflows.
 TEST(PayloadWords, CompactColumnsAreBounded) {

@@ -36,6 +36,10 @@ void pack_moments(Mode mode, int columns, const MomentsView& moments, std::uint8
 // Reads the moments back. In mode binary n becomes m0. Ignores bits that belong to no field.
 void unpack_moments(Mode mode, int columns, const std::uint8_t* payload, const MomentsView& out);
 
+// The same of pixels of 9 to 12 bits: words wide_grey in the grey modes. Payloads are as long.
+void pack_wide_moments(Mode mode, int columns, const MomentsView& moments, std::uint8_t* payload);
+void unpack_wide_moments(Mode mode, int columns, const std::uint8_t* payload, const MomentsView& out);
+
 // The same with Select::strongest. In mode binary a word tells of `second` only whether it is 8 or more (half the
 // strongest run, or more), and comes back as 8 or 0.
 void pack_runs(Mode mode, int columns, const RunsView& runs, std::uint8_t* payload);
@@ -110,6 +114,20 @@ template <typename Take>
     take(i, static_cast<std::uint32_t>(field_of(word, spec::kGreyM0Lsb, spec::kGreyM0Bits)),
          static_cast<std::uint32_t>(field_of(word, spec::kGreyM1Lsb, spec::kGreyM1Bits)),
          static_cast<std::uint32_t>(field_of(word, spec::kGreyNLsb, spec::kGreyNBits)));
+  }
+}
+
+// The same for a payload of words wide_grey.
+template <typename Take>
+[[gnu::always_inline]] inline void for_each_wide_grey_word(const std::uint8_t* payload, int first, int columns,
+                                                           const Take& take) {
+  constexpr std::ptrdiff_t kBytes = spec::kWideGreyWordBits / 8;
+  const std::uint8_t* words = payload + first * kBytes;
+  for (int i = 0; i < columns; ++i) {
+    const auto word = load_little_endian<std::uint64_t>(words + i * kBytes);
+    take(i, static_cast<std::uint32_t>(field_of(word, spec::kWideGreyM0Lsb, spec::kWideGreyM0Bits)),
+         static_cast<std::uint32_t>(field_of(word, spec::kWideGreyM1Lsb, spec::kWideGreyM1Bits)),
+         static_cast<std::uint32_t>(field_of(word, spec::kWideGreyNLsb, spec::kWideGreyNBits)));
   }
 }
 

@@ -45,6 +45,10 @@ constexpr int kBinaryDelay = 10;  // of a grey build
 template <typename Dut>
 constexpr bool kBinaryDrains = false;
 
+// Bits of a pixel.
+template <typename Dut>
+constexpr int kPixelBits = 8;
+
 struct Frame : MomentsFrame {
   int gaps = 0;        // percent of clocks without a beat
   bool wanted = true;  // its packet is taken if possible
@@ -129,6 +133,11 @@ class ColumnBench {
   std::int64_t last_word_clock = 0;
 
  private:
+  using Pixels = std::remove_reference_t<decltype(std::declval<Dut>().beat_pixels_i)>;
+  static constexpr int kBits = kPixelBits<Dut>;
+  static constexpr int kMaxPixel = (1 << kBits) - 1;
+  static constexpr std::uint64_t kAllPixels = (std::uint64_t{1} << 4 * kBits) - 1;
+
   struct Output {
     std::optional<Word128> word;
     bool ends_early = false;
@@ -158,7 +167,11 @@ class ColumnBench {
     const auto at = static_cast<std::size_t>(row - 1) * static_cast<std::size_t>(frame->columns) +
                     static_cast<std::size_t>(4 * group);
     moments_->beat_valid_i = 1;
-    moments_->beat_pixels_i = model::load_little_endian<std::uint32_t>(frame->pixels.data() + at);
+    moments_->beat_pixels_i = 0;
+    for (std::size_t lane = 0; lane < 4; ++lane) {
+      const std::uint64_t pixel = kBits > 8 ? frame->wide_pixels[at + lane] : frame->pixels[at + lane];
+      moments_->beat_pixels_i |= static_cast<Pixels>(pixel << (kBits * lane));
+    }
     moments_->beat_group_i = static_cast<std::remove_reference_t<decltype(moments_->beat_group_i)>>(group);
     moments_->beat_row_i = static_cast<std::remove_reference_t<decltype(moments_->beat_row_i)>>(row);
     moments_->beat_first_row_i = row == 1;
@@ -172,8 +185,8 @@ class ColumnBench {
       moments_->two_groups_i = groups == 2;
     }
     moments_->mode_i = static_cast<CData>(frame->mode);
-    moments_->threshold_i =
-        frame->window.counts(row) ? static_cast<CData>(frame->threshold) : 255;  // as sp_moments_path
+    moments_->threshold_i = static_cast<std::remove_reference_t<decltype(moments_->threshold_i)>>(
+        frame->window.counts(row) ? frame->threshold : kMaxPixel);  // as sp_moments_path
     if (row == frame->rows) {
       if (group == 0) {
         decisions_.push_back({moments_.clock() + kAcceptDelay - 1, frame});
@@ -183,7 +196,7 @@ class ColumnBench {
     }
     step();
     moments_->beat_valid_i = 0;
-    moments_->beat_pixels_i = static_cast<std::uint32_t>(random_.bits());  // may be anything
+    moments_->beat_pixels_i = static_cast<Pixels>(random_.bits() & kAllPixels);  // may be anything
   }
 
   void clock() { step(); }
@@ -291,6 +304,9 @@ template <typename Dut>
 Frame random_frame(Random& random, int columns, int rows, model::Mode mode) {
   Frame frame;
   static_cast<MomentsFrame&>(frame) = random_moments_frame(random, columns, rows, mode, kRuns<Dut>);
+  if (const int bits = kPixelBits<Dut>; bits > 8) {
+    widen(random, bits, frame);
+  }
   return frame;
 }
 
@@ -329,6 +345,7 @@ void large_size(int columns, int rows, const std::vector<model::Mode>& modes) {
     frame.threshold = 0;
     frame.window = {};
     std::fill(frame.pixels.begin(), frame.pixels.end(), std::uint8_t{255});
+    std::fill(frame.wide_pixels.begin(), frame.wide_pixels.end(), static_cast<std::uint16_t>((1 << frame.bits) - 1));
     bench.play(frame);
     frame = random_frame<Dut>(random, columns, rows, mode);
     bench.play(frame);  // immediately after it

@@ -118,6 +118,19 @@ constexpr int kCodeMeasurableLsb = 15;
 constexpr int kCodeMeasurableBits = 1;
 constexpr std::uint64_t kCodeMeasurableMax = 1;  // 1
 static_assert(kCodeMeasurableMax >> kCodeMeasurableBits == 0, "code.measurable does not fit");
+constexpr int kWideGreyWordBits = 64;
+constexpr int kWideGreyM1Lsb = 0;
+constexpr int kWideGreyM1Bits = 31;
+constexpr std::uint64_t kWideGreyM1Max = 2144862720;  // pixel*rows*(rows+1)/2
+static_assert(kWideGreyM1Max >> kWideGreyM1Bits == 0, "wide_grey.m1 does not fit");
+constexpr int kWideGreyM0Lsb = 31;
+constexpr int kWideGreyM0Bits = 22;
+constexpr std::uint64_t kWideGreyM0Max = 4189185;  // pixel*rows
+static_assert(kWideGreyM0Max >> kWideGreyM0Bits == 0, "wide_grey.m0 does not fit");
+constexpr int kWideGreyNLsb = 53;
+constexpr int kWideGreyNBits = 11;
+constexpr std::uint64_t kWideGreyNMax = 1023;  // rows
+static_assert(kWideGreyNMax >> kWideGreyNBits == 0, "wide_grey.n does not fit");
 constexpr int kCompactWordBits = 32;
 constexpr int kCompactCentroidLsb = 0;
 constexpr int kCompactCentroidBits = 20;
