@@ -306,9 +306,10 @@ class Run {
         return static_cast<std::uint32_t>(number);
       };
       if (options_.ejector_mm.size() != 2) {
-        throw UserError("--ejector-mm", fmt::format("has {} values; two are expected, where the pulse begins and how "
-                                                    "long it is",
-                                                    options_.ejector_mm.size()));
+        throw UserError("--ejector-mm",
+                        fmt::format("has {} value{}; two are expected, where the pulse begins and how "
+                                    "long it is",
+                                    options_.ejector_mm.size(), options_.ejector_mm.size() == 1 ? "" : "s"));
       }
       setup.ejector_delay = counts(options_.ejector_mm[0], (1U << spec::kRegEjectorDelayCountsBits) - 1);
       setup.ejector_length = counts(options_.ejector_mm[1], (1U << spec::kRegEjectorLengthCountsBits) - 1);

@@ -89,7 +89,7 @@ void run_rows(const RowsOptions& options) {
   const std::optional<files::OutputFile> file =
       options.out.empty() ? std::nullopt : std::optional<files::OutputFile>(std::in_place, options.out);
   const light_section::DifferentialProfiler profiler(rig, options.section.load_reference(rig, ""));
-  const double lit = options.lit_rows.value_or(0.5 * (rig.measure.min_lit_px + rig.measure.max_lit_px) / 2);
+  const double lit = options.lit_rows.value_or(light_section::usual_lit_rows(rig));
   const light_section::RowTable table(rig, profiler, lit);
   if (table.columns() == 0) {
     throw UserError("--reference", "the camera sees it in no column");

@@ -58,8 +58,9 @@ void print_table(const production::VerdictTable& table) {
              table.row_mm);
   const auto [high, low] =
       table.row_mm > 0 ? std::pair(settings.below, settings.above) : std::pair(settings.above, settings.below);
-  fmt::print("a defect: {} neighbouring columns (w) out in {} (m) of {} frames (h), {}; too high is {} the band\n",
-             settings.width, settings.hits, settings.history,
+  fmt::print("a defect: {} neighbouring column{} (w) out in {} (m) of {} frame{} (h), {}; too high is {} the band\n",
+             settings.width, settings.width == 1 ? "" : "s", settings.hits, settings.history,
+             settings.history == 1 ? "" : "s",
              high && low ? "too high or too low"
              : high      ? "too high"
              : low       ? "too low"
@@ -69,17 +70,17 @@ void print_table(const production::VerdictTable& table) {
     fmt::print("a frame lacks light if more than {} judged columns have none\n", settings.most_unlit);
   }
   if (table.rule.by_encoder) {
-    fmt::print("parts begin at count {}, every {} counts, and take {}\n", table.rule.start, table.rule.pitch,
-               table.rule.length);
+    fmt::print("parts are judged from count {} on, every {} counts, for {} counts\n", table.rule.start,
+               table.rule.pitch, table.rule.length);
   } else {
-    fmt::print("a part begins after {} lit columns, and ends after {} frames with fewer\n", table.rule.lit,
+    fmt::print("a part begins after a frame with {} lit columns, and ends after {} frames with fewer\n", table.rule.lit,
                table.rule.dark_frames);
   }
   if (table.shift_mm) {
     fmt::print("the limits are for parts that lie {} mm across from the reference\n", *table.shift_mm);
   }
-  fmt::print("shift {} columns, {:.2f} rows; of up to {} columns\n", settings.shift_columns,
-             static_cast<double>(settings.shift_rows) / model::kRowParts, table.max_shift_columns);
+  fmt::print("shift of the settings: {} columns (up to {} are allowed), {:.2f} rows\n", settings.shift_columns,
+             table.max_shift_columns, static_cast<double>(settings.shift_rows) / model::kRowParts);
 }
 
 void run_table(TableOptions options) {
@@ -98,9 +99,12 @@ void run_table(TableOptions options) {
   const files::OutputFile out(options.out);
   const production::Tolerance tolerance = production::load_tolerance(options.tolerance);
   if (!(std::abs(options.shift_mm) + options.verdict.max_shift_mm <= tolerance.max_shift_mm)) {
-    throw UserError("--shift", fmt::format("and --max-shift together are {} mm; {} lets parts be shifted by {}",
-                                           std::abs(options.shift_mm) + options.verdict.max_shift_mm, options.tolerance,
-                                           tolerance.max_shift_mm));
+    const bool both = options.shift_mm != 0 && options.verdict.max_shift_mm > 0;
+    throw UserError(options.shift_mm == 0 ? "--max-shift" : "--shift",
+                    fmt::format("{} {} mm; {} lets parts be shifted by {} mm (max_shift_mm)",
+                                both ? "and --max-shift together are" : "is",
+                                std::abs(options.shift_mm) + options.verdict.max_shift_mm, options.tolerance,
+                                tolerance.max_shift_mm));
   }
   const production::VerdictTables tables(rig, options.section.load_reference(rig, ""), tolerance, options.verdict,
                                          options.tolerance);

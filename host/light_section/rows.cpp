@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <functional>
 #include <limits>
+#include <numbers>
 #include <vector>
 
 #include "selfproj/images/float_image.h"
@@ -127,20 +128,32 @@ double RowTable::mm_per_row() const {
   return median_of(slopes);
 }
 
+double usual_lit_rows(const rig::Rig& rig) { return 0.5 * (rig.measure.min_lit_px + rig.measure.max_lit_px / 2.0); }
+
 double centroid_noise(const rig::RigImaging& imaging, double peak, double lit_rows, int threshold) {
-  const double sigma = lit_rows / 4;
-  const int reach = static_cast<int>(std::ceil(lit_rows));
-  double m0 = 0;
-  double sum = 0;
-  for (int r = -reach; r <= reach; ++r) {
-    const double grey = std::min(imaging.dark + peak * std::exp(-0.5 * r * r / (sigma * sigma)), 255.0);
-    if (grey <= threshold) {
-      continue;
+  constexpr int kPlaces = 8;  // of the line within a row
+  const double line_sigma = lit_rows / 4;
+  const int reach = static_cast<int>(std::ceil(lit_rows)) + 1;
+  double of_all = 0;
+  for (int place = 0; place < kPlaces; ++place) {
+    const double centre = static_cast<double>(place) / kPlaces;
+    double m0 = 0;
+    double spread = 0;
+    for (int r = -reach; r <= reach; ++r) {
+      const double far = r - centre;
+      const double grey = std::min(imaging.dark + peak * std::exp(-0.5 * far * far / (line_sigma * line_sigma)), 255.0);
+      const double noise = std::max(std::hypot(imaging.read_noise, std::sqrt(grey / imaging.electrons_per_grey)), 1e-9);
+      const double over = grey - threshold;
+      const double z = over / noise;
+      const double lit = 0.5 * std::erfc(-z / std::numbers::sqrt2);  // probability
+      const double density = std::exp(-0.5 * z * z) / std::sqrt(2 * std::numbers::pi);
+      const double mean = over * lit + noise * density;
+      m0 += mean;
+      spread += far * far * ((over * over + noise * noise) * lit + over * noise * density - mean * mean);
     }
-    m0 += grey - threshold;
-    sum += r * r * (grey / imaging.electrons_per_grey + imaging.read_noise * imaging.read_noise);
+    of_all += spread / (m0 * m0) / kPlaces;
   }
-  return m0 > 0 ? std::sqrt(sum) / m0 : std::numeric_limits<double>::infinity();
+  return std::isfinite(of_all) ? std::sqrt(of_all) : std::numeric_limits<double>::infinity();
 }
 
 double board_rate_hz(const rig::Rig& rig, int rows, int columns) {

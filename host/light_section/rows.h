@@ -53,11 +53,14 @@ class RowTable {
 // The grey over the dark that the brightest row of a line reaches on the built-in scenes: about 0.7 of white.
 inline constexpr double kPeakOfWhite = 0.7;
 
+// Rows that a line lights: the middle of the rig's min_lit_px and half of its max_lit_px.
+double usual_lit_rows(const rig::Rig& rig);
+
 // The standard deviation of the centroid of a line, in rows, from the noise of the camera (RigImaging): a Gaussian line
 // whose lit rows are four standard deviations, of a peak of `peak` grey values over the dark, each pixel with shot and
-// read noise. With weights g - threshold (mode grey-over):
-//     sigma² = sum_r (r - C)² (g_r / electrons_per_grey + read_noise²) / M0²
-// Infinite where nothing is lit.
+// read noise. With weights w = max(g - threshold, 0) (mode grey-over), at which pixels near the threshold come and go:
+//     sigma² = sum_r (r - C)² var(w_r) / M0²,  M0 = sum_r mean(w_r),
+// the mean over all places of the line within a row. Infinite where nothing is lit.
 double centroid_noise(const rig::RigImaging& imaging, double peak, double lit_rows, int threshold);
 
 // The frames a second that the board's circuit takes: a frame takes rows times columns / 4 clocks, and no fewer than

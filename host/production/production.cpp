@@ -414,9 +414,10 @@ std::string Production::doubt_about_moments() const {
   const std::uint64_t bad = counts_.verdicts[static_cast<std::size_t>(Verdict::bad)];
   if (kOneOfMany * moments_.less > bad) {
     return fmt::format(
-        "by moments {} of the {} bad parts {} no defect; columns beside edges and walls are not judged (`selfproj "
+        "by moments {} of the {} bad parts {} no defect; {}columns beside edges and walls are not judged (`selfproj "
         "verdict table` says how much is){}",
-        moments_.less, bad, moments_.less == 1 ? "has" : "have", ask);
+        moments_.less, bad, moments_.less == 1 ? "has" : "have",
+        verdict_->one_side_only() ? "the table looks for defects above or below only (--look-for), and " : "", ask);
   }
   return "";
 }

@@ -128,9 +128,12 @@ std::string section_text(const VerdictTable::Section& section) {
 // A list that FieldReader has no word for.
 YAML::Node list_of(const YAML::Node& node, const char* key, const std::string& source, std::size_t most) {
   const YAML::Node list = node[key];
-  if (!list.IsDefined() || !list.IsSequence() || list.size() > most) {
-    throw UserError(
-        source, fmt::format("{} must be a list of up to {} entries, as `selfproj verdict table` writes it", key, most));
+  if (!list.IsDefined() || !list.IsSequence()) {
+    throw UserError(source,
+                    fmt::format("is no verdict table: {} must be a list, as `selfproj verdict table` writes it", key));
+  }
+  if (list.size() > most) {
+    throw UserError(source, fmt::format("{} has {} entries; at most {} are possible", key, list.size(), most));
   }
   return list;
 }

@@ -63,6 +63,9 @@ class VerdictRun {
   [[nodiscard]] std::uint64_t parts() const { return parts_; }
   [[nodiscard]] std::uint64_t parts_with_defect() const { return parts_with_defect_; }
 
+  // The table asks for defects above its limits, or below, but not for both.
+  [[nodiscard]] bool one_side_only() const { return table_.settings.above != table_.settings.below; }
+
   // Nothing is compared where parts are judged when they are placed.
   [[nodiscard]] const BoardAgreement& board() const { return board_; }
 

@@ -111,10 +111,10 @@ void check_bands(const VerdictTable& table, const std::string& source) {
     for (const model::ColumnLimits& limits : section.limits) {
       const std::uint32_t band = limits.judged ? limits.high - limits.low : 0;
       if (band > model::kMaxBand) {
-        throw UserError(source, fmt::format("with a margin of {} mm makes bands of {:.0f} rows; a board takes no more "
-                                            "than {:.0f}",
-                                            table.margin_mm, static_cast<double>(band) / kParts,
-                                            static_cast<double>(model::kMaxBand) / kParts));
+        throw UserError(
+            source, fmt::format("with a margin of {} mm makes bands of {:.1f} rows; a board takes less than "
+                                "{}",
+                                table.margin_mm, static_cast<double>(band) / kParts, (model::kMaxBand + 1) / kParts));
       }
     }
   }
@@ -154,6 +154,25 @@ model::VerdictSettings shifted_settings(const VerdictTable& table, double across
   return settings;
 }
 
+// Parts by the encoder begin where the first limits hold and end behind the last, so that sections without limits, the
+// first and the last, need no room in a board.
+void leave_out_ends(VerdictTable& table) {
+  std::vector<VerdictTable::Section>& sections = table.sections;
+  if (sections.size() > 1 && judged_in(sections.back()) == 0) {
+    table.rule.length = sections.back().begin;
+    sections.pop_back();
+  }
+  if (sections.size() > 1 && judged_in(sections.front()) == 0) {
+    const std::uint32_t first = sections[1].begin;
+    sections.erase(sections.begin());
+    for (VerdictTable::Section& section : sections) {
+      section.begin -= first;
+    }
+    table.rule.start = (table.rule.start + first) & model::kCountMask;
+    table.rule.length -= first;
+  }
+}
+
 std::vector<std::string> never(const VerdictTable& table) {
   std::vector<std::string> found;
   const model::VerdictSettings& settings = table.settings;
@@ -183,8 +202,6 @@ std::vector<std::string> never(const VerdictTable& table) {
   return found;
 }
 
-double usual_lit_rows(const rig::Rig& rig) { return 0.5 * (rig.measure.min_lit_px + rig.measure.max_lit_px / 2.0); }
-
 VerdictTables::VerdictTables(const rig::Rig& rig, const light_section::ReferenceProfile& reference,
                              const Tolerance& tolerance, const VerdictOptions& options, const std::string& source)
     : rig_(rig),
@@ -194,7 +211,7 @@ VerdictTables::VerdictTables(const rig::Rig& rig, const light_section::Reference
       source_(source),
       profiler_(whole_sensor(rig), reference),
       section_(section_of(whole_sensor(rig), reference, profiler_)),
-      lit_rows_(options.lit_rows.value_or(usual_lit_rows(rig))) {
+      lit_rows_(options.lit_rows.value_or(light_section::usual_lit_rows(rig))) {
   if (!rig.parts || !rig.parts->by_encoder || !(rig.conveyor.encoder_mm_per_count > 0)) {
     throw UserError(rig.name,
                     "a verdict needs parts along a belt with an encoder that counts up: section `parts` with "
@@ -496,7 +513,13 @@ std::vector<VerdictTables::Limits> VerdictTables::limits_of_stretches(const Plac
   return result;
 }
 
-VerdictTable VerdictTables::table(double shift_mm) const { return table(shift_mm, play_along_mm_); }
+VerdictTable VerdictTables::table(double shift_mm) const {
+  VerdictTable table = this->table(shift_mm, play_along_mm_);
+  if (table.rule.by_encoder) {
+    leave_out_ends(table);
+  }
+  return table;
+}
 
 VerdictTable VerdictTables::table(const Placement& placement) const {
   // Edges are located to half a cell of the map. A turned part comes earlier on one side and later on the other.
@@ -589,10 +612,11 @@ VerdictTable VerdictTables::table(double shift_mm, double play_along_mm) const {
   }
   check_bands(table, source_);
   if (table.judged() == 0) {
-    throw UserError(source_, fmt::format("no column of {} can be judged: regions are narrower or shorter than the "
-                                         "plays of {} mm across and {:.3g} mm along leave, or the line does not stay "
-                                         "within rows {} to {}",
-                                         rig_.name, options_.play_across_mm, play_along_mm, first_, last_));
+    throw UserError(source_,
+                    fmt::format("no column of {} can be judged: regions are narrower or shorter than the "
+                                "plays of {} mm across and {:.3g} mm along leave, or the line does not stay "
+                                "within rows {} to {} with a margin of {} mm",
+                                rig_.name, options_.play_across_mm, play_along_mm, first_, last_, options_.margin_mm));
   }
   set_rule(table, shift_mm);
   set_settings(table);
@@ -730,7 +754,9 @@ VerdictFacts VerdictTables::facts(const VerdictTable& table) const {
   facts.rounding_mm = std::abs(row_mm_) / kParts;
   double judged_mm2 = 0;
   for (std::size_t s = 0; s < table.sections.size(); ++s) {
-    const std::uint32_t end = s + 1 < table.sections.size() ? table.sections[s + 1].begin : length_counts();
+    const std::uint32_t end = s + 1 < table.sections.size() ? table.sections[s + 1].begin
+                              : table.rule.by_encoder       ? table.rule.length
+                                                            : length_counts();
     const double length = (end - table.sections[s].begin) * rig_.conveyor.encoder_mm_per_count;
     judged_mm2 += length * std::abs(column_mm_) * static_cast<double>(judged_in(table.sections[s]));
   }

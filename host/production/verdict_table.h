@@ -67,7 +67,7 @@ struct VerdictOptions {
   double margin_mm = 0;                     // limits are further off by this
   double play_across_mm = 0.25;             // a part may lie so far beside where it is said to lie
   std::optional<double> play_along_mm{};    // and begin so much earlier or later; nothing: half a line and a frame
-  std::optional<double> lit_rows{};         // that the line lights; nothing: usual_lit_rows
+  std::optional<double> lit_rows{};         // that the line lights; nothing: light_section::usual_lit_rows
   double max_shift_mm = 0;                  // the shift of settings may be so large
   std::optional<double> section_mm{};       // length of a section; nothing: they begin where regions begin or end
   std::optional<double> frame_mm{};         // of the belt, from frame to frame; nothing: by the rig's speed and rate
@@ -75,9 +75,6 @@ struct VerdictOptions {
   std::optional<std::uint32_t> start{};     // parts by the encoder: count at which part 0 begins; nothing: by light
   std::optional<std::uint32_t> pitch = {};  // and counts from part to part
 };
-
-// Rows that a line lights: the middle of the rig's min_lit_px and half of its max_lit_px.
-double usual_lit_rows(const rig::Rig& rig);
 
 // What was decided, for people.
 struct VerdictFacts {

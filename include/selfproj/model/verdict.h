@@ -29,6 +29,9 @@
 // counts from where the encoder was chosen, or from the first frame behind stop(). Counts are compared modulo 2^24. A
 // part ends, too, where the way of telling parts changes. Frames outside of parts are never bad.
 //
+// The encoder must not count back: behind the beginning of a part, by one count only, `length` or `begins` are reached
+// modulo 2^24, so that a part by the encoder ends, and a part by light begins a section with each frame.
+//
 // **Sections.** A part may have other limits along its way. It begins with section 0; the next section begins with the
 // first frame whose count is `begins[section + 1]` or more behind the part's beginning, by one section at most from
 // frame to frame. The beginning is start + k · pitch, or with parts by light the count of the part's first frame.

@@ -1,6 +1,7 @@
 // Tables for the verdict of the circuit: against the profiler's own heights; files; the verdict on the host.
 #include "host/production/verdict_table.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -219,7 +220,9 @@ TEST(VerdictTables, ShortSectionsJudgeMoreOnABeltThatRunsAskew) {
   light_section::Profile profile;
   profile.resize(table.columns);
   const double count_mm = setup.rig.conveyor.encoder_mm_per_count;
-  const double meets = production::belt_view(setup.rig).along_mm + tables.leading_edge_mm({});
+  // Sections are counted from where parts are judged on.
+  const double meets = production::belt_view(setup.rig).along_mm + tables.leading_edge_mm({}) -
+                       (table.rule.start - *options.start) * count_mm;
   const std::vector<double>& corners = setup.tolerance.regions[0].corners_mm;
   for (std::size_t i = 0; i + 1 < table.sections.size(); ++i) {
     for (std::size_t at = 0; at < static_cast<std::size_t>(table.columns); ++at) {
@@ -248,15 +251,25 @@ TEST(VerdictTables, WallsAndPlacesOutsideOfRegionsAreNotJudged) {
   const GoodPart setup = treads();
   const VerdictTable table =
       VerdictTables(setup.rig, setup.reference, setup.tolerance, evenly(), "tolerance").table(1.5);
-  ASSERT_GE(table.sections.size(), 5U);
-  EXPECT_TRUE(std::none_of(table.sections.front().limits.begin(), table.sections.front().limits.end(),
-                           [](const auto& limits) { return limits.judged; }));
-  EXPECT_TRUE(std::none_of(table.sections.back().limits.begin(), table.sections.back().limits.end(),
-                           [](const auto& limits) { return limits.judged; }));
-  // With 2 mm of strip and the plays, along and across.
+  // By the encoder, parts begin with the first limits and end behind the last; by light, sections without limits say
+  // so. With 2 mm of strip and the plays, along and across.
+  const auto none = [](const VerdictTable::Section& section) {
+    return std::none_of(section.limits.begin(), section.limits.end(), [](const auto& limits) { return limits.judged; });
+  };
+  ASSERT_GE(table.sections.size(), 3U);
+  EXPECT_FALSE(none(table.sections.front()) || none(table.sections.back()));
   const double play = table.play_along_mm;
-  EXPECT_NEAR(table.sections[1].begin * setup.rig.conveyor.encoder_mm_per_count, 2 + play, 0.5);
-  EXPECT_NEAR(table.sections.back().begin * setup.rig.conveyor.encoder_mm_per_count, 38 - play, 0.5);
+  const double count_mm = setup.rig.conveyor.encoder_mm_per_count;
+  EXPECT_EQ(table.sections.front().begin, 0U);
+  EXPECT_NEAR((table.rule.start - *evenly().start) * count_mm, 2 + play, 0.5);
+  EXPECT_NEAR((table.rule.start - *evenly().start + table.rule.length) * count_mm, 38 - play, 0.5);
+  const VerdictTable by_light = VerdictTables(setup.rig, setup.reference, setup.tolerance, {}, "tolerance").table(1.5);
+  ASSERT_EQ(by_light.sections.size(), table.sections.size() + 2);
+  EXPECT_TRUE(none(by_light.sections.front()) && none(by_light.sections.back()));
+  for (std::size_t i = 0; i < table.sections.size(); ++i) {
+    EXPECT_EQ(by_light.sections[i + 1].limits, table.sections[i].limits);
+    EXPECT_EQ(by_light.sections[i + 1].begin, table.sections[i].begin + by_light.sections[1].begin);
+  }
   for (const VerdictTable::Section& section : table.sections) {
     for (int c = 0; c < table.columns; ++c) {
       // Heights of 8 to 20 mm: columns are 0.229 to 0.232 mm apart.
@@ -275,7 +288,7 @@ TEST(VerdictTables, WallsAndPlacesOutsideOfRegionsAreNotJudged) {
     return limits.judged ? static_cast<int>(limits.high - limits.low) : -1;
   };
   const int seat = 255 + static_cast<int>(std::lround(11.5 / 0.2294));
-  EXPECT_LT(band(table.sections.size() / 2, seat), band(1, seat));
+  EXPECT_LT(band(table.sections.size() / 2, seat), band(0, seat));
   EXPECT_GT(band(table.sections.size() / 2, seat), 0);
 }
 
@@ -293,9 +306,10 @@ TEST(VerdictTables, LimitsForShiftsHoldForEachShift) {
     for (const VerdictTable::Section& of_all : all.sections) {
       // The section of the exact table that is in force in its middle
       const auto next = &of_all == &all.sections.back() ? of_all.begin : (&of_all + 1)->begin;
-      const std::uint32_t middle = (of_all.begin + next) / 2;
+      const std::uint32_t middle = (of_all.begin + next) / 2 + all.rule.start - exact.rule.start;
       const auto after = std::find_if(exact.sections.begin(), exact.sections.end(),
                                       [&](const auto& section) { return section.begin > middle; });
+      ASSERT_NE(after, exact.sections.begin());
       const VerdictTable::Section& of_one = *(after - 1);
       for (int c = 0; c < all.columns; ++c) {
         const int from = c - s;
@@ -439,15 +453,15 @@ TEST(VerdictFile, IsReadBackAndChecked) {
       {"pitch_counts: 9000", "pitch_counts: 100", "parts.pitch_counts is 100, and length_counts "},
       {"begin_by: encoder", "begin_by: light", "parts.lit_columns is missing"},
       {"begin_counts: 0", "begin_counts: 5", "section 1: begins at count 5; the first one must begin at 0"},
-      {number_after("  - begin_counts: 0\n    columns: []\n  - begin_counts: "),
-       "  - begin_counts: 0\n    columns: []\n  - begin_counts: 0", "section 2: begins at count 0; the one before"},
+      {fmt::format("begin_counts: {}", table.sections[1].begin), "begin_counts: 0",
+       "section 2: begins at count 0; the one before"},
       {number_after("first_column: "), "first_column: 0", "first_column is "},
       {low, "low: [200000", "low has an entry, number 1, that is not a number from 0 to 131071"},
       {low, "low: [5.5", "has the limits 5.5 and "},
       {low, "low: [131071", "has the limits 131071 and "},
       {low, low + ", 4", "numbers and high "},
       {"high: [", "hihg: [", "high is missing"},
-      {"sections:", "sectoins:", "sections must be a list"},
+      {"sections:", "sectoins:", "is no verdict table: sections must be a list"},
       {"above: yes", "above: maybe", "defect.above is 'maybe'; one of yes, no is expected"},
       {"row_mm: ", "row_cm: ", "frames.row_cm: unknown key; the key is row_mm"},
   };
@@ -504,7 +518,7 @@ TEST(VerdictRun, IsTheModel) {
   }
   production::CutPart part;
   part.first = expected[50].sequence;
-  part.last = expected[900].sequence;
+  part.last = expected[700].sequence;
   const auto in_part = run.judge(part, {});
   ASSERT_TRUE(in_part);
   const auto begin = expected.begin() + 50;
