@@ -651,6 +651,22 @@ TEST_F(UdpDevice, JumboFrames) {
   EXPECT_EQ(device_->counters(), (driver::Counters{.delivered = 5}));
 }
 
+// A datagram that does not come costs its packet, and no other.
+TEST_F(UdpDevice, ALostDatagramCostsItsPacketAlone) {
+  const BoardSocket socket("127.0.0.2", static_cast<std::uint16_t>(std::stoi(port_)));
+  model::DatagramCutter cutter(7);
+  constexpr std::uint64_t kPackets = 100;
+  std::vector<Bytes> datagrams = cut_up(cutter, 0, kPackets);
+  datagrams.erase(datagrams.begin() + 41);
+  const sockaddr_in host = driver::udp_address("", {.host = "127.0.0.1", .port = socket.port()});
+  for (const Bytes& datagram : datagrams) {
+    socket.send({host, datagram});
+  }
+  EXPECT_EQ(read(kPackets), kPackets - 1);
+  EXPECT_EQ(device_->counters(),
+            (driver::Counters{.delivered = kPackets - 1, .missing = 1, .lost_network = 1, .datagrams_lost = 1}));
+}
+
 // After a silence the packet of which a datagram did not come counts as lost, without another packet.
 TEST_F(UdpDevice, IncompleteBeforeASilence) {
   const BoardSocket socket("127.0.0.2", static_cast<std::uint16_t>(std::stoi(port_)));
