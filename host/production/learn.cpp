@@ -169,6 +169,7 @@ Tolerance Learner::whole_view() const {
   tolerance.max_turn_deg = options_.max_turn_deg;
   tolerance.max_residual_mm = 1e6;
   tolerance.min_defect_mm2 = options_.min_defect_mm2;
+  tolerance.edge_mm = options_.edge_mm;
   tolerance.section_step_mm = kSectionStep;
   tolerance.section_mm = middle_section(*map_, tolerance, kSectionStep);
   const MapGrid grid = placed_grid(pitch, tolerance.length_mm, tolerance.left_mm, tolerance.right_mm);
@@ -242,6 +243,7 @@ Tolerance Learner::outline(const std::string& source, Reasons& reasons) const {
   tolerance.max_turn_deg = options_.max_turn_deg;
   tolerance.max_residual_mm = 1e6;
   tolerance.min_defect_mm2 = options_.min_defect_mm2;
+  tolerance.edge_mm = options_.edge_mm;
   tolerance.section_step_mm = kSectionStep;
   tolerance.section_mm =
       sampled_section(section_, tolerance.left_mm, tolerance.right_mm, kSectionStep, widest_of(rig_));

@@ -37,6 +37,9 @@ void visit_part(ToleranceT& tolerance, Visitor& v) {
   v.number("max_turn_deg", tolerance.max_turn_deg, 1, {.low = 0, .high = 45});
   v.number("max_residual_mm", tolerance.max_residual_mm, 1, rig::kNotNegative);
   v.number("min_defect_mm2", tolerance.min_defect_mm2, 1, rig::kPositive);
+  if (v.has_any({"edge_mm"}, tolerance.edge_mm)) {
+    v.number("edge_mm", *tolerance.edge_mm, 1, rig::kNotNegative);
+  }
   v.end();
 }
 

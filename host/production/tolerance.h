@@ -2,6 +2,7 @@
 #ifndef SELFPROJ_HOST_PRODUCTION_TOLERANCE_H
 #define SELFPROJ_HOST_PRODUCTION_TOLERANCE_H
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -30,6 +31,8 @@ struct Tolerance {
   double max_turn_deg = 0;     // to both sides
   double max_residual_mm = 0;  // of the placement
   double min_defect_mm2 = 0;   // area of the smallest defect
+  // The strip along edges and walls that the regions leave out; nothing: not known, regions may reach up to them.
+  std::optional<double> edge_mm = {};
   // The section of the reference for which it was made, every section_step_mm from left_mm on; NaN where there was
   // none. Empty: it does not say.
   double section_step_mm = 0;

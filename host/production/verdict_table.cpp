@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <iterator>
 #include <limits>
 #include <numeric>
 #include <opencv2/core.hpp>
@@ -38,8 +39,11 @@ rig::Rig whole_sensor(rig::Rig rig) {
   return rig;
 }
 
-// Whether the rectangle lies in the polygon: no side of the polygon runs through it, and its middle is inside.
-bool covers(const ToleranceRegion& region, double along0, double along1, double across0, double across1) {
+enum class Lies : std::uint8_t { outside, across_the_border, inside };
+
+// How the rectangle lies to the polygon: whether a side of the polygon runs through it, and whether its middle is
+// inside.
+Lies lies(const ToleranceRegion& region, double along0, double along1, double across0, double across1) {
   constexpr double kTouch = 1e-6;  // mm: sides may touch
   const double u0 = along0 + kTouch, u1 = along1 - kTouch, w0 = across0 + kTouch, w1 = across1 - kTouch;
   const double u = 0.5 * (along0 + along1), w = 0.5 * (across0 + across1);
@@ -59,13 +63,38 @@ bool covers(const ToleranceRegion& region, double along0, double along1, double 
       }
     }
     if (from <= to) {
-      return false;
+      return Lies::across_the_border;
     }
     if ((aw > w) != (bw > w) && u < au + (bu - au) * (w - aw) / (bw - aw)) {
       inside = !inside;
     }
   }
-  return inside;
+  return inside ? Lies::inside : Lies::outside;
+}
+
+// A rectangle that is larger by `more_mm` on each side; any other polygon as it is.
+ToleranceRegion widened(ToleranceRegion region, double more_mm) {
+  std::vector<double>& corners = region.corners_mm;
+  std::array<double, 2> low{};  // along, across
+  std::array<double, 2> high{};
+  for (const std::size_t axis : {0U, 1U}) {
+    low.at(axis) = high.at(axis) = corners[axis];
+    for (std::size_t i = axis; i < corners.size(); i += 2) {
+      low.at(axis) = std::min(low.at(axis), corners[i]);
+      high.at(axis) = std::max(high.at(axis), corners[i]);
+    }
+  }
+  const double area = (high[0] - low[0]) * (high[1] - low[1]);
+  bool rectangle = corners.size() == 8;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    rectangle = rectangle && (corners[i] == low.at(i % 2) || corners[i] == high.at(i % 2));
+  }
+  if (rectangle && area > 0) {
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+      corners[i] += corners[i] == low.at(i % 2) ? -more_mm : more_mm;
+    }
+  }
+  return region;
 }
 
 // The limits that hold where both do: a column is out only if it is out of both.
@@ -220,6 +249,8 @@ VerdictTables::VerdictTables(const rig::Rig& rig, const light_section::Reference
   check_tolerance(tolerance, rig, section_, source);
   widest_mm_ = 3 * pixel_mm(rig);
   jumps_ = section_.jumps(rig, widest_mm_);
+  std::transform(tolerance_.regions.begin(), tolerance_.regions.end(), std::back_inserter(widened_),
+                 [&](const ToleranceRegion& region) { return widened(region, 0.5 * tolerance_.edge_mm.value_or(0)); });
   const light_section::LineRules rules =
       light_section::line_rules(rig.camera, rig.measure, sent_.row_offset, sent_.rows);
   first_ = static_cast<double>(rules.first) + sent_.row_offset;
@@ -316,7 +347,7 @@ VerdictTables::Placed VerdictTables::placed(double shift_mm, double play_along_m
     part.difference[i] = static_cast<float>(static_cast<double>(height_[i]) -
                                             section_.at(static_cast<double>(across_[i]) - shift_mm, widest_mm_));
   }
-  for (const ToleranceRegion& region : tolerance_.regions) {
+  for (const ToleranceRegion& region : widened_) {
     SeenRegion seen;
     double left = 1e9;
     double right = -1e9;
@@ -368,14 +399,36 @@ VerdictTables::Placed VerdictTables::placed(double shift_mm, double play_along_m
 std::vector<double> VerdictTables::boundaries(const Placed& part) const {
   std::vector<double> result;
   for (std::size_t r = 0; r < part.regions.size(); ++r) {
-    const std::vector<double>& corners = tolerance_.regions[r].corners_mm;
     const double play = part.play_along_mm + part.regions[r].spread_mm;
-    for (std::size_t i = 0; i < corners.size(); i += 2) {
-      result.push_back(corners[i] + part.regions[r].along_mm - play);
-      result.push_back(corners[i] + part.regions[r].along_mm + play);
+    for (const ToleranceRegion* const region : {&tolerance_.regions[r], &widened_[r]}) {
+      for (std::size_t i = 0; i < region->corners_mm.size(); i += 2) {
+        result.push_back(region->corners_mm[i] + part.regions[r].along_mm - play);
+        result.push_back(region->corners_mm[i] + part.regions[r].along_mm + play);
+      }
     }
   }
   return result;
+}
+
+// The surface of a region goes on in the strip that the tolerance leaves out along edges and walls. Half of it is
+// judged as the region is, as far as it belongs to no other region, and the pattern does not jump there. The other half
+// is where the line and the cells of a map see both sides of the edge.
+bool VerdictTables::in_strip(std::size_t region, double along0, double along1, double across0, double across1) const {
+  const double edge = 0.5 * tolerance_.edge_mm.value_or(0);
+  if (edge == 0 || along0 < edge || along1 > tolerance_.length_mm - edge || across0 < tolerance_.left_mm + edge ||
+      across1 > tolerance_.right_mm - edge || std::any_of(jumps_.begin(), jumps_.end(), [&](const auto& jump) {
+        return across1 > jump.first && across0 < jump.second;
+      })) {
+    return false;
+  }
+  for (std::size_t other = 0; other < widened_.size(); ++other) {
+    const Lies there =
+        lies(other == region ? widened_[other] : tolerance_.regions[other], along0, along1, across0, across1);
+    if (there != (other == region ? Lies::inside : Lies::outside)) {
+      return false;
+    }
+  }
+  return true;
 }
 
 VerdictTables::Wanted VerdictTables::wanted(const Placed& part, double from_mm, double to_mm) const {
@@ -391,7 +444,10 @@ VerdictTables::Wanted VerdictTables::wanted(const Placed& part, double from_mm, 
       const double play = options_.play_across_mm + seen.places[c]->play_mm;
       const double from = from_mm - seen.places[c]->along_mm - part.play_along_mm;
       const double to = to_mm - seen.places[c]->along_mm + part.play_along_mm;
-      if (!covers(region, from, to, across - play, across + play)) {
+      if (lies(region, from, to, across - play, across + play) != Lies::inside) {
+        if (!result[c] && in_strip(r, from, to, across - play, across + play)) {
+          result[c] = Range{region.low_mm, region.high_mm};
+        }
         continue;
       }
       const Range before = result[c].value_or(Range{region.low_mm, region.high_mm});
@@ -768,7 +824,7 @@ VerdictFacts VerdictTables::facts(const VerdictTable& table) const {
     }
     all_mm2 += cv::contourArea(corners);
   }
-  facts.judged = judged_mm2 / all_mm2;
+  facts.judged = std::min(judged_mm2 / all_mm2, 1.0);
   facts.found_across_mm = (table.settings.width + 1) * std::abs(column_mm_);
   facts.found_along_mm = (table.settings.hits + 1) * frame_mm_;
   facts.noise_mm = noise_rows() * std::abs(row_mm_);

@@ -98,8 +98,9 @@ std::vector<std::string> never(const VerdictTable& table);
 //
 // A column of a section is judged if
 //   - the pattern does not jump there or within kBesideWalls columns (SectionReference::jumps),
-//   - all places of the part that may pass it in this section lie in the same region of the tolerance: the part may be
-//     beside its place by play_across_mm, and begin earlier or later by play_along_mm,
+//   - all places of the part that may pass it in this section lie in the same region of the tolerance, or in the inner
+//     half of the strip around it (Tolerance::edge_mm): the part may be beside its place by play_across_mm, and begin
+//     earlier or later by play_along_mm,
 //   - the line stays within the rows that count as long as the part is within the tolerance, so that it is not cut off,
 //   - and heights rise or fall with the rows all the way to it.
 //
@@ -170,6 +171,7 @@ class VerdictTables {
   [[nodiscard]] Placed placed(double shift_mm, double play_along_mm) const;
   [[nodiscard]] int row_of(const Placed& part, int column, double difference_mm) const;
   [[nodiscard]] std::vector<double> boundaries(const Placed& part) const;
+  [[nodiscard]] bool in_strip(std::size_t region, double along0, double along1, double across0, double across1) const;
   [[nodiscard]] Wanted wanted(const Placed& part, double from_mm, double to_mm) const;
   [[nodiscard]] Limits limits(const Placed& part, const Wanted& wanted) const;
   [[nodiscard]] VerdictTable table(double shift_mm, double play_along_mm) const;
@@ -187,7 +189,8 @@ class VerdictTables {
   light_section::DifferentialProfiler profiler_;  // of the whole sensor; all its rows count
   SectionReference section_;
   std::vector<std::pair<double, double>> jumps_;
-  double widest_mm_ = 0;  // between neighbouring points of the section
+  std::vector<ToleranceRegion> widened_;  // the regions, with half of the strip around them
+  double widest_mm_ = 0;                  // between neighbouring points of the section
   double lit_rows_ = 0;
   double first_ = 0, last_ = 0;  // rows of the sensor that count
   double frame_mm_ = 0;

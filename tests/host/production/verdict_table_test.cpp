@@ -292,6 +292,47 @@ TEST(VerdictTables, WallsAndPlacesOutsideOfRegionsAreNotJudged) {
   EXPECT_GT(band(table.sections.size() / 2, seat), 0);
 }
 
+// Where the tolerance says how wide the strip is that its regions leave out along edges and walls, half of it is judged
+// as they are, but not where another region is, where the pattern jumps, or by a user's region at the part's edge.
+TEST(VerdictTables, HalfOfTheStripAroundARegionIsJudged) {
+  GoodPart setup = treads();
+  setup.tolerance.regions.push_back(rectangle("to the edge", 2, 38, -21.9, -20.5, -0.04, 0.05));
+  const auto table_of = [&] {
+    return VerdictTables(setup.rig, setup.reference, setup.tolerance, evenly(), "t").table();
+  };
+  const VerdictTable plain = table_of();
+  setup.tolerance.edge_mm = 2;
+  const VerdictTable table = table_of();
+  ASSERT_GE(table.sections.size(), 3U);
+  const double count_mm = setup.rig.conveyor.encoder_mm_per_count;
+  EXPECT_NEAR((table.rule.start - *evenly().start) * count_mm, 1 + table.play_along_mm, 0.5);
+  EXPECT_NEAR((table.rule.start - *evenly().start + table.rule.length) * count_mm, 39 - table.play_along_mm, 0.5);
+  // Before the seat: there is nothing but the treads.
+  const std::vector<model::ColumnLimits>& limits = table.sections.front().limits;
+  const std::vector<model::ColumnLimits>& without = plain.sections.front().limits;
+  int more = 0;
+  for (int c = 0; c < table.columns; ++c) {
+    const auto at = static_cast<std::size_t>(c);
+    const double across = 0.2305 * (c - 255.5);
+    if (without[at].judged) {
+      EXPECT_TRUE(limits[at].judged) << across;
+      EXPECT_EQ(limits[at].low, without[at].low);
+      EXPECT_EQ(limits[at].high, without[at].high);
+      continue;
+    }
+    more += limits[at].judged ? 1 : 0;
+    // 1 mm of the strip, less the play of 0.25 mm, and not at the wall
+    const bool in_strip =
+        (across > -2.25 && across < -1.25) || (across > 1.25 && across < 2.25) || (across > 19.75 && across < 20.75);
+    const bool between = across > -20.75 && across < -19.5;  // two regions
+    EXPECT_TRUE(in_strip || between || !limits[at].judged) << across;
+  }
+  EXPECT_GE(more, 10);
+  EXPECT_EQ(production::parse_tolerance(production::to_yaml(setup.tolerance), "t").edge_mm, 2);
+  setup.tolerance.edge_mm = {};
+  EXPECT_EQ(production::parse_tolerance(production::to_yaml(setup.tolerance), "t").edge_mm, std::nullopt);
+}
+
 // Limits that are made for shifts hold for each of them.
 TEST(VerdictTables, LimitsForShiftsHoldForEachShift) {
   const GoodPart setup = treads();
