@@ -153,6 +153,25 @@ std::ptrdiff_t judged_in(const VerdictTable::Section& section) {
   return std::count_if(section.limits.begin(), section.limits.end(), [](const auto& limits) { return limits.judged; });
 }
 
+// Parts by the encoder begin where the first limits hold and end behind the last, so that sections without limits, the
+// first and the last, need no room in a board.
+void leave_out_ends(VerdictTable& table) {
+  std::vector<VerdictTable::Section>& sections = table.sections;
+  if (sections.size() > 1 && judged_in(sections.back()) == 0) {
+    table.rule.length = sections.back().begin;
+    sections.pop_back();
+  }
+  if (sections.size() > 1 && judged_in(sections.front()) == 0) {
+    const std::uint32_t first = sections[1].begin;
+    sections.erase(sections.begin());
+    for (VerdictTable::Section& section : sections) {
+      section.begin -= first;
+    }
+    table.rule.start = (table.rule.start + first) & model::kCountMask;
+    table.rule.length -= first;
+  }
+}
+
 }  // namespace
 
 int VerdictTable::judged() const {
@@ -181,25 +200,6 @@ model::VerdictSettings shifted_settings(const VerdictTable& table, double across
   settings.shift_columns = static_cast<int>(columns);
   settings.shift_rows = static_cast<int>(rows);
   return settings;
-}
-
-// Parts by the encoder begin where the first limits hold and end behind the last, so that sections without limits, the
-// first and the last, need no room in a board.
-void leave_out_ends(VerdictTable& table) {
-  std::vector<VerdictTable::Section>& sections = table.sections;
-  if (sections.size() > 1 && judged_in(sections.back()) == 0) {
-    table.rule.length = sections.back().begin;
-    sections.pop_back();
-  }
-  if (sections.size() > 1 && judged_in(sections.front()) == 0) {
-    const std::uint32_t first = sections[1].begin;
-    sections.erase(sections.begin());
-    for (VerdictTable::Section& section : sections) {
-      section.begin -= first;
-    }
-    table.rule.start = (table.rule.start + first) & model::kCountMask;
-    table.rule.length -= first;
-  }
 }
 
 std::vector<std::string> never(const VerdictTable& table) {
