@@ -160,7 +160,8 @@ def main():
           f"{total['rtl_found']} of {total['rtl_of_host']}, {total['rtl_found_at_edges']} of "
           f"{total['rtl_of_host_at_edges']} at edges, and {total['rtl_false_parts']} of {total['rtl_good_parts']}")
     false = total["false_parts"] + total["rtl_false_parts"]
-    return 0 if total["refused"] == 0 and total["share"] >= LEAST_SHARE and false == 0 else 1
+    found = total["share"] >= LEAST_SHARE or options.line_only
+    return 0 if total["refused"] == 0 and found and false == 0 else 1
 
 
 if __name__ == "__main__":
