@@ -155,8 +155,7 @@ TEST_F(PartsCommand, JudgesMomentsByATable) {
   const Outcome made = host({"verdict", "table", "--rig", "rig.yaml", "--tolerance", "tolerance.yaml", "--start",
                              "5980", "--pitch", "3000", "--max-shift", "1", "--out", "verdict.yaml"});
   ASSERT_EQ(made.status, 0) << made.err;
-  EXPECT_NE(made.out.find(" of 512 columns are judged, in 1 section; a column is 0.23"), std::string::npos)
-      << made.out;
+  EXPECT_NE(made.out.find(" of 512 columns are judged, in 1 section; a column is 0.23"), std::string::npos) << made.out;
   EXPECT_NE(made.out.find("a defect: 2 neighbouring columns (w) out in 6 (m) of 6 frames (h), too high or too low; too "
                           "high is below the band\n"),
             std::string::npos)
@@ -166,7 +165,8 @@ TEST_F(PartsCommand, JudgesMomentsByATable) {
   EXPECT_NE(made.out.find(" on, every 3000 counts, for 1"), std::string::npos) << made.out;
   const Outcome shown = host({"verdict", "show", "verdict.yaml", "--across", "0.7", "--higher", "-0.4"});
   ASSERT_EQ(shown.status, 0) << shown.err;
-  EXPECT_NE(shown.out.find("shift of the settings: 3 columns (up to 5 are allowed), -1.0"), std::string::npos) << shown.out;
+  EXPECT_NE(shown.out.find("shift of the settings: 3 columns (up to 5 are allowed), -1.0"), std::string::npos)
+      << shown.out;
 
   for (const bool placed : {false, true}) {
     const std::string name = placed ? "placed" : "as-told";
