@@ -32,6 +32,27 @@ std::size_t moments_bytes(Mode mode, std::size_t columns) {
   return whole_beats(columns * (mode == Mode::binary ? kBinaryBytes : kGreyBytes));
 }
 
+// Where a word of a grey mode has its fields
+struct GreyFields {
+  int m1_lsb, m1_bits, m0_lsb, m0_bits, n_lsb, n_bits;
+};
+constexpr GreyFields kGrey{spec::kGreyM1Lsb,  spec::kGreyM1Bits, spec::kGreyM0Lsb,
+                           spec::kGreyM0Bits, spec::kGreyNLsb,   spec::kGreyNBits};
+constexpr GreyFields kWideGrey{spec::kWideGreyM1Lsb,  spec::kWideGreyM1Bits, spec::kWideGreyM0Lsb,
+                               spec::kWideGreyM0Bits, spec::kWideGreyNLsb,   spec::kWideGreyNBits};
+
+template <const GreyFields& At>
+void store_grey_words(std::size_t count, const MomentsView& moments, std::uint8_t* __restrict words) {
+  const std::uint32_t* m0 = moments.m0;
+  const std::uint32_t* m1 = moments.m1;
+  const std::uint32_t* n = moments.n;
+  for (std::size_t i = 0; i < count; ++i) {
+    store_little_endian(words + i * kGreyBytes, (m1[i] & ones64(At.m1_bits)) << At.m1_lsb |
+                                                    (m0[i] & ones64(At.m0_bits)) << At.m0_lsb |
+                                                    (n[i] & ones64(At.n_bits)) << At.n_lsb);
+  }
+}
+
 std::size_t checked(int columns) {
   if (columns < 0) {
     throw std::invalid_argument("packet: columns are negative");
@@ -62,7 +83,6 @@ void pack_moments(Mode mode, int columns, const MomentsView& moments, std::uint8
   const std::size_t count = checked(mode, columns);
   const std::uint32_t* m0 = moments.m0;
   const std::uint32_t* m1 = moments.m1;
-  const std::uint32_t* n = moments.n;
   std::uint8_t* __restrict words = payload;
   std::size_t used = 0;
   if (mode == Mode::binary) {
@@ -72,11 +92,7 @@ void pack_moments(Mode mode, int columns, const MomentsView& moments, std::uint8
     }
     used = count * kBinaryBytes;
   } else {
-    for (std::size_t i = 0; i < count; ++i) {
-      store_little_endian(words + i * kGreyBytes, (m1[i] & ones64(spec::kGreyM1Bits)) << spec::kGreyM1Lsb |
-                                                      (m0[i] & ones64(spec::kGreyM0Bits)) << spec::kGreyM0Lsb |
-                                                      (n[i] & ones64(spec::kGreyNBits)) << spec::kGreyNLsb);
-    }
+    store_grey_words<kGrey>(count, moments, words);
     used = count * kGreyBytes;
   }
   std::fill(payload + used, payload + moments_bytes(mode, count), std::uint8_t{0});
@@ -105,12 +121,7 @@ void pack_wide_moments(Mode mode, int columns, const MomentsView& moments, std::
     return;
   }
   const std::size_t count = checked(mode, columns);
-  for (std::size_t i = 0; i < count; ++i) {
-    store_little_endian(payload + i * kGreyBytes,
-                        (moments.m1[i] & ones64(spec::kWideGreyM1Bits)) << spec::kWideGreyM1Lsb |
-                            (moments.m0[i] & ones64(spec::kWideGreyM0Bits)) << spec::kWideGreyM0Lsb |
-                            (moments.n[i] & ones64(spec::kWideGreyNBits)) << spec::kWideGreyNLsb);
-  }
+  store_grey_words<kWideGrey>(count, moments, payload);
   std::fill(payload + count * kGreyBytes, payload + moments_bytes(mode, count), std::uint8_t{0});
 }
 

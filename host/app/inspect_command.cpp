@@ -307,8 +307,8 @@ class Run {
       };
       if (options_.ejector_mm.size() != 2) {
         throw UserError("--ejector-mm",
-                        fmt::format("has {} value{}; two are expected, where the pulse begins and how "
-                                    "long it is",
+                        fmt::format("has {} value{}; two are expected, where the pulse begins and how long "
+                                    "it is",
                                     options_.ejector_mm.size(), options_.ejector_mm.size() == 1 ? "" : "s"));
       }
       setup.ejector_delay = counts(options_.ejector_mm[0], (1U << spec::kRegEjectorDelayCountsBits) - 1);

@@ -141,8 +141,8 @@ void check_bands(const VerdictTable& table, const std::string& source) {
       const std::uint32_t band = limits.judged ? limits.high - limits.low : 0;
       if (band > model::kMaxBand) {
         throw UserError(
-            source, fmt::format("with a margin of {} mm makes bands of {:.1f} rows; a board takes less than "
-                                "{}",
+            source, fmt::format("with a margin of {} mm makes bands of {:.1f} rows; a board takes less "
+                                "than {}",
                                 table.margin_mm, static_cast<double>(band) / kParts, (model::kMaxBand + 1) / kParts));
       }
     }
