@@ -97,17 +97,25 @@ function(selfproj_verilate target)
   endif()
   set(folder "${CMAKE_CURRENT_BINARY_DIR}/${arg_PREFIX}.dir")
   set(code "${folder}/${arg_PREFIX}")
-  add_custom_command(OUTPUT "${code}__often.cpp" "${code}__seldom.cpp" "${code}.h"
+  set(sources "${code}__often.cpp" "${code}__seldom.cpp")
+  set(together 0)
+  if(seldom STREQUAL selfproj_model_options)
+    set(sources "${code}__often.cpp")
+    set(together 1)
+  endif()
+  add_custom_command(OUTPUT ${sources} "${code}.h"
     COMMAND "${CMAKE_COMMAND}" "-DVERILATOR=${SELFPROJ_VERILATOR}" "-DFOLDER=${folder}" -DPREFIX=${arg_PREFIX}
-            -DRISE=${arg_CLOCKS} -P "${PROJECT_SOURCE_DIR}/cmake/verilate.cmake" --
+            -DRISE=${arg_CLOCKS} -DTOGETHER=${together} -P "${PROJECT_SOURCE_DIR}/cmake/verilate.cmake" --
             ${options} ${arg_PARAMETERS} ${SELFPROJ_RTL}
     DEPENDS "${PROJECT_SOURCE_DIR}/cmake/verilate.cmake" "${SELFPROJ_VERILATOR}" ${arg_OPEN} ${SELFPROJ_RTL}
     COMMENT "Verilating ${arg_PREFIX}" VERBATIM)
-  target_sources(${target} PRIVATE "${code}__often.cpp" "${code}__seldom.cpp" "${code}.h")
+  target_sources(${target} PRIVATE ${sources} "${code}.h")
   set_source_files_properties("${code}__often.cpp" PROPERTIES COMPILE_OPTIONS "${selfproj_model_options}")
-  set_source_files_properties("${code}__seldom.cpp" PROPERTIES COMPILE_OPTIONS ${seldom})
-  if(CMAKE_CXX_COMPILER_VERSION VERSION_GREATER_EQUAL 13 AND NOT seldom STREQUAL selfproj_model_options)
-    set_source_files_properties("${code}__seldom.cpp" PROPERTIES SKIP_PRECOMPILE_HEADERS ON)  # cmake/Headers.cmake
+  if(NOT together)
+    set_source_files_properties("${code}__seldom.cpp" PROPERTIES COMPILE_OPTIONS ${seldom})
+    if(CMAKE_CXX_COMPILER_VERSION VERSION_GREATER_EQUAL 13)
+      set_source_files_properties("${code}__seldom.cpp" PROPERTIES SKIP_PRECOMPILE_HEADERS ON)  # cmake/Headers.cmake
+    endif()
   endif()
   # A model with waveforms or coverage keeps records in eval().
   if(SELFPROJ_FAST_RISE AND NOT SELFPROJ_COVERAGE AND NOT arg_TRACE)

@@ -1,8 +1,10 @@
-# cmake -DVERILATOR=program -DFOLDER=folder -DPREFIX=name -DRISE=0|1 -P verilate.cmake -- OPTION... SOURCE...
+# cmake -DVERILATOR=program -DFOLDER=folder -DPREFIX=name -DRISE=0|1 -DTOGETHER=0|1 -P verilate.cmake --
+#   OPTION... SOURCE...
 #
 # Verilates a model, class `name`, into the folder. Verilator writes a dozen files a model, other ones in each version,
 # and each reads the same headers. So the code that runs often is joined in one source (`often` in
-# its name), and the rest in another (`seldom`). With RISE the first one also defines rise() (sim/board/verilated_rise.h).
+# its name), and the rest in another (`seldom`); with TOGETHER all of it in the first. With RISE the first one also
+# defines rise() (sim/board/verilated_rise.h).
 #
 # Paths are given to Verilator relative to the project, because some versions read no source in a path with a space.
 cmake_policy(VERSION 3.25)
@@ -35,9 +37,13 @@ foreach(kind IN ITEMS often seldom)
   list(TRANSFORM ${kind} REPLACE "^(.+)$" "#include \"\\1\"\n")
   list(JOIN ${kind} "" ${kind})
 endforeach()
+if(TOGETHER)
+  string(APPEND often "${seldom}")
+else()
+  file(WRITE "${FOLDER}/${PREFIX}__seldom.cpp" "${seldom}")
+endif()
 if(RISE)
   string(APPEND often "#define SELFPROJ_MODEL ${PREFIX}\n#define SELFPROJ_PART(name) ${PREFIX}___024root___##name\n"
     "#include \"sim/board/verilated_rise.h\"\n")
 endif()
 file(WRITE "${FOLDER}/${PREFIX}__often.cpp" "${often}")
-file(WRITE "${FOLDER}/${PREFIX}__seldom.cpp" "${seldom}")
