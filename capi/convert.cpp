@@ -18,7 +18,7 @@ std::array<char, 1024>& last_error() {
 constexpr int kMaxSide = 32768;
 
 static_assert(sizeof(selfproj_measure) == kOldestMeasure);
-static_assert(sizeof(selfproj_header) == kOldestHeader);
+static_assert(offsetof(selfproj_header, pixel_bits) == kOldestHeader);
 
 // The fields of a header, in C and in the model.
 template <typename Header, typename Packet, typename Each>
@@ -43,6 +43,7 @@ void each_field(Header& header, Packet& packet, const Each& each) {
   each(header.last_row, packet.last_row);
   each(header.region_row, packet.region_row);
   each(header.region_column, packet.region_column);
+  each(header.pixel_bits, packet.pixel_bits);
 }
 
 }  // namespace
@@ -102,6 +103,9 @@ model::PacketHeader header_of(const selfproj_header* header) {
     require(value <= std::numeric_limits<Field>::max(), "header: a field does not fit its bits");
     field = static_cast<Field>(value);
   });
+  if (out.pixel_bits == 0) {  // not set
+    out.pixel_bits = spec::kPixelBits;
+  }
   return out;
 }
 
@@ -126,6 +130,8 @@ void write_packet(const model::PacketView& packet, selfproj_packet* out) {
   value.payload = packet.payload.data();
   value.payload_bytes = packet.payload.size();
   value.header = header_from(packet.header);
+  value.header.size = std::min<std::uint32_t>(
+      value.header.size, out->size - static_cast<std::uint32_t>(offsetof(selfproj_packet, header)));
   copy_to(value, out);
 }
 

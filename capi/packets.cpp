@@ -77,6 +77,18 @@ std::int32_t selfproj_unpack_moments(std::int32_t select, std::int32_t mode, std
   });
 }
 
+std::int32_t selfproj_unpack_wide_moments(std::int32_t mode, std::int32_t columns, const std::uint8_t* payload,
+                                          std::size_t payload_bytes, std::uint32_t* m0, std::uint32_t* m1,
+                                          std::uint32_t* n) {
+  return guarded([&] {
+    require(payload != nullptr && m0 != nullptr && m1 != nullptr && n != nullptr, "null pointer");
+    const int count = checked_columns(columns);
+    require(payload_bytes >= model::moments_payload_bytes(mode_of(mode), count),
+            "payload_bytes are too few for the columns");
+    model::unpack_wide_moments(mode_of(mode), count, payload, {m0, m1, n});
+  });
+}
+
 std::int32_t selfproj_unpack_compact(std::int32_t select, std::int32_t columns, const std::uint8_t* payload,
                                      std::size_t payload_bytes, std::uint32_t* m0, std::uint32_t* m1, std::uint32_t* n,
                                      std::uint8_t* runs, std::uint8_t* second) {

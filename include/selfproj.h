@@ -133,6 +133,7 @@ typedef struct selfproj_header {
   uint32_t last_row;
   uint16_t region_row; /* row and column of the sensor, from 1, at which the frame begins; 0: not said */
   uint16_t region_column;
+  uint32_t pixel_bits; /* of a pixel, 8..12; images and codes have the upper 8; 0 counts as 8 */
 } selfproj_header;
 
 /* A packet that was found right. The pointers lead into the bytes where it was found. */
@@ -159,6 +160,10 @@ int32_t selfproj_pack_moments(int32_t select, int32_t mode, int32_t columns, con
 int32_t selfproj_unpack_moments(int32_t select, int32_t mode, int32_t columns, const uint8_t* payload,
                                 size_t payload_bytes, uint32_t* m0, uint32_t* m1, uint32_t* n, uint8_t* runs,
                                 uint8_t* second);
+
+/* Reads the moments of pixels of more than 8 bits (pixel_bits of the header), of which SELFPROJ_ALL is sent alone. */
+int32_t selfproj_unpack_wide_moments(int32_t mode, int32_t columns, const uint8_t* payload, size_t payload_bytes,
+                                     uint32_t* m0, uint32_t* m1, uint32_t* n);
 
 /* Reads compact columns, `payload_bytes` at least those of SELFPROJ_KIND_COMPACT: m0 becomes 512, or 0 without light,
  * m1 the centroid in 1/512 rows; n, `runs` and `second` at most 63, 3 and 15. With SELFPROJ_ALL the last two may be

@@ -1,6 +1,7 @@
 #include "selfproj/model/board.h"
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <utility>
 #include <vector>
@@ -34,11 +35,19 @@ void BoardModel::beat(const BoardInputs& inputs, const VideoBeat& beat) {
   }
 
   const auto at = static_cast<std::size_t>(row_) * static_cast<std::size_t>(settings_.columns);
-  std::copy(beat.pixels.begin(), beat.pixels.end(), pixels_.begin() + static_cast<std::ptrdiff_t>(at) + column_);
+  std::array<std::uint8_t, spec::kPixelsPerBeat> upper{};  // bits
+  const int below = pixel_bits_ - spec::kPixelBits;
+  std::ranges::transform(beat.pixels, upper.begin(),
+                         [&](std::uint16_t p) { return static_cast<std::uint8_t>(p >> below); });
+  const std::ptrdiff_t place = static_cast<std::ptrdiff_t>(at) + column_;
+  std::ranges::copy(upper, pixels_.begin() + place);
+  if (below > 0) {
+    std::ranges::copy(beat.pixels, wide_pixels_.begin() + place);
+  }
   last_frame_beat_ = inputs.clock;
   ++frame_beats_;
   if (settings_.codes) {
-    decoder_.pixels(row_, column_, spec::kPixelsPerBeat, beat.pixels.data(),
+    decoder_.pixels(row_, column_, spec::kPixelsPerBeat, upper.data(),
                     due_ ? codes_.data() + at + static_cast<std::size_t>(column_) : nullptr);
   }
   column_ += spec::kPixelsPerBeat;
@@ -84,8 +93,17 @@ void BoardModel::start_frame(const BoardInputs& inputs) {
   row_ = 0;
   column_ = 0;
   pixels_.assign(static_cast<std::size_t>(settings_.rows) * static_cast<std::size_t>(settings_.columns), 0);
+  if (pixel_bits_ > spec::kPixelBits) {
+    wide_pixels_.assign(pixels_.size(), 0);
+  }
   ++next_sequence_;
   start_decoding(inputs.clock);
+}
+
+Measure BoardModel::measure() const {
+  Measure measure = settings_.measure();
+  measure.bits = pixel_bits_;
+  return measure;
 }
 
 PacketHeader BoardModel::header(std::uint8_t kind) const {
@@ -98,7 +116,7 @@ PacketHeader BoardModel::header(std::uint8_t kind) const {
   header.time_stamp = inputs_.clock;
   header.encoder = inputs_.encoder;
   header.pattern = inputs_.pattern;
-  describe_frame(header, settings_.rows, settings_.columns, settings_.measure());
+  describe_frame(header, settings_.rows, settings_.columns, measure());
   header.flags = stray_before_ ? spec::kFlagStrayBefore : 0;
   return header;
 }
@@ -218,9 +236,16 @@ void BoardModel::end_frame(std::uint32_t status) {
     Runs runs;
     runs.resize(settings_.select, settings_.columns);
     const RunsView view = runs.view();
-    const ImageView image{
-        .pixels = pixels_.data(), .rows = settings_.rows, .columns = complete, .stride = settings_.columns};
-    measure_columns(image, settings_.measure(), view);  // the other columns are 0
+    const auto measure_image = [&](const auto& pixels) {  // the columns that did not come are 0
+      measure_columns(
+          PixelView{.pixels = pixels.data(), .rows = settings_.rows, .columns = complete, .stride = settings_.columns},
+          measure(), view);
+    };
+    if (pixel_bits_ > spec::kPixelBits) {
+      measure_image(wide_pixels_);
+    } else {
+      measure_image(pixels_);
+    }
     packet.payload.resize(frame_payload_bytes(packet.header));
     if (has_columns(packet.header.kind)) {
       pack_columns(packet.header, view, packet.payload.data());

@@ -69,6 +69,13 @@ void measure_columns(const ImageView& image, const Measure& measure, const RunsV
   }
 }
 
+void measure_columns(const WideImageView& image, const Measure& measure, const RunsView& out) {
+  if (measure.select != Select::all) {
+    throw std::invalid_argument("measure_columns: of pixels of more than 8 bits, select is not all");
+  }
+  column_moments(image, measure.bits, measure.mode, measure.threshold, out.moments, measure.window);
+}
+
 void measure_tall_columns(const ImageView& image, const Measure& measure, const RunsView& out) {
   if (measure.select == Select::strongest) {
     column_runs(image, measure, out, kMaxSoftwareRows);

@@ -93,7 +93,12 @@ PacketHeader read_header(const std::uint8_t* bytes) {
   header.rows = load_little_endian<std::uint16_t>(bytes + spec::kHeaderRows);
   header.pattern = load_little_endian<std::uint16_t>(bytes + spec::kHeaderPattern);
   header.mode = bytes[spec::kHeaderMode];
-  header.threshold = bytes[spec::kHeaderThreshold];
+  const std::uint32_t pixel = bytes[spec::kHeaderPixel];
+  header.pixel_bits = static_cast<std::uint8_t>(
+      spec::kPixelBits + field_of(pixel, spec::kHeaderPixelMoreBitsLsb, spec::kHeaderPixelMoreBitsBits));
+  header.threshold = static_cast<std::uint16_t>(
+      bytes[spec::kHeaderThreshold] |
+      field_of(pixel, spec::kHeaderPixelThresholdHighLsb, spec::kHeaderPixelThresholdHighBits) << 8U);
   header.first_line = load_little_endian<std::uint16_t>(bytes + spec::kHeaderFirstLine);
   header.lines = load_little_endian<std::uint16_t>(bytes + spec::kHeaderLines);
   header.flags = bytes[spec::kHeaderFlags];
@@ -106,7 +111,7 @@ PacketHeader read_header(const std::uint8_t* bytes) {
   return header;
 }
 
-// Writes all fields but the reserved one.
+// Writes all fields.
 void write_header(const PacketHeader& header, std::uint32_t payload_size, std::uint32_t spec_hash,
                   std::uint16_t version, std::uint8_t* bytes) {
   store_little_endian(bytes + spec::kHeaderMagic, spec::kMagic);
@@ -123,7 +128,11 @@ void write_header(const PacketHeader& header, std::uint32_t payload_size, std::u
   store_little_endian(bytes + spec::kHeaderRows, header.rows);
   store_little_endian(bytes + spec::kHeaderPattern, header.pattern);
   store_little_endian(bytes + spec::kHeaderMode, header.mode);
-  store_little_endian(bytes + spec::kHeaderThreshold, header.threshold);
+  store_little_endian(bytes + spec::kHeaderThreshold, static_cast<std::uint8_t>(header.threshold & 0xFFU));
+  store_little_endian(
+      bytes + spec::kHeaderPixel,
+      static_cast<std::uint8_t>((header.pixel_bits - spec::kPixelBits) << spec::kHeaderPixelMoreBitsLsb |
+                                header.threshold >> 8U << spec::kHeaderPixelThresholdHighLsb));
   store_little_endian(bytes + spec::kHeaderFirstLine, header.first_line);
   store_little_endian(bytes + spec::kHeaderLines, header.lines);
   store_little_endian(bytes + spec::kHeaderFlags, header.flags);
@@ -149,7 +158,17 @@ bool lines_in_frame(const PacketHeader& header) {
   return header.lines >= 1 && header.first_line >= 1 && header.first_line + header.lines - 1 <= header.rows;
 }
 
-// Whether mode, select, gap, columns, rows and lines are possible. Lines matter only if the payload has lines.
+// Whether the bits of a pixel are possible, and the threshold with them. Words of more than 8 bits are those of all lit
+// pixels.
+bool pixels_are_right(const PacketHeader& header) {
+  const int bits = header.pixel_bits;
+  const bool words_exist =
+      bits == spec::kPixelBits || !one_for_a_frame(header.kind) ||
+      (header.kind == spec::kKindMoments && static_cast<Select>(header.select) == Select::all && !has_verdict(header));
+  return bits <= kMaxPixelBits && header.threshold < 1 << bits && words_exist;
+}
+
+// Whether mode, select, gap, columns, rows, lines and pixels are possible. Lines matter only if the payload has lines.
 bool geometry_is_right(const PacketHeader& header) {
   if (!is_known(static_cast<Mode>(header.mode)) || !is_known(static_cast<Select>(header.select)) ||
       header.gap > kMaxGap || header.first_row > spec::kMaxRows || header.last_row > spec::kMaxRows) {
@@ -157,6 +176,9 @@ bool geometry_is_right(const PacketHeader& header) {
   }
   if (header.columns < 1 || header.columns > spec::kMaxColumns || header.columns % spec::kPixelsPerBeat != 0 ||
       header.rows < 1 || header.rows > spec::kMaxRows) {
+    return false;
+  }
+  if (!pixels_are_right(header)) {
     return false;
   }
   if (header.kind == spec::kKindCompact && static_cast<Mode>(header.mode) == Mode::binary) {
@@ -194,7 +216,7 @@ PacketError judge_version(const std::uint8_t* bytes) {
   return PacketError::hash;
 }
 
-// The bytes of the header that are reserved in the packet's version, which must be known.
+// The bytes of the header that had no meaning in the packet's version, which must be known.
 std::span<const std::uint8_t> reserved_bytes(const std::uint8_t* bytes) {
   const auto hash = load_little_endian<std::uint32_t>(bytes + spec::kHeaderSpecHash);
   for (const spec::EarlierVersion& earlier : spec::kEarlierVersions) {
@@ -202,7 +224,7 @@ std::span<const std::uint8_t> reserved_bytes(const std::uint8_t* bytes) {
       return {bytes + earlier.reserved_byte, bytes + spec::kHeaderBytes};
     }
   }
-  return {bytes + spec::kHeaderReserved, 1};
+  return {};
 }
 
 // Checks 64 bytes of header; `header` holds their values.
@@ -290,7 +312,8 @@ void describe_frame(PacketHeader& header, int rows, int columns, const Measure& 
   header.rows = static_cast<std::uint16_t>(rows);
   header.columns = static_cast<std::uint16_t>(columns);
   header.mode = static_cast<std::uint8_t>(measure.mode);
-  header.threshold = static_cast<std::uint8_t>(measure.threshold);
+  header.pixel_bits = static_cast<std::uint8_t>(measure.bits);
+  header.threshold = static_cast<std::uint16_t>(measure.threshold);
   header.select = static_cast<std::uint8_t>(measure.select);
   header.gap = static_cast<std::uint8_t>(measure.gap);
   header.first_row = static_cast<std::uint16_t>(measure.window.first);
@@ -304,7 +327,8 @@ Measure measure_of(const PacketHeader& header) {
           .threshold = header.threshold,
           .select = static_cast<Select>(header.select),
           .gap = header.gap,
-          .window = {header.first_row, header.last_row}};
+          .window = {header.first_row, header.last_row},
+          .bits = header.pixel_bits};
 }
 
 std::size_t columns_payload_bytes(const PacketHeader& header) {
@@ -321,6 +345,8 @@ void pack_columns(const PacketHeader& header, const RunsView& runs, std::uint8_t
   const auto select = static_cast<Select>(header.select);
   if (header.kind == spec::kKindCompact) {
     pack_compact(select, header.columns, runs, payload);
+  } else if (header.pixel_bits > spec::kPixelBits) {
+    pack_wide_moments(static_cast<Mode>(header.mode), header.columns, runs.moments, payload);
   } else {
     pack_columns(select, static_cast<Mode>(header.mode), header.columns, runs, payload);
   }
@@ -330,6 +356,8 @@ void unpack_columns(const PacketHeader& header, const std::uint8_t* payload, con
   const auto select = static_cast<Select>(header.select);
   if (header.kind == spec::kKindCompact) {
     unpack_compact(select, header.columns, payload, out);
+  } else if (header.pixel_bits > spec::kPixelBits) {
+    unpack_wide_moments(static_cast<Mode>(header.mode), header.columns, payload, out.moments);
   } else {
     unpack_columns(select, static_cast<Mode>(header.mode), header.columns, payload, out);
   }

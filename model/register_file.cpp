@@ -42,6 +42,11 @@ std::uint32_t high_of(std::uint32_t word) {
          bits_of(word, spec::kRegVerdictLimitsBandLsb, spec::kRegVerdictLimitsBandBits);
 }
 
+// The upper bits of the threshold in a word of measure.
+std::uint32_t high_threshold(std::uint32_t word) {
+  return bits_of(word, spec::kRegMeasureThresholdHighLsb, spec::kRegMeasureThresholdHighBits);
+}
+
 constexpr std::uint64_t kNeeded = words_between(spec::kRegVerdictDefect, spec::kRegEjectorLength);
 
 }  // namespace
@@ -92,7 +97,8 @@ RegisterAnswer RegisterFile::read(std::uint32_t address, const BoardState& state
     case spec::kRegCapability:
       return answer(capability());
     case spec::kRegStatus:
-      return answer(static_cast<std::uint32_t>(build_.compact ? 1U : 0U) << spec::kRegStatusCompactLsb |
+      return answer(static_cast<std::uint32_t>(build_.pixel_bits - spec::kPixelBits) << spec::kRegStatusMoreBitsLsb |
+                    static_cast<std::uint32_t>(build_.compact ? 1U : 0U) << spec::kRegStatusCompactLsb |
                     static_cast<std::uint32_t>(build_.verdict_log_sections >= 0 ? 1U : 0U)
                         << spec::kRegStatusVerdictLsb |
                     static_cast<std::uint32_t>(state.frame_open ? 1U : 0U) << spec::kRegStatusFrameOpenLsb |
@@ -221,7 +227,9 @@ bool RegisterFile::good(std::uint32_t address, std::uint32_t data) const {
       const std::uint32_t mode = bits_of(data, spec::kRegMeasureModeLsb, spec::kRegMeasureModeBits);
       const bool plain = bits_of(data, spec::kRegMeasureSelectLsb, spec::kRegMeasureSelectBits) == spec::kSelectAll &&
                          bits_of(data, spec::kRegMeasureGapLsb, spec::kRegMeasureGapBits) == 0;
-      return (mode == spec::kModeBinary || (build_.grey && mode <= spec::kModeGreyOver)) && (build_.runs || plain);
+      return (mode == spec::kModeBinary || (build_.grey && mode <= spec::kModeGreyOver)) && (build_.runs || plain) &&
+             (build_.pixel_bits == spec::kPixelBits ||
+              high_threshold(data) >> (build_.pixel_bits - spec::kPixelBits) == 0);
     }
     case spec::kRegWindow: {
       const auto most = static_cast<std::uint32_t>(build_.max_rows);
@@ -255,6 +263,9 @@ RegisterAnswer RegisterFile::write(std::uint32_t address, std::uint32_t data) {
   }
   const bool of_verdict = address >= spec::kRegVerdictControl;
   values_[address / 4] = of_verdict ? data : data & one->mask();
+  if (address == spec::kRegMeasure && build_.pixel_bits == spec::kPixelBits) {
+    values_[address / 4] &= ~(high_threshold(data) << spec::kRegMeasureThresholdHighLsb);  // no such field
+  }
   written_ |= std::uint64_t{1} << address / 4;
   if (verdict_ != nullptr && (address == spec::kRegVerdictLimits || address == spec::kRegVerdictBegin)) {
     write_limits(address, data);
@@ -283,7 +294,9 @@ BoardSettings RegisterFile::settings() const {
       .columns = number(spec::kRegSize, spec::kRegSizeColumnsLsb, spec::kRegSizeColumnsBits),
       .rows = number(spec::kRegSize, spec::kRegSizeRowsLsb, spec::kRegSizeRowsBits),
       .mode = static_cast<Mode>(field(spec::kRegMeasure, spec::kRegMeasureModeLsb, spec::kRegMeasureModeBits)),
-      .threshold = number(spec::kRegMeasure, spec::kRegMeasureThresholdLsb, spec::kRegMeasureThresholdBits),
+      .threshold =
+          static_cast<int>(field(spec::kRegMeasure, spec::kRegMeasureThresholdLsb, spec::kRegMeasureThresholdBits) |
+                           high_threshold(value(spec::kRegMeasure)) << spec::kRegMeasureThresholdBits),
       .select = static_cast<Select>(field(spec::kRegMeasure, spec::kRegMeasureSelectLsb, spec::kRegMeasureSelectBits)),
       .gap = number(spec::kRegMeasure, spec::kRegMeasureGapLsb, spec::kRegMeasureGapBits),
       .window = {.first = number(spec::kRegWindow, spec::kRegWindowFirstLsb, spec::kRegWindowFirstBits),
@@ -324,11 +337,12 @@ std::vector<RegisterWrite> setting_words(const BoardSettings& settings) {
   const auto number = [](int value, int lsb) { return static_cast<std::uint32_t>(value) << lsb; };
   return {{spec::kRegSize,
            number(settings.columns, spec::kRegSizeColumnsLsb) | number(settings.rows, spec::kRegSizeRowsLsb)},
-          {spec::kRegMeasure, number(settings.threshold, spec::kRegMeasureThresholdLsb) |
-                                  number(static_cast<int>(settings.mode), spec::kRegMeasureModeLsb) |
-                                  number(static_cast<int>(settings.select), spec::kRegMeasureSelectLsb) |
-                                  number(settings.gap, spec::kRegMeasureGapLsb) |
-                                  number(settings.stream, spec::kRegMeasureStreamLsb)},
+          {spec::kRegMeasure,
+           number(settings.threshold & 0xFF, spec::kRegMeasureThresholdLsb) |
+               number(settings.threshold >> spec::kRegMeasureThresholdBits, spec::kRegMeasureThresholdHighLsb) |
+               number(static_cast<int>(settings.mode), spec::kRegMeasureModeLsb) |
+               number(static_cast<int>(settings.select), spec::kRegMeasureSelectLsb) |
+               number(settings.gap, spec::kRegMeasureGapLsb) | number(settings.stream, spec::kRegMeasureStreamLsb)},
           {spec::kRegWindow, number(settings.window.first, spec::kRegWindowFirstLsb) |
                                  number(settings.window.last, spec::kRegWindowLastLsb)},
           {spec::kRegTimeout, number(settings.timeout, spec::kRegTimeoutClocksLsb)},

@@ -16,6 +16,7 @@ namespace selfproj::model {
 struct BoardBuild {
   int max_columns = spec::kMaxColumns;
   int max_rows = spec::kMaxRows;
+  int pixel_bits = spec::kPixelBits;
   bool grey = true;
   bool image = true;
   bool codes = false;  // the Gray-code decoder

@@ -26,7 +26,7 @@ if grep -nE "(^|[^A-Za-z0-9_) '\`]|[=(,?:] )[~!-][A-Za-z_][A-Za-z0-9_:]*'\(" "${
 fi
 
 # Parameters of sp_board to lint besides the default: the original's, with grey, with raw images, tiny, with runs,
-# with compact columns, with verdicts, with the decoder.
+# with compact columns, with verdicts, with the decoder, with pixels of 12 and 10 bits.
 board_configurations=(
   "MaxColumns=512 MaxRows=127 Grey=1'b0 Image=1'b0"
   "MaxColumns=512 MaxRows=127 Grey=1'b1 Image=1'b0"
@@ -39,6 +39,8 @@ board_configurations=(
   "MaxColumns=64 MaxRows=40 Runs=1'b1 Compact=1'b1 Verdict=1'b1 VerdictLogSections=4"
   "MaxColumns=64 MaxRows=40 Codes=1'b1"
   "MaxColumns=64 MaxRows=40 Grey=1'b0 Image=1'b0 Codes=1'b1 CodesMedian=1'b0 CodeBits=8"
+  "MaxColumns=64 MaxRows=40 PixelBits=12 Codes=1'b1"
+  "MaxColumns=512 MaxRows=127 PixelBits=10 Grey=1'b0 Image=1'b0"
 )
 
 # Parameters of sp_camera_link besides the default, Base: Medium, Full and 80 bit

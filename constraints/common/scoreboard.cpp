@@ -1,8 +1,8 @@
 #include "constraints/common/scoreboard.h"
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <span>
 #include <utility>
 #include <vector>
@@ -17,7 +17,7 @@ void show_frame(model::BoardModel& model, std::span<const std::uint8_t> pixels, 
   const auto line = static_cast<std::size_t>(columns);
   for (std::size_t at = 0; at < pixels.size(); at += spec::kPixelsPerBeat, ++inputs.clock) {
     model::VideoBeat beat{.start = at == 0, .line_end = (at + spec::kPixelsPerBeat) % line == 0};
-    std::memcpy(beat.pixels.data(), pixels.data() + at, beat.pixels.size());
+    std::copy_n(pixels.data() + at, beat.pixels.size(), beat.pixels.begin());
     model.beat(inputs, beat);
   }
 }

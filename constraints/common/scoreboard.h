@@ -42,7 +42,7 @@ class FramePackets {
  private:
   std::uint8_t kind_ = 0;
   std::uint8_t mode_ = 0;
-  std::uint8_t threshold_ = 0;
+  std::uint16_t threshold_ = 0;
   std::map<std::pair<std::uint8_t, std::uint16_t>, model::BoardPacket> expected_;
 };
 

@@ -21,6 +21,9 @@
 namespace selfproj::driver {
 namespace {
 
+constexpr int kHighLsb = spec::kRegMeasureThresholdHighLsb;
+constexpr int kHighBits = spec::kRegMeasureThresholdHighBits;
+
 std::string hex(std::uint32_t value) {
   std::array<char, 11> text{};
   static_cast<void>(std::snprintf(text.data(), text.size(), "0x%08X", value));
@@ -82,6 +85,8 @@ Control::Control(std::unique_ptr<RegisterPort> port) : port_(std::move(port)) {
       .max_columns =
           static_cast<int>(field_of(can, spec::kRegCapabilityMaxColumnsLsb, spec::kRegCapabilityMaxColumnsBits)),
       .max_rows = static_cast<int>(field_of(can, spec::kRegCapabilityMaxRowsLsb, spec::kRegCapabilityMaxRowsBits)),
+      .pixel_bits = spec::kPixelBits +
+                    static_cast<int>(field_of(words[4], spec::kRegStatusMoreBitsLsb, spec::kRegStatusMoreBitsBits)),
       .grey = flag(can, spec::kRegCapabilityGreyLsb),
       .image = flag(can, spec::kRegCapabilityImageLsb),
       .codes = flag(can, spec::kRegCapabilityCodesLsb),
@@ -110,14 +115,36 @@ void Control::need(const spec::Register& one) const {
 std::uint32_t Control::read(const RegisterPart& part) {
   need(*part.in);
   const std::uint32_t value = port_->word(part.in->address);
-  return part.field == nullptr ? value : field_of(value, part.field->lsb, part.field->bits);
+  if (part.field == nullptr) {
+    return value;
+  }
+  const std::uint32_t high = in_two_fields(part) ? field_of(value, kHighLsb, kHighBits) << part.field->bits : 0;
+  return field_of(value, part.field->lsb, part.field->bits) | high;
 }
 
-void Control::check_fits(const RegisterPart& part, std::uint32_t value) const {
-  if (part.field != nullptr && (std::uint64_t{value} >> part.field->bits) != 0) {
-    throw UserError(uri(), std::string(part.in->name) + "." + std::string(part.field->name) + " cannot hold " +
-                               std::to_string(value) + ": it has " + std::to_string(part.field->bits) + " bits");
+// The threshold of pixels of more than 8 bits.
+bool Control::in_two_fields(const RegisterPart& part) const {
+  return build_.pixel_bits > spec::kPixelBits && part.in->address == spec::kRegMeasure && part.field != nullptr &&
+         part.field->lsb == spec::kRegMeasureThresholdLsb;
+}
+
+// The word with this value in this part of it.
+std::uint32_t Control::word_with(std::uint32_t word, const RegisterPart& part, std::uint32_t value) const {
+  if (part.field == nullptr) {
+    return value;
   }
+  const int bits = in_two_fields(part) ? build_.pixel_bits : part.field->bits;
+  if ((std::uint64_t{value} >> bits) != 0) {
+    throw UserError(uri(), std::string(part.in->name) + "." + std::string(part.field->name) + " cannot hold " +
+                               std::to_string(value) + ": it has " + std::to_string(bits) + " bits");
+  }
+  std::uint32_t fields = part.field->mask();
+  std::uint32_t parts = (value << part.field->lsb) & fields;
+  if (in_two_fields(part)) {
+    fields |= ((1U << kHighBits) - 1) << kHighLsb;
+    parts |= value >> part.field->bits << kHighLsb;
+  }
+  return (word & ~fields) | parts;
 }
 
 void Control::write_word(const spec::Register& one, std::uint32_t value) {
@@ -135,10 +162,7 @@ void Control::write_word(const spec::Register& one, std::uint32_t value) {
 void Control::write(const RegisterPart& part, std::uint32_t value) {
   std::uint32_t whole = value;
   if (part.field != nullptr) {
-    check_fits(part, value);
-    const std::uint32_t others =
-        part.in->fields.size() > 1 ? read({part.in, nullptr}) & part.in->mask() & ~part.field->mask() : 0;
-    whole = others | value << part.field->lsb;
+    whole = word_with(part.in->fields.size() > 1 ? read({part.in, nullptr}) & part.in->mask() : 0, part, value);
   }
   write_word(*part.in, whole);
 }
@@ -157,12 +181,11 @@ void Control::write_together(std::vector<std::pair<RegisterPart, std::uint32_t>>
     if (!part.in->writable) {
       throw UserError(uri(), "register " + std::string(part.in->name) + " can only be read");
     }
-    check_fits(part, value);
     if (words.empty() || words.back().first != part.in) {
       words.emplace_back(part.in, read({part.in, nullptr}) & part.in->mask());
     }
     std::uint32_t& word_of = words.back().second;
-    word_of = part.field == nullptr ? value : (word_of & ~part.field->mask()) | value << part.field->lsb;
+    word_of = word_with(word_of, part, value);
   }
   const spec::Register& control = at(spec::kRegControl);
   const std::uint32_t before = port_->word(control.address) & control.mask();
@@ -195,6 +218,7 @@ void Control::set(const model::BoardSettings& settings) {
   need_in_build(settings.codes, build_.codes, "has no Gray-code decoder");
   need_in_build(settings.region_row != 0 || settings.region_column != 0, build_.region,
                 "has no register for the region of the sensor");
+  need_in_build(settings.threshold >> build_.pixel_bits != 0, false, "has no pixels as bright as the threshold");
   need_in_build(settings.compact, build_.compact, "has no compact columns");
   need_in_build(settings.verdict, build_.verdict_log_sections >= 0, "gives no verdicts");
   const std::uint32_t control =

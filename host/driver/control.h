@@ -80,7 +80,8 @@ class Control {
  private:
   void write_word(const spec::Register& one, std::uint32_t value);
   void need(const spec::Register& one) const;
-  void check_fits(const RegisterPart& part, std::uint32_t value) const;
+  [[nodiscard]] bool in_two_fields(const RegisterPart& part) const;
+  [[nodiscard]] std::uint32_t word_with(std::uint32_t word, const RegisterPart& part, std::uint32_t value) const;
 
   std::unique_ptr<RegisterPort> port_;
   model::BoardBuild build_;

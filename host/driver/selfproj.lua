@@ -55,7 +55,7 @@ local format = {
     {"first_row", 54, 16, "first row that counts for the moments, from 1; 0: the first"},
     {"last_row", 56, 16, "last row that counts for the moments, from 1; 0: the last"},
     {"gap", 58, 8, "dark rows, 0..3, that two lit pixels of one run may have between them"},
-    {"reserved", 59, 8, "0"},
+    {"pixel", 59, 8, "pixels of more than 8 bits: see the word header_pixel; 0: pixels have 8"},
     {"region_row", 60, 16, "row of the sensor, from 1, at which the frame begins, a setting; 0: it is not said"},
     {"region_column", 62, 16,
       "column of the sensor, from 1, at which the frame begins, a setting; 0: it is not said"},
@@ -114,6 +114,10 @@ local format = {
       {"m1", 0, 31, "1st moment"},
       {"m0", 31, 22, "0th moment"},
       {"n", 53, 11, "number of lit pixels"},
+    }},
+    header_pixel = {bits = 8, fields = {
+      {"threshold_high", 0, 4, "bits 11..8 of the threshold"},
+      {"more_bits", 4, 4, "bits of a pixel, less 8; images and codes are of the upper eight bits"},
     }},
     compact = {bits = 32, fields = {
       {"centroid", 0, 20, "M1 / M0 in 1/512 rows, rounded to the nearest, halves up; 0: no light"},

@@ -382,6 +382,10 @@ SELFPROJ_CLONES void unpack_grey(const std::uint8_t* payload, int first, int cou
   model::for_each_grey_word(payload, first, count, take_moments(moments));
 }
 
+SELFPROJ_CLONES void unpack_wide_grey(const std::uint8_t* payload, int first, int count, StripMoments& moments) {
+  model::for_each_wide_grey_word(payload, first, count, take_moments(moments));
+}
+
 SELFPROJ_CLONES void unpack_runs_binary(const std::uint8_t* payload, int first, int count, StripMoments& moments) {
   unpack_binary_runs(payload, first, count, moments);
 }
@@ -425,6 +429,7 @@ void profile_by_curves(const ColumnCurves& curves, const LineRules& rules, const
   const bool runs = words.select == model::Select::strongest;
   const auto unpack = words.compact                       ? (runs ? unpack_runs_compact : unpack_compact)
                       : words.mode == model::Mode::binary ? (runs ? unpack_runs_binary : unpack_binary)
+                      : words.wide                        ? unpack_wide_grey
                                                           : (runs ? unpack_runs_grey : unpack_grey);
   for_each_strip(curves, rules, begin, end, out,
                  [&](int first, int count, StripMoments& moments) { unpack(payload, first - begin, count, moments); });

@@ -45,6 +45,7 @@ bool Inspection::begin_frame(const model::PacketHeader& header) {
                      .encoder = header.encoder,
                      .mode = header.mode,
                      .threshold = header.threshold,
+                     .pixel_bits = header.pixel_bits,
                      .select = header.select,
                      .gap = header.gap,
                      .window = {header.first_row, header.last_row},

@@ -278,6 +278,9 @@ std::string summary(const light_section::Inspection& inspection, const Maps& map
   json["last_sequence"] = inspection.frame(inspection.frames() - 1).sequence;
   json["mode"] = images::mode_name(static_cast<model::Mode>(first.mode));
   json["threshold"] = first.threshold;
+  if (first.pixel_bits > spec::kPixelBits) {
+    json["pixel_bits"] = first.pixel_bits;
+  }
   if (first.measure().select != model::Select::all || first.measure().window != model::RowWindow{}) {
     json["select"] = images::select_name(first.measure().select);
     json["gap"] = first.gap;

@@ -49,7 +49,7 @@ FRAME_FIELDS = [("stream", "HeaderStreamBits"), ("pattern", "HeaderPatternBits")
                 ("time_stamp", "HeaderTimeStampBits"), ("encoder", "HeaderEncoderBits"), ("columns", "column_bits"),
                 ("rows", "row_bits"), ("lines", "row_bits"), ("flags", "FlagBits"), ("select", "SelectBits"),
                 ("first_row", "row_bits"), ("last_row", "row_bits"), ("gap", "RegMeasureGapBits"),
-                ("region_row", "region_bits"), ("region_column", "region_bits")]
+                ("region_row", "region_bits"), ("region_column", "region_bits"), ("pixel", "wide_bits")]
 PROSE = ("description", "effect", "after_reset")  # keys that are for readers only and do not concern programs
 LINK_BASE = 0x100  # first address of the registers of the link
 REGISTER_WORDS = 64  # addresses of the registers, four bytes each
@@ -83,8 +83,11 @@ def without_later(node):
     """Returns the same tree without the items that were added since the version was laid out (`later`).
 
     They are new kinds of packet and new registers: no packet of before changes, and who does not know them refuses them.
+    What got a meaning since is what it `was`.
     """
     if isinstance(node, dict):
+        if "was" in node:
+            return node["was"]
         return {key: without_later(value) for key, value in node.items()}
     if isinstance(node, list):
         return [without_later(value) for value in node if not (isinstance(value, dict) and value.get("later"))]
@@ -314,9 +317,9 @@ def sv_frame_mask():
     """Returns the function that selects the header bits that describe the frame, in a build of that size."""
     terms = [f"~({{HeaderBits{{1'b1}}}} << {bits}) << Header{camel(name)}Lsb" for name, bits in FRAME_FIELDS]
     return ["  // Bits of a header that tell of the frame; columns have column_bits, rows and lines row_bits,",
-            "  // the place of a region region_bits",
+            "  // the place of a region region_bits, what is said of wide pixels wide_bits",
             "  function automatic logic [HeaderBits-1:0] frame_mask(input int column_bits, input int row_bits,",
-            "                                                     input int region_bits);",
+            "                                                     input int region_bits, input int wide_bits);",
             "    frame_mask = " + " |\n                 ".join(terms) + ";", "  endfunction"]
 
 

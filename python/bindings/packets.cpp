@@ -107,7 +107,7 @@ template <class Header>
 auto fields_of(Header& h) {
   return std::tie(h.kind, h.stream, h.lost, h.sequence, h.time_stamp, h.encoder, h.payload_size, h.columns, h.rows,
                   h.pattern, h.mode, h.threshold, h.first_line, h.lines, h.flags, h.select, h.first_row, h.last_row,
-                  h.gap, h.region_row, h.region_column);
+                  h.gap, h.region_row, h.region_column, h.pixel_bits);
 }
 
 template <class... Fields>
@@ -133,6 +133,7 @@ void bind_header(nb::module_& module) {
       .def_rw("pattern", &model::PacketHeader::pattern)
       .def_rw("mode", &model::PacketHeader::mode)
       .def_rw("threshold", &model::PacketHeader::threshold)
+      .def_rw("pixel_bits", &model::PacketHeader::pixel_bits)
       .def_rw("first_line", &model::PacketHeader::first_line)
       .def_rw("lines", &model::PacketHeader::lines)
       .def_rw("flags", &model::PacketHeader::flags)

@@ -14,6 +14,9 @@
 module sp_board #(
   parameter int MaxColumns = sp_spec_pkg::MaxColumns,  // image width: a multiple of 4, 12..2048
   parameter int MaxRows = sp_spec_pkg::MaxRows,  // image height: 2..1023
+  // Bits of a pixel: 8..12. With more than 8, images and codes are of the upper eight, and Runs,
+  // Compact and Verdict cannot be built.
+  parameter int PixelBits = sp_spec_pkg::PixelBits,  // 8..12
   parameter bit Grey = 1'b1,   // modes grey and grey_over
   parameter bit Runs = 1'b0,   // the strongest run of a column
   parameter bit Image = 1'b1,  // raw-image packets
@@ -35,7 +38,7 @@ module sp_board #(
   input  wire logic         rst_i,                // active high, synchronous, four clocks or more
   input  wire logic         s_axis_tvalid,        // a beat of four pixels
   output logic              s_axis_tready,        // always 1: the camera is never stalled
-  input  wire logic [31:0]  s_axis_tdata,         // leftmost pixel in 7..0
+  input  wire logic [4*PixelBits-1:0] s_axis_tdata,  // leftmost pixel lowest
   input  wire logic         s_axis_tuser,         // start of frame: first beat of a frame
   input  wire logic         s_axis_tlast,         // end of line: last beat of every line
   input  wire logic         encoder_a_i,          // quadrature; any clock
@@ -88,7 +91,8 @@ module sp_board #(
   logic [RowBits-1:0]    set_rows;
   logic [1:0]            set_mode;
   logic [3:0]            set_bits;
-  logic [7:0]            set_threshold, set_stream, set_code_threshold;
+  logic [PixelBits-1:0]  set_threshold, threshold;
+  logic [7:0]            set_stream, set_code_threshold;
   logic [2*RowBits+2:0]  set_select, select;
   logic [31:0]           set_region, region;
   logic                  set_compact, compact;
@@ -137,6 +141,7 @@ module sp_board #(
   sp_registers #(
     .MaxColumns(MaxColumns),
     .MaxRows   (MaxRows),
+    .PixelBits (PixelBits),
     .Grey      (Grey),
     .Runs      (Runs),
     .Image     (Image),
@@ -201,9 +206,10 @@ module sp_board #(
   logic [ColumnBits-1:0] columns;
   logic [RowBits-1:0]    rows;
   logic [1:0]            mode;
-  logic [7:0]            threshold, stream;
+  logic [7:0]            stream;
   logic                  beat_valid, beat_first_row, beat_last_row, beat_line_start, beat_line_end;
-  logic [31:0]           beat_pixels;
+  logic [4*PixelBits-1:0] beat_pixels;
+  logic [31:0]           upper_pixels;  // the upper eight bits of each
   logic [GroupBits-1:0]  beat_group;
   logic [RowBits-1:0]    beat_row;
   logic                  frame_start, stray_before, last_row_start, frame_break, break_in_last_row;
@@ -212,6 +218,7 @@ module sp_board #(
   sp_frame_tracker #(
     .MaxColumns(MaxColumns),
     .MaxRows   (MaxRows),
+    .PixelBits (PixelBits),
     .Region    (Region),
     .Compact   (Compact),
     .Verdict   (Verdict)
@@ -269,6 +276,10 @@ module sp_board #(
     .stray_o            (stray)
   );
 
+  for (genvar lane = 0; lane < 4; lane++) begin : gen_upper
+    assign upper_pixels[8*lane+:8] = beat_pixels[PixelBits*lane+PixelBits-8+:8];
+  end
+
   // --- Encoder, trigger, header fields ---
   logic [15:0]           pattern_now, pattern_of_frame;
   logic [sp_spec_pkg::HeaderBits-1:0] info;
@@ -301,6 +312,7 @@ module sp_board #(
   sp_frame_info #(
     .ColumnBits(ColumnBits),
     .RowBits   (RowBits),
+    .PixelBits (PixelBits),
     .Region    (Region),
     .Compact   (Compact),
     .Verdict   (Verdict)
@@ -337,6 +349,7 @@ module sp_board #(
   sp_moments_path #(
     .MaxColumns(MaxColumns),
     .MaxRows   (MaxRows),
+    .PixelBits (PixelBits),
     .Grey      (Grey),
     .Runs      (Runs),
     .Region    (Region),
@@ -433,6 +446,7 @@ module sp_board #(
       .MaxColumns(MaxColumns),
       .MaxRows   (MaxRows),
       .Region    (Region),
+      .Wide      (PixelBits > 8),
       .LogDepth  (ImageLogDepth)
     ) u_image_path (
       .clk_i              (clk_i),
@@ -440,7 +454,7 @@ module sp_board #(
       .image_i            (image),
       .columns_i          (columns),
       .beat_valid_i       (beat_valid),
-      .beat_pixels_i      (beat_pixels),
+      .beat_pixels_i      (upper_pixels),
       .beat_group_i       (beat_group[1:0]),
       .beat_row_i         (beat_row),
       .beat_line_start_i  (beat_line_start),
@@ -458,7 +472,7 @@ module sp_board #(
     );
   end else begin : gen_no_image
     logic unused;
-    assign unused = ^{image, image_out_ready, beat_line_start};
+    assign unused = ^{image, image_out_ready, beat_line_start, upper_pixels};
     assign {lost_image, image_out_valid, image_out_last, image_out_data} = '0;
   end
 
@@ -472,6 +486,7 @@ module sp_board #(
       .MaxBits   (CodeBits),
       .Median    (CodesMedian),
       .Region    (Region),
+      .Wide      (PixelBits > 8),
       .LogDepth  (CodesLogDepth)
     ) u_codes_path (
       .clk_i              (clk_i),
@@ -484,7 +499,7 @@ module sp_board #(
       .columns_i          (columns),
       .rows_i             (rows),
       .beat_valid_i       (beat_valid),
-      .beat_pixels_i      (beat_pixels),
+      .beat_pixels_i      (upper_pixels),
       .beat_line_start_i  (beat_line_start),
       .beat_line_end_i    (beat_line_end),
       .beat_last_row_i    (beat_last_row),

@@ -17,6 +17,7 @@ module sp_codes_path #(
   parameter int MaxBits = sp_spec_pkg::CodeCodeBits,  // 1..12
   parameter bit Median = 1'b1,
   parameter bit Region = 1'b1,  // headers say where on the sensor frames begin
+  parameter bit Wide = 1'b0,  // headers tell of pixels of more than 8 bits
   parameter int LogDepth = 9,  // log2 of the depth of the packet FIFO, in beats of 16 bytes: 3..15
   // derived, do not set
   parameter int ColumnBits = $clog2(MaxColumns + 1),
@@ -156,7 +157,7 @@ module sp_codes_path #(
   // fills a half, because fields of 64 bits are aligned.
   localparam int HalfBits = sp_spec_pkg::PacketBeatBits / 2;
   localparam logic [sp_spec_pkg::HeaderBits-1:0] FrameBits =
-      sp_spec_pkg::frame_mask(ColumnBits, RowBits, Region ? 16 : 0) &
+      sp_spec_pkg::frame_mask(ColumnBits, RowBits, Region ? 16 : 0, Wide ? 8 : 0) &
       ~(sp_spec_pkg::HeaderBits'(1) << (sp_spec_pkg::HeaderFlagsLsb + sp_spec_pkg::FlagVerdictBit));
   for (genvar half = 0; half < sp_spec_pkg::HeaderBits / HalfBits; half++) begin : gen_half
     localparam bit HasSequence = half == sp_spec_pkg::HeaderSequenceLsb / HalfBits;
@@ -215,6 +216,7 @@ module sp_codes_path #(
     .ColumnBits (ColumnBits),
     .RowBits    (RowBits),
     .Region     (Region),
+    .Wide       (Wide),
     .PayloadBits(PayloadBits),
     .LogDepth   (LogDepth)
   ) u_packets (

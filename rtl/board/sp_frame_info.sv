@@ -32,6 +32,7 @@
 module sp_frame_info #(
   parameter int ColumnBits = 12,  // 1..16
   parameter int RowBits = 10,  // 1..16
+  parameter int PixelBits = sp_spec_pkg::PixelBits,  // 8..12
   parameter bit Region = 1'b1,  // region_i counts; else its fields are 0
   parameter bit Compact = 1'b0,  // compact_i counts
   parameter bit Verdict = 1'b0  // verdict_i counts; without both the kind is 0
@@ -46,7 +47,7 @@ module sp_frame_info #(
   input  wire logic [ColumnBits-1:0] columns_i,
   input  wire logic [RowBits-1:0]    rows_i,
   input  wire logic [1:0]            mode_i,
-  input  wire logic [7:0]            threshold_i,
+  input  wire logic [PixelBits-1:0]  threshold_i,
   input  wire logic [7:0]            stream_i,
   input  wire logic [2*RowBits+2:0]  select_i,  // {last row that counts, first, strongest, gap}
   input  wire logic [31:0]           region_i,  // {column, row}
@@ -65,6 +66,9 @@ module sp_frame_info #(
   output logic [sp_spec_pkg::HeaderBits-1:0] info_o
 );
 
+  if (PixelBits < 8 || PixelBits > 12) begin : gen_pixel_bits
+    pixel_bits_is_not_in_8_to_12 u_error ();
+  end
   if (ColumnBits < 1 || ColumnBits > sp_spec_pkg::HeaderColumnsBits) begin : gen_column_bits
     column_bits_is_not_in_1_to_16 u_error ();
   end
@@ -79,6 +83,7 @@ module sp_frame_info #(
   localparam int KindBeat = sp_spec_pkg::HeaderKindLsb / BeatBits;
   localparam int ModeBeat = sp_spec_pkg::HeaderModeLsb / BeatBits;
   localparam int ThresholdBeat = sp_spec_pkg::HeaderThresholdLsb / BeatBits;
+  localparam int PixelBeat = sp_spec_pkg::HeaderPixelLsb / BeatBits;
   localparam int SequenceBeat = sp_spec_pkg::HeaderSequenceLsb / BeatBits;
   localparam int TimeStampBeat = sp_spec_pkg::HeaderTimeStampLsb / BeatBits;
   localparam int EncoderBeat = sp_spec_pkg::HeaderEncoderLsb / BeatBits;
@@ -207,7 +212,7 @@ module sp_frame_info #(
   );
 
   // --- Settings stand still for at least seven clocks: each is taken when its beat needs it ---
-  logic [7:0]            stream_q, threshold_q;
+  logic [7:0]            stream_q, threshold_q, pixel;
   logic [1:0]            mode_q;
   logic [ColumnBits-1:0] columns_q;
   logic [RowBits-1:0]    rows_q, lines_q;
@@ -220,7 +225,7 @@ module sp_frame_info #(
   always_ff @(posedge clk_i) begin
     if (taken_q[3+StreamBeat]) stream_q <= stream_i;
     if (taken_q[3+ModeBeat]) mode_q <= mode_i;
-    if (taken_q[3+ThresholdBeat]) threshold_q <= threshold_i;
+    if (taken_q[3+ThresholdBeat]) threshold_q <= threshold_i[7:0];
     if (taken_q[3+ColumnsBeat]) columns_q <= columns_i;
     if (taken_q[3+RowsBeat]) rows_q <= rows_i;
     if (taken_q[3+LinesBeat]) lines_q <= rows_i;
@@ -242,6 +247,18 @@ module sp_frame_info #(
     assign region_row    = 16'd0;
     assign region_column = 16'd0;
     assign unused        = ^region_i;
+  end
+
+  // Pixels of more than 8 bits: how many more, and the upper bits of the threshold
+  if (PixelBits > 8) begin : gen_pixel
+    logic [PixelBits-9:0] threshold_high_q;
+    always_ff @(posedge clk_i) begin
+      if (taken_q[3+PixelBeat]) threshold_high_q <= threshold_i[PixelBits-1:8];
+    end
+    assign pixel = 8'(PixelBits - 8) << sp_spec_pkg::HeaderPixelMoreBitsLsb |
+                   8'(threshold_high_q) << sp_spec_pkg::HeaderPixelThresholdHighLsb;
+  end else begin : gen_no_pixel
+    assign pixel = 8'd0;
   end
 
   // The kind of the frame's packet, only where there are several, and the flag of a verdict
@@ -284,6 +301,7 @@ module sp_frame_info #(
     info_o[sp_spec_pkg::HeaderPatternLsb+:16]            = pattern;
     info_o[sp_spec_pkg::HeaderModeLsb+:2]                = mode_q;
     info_o[sp_spec_pkg::HeaderThresholdLsb+:8]           = threshold_q;
+    info_o[sp_spec_pkg::HeaderPixelLsb+:8]               = pixel;
     info_o[sp_spec_pkg::HeaderSequenceLsb+:64]           = sequence_number;
     info_o[sp_spec_pkg::HeaderTimeStampLsb+:64]          = time_stamp;
     info_o[sp_spec_pkg::HeaderEncoderLsb+:32]            = encoder;

@@ -32,6 +32,7 @@
 module sp_frame_tracker #(
   parameter int MaxColumns = sp_spec_pkg::MaxColumns,  // a multiple of 4, 12..2048
   parameter int MaxRows = sp_spec_pkg::MaxRows,  // 2..1023
+  parameter int PixelBits = sp_spec_pkg::PixelBits,  // 8..12
   parameter bit Region = 1'b1,  // hand region_i on; else region_o is 0
   parameter bit Compact = 1'b0,  // hand compact_i on; else compact_o is 0
   parameter bit Verdict = 1'b0,  // hand verdict_i on; else verdict_o is 0
@@ -43,10 +44,10 @@ module sp_frame_tracker #(
   input  wire logic                  clk_i,
   input  wire logic                  rst_i,
 
-  // AXI4-Stream video: 4 pixels per beat, leftmost in 7..0; tuser starts a frame, tlast ends a line
+  // AXI4-Stream video: 4 pixels per beat, leftmost lowest; tuser starts a frame, tlast ends a line
   input  wire logic                  s_axis_tvalid_i,
   output logic                       s_axis_tready_o,
-  input  wire logic [31:0]           s_axis_tdata_i,
+  input  wire logic [4*PixelBits-1:0] s_axis_tdata_i,
   input  wire logic                  s_axis_tuser_i,
   input  wire logic                  s_axis_tlast_i,
 
@@ -58,7 +59,7 @@ module sp_frame_tracker #(
   input  wire logic [ColumnBits-1:0] columns_i,
   input  wire logic [RowBits-1:0]    rows_i,
   input  wire logic [1:0]            mode_i,
-  input  wire logic [7:0]            threshold_i,
+  input  wire logic [PixelBits-1:0]  threshold_i,
   input  wire logic [7:0]            stream_i,
   input  wire logic [2*RowBits+2:0]  select_i,  // as in sp_registers
   input  wire logic [31:0]           region_i,  // as in sp_registers
@@ -73,7 +74,7 @@ module sp_frame_tracker #(
   output logic      [ColumnBits-1:0] columns_o,
   output logic      [RowBits-1:0]    rows_o,
   output logic      [1:0]            mode_o,
-  output logic      [7:0]            threshold_o,
+  output logic      [PixelBits-1:0]  threshold_o,
   output logic      [7:0]            stream_o,
   output logic      [2*RowBits+2:0]  select_o,
   output logic      [31:0]           region_o,
@@ -84,7 +85,7 @@ module sp_frame_tracker #(
 
   // Beats
   output logic                       beat_valid_o,
-  output logic      [31:0]           beat_pixels_o,
+  output logic      [4*PixelBits-1:0] beat_pixels_o,
   output logic      [GroupBits-1:0]  beat_group_o,
   output logic      [RowBits-1:0]    beat_row_o,
   output logic                       beat_first_row_o,
@@ -111,6 +112,10 @@ module sp_frame_tracker #(
   end
   if (MaxRows < 2 || MaxRows > sp_spec_pkg::MaxRows) begin : gen_max_rows
     max_rows_is_not_in_2_to_1023 u_error ();
+  end
+
+  if (PixelBits < 8 || PixelBits > 12) begin : gen_pixel_bits
+    pixel_bits_is_not_in_8_to_12 u_error ();
   end
 
   assign s_axis_tready_o = 1'b1;
@@ -148,7 +153,7 @@ module sp_frame_tracker #(
   logic        s1_valid_q, s1_last_q;     // a beat; its tlast
   logic        s1_start_q, s1_further_q;  // a beat with tuser, without tuser
   logic        s1_begin_q;                // a beat that starts a frame
-  logic [31:0] s1_pixels_q;
+  logic [4*PixelBits-1:0] s1_pixels_q;
 
   always_ff @(posedge clk_i) begin
     if (rst_i) begin

@@ -10,6 +10,7 @@ module sp_image_path #(
   parameter int MaxColumns = sp_spec_pkg::MaxColumns,  // a multiple of 4
   parameter int MaxRows = sp_spec_pkg::MaxRows,  // 1 or more
   parameter bit Region = 1'b1,  // headers say where on the sensor frames begin
+  parameter bit Wide = 1'b0,  // headers tell of pixels of more than 8 bits
   parameter int LogDepth = 9,  // log2 of the depth of the packet FIFO, in beats of 16 bytes: 3..15
   // derived, do not set
   parameter int ColumnBits = $clog2(MaxColumns + 1),
@@ -84,6 +85,7 @@ module sp_image_path #(
     .ColumnBits (ColumnBits),
     .RowBits    (RowBits),
     .Region     (Region),
+    .Wide       (Wide),
     .PayloadBits(PayloadBits),
     .LogDepth   (LogDepth)
   ) u_packets (

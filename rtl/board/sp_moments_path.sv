@@ -13,6 +13,7 @@
 module sp_moments_path #(
   parameter int MaxColumns = sp_spec_pkg::MaxColumns,  // a multiple of 4, 8..2048
   parameter int MaxRows = sp_spec_pkg::MaxRows,  // 2..1023
+  parameter int PixelBits = sp_spec_pkg::PixelBits,  // 8..12, more than 8 without Runs, Compact, Verdict
   parameter bit Grey = 1'b1,
   parameter bit Runs = 1'b0,    // the strongest run of a column
   parameter bit Region = 1'b1,  // headers say where on the sensor frames begin
@@ -31,14 +32,14 @@ module sp_moments_path #(
   // Beats, breaks and settings in force of sp_frame_tracker; these are the same for a whole frame
   input  wire logic [ColumnBits-3:0] groups_i,  // of a line: columns / 4
   input  wire logic [1:0]            mode_i,
-  input  wire logic [7:0]            threshold_i,
+  input  wire logic [PixelBits-1:0]  threshold_i,
   input  wire logic [2*RowBits+2:0]  select_i,  // {last row that counts, first, strongest, gap}
   input  wire logic                  compact_i,
   input  wire logic [2:0]            verdict_i,  // {on, packets} of the register verdict_control
   input  wire logic                  one_group_i,
   input  wire logic                  two_groups_i,
   input  wire logic                  beat_valid_i,
-  input  wire logic [31:0]           beat_pixels_i,
+  input  wire logic [4*PixelBits-1:0] beat_pixels_i,
   input  wire logic [GroupBits-1:0]  beat_group_i,
   input  wire logic [RowBits-1:0]    beat_row_i,
   input  wire logic                  beat_first_row_i,
@@ -76,6 +77,9 @@ module sp_moments_path #(
   if (Compact && !Grey) begin : gen_compact_needs_grey
     compact_needs_grey u_error ();
   end
+  if (PixelBits > 8 && (Runs || Compact || Verdict)) begin : gen_wide_moments_only
+    more_than_8_pixel_bits_exclude_runs_compact_and_verdict u_error ();
+  end
 
   localparam int StatusBits = sp_spec_pkg::StatusBits;
   localparam int PayloadBits = $clog2(MaxColumns * (Grey ? 8 : 4) / 16 + 32'(Verdict) + 1);
@@ -103,13 +107,13 @@ module sp_moments_path #(
     if (last_row_start_i) payload_beats_q <= payload_beats;
   end
 
-  // No pixel is greater than 255, so none is lit in a row that does not count.
+  // No pixel is greater than the largest, so none is lit in a row that does not count.
   logic [RowBits-1:0] first_row, last_row;  // that count; 0: no limit
   logic               counts;
-  logic [7:0]         threshold;
+  logic [PixelBits-1:0] threshold;
   assign {last_row, first_row} = select_i[3+:2*RowBits];
   assign counts    = beat_row_i >= first_row && (beat_row_i <= last_row || last_row == '0);
-  assign threshold = threshold_i | {8{!counts}};
+  assign threshold = threshold_i | {PixelBits{!counts}};
 
   if (Runs) begin : gen_runs
     sp_column_runs #(
@@ -143,6 +147,7 @@ module sp_moments_path #(
     sp_column_moments #(
       .MaxColumns(MaxColumns),
       .MaxRows   (MaxRows),
+      .PixelBits (PixelBits),
       .Grey      (Grey)
     ) u_moments (
       .clk_i           (clk_i),
@@ -278,6 +283,7 @@ module sp_moments_path #(
     .ColumnBits (ColumnBits),
     .RowBits    (RowBits),
     .Region     (Region),
+    .Wide       (PixelBits > 8),
     .Tail       (Verdict),
     .PayloadBits(PayloadBits),
     .LogDepth   (LogDepth)
@@ -311,16 +317,16 @@ module sp_moments_path #(
 `ifdef FORMAL
   // Any one pixel of any beat
   (* anyseq *) logic [1:0] f_lane;
-  logic [7:0] f_pixel;
+  logic [PixelBits-1:0] f_pixel;
   logic       f_above, f_below;  // the row is above the first one that counts, below the last one
-  assign f_pixel = beat_pixels_i[8*f_lane+:8];
+  assign f_pixel = beat_pixels_i[PixelBits*f_lane+:PixelBits];
   assign f_above = first_row != '0 && beat_row_i < first_row;
   assign f_below = last_row != '0 && beat_row_i > last_row;
   // Rule 1: a pixel is lit where it is greater than the threshold and its row counts.
   always_comb begin
     assert ((f_pixel > threshold) == (f_pixel > threshold_i && !f_above && !f_below));
     cover (f_pixel > threshold && beat_row_i == last_row && beat_row_i == first_row);
-    cover (f_pixel > threshold_i && threshold == 8'hFF);
+    cover (f_pixel > threshold_i && threshold == '1);
   end
 `endif
 

@@ -23,6 +23,7 @@
 module sp_registers #(
   parameter int MaxColumns = sp_spec_pkg::MaxColumns,  // a multiple of 4, 4..2048
   parameter int MaxRows = sp_spec_pkg::MaxRows,  // 1..1023
+  parameter int PixelBits = sp_spec_pkg::PixelBits,  // 8..12
   parameter bit Grey = 1'b1,
   parameter bit Runs = 1'b0,  // the strongest run of a column
   parameter bit Image = 1'b1,
@@ -55,7 +56,7 @@ module sp_registers #(
   output logic      [ColumnBits-1:0]  columns_o,
   output logic      [RowBits-1:0]     rows_o,
   output logic      [1:0]             mode_o,
-  output logic      [7:0]             threshold_o,
+  output logic      [PixelBits-1:0]   threshold_o,
   output logic      [7:0]             stream_o,
   output logic      [2*RowBits+2:0]   select_o,  // {last row that counts, first, strongest, gap}
   output logic      [31:0]            region_o,  // {column, row}; 0 without Region
@@ -95,6 +96,9 @@ module sp_registers #(
   if (MaxRows < 1 || MaxRows > sp_spec_pkg::MaxRows) begin : gen_max_rows
     max_rows_is_not_in_1_to_1023 u_error ();
   end
+  if (PixelBits < 8 || PixelBits > 12) begin : gen_pixel_bits
+    pixel_bits_is_not_in_8_to_12 u_error ();
+  end
   if (MaxBits < 1 || MaxBits > sp_spec_pkg::CodeCodeBits) begin : gen_max_bits
     max_bits_is_not_in_1_to_12 u_error ();
   end
@@ -105,6 +109,9 @@ module sp_registers #(
                  SizeRowsBits = sp_spec_pkg::RegSizeRowsBits;
   localparam int ModeLsb = sp_spec_pkg::RegMeasureModeLsb,
                  ModeBits = sp_spec_pkg::RegMeasureModeBits;
+  localparam int ThresholdLsb = sp_spec_pkg::RegMeasureThresholdLsb,
+                 ThresholdHighLsb = sp_spec_pkg::RegMeasureThresholdHighLsb,
+                 ThresholdHighBits = sp_spec_pkg::RegMeasureThresholdHighBits;
   localparam int SelectLsb = sp_spec_pkg::RegMeasureSelectLsb,
                  GapLsb = sp_spec_pkg::RegMeasureGapLsb;
   localparam int WindowFirstLsb = sp_spec_pkg::RegWindowFirstLsb,
@@ -234,7 +241,8 @@ module sp_registers #(
         rows_o    <= rst_q ? ResetRows : data_i[sp_spec_pkg::RegSizeRowsLsb+:RowBits];
       end
       if (put_q[WriteMeasure]) begin
-        threshold_o <= measure_data[sp_spec_pkg::RegMeasureThresholdLsb+:8];
+        threshold_o <= PixelBits'({measure_data[ThresholdHighLsb+:ThresholdHighBits],
+                                   measure_data[ThresholdLsb+:8]});
         mode_o      <= measure_data[ModeLsb+:ModeBits];
         stream_o    <= measure_data[sp_spec_pkg::RegMeasureStreamLsb+:8];
         select_o[2:0] <= Runs ? {measure_data[SelectLsb], measure_data[GapLsb+:2]} : 3'd0;
@@ -285,7 +293,8 @@ module sp_registers #(
                         32'(image_o) << sp_spec_pkg::RegControlImageLsb;
   assign size_word    = 32'(columns_o) << sp_spec_pkg::RegSizeColumnsLsb |
                         32'(rows_o) << sp_spec_pkg::RegSizeRowsLsb;
-  assign measure_word = 32'(threshold_o) << sp_spec_pkg::RegMeasureThresholdLsb |
+  assign measure_word = 32'(threshold_o[7:0]) << ThresholdLsb |
+                        (32'(threshold_o) >> 8) << ThresholdHighLsb |
                         32'(mode_o) << ModeLsb | 32'(select_o[2]) << SelectLsb |
                         32'(select_o[1:0]) << GapLsb |
                         32'(stream_o) << sp_spec_pkg::RegMeasureStreamLsb;
@@ -299,7 +308,8 @@ module sp_registers #(
   assign camera_word  = 32'(trigger_camera_o) << sp_spec_pkg::RegTriggerCameraClocksLsb;
   assign width_word   = 32'(trigger_width_o) << sp_spec_pkg::RegTriggerWidthClocksLsb;
   assign errors_word  = 32'(encoder_errors_i) << sp_spec_pkg::RegEncoderErrorsCountLsb;
-  assign status_word  = 32'(Compact) << sp_spec_pkg::RegStatusCompactLsb |
+  assign status_word  = 32'(PixelBits - 8) << sp_spec_pkg::RegStatusMoreBitsLsb |
+                        32'(Compact) << sp_spec_pkg::RegStatusCompactLsb |
                         32'(Verdict) << sp_spec_pkg::RegStatusVerdictLsb |
                         32'(frame_open_i) << sp_spec_pkg::RegStatusFrameOpenLsb |
                         32'(pending_q) << sp_spec_pkg::RegStatusPendingLsb;
@@ -340,7 +350,9 @@ module sp_registers #(
                         data_i[SizeRowsLsb+:SizeRowsSpan] <= SizeRowsSpan'(MaxRows);
       measure_good_q <= (data_i[ModeLsb+:ModeBits] == sp_spec_pkg::ModeBinary ||
                          Grey && data_i[ModeLsb+:ModeBits] <= sp_spec_pkg::ModeGreyOver) &&
-                        (Runs || !data_i[SelectLsb] && data_i[GapLsb+:2] == 2'd0);
+                        (Runs || !data_i[SelectLsb] && data_i[GapLsb+:2] == 2'd0) &&
+                        (PixelBits == 8 ||
+                         data_i[ThresholdHighLsb+:ThresholdHighBits] >> (PixelBits - 8) == '0);
       window_good_q  <= window_fits;
       image_good_q  <= Image || !image_wanted;
       period_good_q <= data_i[sp_spec_pkg::RegTriggerPeriodClocksLsb+:24] != 24'd0;

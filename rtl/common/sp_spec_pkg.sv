@@ -69,6 +69,11 @@ package sp_spec_pkg;
   localparam int WideGreyM0Bits = 22;
   localparam int WideGreyNLsb = 53;
   localparam int WideGreyNBits = 11;
+  localparam int HeaderPixelWordBits = 8;
+  localparam int HeaderPixelThresholdHighLsb = 0;
+  localparam int HeaderPixelThresholdHighBits = 4;
+  localparam int HeaderPixelMoreBitsLsb = 4;
+  localparam int HeaderPixelMoreBitsBits = 4;
   localparam int CompactWordBits = 32;
   localparam int CompactCentroidLsb = 0;
   localparam int CompactCentroidBits = 20;
@@ -147,8 +152,8 @@ package sp_spec_pkg;
   localparam int HeaderLastRowBits = 16;
   localparam int HeaderGapLsb = 464;
   localparam int HeaderGapBits = 8;
-  localparam int HeaderReservedLsb = 472;
-  localparam int HeaderReservedBits = 8;
+  localparam int HeaderPixelLsb = 472;
+  localparam int HeaderPixelBits = 8;
   localparam int HeaderRegionRowLsb = 480;
   localparam int HeaderRegionRowBits = 16;
   localparam int HeaderRegionColumnLsb = 496;
@@ -242,6 +247,8 @@ package sp_spec_pkg;
   localparam int RegMeasureGapBits = 2;
   localparam int RegMeasureStreamLsb = 16;
   localparam int RegMeasureStreamBits = 8;
+  localparam int RegMeasureThresholdHighLsb = 24;
+  localparam int RegMeasureThresholdHighBits = 4;
   localparam logic [7:0] RegTimeout = 8'h1C;
   localparam logic [31:0] RegTimeoutReset = 32'h00E6B680;
   localparam int RegTimeoutClocksLsb = 0;
@@ -271,6 +278,8 @@ package sp_spec_pkg;
   localparam int RegStatusFrameOpenBits = 1;
   localparam int RegStatusPendingLsb = 1;
   localparam int RegStatusPendingBits = 1;
+  localparam int RegStatusMoreBitsLsb = 27;
+  localparam int RegStatusMoreBitsBits = 3;
   localparam int RegStatusVerdictLsb = 30;
   localparam int RegStatusVerdictBits = 1;
   localparam int RegStatusCompactLsb = 31;
@@ -514,9 +523,9 @@ package sp_spec_pkg;
   localparam int ReplayReservedBits = 16;
 
   // Bits of a header that tell of the frame; columns have column_bits, rows and lines row_bits,
-  // the place of a region region_bits
+  // the place of a region region_bits, what is said of wide pixels wide_bits
   function automatic logic [HeaderBits-1:0] frame_mask(input int column_bits, input int row_bits,
-                                                     input int region_bits);
+                                                     input int region_bits, input int wide_bits);
     frame_mask = ~({HeaderBits{1'b1}} << HeaderStreamBits) << HeaderStreamLsb |
                  ~({HeaderBits{1'b1}} << HeaderPatternBits) << HeaderPatternLsb |
                  ~({HeaderBits{1'b1}} << ModeBits) << HeaderModeLsb |
@@ -533,7 +542,8 @@ package sp_spec_pkg;
                  ~({HeaderBits{1'b1}} << row_bits) << HeaderLastRowLsb |
                  ~({HeaderBits{1'b1}} << RegMeasureGapBits) << HeaderGapLsb |
                  ~({HeaderBits{1'b1}} << region_bits) << HeaderRegionRowLsb |
-                 ~({HeaderBits{1'b1}} << region_bits) << HeaderRegionColumnLsb;
+                 ~({HeaderBits{1'b1}} << region_bits) << HeaderRegionColumnLsb |
+                 ~({HeaderBits{1'b1}} << wide_bits) << HeaderPixelLsb;
   endfunction
 
 endpackage

@@ -68,6 +68,11 @@ package sp_spec_pkg is
   constant WideGreyM0Bits : natural := 22;
   constant WideGreyNLsb : natural := 53;
   constant WideGreyNBits : natural := 11;
+  constant HeaderPixelWordBits : natural := 8;
+  constant HeaderPixelThresholdHighLsb : natural := 0;
+  constant HeaderPixelThresholdHighBits : natural := 4;
+  constant HeaderPixelMoreBitsLsb : natural := 4;
+  constant HeaderPixelMoreBitsBits : natural := 4;
   constant CompactWordBits : natural := 32;
   constant CompactCentroidLsb : natural := 0;
   constant CompactCentroidBits : natural := 20;
@@ -145,8 +150,8 @@ package sp_spec_pkg is
   constant HeaderLastRowBits : natural := 16;
   constant HeaderGapLsb : natural := 464;
   constant HeaderGapBits : natural := 8;
-  constant HeaderReservedLsb : natural := 472;
-  constant HeaderReservedBits : natural := 8;
+  constant HeaderPixelLsb : natural := 472;
+  constant HeaderPixelBits : natural := 8;
   constant HeaderRegionRowLsb : natural := 480;
   constant HeaderRegionRowBits : natural := 16;
   constant HeaderRegionColumnLsb : natural := 496;
@@ -236,6 +241,8 @@ package sp_spec_pkg is
   constant RegMeasureGapBits : natural := 2;
   constant RegMeasureStreamLsb : natural := 16;
   constant RegMeasureStreamBits : natural := 8;
+  constant RegMeasureThresholdHighLsb : natural := 24;
+  constant RegMeasureThresholdHighBits : natural := 4;
   constant RegTimeout : std_ulogic_vector(7 downto 0) := "00011100";
   constant RegTimeoutReset : std_ulogic_vector(31 downto 0) := "00000000111001101011011010000000";
   constant RegTimeoutClocksLsb : natural := 0;
@@ -265,6 +272,8 @@ package sp_spec_pkg is
   constant RegStatusFrameOpenBits : natural := 1;
   constant RegStatusPendingLsb : natural := 1;
   constant RegStatusPendingBits : natural := 1;
+  constant RegStatusMoreBitsLsb : natural := 27;
+  constant RegStatusMoreBitsBits : natural := 3;
   constant RegStatusVerdictLsb : natural := 30;
   constant RegStatusVerdictBits : natural := 1;
   constant RegStatusCompactLsb : natural := 31;

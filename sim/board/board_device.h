@@ -14,9 +14,9 @@
 #include <verilated.h>
 #include <verilated_fst_c.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <deque>
 #include <fstream>
 #include <functional>
@@ -26,6 +26,7 @@
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -45,9 +46,10 @@ struct BoardDeviceOptions {
   std::uint64_t video_period_ps = model::pixel_clock_period_ps(model::kDefaultPixelClockHz);
   std::uint64_t bus_period_ps = 8000;  // 125 MHz
   std::uint64_t bus_phase_ps = 1234;
-  int bus_stall_percent = 0;    // share of bus clocks in which the sink is not ready
-  int video_gap_percent = 0;    // share of video clocks without a beat while beats are waiting
-  std::string trace_file = {};  // FST file; only if the model was built with TRACE
+  int pixel_bits = spec::kPixelBits;  // of the build
+  int bus_stall_percent = 0;          // share of bus clocks in which the sink is not ready
+  int video_gap_percent = 0;          // share of video clocks without a beat while beats are waiting
+  std::string trace_file = {};        // FST file; only if the model was built with TRACE
 };
 
 template <class Model>
@@ -129,7 +131,7 @@ class BoardDevice {
       const std::uint8_t* line = image.pixels + row * image.stride;
       for (int column = 0; column < image.columns; column += spec::kPixelsPerBeat) {
         model::VideoBeat beat;
-        std::memcpy(beat.pixels.data(), line + column, beat.pixels.size());
+        std::copy_n(line + column, beat.pixels.size(), beat.pixels.begin());
         beat.start = row == 0 && column == 0;
         beat.line_end = column + spec::kPixelsPerBeat == image.columns;
         send(beat);
@@ -308,11 +310,11 @@ class BoardDevice {
       return;
     }
     m.s_axis_tvalid = 1;
-    std::uint32_t pixels = 0;
+    std::uint64_t pixels = 0;
     for (int i = spec::kPixelsPerBeat - 1; i >= 0; --i) {
-      pixels = pixels << 8U | next.beat.pixels[static_cast<std::size_t>(i)];
+      pixels = pixels << options_.pixel_bits | next.beat.pixels[static_cast<std::size_t>(i)];
     }
-    m.s_axis_tdata = pixels;
+    m.s_axis_tdata = static_cast<std::remove_reference_t<decltype(m.s_axis_tdata)>>(pixels);
     m.s_axis_tuser = next.beat.start;
     m.s_axis_tlast = next.beat.line_end;
     if (beat_hook_) {

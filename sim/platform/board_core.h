@@ -5,10 +5,10 @@
 #ifndef SELFPROJ_SIM_PLATFORM_BOARD_CORE_H
 #define SELFPROJ_SIM_PLATFORM_BOARD_CORE_H
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <functional>
 #include <memory>
 #include <span>
@@ -124,7 +124,7 @@ class ModelFeed {
     model::VideoBeat beat;
     beat.start = frame_start;
     for (std::size_t at = 0; at < pixels.size(); at += beat.pixels.size()) {
-      std::memcpy(beat.pixels.data(), pixels.data() + at, beat.pixels.size());
+      std::copy_n(pixels.data() + at, beat.pixels.size(), beat.pixels.begin());
       beat.line_end = at + beat.pixels.size() == pixels.size();
       clock_ = clock++;
       const auto pattern = static_cast<std::uint16_t>(model_.frames() % patterns_);

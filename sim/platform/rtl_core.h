@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <span>
 #include <stdexcept>
 #include <utility>
@@ -61,7 +60,7 @@ class RtlCore : public BoardCore {
     model::VideoBeat beat;
     beat.start = frame_start;
     for (std::size_t at = 0; at < pixels.size(); at += beat.pixels.size()) {
-      std::memcpy(beat.pixels.data(), pixels.data() + at, beat.pixels.size());
+      std::copy_n(pixels.data() + at, beat.pixels.size(), beat.pixels.begin());
       beat.line_end = at + beat.pixels.size() == pixels.size();
       device_.send(beat);
       beat.start = false;

@@ -63,7 +63,7 @@ def parse(data):
     assert len(data) == head_size + header["payload_size"] + tail_size, (len(data), header)
     payload = data[head_size:-tail_size]
     trailer, _ = cut(SPEC["packet"]["trailer"], data[-tail_size:])
-    assert header["magic"] == MAGIC and header["version"] == VERSION and header["reserved"] == 0, header
+    assert header["magic"] == MAGIC and header["version"] == VERSION and header["pixel"] == 0, header
     assert header["kind"] in KINDS.values() and len(payload) % BEAT == 0, header
     assert trailer["sequence"] == header["sequence"], (header, trailer)
     assert trailer["check"] == check_word(data[:-4] + bytes(4)), "the check word is wrong"

@@ -30,14 +30,14 @@ def beyond_the_hash(node, path="", counts=False):
         for item in node:
             yield from beyond_the_hash(item, path, counts)
         return
-    counts = counts or bool(node.get("later"))
+    counts = counts or bool(node.get("later")) or "was" in node
     if path:
         path += " " + node.get("name", "")
     values = [f"{key}={value}" for key, value in node.items() if isinstance(value, (int, str)) and key not in PROSE]
     if counts and values:
         yield " ".join([*path.split(), *values])
     for key, value in node.items():
-        if isinstance(value, (dict, list)) and key not in ("description", "planned"):
+        if isinstance(value, (dict, list)) and key not in ("description", "planned", "was"):
             yield from beyond_the_hash(value, f"{path} {key}", counts or key in ("datagram", "replay", "link"))
 
 

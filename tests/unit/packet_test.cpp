@@ -101,7 +101,8 @@ TEST(Packet, EveryFieldAtItsPlace) {
   expect_field(&model::PacketHeader::rows, spec::kHeaderRows);
   expect_field(&model::PacketHeader::pattern, spec::kHeaderPattern);
   expect_field(&model::PacketHeader::mode, spec::kHeaderMode);
-  expect_field(&model::PacketHeader::threshold, spec::kHeaderThreshold);
+  expect_at({.threshold = 0x10}, 0, spec::kHeaderThreshold, 1);
+  expect_at({.pixel_bits = 9}, 0, spec::kHeaderPixel, 1);
   expect_field(&model::PacketHeader::first_line, spec::kHeaderFirstLine);
   expect_field(&model::PacketHeader::lines, spec::kHeaderLines);
   expect_field(&model::PacketHeader::flags, spec::kHeaderFlags);
@@ -206,7 +207,7 @@ TEST(Packet, NamesWhatIsWrong) {
   EXPECT_EQ(verdict(forged(moments, spec::kHeaderKind, 1, spec::kKindCompact)), model::PacketError::size);
   EXPECT_EQ(verdict(forged(moments, spec::kHeaderKind, 1, spec::kKindVerdict)), model::PacketError::size);
   EXPECT_EQ(verdict(forged(moments, spec::kHeaderFlags, 1, spec::kFlagVerdict)), model::PacketError::size);
-  EXPECT_EQ(verdict(forged(moments, spec::kHeaderReserved, 1, 0x80)), model::PacketError::reserved);
+  EXPECT_EQ(verdict(forged(moments, spec::kHeaderPixel, 1, 0x80)), model::PacketError::geometry);
   for (const Bytes& packet : {moments, image}) {
     EXPECT_EQ(verdict(forged(packet, spec::kHeaderMode, 1, 3)), model::PacketError::geometry);
     for (const std::uint64_t columns : {0, 2, 33, spec::kMaxColumns + 4, 65532}) {
@@ -240,6 +241,44 @@ TEST(Packet, NamesWhatIsWrong) {
   Bytes bad_check = moments;
   bad_check.back() ^= 1;
   EXPECT_EQ(verdict(bad_check), model::PacketError::check);
+}
+
+// Byte 59 has what pixels of more than 8 bits need, and words are then wide_grey. Runs, compact columns and verdicts
+// have no words for them.
+TEST(Packet, PixelsOfMoreThanEightBits) {
+  model::PacketHeader header = header_of(spec::kKindMoments, model::Mode::grey, 4);
+  header.select = spec::kSelectAll;
+  header.pixel_bits = 12;
+  header.threshold = 0x9A5;
+  std::array<std::uint32_t, 4> m0{4095 * 1023, 0, 1, 77};
+  std::array<std::uint32_t, 4> m1{4095U * 1023U * 1024U / 2, 0, 1023, 5};
+  std::array<std::uint32_t, 4> n{1023, 0, 1, 3};
+  Bytes payload(model::columns_payload_bytes(header));
+  model::pack_columns(header, {.moments = {m0.data(), m1.data(), n.data()}}, payload.data());
+  Bytes packet;
+  model::append_packet(header, payload, 0, packet);
+  EXPECT_EQ(packet[15], 0xA5);
+  EXPECT_EQ(packet[59], 0x49);
+  model::PacketView view;
+  ASSERT_EQ(model::parse_packet(packet, view), model::PacketError::none);
+  EXPECT_EQ(view.header.pixel_bits, 12);
+  EXPECT_EQ(view.header.threshold, 0x9A5);
+  EXPECT_EQ(model::measure_of(view.header).bits, 12);
+  model::Moments back;
+  back.resize(4);
+  model::unpack_columns(view.header, view.payload.data(), {.moments = back.view()});
+  EXPECT_TRUE(std::ranges::equal(back.m0, m0) && std::ranges::equal(back.m1, m1) && std::ranges::equal(back.n, n));
+
+  EXPECT_EQ(verdict(forged(packet, 59, 1, 0x39)), model::PacketError::geometry);  // 11 bits have no 0x9A5
+  EXPECT_EQ(verdict(forged(packet, 59, 1, 0x37)), model::PacketError::none);
+  EXPECT_EQ(verdict(forged(packet, 59, 1, 0x59)), model::PacketError::geometry);  // 13 bits
+  EXPECT_EQ(verdict(forged(packet, spec::kHeaderSelect, 1, spec::kSelectStrongest)), model::PacketError::geometry);
+  EXPECT_EQ(verdict(forged(packet, spec::kHeaderKind, 1, spec::kKindCompact)), model::PacketError::geometry);
+  EXPECT_EQ(verdict(forged(packet, spec::kHeaderKind, 1, spec::kKindVerdict)), model::PacketError::geometry);
+  EXPECT_EQ(verdict(forged(packet, spec::kHeaderFlags, 1, spec::kFlagVerdict)), model::PacketError::geometry);
+  Bytes image = packet_of(header_of(spec::kKindImage, model::Mode::grey, 16));
+  image = forged(image, spec::kHeaderSelect, 1, spec::kSelectStrongest);
+  EXPECT_EQ(verdict(forged(image, 59, 1, 0x49)), model::PacketError::none);  // its upper eight bits
 }
 
 // A packet of version 1.0, as a program of that time wrote it: 4 columns of 6 rows, binary, sequence 2, two columns
@@ -283,8 +322,8 @@ TEST(Packet, EarlierVersionIsRead) {
   for (std::size_t at = 59; at < spec::kHeaderBytes; ++at) {
     EXPECT_EQ(verdict(forged(second, at, 1, 1)), model::PacketError::reserved) << at;
   }
-  // Today only byte 59 is reserved.
-  EXPECT_EQ(verdict(forged(now, 59, 1, 1)), model::PacketError::reserved);
+  // Today byte 59 tells of pixels of more than 8 bits; with 8 bits there is no threshold of 256 and more.
+  EXPECT_EQ(verdict(forged(now, 59, 1, 1)), model::PacketError::geometry);
   EXPECT_EQ(verdict(forged(now, 60, 2, 0x8001)), model::PacketError::none);
 }
 

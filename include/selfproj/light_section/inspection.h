@@ -29,7 +29,8 @@ class Inspection {
     std::uint64_t time_stamp = 0;
     std::uint32_t encoder = 0;
     std::uint8_t mode = 0;  // a value of Mode
-    std::uint8_t threshold = 0;
+    std::uint16_t threshold = 0;
+    std::uint8_t pixel_bits = spec::kPixelBits;
     std::uint8_t select = 0;  // a value of Select
     std::uint8_t gap = 0;
     model::RowWindow window = {};
@@ -40,7 +41,8 @@ class Inspection {
               .threshold = threshold,
               .select = static_cast<model::Select>(select),
               .gap = gap,
-              .window = window};
+              .window = window,
+              .bits = pixel_bits};
     }
   };
 

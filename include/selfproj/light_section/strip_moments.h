@@ -33,13 +33,15 @@ struct ColumnWords {
   model::Select select = model::Select::all;
   model::Mode mode = model::Mode::grey_over;
   bool compact = false;
+  bool wide = false;  // of pixels of more than 8 bits
 };
 
 // Those of a packet for which has_columns holds.
 inline ColumnWords words_of(const model::PacketHeader& header) {
   return {.select = static_cast<model::Select>(header.select),
           .mode = static_cast<model::Mode>(header.mode),
-          .compact = header.kind == spec::kKindCompact};
+          .compact = header.kind == spec::kKindCompact,
+          .wide = header.pixel_bits > spec::kPixelBits};
 }
 
 // Which lines count.

@@ -27,7 +27,7 @@ struct BoardSettings {
   int columns = 512;   // a multiple of 4, from 4 up to the build's maximum
   int rows = 96;       // from 1 up to the build's maximum
   Mode mode = Mode::binary;
-  int threshold = 128;  // 0..255
+  int threshold = 128;  // 0..2^bits - 1 of the build's pixels
   Select select = Select::all;
   int gap = 0;                // 0..3
   RowWindow window = {};      // rows that count for the moments, each up to the build's maximum
@@ -53,9 +53,9 @@ struct BoardSettings {
   }
 };
 
-// One beat of the camera: four pixels, leftmost first.
+// One beat of the camera: four pixels of the build's bits, leftmost first.
 struct VideoBeat {
-  std::array<std::uint8_t, spec::kPixelsPerBeat> pixels{};
+  std::array<std::uint16_t, spec::kPixelsPerBeat> pixels{};
   bool start = false;     // tuser: first beat of a frame
   bool line_end = false;  // tlast: last beat of a line
 };
@@ -82,7 +82,10 @@ class BoardModel {
   // the model.
   //
   // `median_built`: the build contains the median. Codes then leave one line later, whether or not the median is used.
-  explicit BoardModel(Sink sink, bool median_built = true) : sink_(std::move(sink)), median_built_(median_built) {}
+  // `pixel_bits`: bits of a pixel in the build, 8..kMaxPixelBits. With more than 8, moments are of all of them, images
+  // and codes of the upper 8.
+  explicit BoardModel(Sink sink, bool median_built = true, int pixel_bits = spec::kPixelBits)
+      : sink_(std::move(sink)), median_built_(median_built), pixel_bits_(pixel_bits) {}
 
   // Judges frames with `verdict`, which holds the limits and must live longer. The model judges all frames; the board
   // leaves out those that come too soon (register verdict_state, missed).
@@ -127,12 +130,14 @@ class BoardModel {
   void start_decoding(std::uint64_t clock);
   void end_code_line(std::uint32_t status);
   void send_codes(int row, int columns, std::uint32_t status);
+  [[nodiscard]] Measure measure() const;
   [[nodiscard]] PacketHeader header(std::uint8_t kind) const;
   void judge(const RunsView& columns, int complete, BoardPacket& packet);
   void pass_broken();
 
   Sink sink_;
   bool median_built_;
+  int pixel_bits_;
   BoardSettings written_;
   BoardSettings settings_;  // in force
   Verdict* verdict_ = nullptr;
@@ -141,15 +146,16 @@ class BoardModel {
   std::uint64_t last_take_ = 0;
   bool taken_ = false;
 
-  bool open_ = false;            // a frame is being taken
-  bool stray_seen_ = false;      // beats were discarded since the last frame start
-  bool stray_before_ = false;    // beats were discarded before the open frame
-  BoardInputs inputs_;           // inputs at the start of the open frame
-  std::uint64_t last_beat_ = 0;  // clock of the last beat of any kind
-  int timeout_ = 0;              // timeout in force after that beat
-  int row_ = 0;                  // row of the next beat, from 0
-  int column_ = 0;               // column of the next beat's first pixel, from 0
-  std::vector<std::uint8_t> pixels_;
+  bool open_ = false;                       // a frame is being taken
+  bool stray_seen_ = false;                 // beats were discarded since the last frame start
+  bool stray_before_ = false;               // beats were discarded before the open frame
+  BoardInputs inputs_;                      // inputs at the start of the open frame
+  std::uint64_t last_beat_ = 0;             // clock of the last beat of any kind
+  int timeout_ = 0;                         // timeout in force after that beat
+  int row_ = 0;                             // row of the next beat, from 0
+  int column_ = 0;                          // column of the next beat's first pixel, from 0
+  std::vector<std::uint8_t> pixels_;        // their upper eight bits
+  std::vector<std::uint16_t> wide_pixels_;  // all bits, if they have more
   std::uint64_t next_sequence_ = 0;
   std::uint64_t broken_ = 0;
   std::uint64_t stray_ = 0;

@@ -34,10 +34,11 @@ inline constexpr int kMaxGap = (1 << spec::kRegMeasureGapBits) - 1;
 // What the board measures in each column: the settings of the registers `measure` and `window`.
 struct Measure {
   Mode mode = Mode::binary;
-  int threshold = 128;  // 0..255; a pixel is lit if it is greater
+  int threshold = 128;  // 0..2^bits - 1; a pixel is lit if it is greater
   Select select = Select::all;
-  int gap = 0;            // g, 0..kMaxGap; only with Select::strongest
-  RowWindow window = {};  // rows that count
+  int gap = 0;                  // g, 0..kMaxGap; only with Select::strongest
+  RowWindow window = {};        // rows that count
+  int bits = spec::kPixelBits;  // of a pixel, 8..kMaxPixelBits; more than 8 only with Select::all
 
   bool operator==(const Measure&) const = default;
 };
@@ -80,6 +81,9 @@ void column_runs(const ImageView& image, const Measure& measure, const RunsView&
 // Writes what measure.select asks for: column_moments or column_runs. With Select::all it does not touch out.runs and
 // out.second.
 void measure_columns(const ImageView& image, const Measure& measure, const RunsView& out);
+
+// The same for pixels of measure.bits bits, with Select::all.
+void measure_columns(const WideImageView& image, const Measure& measure, const RunsView& out);
 
 // The same for up to kMaxSoftwareRows rows, more than a circuit takes.
 void measure_tall_columns(const ImageView& image, const Measure& measure, const RunsView& out);

@@ -20,30 +20,31 @@
 
 namespace selfproj::model {
 
-// The fields of the header, without those that are the same in every packet (magic, hash, version, reserved). A packet
-// of an earlier version (spec::kEarlierVersions) has 0 in the fields that it did not know yet.
+// The fields of the header, without those that are the same in every packet (magic, hash, version). A packet
+// of an earlier version (spec::kEarlierVersions) has 0 in the fields that it did not know yet, and pixels of 8 bits.
 struct PacketHeader {
-  std::uint8_t kind = 0;            // spec::kKind...
-  std::uint8_t stream = 0;          // number of the camera
-  std::uint32_t lost = 0;           // packets of this kind lost so far on the board; wraps
-  std::uint64_t sequence = 0;       // number of the frame
-  std::uint64_t time_stamp = 0;     // pixel clocks since reset, at the frame's first beat
-  std::uint32_t encoder = 0;        // encoder count in two's complement, at the frame's first beat
-  std::uint32_t payload_size = 0;   // bytes; 0 for a frame that broke before its header left
-  std::uint16_t columns = 0;        // columns of the frame
-  std::uint16_t rows = 0;           // rows of the frame
-  std::uint16_t pattern = 0;        // index of the projected pattern
-  std::uint8_t mode = 0;            // a value of Mode
-  std::uint8_t threshold = 0;       // a pixel is lit if it is greater than this
-  std::uint16_t first_line = 0;     // first image line in the payload, counted from 1
-  std::uint16_t lines = 0;          // image lines in the payload
-  std::uint8_t flags = 0;           // spec::kFlag...
-  std::uint8_t select = 0;          // a value of Select
-  std::uint16_t first_row = 0;      // first row that counts for the moments, from 1; 0: the first
-  std::uint16_t last_row = 0;       // last row that counts, from 1; 0: the last
-  std::uint8_t gap = 0;             // dark rows between two lit pixels of one run
-  std::uint16_t region_row = 0;     // row of the sensor, from 1, at which the frame begins; 0: not said
-  std::uint16_t region_column = 0;  // column of the sensor, from 1, at which the frame begins; 0: not said
+  std::uint8_t kind = 0;                       // spec::kKind...
+  std::uint8_t stream = 0;                     // number of the camera
+  std::uint32_t lost = 0;                      // packets of this kind lost so far on the board; wraps
+  std::uint64_t sequence = 0;                  // number of the frame
+  std::uint64_t time_stamp = 0;                // pixel clocks since reset, at the frame's first beat
+  std::uint32_t encoder = 0;                   // encoder count in two's complement, at the frame's first beat
+  std::uint32_t payload_size = 0;              // bytes; 0 for a frame that broke before its header left
+  std::uint16_t columns = 0;                   // columns of the frame
+  std::uint16_t rows = 0;                      // rows of the frame
+  std::uint16_t pattern = 0;                   // index of the projected pattern
+  std::uint8_t mode = 0;                       // a value of Mode
+  std::uint8_t pixel_bits = spec::kPixelBits;  // bits of a pixel, 8..kMaxPixelBits; images and codes have the upper 8
+  std::uint16_t threshold = 0;                 // a pixel is lit if it is greater than this
+  std::uint16_t first_line = 0;                // first image line in the payload, counted from 1
+  std::uint16_t lines = 0;                     // image lines in the payload
+  std::uint8_t flags = 0;                      // spec::kFlag...
+  std::uint8_t select = 0;                     // a value of Select
+  std::uint16_t first_row = 0;                 // first row that counts for the moments, from 1; 0: the first
+  std::uint16_t last_row = 0;                  // last row that counts, from 1; 0: the last
+  std::uint8_t gap = 0;                        // dark rows between two lit pixels of one run
+  std::uint16_t region_row = 0;                // row of the sensor, from 1, at which the frame begins; 0: not said
+  std::uint16_t region_column = 0;             // column of the sensor, from 1, at which the frame begins; 0: not said
 
   bool operator==(const PacketHeader&) const = default;
 
@@ -88,8 +89,8 @@ enum class PacketError : std::uint8_t {
   hash,       // the sender was built from another specification, neither this one nor a known earlier version
   version,    // the version is not the one that belongs to the hash
   kind,       // unknown kind
-  reserved,   // a byte of the header that is reserved in the packet's version is not 0
-  geometry,   // the values of mode, select, gap, columns, rows or lines are impossible, or not of this kind
+  reserved,   // a byte of the header that had no meaning yet in the packet's version is not 0
+  geometry,   // mode, select, gap, columns, rows, lines, bits or threshold are impossible, or not of this kind
   size,       // payload_size is neither 0 nor what kind, mode, columns and lines imply
   sequence,   // the sequence in the trailer is not that of the header
   check,      // the check word does not match

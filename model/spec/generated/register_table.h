@@ -69,12 +69,13 @@ inline constexpr std::array<RegisterField, 2> kFieldsOfSize{{
     {"columns", 0, 12, "a multiple of 4, from 4 to the build's maximum"},
     {"rows", 16, 10, "from 1 to the build's maximum"},
 }};
-inline constexpr std::array<RegisterField, 5> kFieldsOfMeasure{{
+inline constexpr std::array<RegisterField, 6> kFieldsOfMeasure{{
     {"threshold", 0, 8, "a pixel is lit where it is greater"},
     {"mode", 8, 2, "0 binary, 1 grey, 2 grey_over; a binary build refuses all but 0"},
     {"select", 10, 1, "0 all, 1 strongest; a build without runs refuses 1"},
     {"gap", 12, 2, "dark rows that two lit pixels of one run may have between them; a build without runs refuses all but 0"},
     {"stream", 16, 8, "stream number, repeated in every packet header"},
+    {"threshold_high", 24, 4, "bits 11..8 of the threshold in a build for pixels of more than 8 bits; what its pixels have not is refused"},
 }};
 inline constexpr std::array<RegisterField, 1> kFieldsOfTimeout{{
     {"clocks", 0, 24, "an open frame ends as incomplete after this many clocks without a beat; 0: never"},
@@ -93,9 +94,10 @@ inline constexpr std::array<RegisterField, 1> kFieldsOfTriggerCamera{{
 inline constexpr std::array<RegisterField, 1> kFieldsOfTriggerWidth{{
     {"clocks", 0, 16, "pixel clocks that a pulse lasts; 0: no pulses; a pulse that lasts until the next one of its kind runs into it"},
 }};
-inline constexpr std::array<RegisterField, 4> kFieldsOfStatus{{
+inline constexpr std::array<RegisterField, 5> kFieldsOfStatus{{
     {"frame_open", 0, 1, "1: a frame is being taken"},
     {"pending", 1, 1, "1: settings were written that no frame start has taken over yet; also after reset, until the first take-over"},
+    {"more_bits", 27, 3, "bits of a pixel, less 8"},
     {"verdict", 30, 1, "1: the registers verdict_… and ejector_… are built in"},
     {"compact", 31, 1, "1: the register compact is built in"},
 }};

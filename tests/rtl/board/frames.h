@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <utility>
 #include <vector>
 
@@ -65,8 +64,8 @@ inline Lines lines_of(const TestImage& image) {
   for (int row = 0; row < image.rows; ++row) {
     for (int column = 0; column < image.columns; column += spec::kPixelsPerBeat) {
       model::VideoBeat beat;
-      std::memcpy(beat.pixels.data(), image.pixels.data() + static_cast<std::ptrdiff_t>(row) * image.columns + column,
-                  beat.pixels.size());
+      std::copy_n(image.pixels.data() + static_cast<std::ptrdiff_t>(row) * image.columns + column, beat.pixels.size(),
+                  beat.pixels.begin());
       beat.start = row == 0 && column == 0;
       beat.line_end = column + spec::kPixelsPerBeat == image.columns;
       lines[static_cast<std::size_t>(row)].push_back(beat);
@@ -137,12 +136,26 @@ inline std::vector<model::VideoBeat> beats_with_faults(Random& random, const Tes
                     random.between(0, image.columns / 4 - 1));
 }
 
+// Gives the pixels of 8 bits `below` more, all 0, all 1, or any.
+inline void append_bits(Random& random, int below, std::vector<model::VideoBeat>& beats) {
+  const int ones = (1 << below) - 1;
+  const int all = random.between(-1, 2);  // 0 or 1: all bits are that
+  for (model::VideoBeat& beat : beats) {
+    for (std::uint16_t& pixel : beat.pixels) {
+      const int more = all == 0 ? 0 : all == 1 ? ones : random.between(0, ones);
+      pixel = static_cast<std::uint16_t>(pixel << below | more);
+    }
+  }
+}
+
 // Clocks of any periods and phase.
-inline sim::BoardDeviceOptions random_board_clocks(Random& random, std::uint64_t seed) {
+inline sim::BoardDeviceOptions random_board_clocks(Random& random, std::uint64_t seed,
+                                                   int pixel_bits = spec::kPixelBits) {
   return {.seed = seed,
           .video_period_ps = static_cast<std::uint64_t>(random.between(5000, 9000)),
           .bus_period_ps = static_cast<std::uint64_t>(random.between(3000, 12000)),
-          .bus_phase_ps = static_cast<std::uint64_t>(random.between(0, 5000))};
+          .bus_phase_ps = static_cast<std::uint64_t>(random.between(0, 5000)),
+          .pixel_bits = pixel_bits};
 }
 
 }  // namespace selfproj::test

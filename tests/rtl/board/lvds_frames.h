@@ -6,7 +6,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 
 #include "Vboard.h"
 #include "Vsp_lvds_sensor_ports.h"
@@ -50,7 +49,9 @@ inline void play_lvds_frames(std::uint64_t seed, int count, int rows, int gap, s
     } else {
       const Beat& beat = bench.beats()[at++];
       model::VideoBeat video{.start = beat.start, .line_end = beat.end};
-      std::memcpy(video.pixels.data(), &beat.pixels, video.pixels.size());
+      for (std::size_t i = 0; i < video.pixels.size(); ++i) {
+        video.pixels.at(i) = static_cast<std::uint16_t>(beat.pixels >> (8 * i) & 0xFF);
+      }
       board.device().send(video);
     }
     board.device().run(1);

@@ -30,9 +30,10 @@ inline constexpr int kMaxCodeRows = 40;
 template <class Model>
 void play_random_sequences(std::uint64_t seed, bool full_build, int fault_percent, CodeCounts& counts,
                            const std::function<void(Scoreboard<Model>&, Random&)>& begin = {},
-                           const std::function<void(Scoreboard<Model>&)>& end = {}) {
+                           const std::function<void(Scoreboard<Model>&)>& end = {}, int pixel_bits = spec::kPixelBits) {
   Random random(seed);
-  Scoreboard<Model> board(random_board_clocks(random, seed), full_build);
+  Scoreboard<Model> board(random_board_clocks(random, seed, pixel_bits), full_build);
+  const bool runs = pixel_bits == spec::kPixelBits;  // no build has them with more bits
   if (begin) {
     begin(board, random);
   }
@@ -47,10 +48,10 @@ void play_random_sequences(std::uint64_t seed, bool full_build, int fault_percen
     }
     settings.image = full_build && random.chance(30);
     settings.mode = full_build ? static_cast<model::Mode>(random.between(0, 2)) : model::Mode::binary;
-    settings.threshold = random.between(0, 255);
+    settings.threshold = random.between(0, (1 << pixel_bits) - 1);
     settings.stream = random.between(0, 255);
-    settings.select = settings.stream % 2 == 0 ? model::Select::strongest : model::Select::all;
-    settings.gap = settings.stream / 2 % 4;
+    settings.select = runs && settings.stream % 2 == 0 ? model::Select::strongest : model::Select::all;
+    settings.gap = runs ? settings.stream / 2 % 4 : 0;
     settings.region_row = 257 * settings.stream;
     settings.region_column = 65535 - settings.region_row;
     settings.timeout = random.chance(70) ? 0 : random.between(20, 200);

@@ -16,6 +16,7 @@ namespace selfproj::test {
 struct RandomFrames {
   int max_columns = 64;
   int max_rows = 40;
+  int pixel_bits = spec::kPixelBits;
   bool grey = true;       // modes grey and grey_over
   bool image = true;      // raw images
   bool runs = false;      // the strongest run of a column
@@ -43,7 +44,8 @@ struct FrameCounts {
 template <class Model>
 void play_random_frames(std::uint64_t seed, const RandomFrames& limits, FrameCounts& counts) {
   Random random(seed);
-  Scoreboard<Model> board(random_board_clocks(random, seed));
+  Scoreboard<Model> board(random_board_clocks(random, seed, limits.pixel_bits));
+  const int largest = (1 << limits.pixel_bits) - 1;
   board.turn_encoder(random.between(4, 40));
   board.count_patterns_on_frames(random.between(0, 23));
   int last_rows = 1;
@@ -56,7 +58,7 @@ void play_random_frames(std::uint64_t seed, const RandomFrames& limits, FrameCou
         .columns = 4 * random.between(1, random.chance(70) ? 8 : limits.max_columns / 4),
         .rows = rows,
         .mode = limits.grey ? static_cast<model::Mode>(random.between(0, 2)) : model::Mode::binary,
-        .threshold = random.chance(20) ? 255 * random.between(0, 1) : random.between(0, 255),
+        .threshold = random.chance(20) ? largest * random.between(0, 1) : random.between(0, largest),
         .select = strongest ? model::Select::strongest : model::Select::all,
         .gap = limits.runs ? random.between(0, 3) : 0,
         .window = {.first = random.chance(70) ? 0 : random.between(0, rows),

@@ -11,6 +11,7 @@
 #include <map>
 #include <span>
 #include <utility>
+#include <vector>
 
 #include "selfproj/model/board.h"
 #include "selfproj/model/packet.h"
@@ -42,7 +43,8 @@ class Scoreboard {
   explicit Scoreboard(const sim::BoardDeviceOptions& options = {}, bool median_built = true)
       : device_(options),
         median_built_(median_built),
-        model_([this](model::BoardPacket&& packet) { expect(std::move(packet)); }, median_built) {
+        pixel_bits_(options.pixel_bits),
+        model_([this](model::BoardPacket&& packet) { expect(std::move(packet)); }, median_built, pixel_bits_) {
     device_.on_packet([this](std::span<const std::uint8_t> bytes) { receive(bytes); });
     device_.on_clock([this](std::uint64_t clock) { before_clock(clock); });
     device_.on_beat([this](std::uint64_t clock, const model::VideoBeat& beat) {
@@ -75,7 +77,8 @@ class Scoreboard {
   void reset() {
     before_ = {};
     device_.reset();
-    model_ = model::BoardModel([this](model::BoardPacket&& packet) { expect(std::move(packet)); }, median_built_);
+    model_ = model::BoardModel([this](model::BoardPacket&& packet) { expect(std::move(packet)); }, median_built_,
+                               pixel_bits_);
     scoreboard_ = {};
     on_frame_ = false;
     pattern_ = 0;
@@ -84,7 +87,11 @@ class Scoreboard {
 
   // Sends the image, in this share of calls with a fault; with faults, there may be pauses anywhere.
   void send(Random& random, const TestImage& image, int fault_percent) {
-    for (const model::VideoBeat& beat : beats_with_faults(random, image, fault_percent)) {
+    std::vector<model::VideoBeat> beats = beats_with_faults(random, image, fault_percent);
+    if (pixel_bits_ > spec::kPixelBits) {
+      append_bits(random, pixel_bits_ - spec::kPixelBits, beats);
+    }
+    for (const model::VideoBeat& beat : beats) {
       device_.send(beat);
       if (fault_percent != 0 && random.chance(1)) {
         device_.gap(static_cast<std::uint32_t>(random.between(1, 250)));
@@ -175,6 +182,7 @@ class Scoreboard {
 
   sim::BoardDevice<Model> device_;
   bool median_built_;
+  int pixel_bits_;
   model::BoardModel model_;
   sim::PacketScoreboard scoreboard_;
 
