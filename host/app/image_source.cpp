@@ -12,6 +12,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "host/cli/command_line.h"
@@ -26,9 +27,15 @@
 namespace selfproj::app {
 namespace {
 
-images::Preparation with_files(images::Preparation preparation) {
+std::variant<images::PreparedImages, images::WidePreparedImages> prepared(const ImageSourceOptions& options, int bits) {
+  std::vector<std::string> files = images::files_of_patterns("--images", options.images);
+  images::Preparation preparation = options.preparation;
   preparation.background = images::files_of_patterns("--background", preparation.background);
-  return preparation;
+  preparation.bits = bits;
+  if (bits > spec::kPixelBits) {
+    return images::WidePreparedImages(std::move(files), preparation);
+  }
+  return images::PreparedImages(std::move(files), preparation);
 }
 
 // The number at the end of a file's name without its suffix, and what stands before it.
@@ -73,6 +80,17 @@ std::string gap_in(const std::vector<std::string>& files) {
       files[at], files[at + 1]);
 }
 
+void measure(const model::ImageView& image, const model::Measure& how, const model::RunsView& out) {
+  if (image.rows > spec::kMaxRows) {
+    model::measure_tall_columns(image, how, out);
+  } else {
+    light_section::fast_measure_columns(image, how, out);
+  }
+}
+void measure(const model::WideImageView& image, const model::Measure& how, const model::RunsView& out) {
+  light_section::fast_measure_columns(image, how, out);
+}
+
 }  // namespace
 
 void add_image_source_options(CLI::App& command, ImageSourceOptions& options, CLI::Option* device) {
@@ -96,26 +114,34 @@ void add_image_source_options(CLI::App& command, ImageSourceOptions& options, CL
 }
 
 ImageSource::ImageSource(const ImageSourceOptions& options, const rig::Rig& rig, const model::Measure& measure)
-    : images_(images::files_of_patterns("--images", options.images), with_files(options.preparation)),
+    : images_(prepared(options, measure.bits)),
       rig_(rig),
       measure_(measure),
       sent_(rig.camera.sent()),
       spacing_mm_(options.spacing_mm.value_or(rig.conveyor.speed_mm_per_s / sent_.frame_rate_hz)),
-      doubt_(images_.count() > 1 ? gap_in(images_.files()) : "") {
+      doubt_(std::visit([](const auto& images) { return images.count() > 1 ? gap_in(images.files()) : ""; }, images_)) {
   const rig::RigCamera& camera = rig.camera;
-  const auto has_size = [&](int rows, int columns) { return images_.rows() == rows && images_.columns() == columns; };
+  const images::FrameSize size = std::visit(
+      [](const auto& images) {
+        return images::FrameSize{images.rows(), images.columns()};
+      },
+      images_);
+  const auto has_size = [&](int rows, int columns) { return size.rows == rows && size.columns == columns; };
   if (!has_size(sent_.rows, sent_.columns) && !has_size(camera.rows, camera.columns)) {
     throw UserError(
         first(), fmt::format("is {}, but the camera of the rig {}{}; --roi takes a part, and --transpose exchanges "
                              "rows and columns",
-                             images::size_text(images_.rows(), images_.columns()),
-                             images::size_text(camera.rows, camera.columns),
+                             images::size_text(size.rows, size.columns), images::size_text(camera.rows, camera.columns),
                              camera.region ? ", and its region " + images::size_text(sent_.rows, sent_.columns) : ""));
   }
   if (sent_.rows > model::kMaxSoftwareRows) {
     throw UserError(first(), fmt::format("has {} rows; at most {} are possible", sent_.rows, model::kMaxSoftwareRows));
   }
-  if (rig.sources && rig.sources->speed != rig::ValueSource::assumed && !options.spacing_mm && images_.count() > 1) {
+  if (sent_.rows > spec::kMaxRows && measure.bits > spec::kPixelBits) {
+    throw UserError(first(), fmt::format("has {} rows; at most {} are possible with pixels of {} bits", sent_.rows,
+                                         spec::kMaxRows, measure.bits));
+  }
+  if (rig.sources && rig.sources->speed != rig::ValueSource::assumed && !options.spacing_mm && count() > 1) {
     throw UserError(
         "--images",
         "nothing says how far the belt moves from one to the next, as the frame rate of a calibrated rig is "
@@ -147,26 +173,27 @@ model::PacketHeader ImageSource::header_of(std::uint64_t image) const {
 
 void ImageSource::run(std::uint64_t most,
                       const std::function<void(const model::PacketHeader&, const model::RunsView&)>& take) {
+  std::visit([&](auto& images) { run_of(images, most, take); }, images_);
+}
+
+template <typename Images>
+void ImageSource::run_of(Images& images, std::uint64_t most,
+                         const std::function<void(const model::PacketHeader&, const model::RunsView&)>& take) {
   const std::size_t count =
-      most == 0 ? images_.count() : static_cast<std::size_t>(std::min<std::uint64_t>(most, images_.count()));
-  const bool tall = sent_.rows > spec::kMaxRows;
-  const bool whole = images_.rows() != sent_.rows || images_.columns() != sent_.columns;  // of the sensor
+      most == 0 ? images.count() : static_cast<std::size_t>(std::min<std::uint64_t>(most, images.count()));
+  const bool whole = images.rows() != sent_.rows || images.columns() != sent_.columns;  // of the sensor
   const files::StopSignal stop;
   model::Runs runs;
   runs.resize(measure_.select, sent_.columns);
   cli::Progress progress("image", count);
   for (std::size_t i = 0; i < count && !files::StopSignal::came(); ++i) {
-    const images::Image image = images_.frame(i);
-    model::ImageView view = image.view();
+    const auto image = images.frame(i);
+    auto view = image.view();
     if (whole) {
       view = {view.pixels + static_cast<std::ptrdiff_t>(sent_.row_offset) * view.stride + sent_.column_offset,
               sent_.rows, sent_.columns, view.stride};
     }
-    if (tall) {
-      model::measure_tall_columns(view, measure_, runs.view());
-    } else {
-      light_section::fast_measure_columns(view, measure_, runs.view());
-    }
+    measure(view, measure_, runs.view());
     take(header_of(i), runs.view());
     progress.update(i + 1);
   }

@@ -8,6 +8,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "host/images/prepared_images.h"
@@ -36,8 +37,13 @@ class ImageSource {
   // takes.
   ImageSource(const ImageSourceOptions& options, const rig::Rig& rig, const model::Measure& measure);
 
-  [[nodiscard]] std::size_t count() const { return images_.count(); }
-  [[nodiscard]] const std::string& first() const { return images_.files().front(); }
+  [[nodiscard]] std::size_t count() const {
+    return std::visit([](const auto& images) { return images.count(); }, images_);
+  }
+  [[nodiscard]] const std::string& first() const {
+    return std::visit(
+        [](const auto& images) -> const auto& { return images.files().front(); }, images_);
+  }
   // That numbers are missing in the names of their files; empty: they are not.
   [[nodiscard]] const std::string& doubt() const { return doubt_; }
 
@@ -47,8 +53,11 @@ class ImageSource {
 
  private:
   [[nodiscard]] model::PacketHeader header_of(std::uint64_t image) const;
+  template <typename Images>
+  void run_of(Images& images, std::uint64_t most,
+              const std::function<void(const model::PacketHeader&, const model::RunsView&)>& take);
 
-  images::PreparedImages images_;
+  std::variant<images::PreparedImages, images::WidePreparedImages> images_;  // the latter of more than 8 bits
   rig::Rig rig_;
   model::Measure measure_;
   rig::RigRegion sent_;  // of a whole image of the sensor, this part is measured

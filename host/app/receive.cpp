@@ -63,6 +63,11 @@ void write_setup(driver::Control& control, const BoardSetup& setup) {
   if (measure.select == model::Select::strongest && !control.build().runs) {
     throw UserError(control.uri(), "this board is built without the strongest run; select all lit pixels");
   }
+  if (measure.bits != control.build().pixel_bits) {
+    throw UserError(control.uri(), fmt::format("this board takes pixels of {} bits; the rig measures those of {} "
+                                               "(measure.pixel_bits), to which its threshold belongs",
+                                               control.build().pixel_bits, measure.bits));
+  }
   const rig::RigRegion sent = camera.sent();
   if (control.build().region) {
     control.write_together({{driver::register_part("region.row"), number(camera.region_row())},

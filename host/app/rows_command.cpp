@@ -73,6 +73,7 @@ Shot shot_of(const rig::Rig& rig, double exposure_s, double lit_rows) {
 
 void run_rows(const RowsOptions& options) {
   const rig::Rig rig = options.section.load_rig();
+  rig::need_eight_bits(rig, "this command");
   if (options.rows && *options.rows > rig.camera.rows) {
     throw UserError("--rows", fmt::format("is {}; the camera has {}", *options.rows, rig.camera.rows));
   }

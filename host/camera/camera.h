@@ -17,13 +17,14 @@
 
 namespace selfproj::camera {
 
-// An image of the camera, in 8 bits.
+// An image of the camera, in 8 bits, and of a camera that was opened for more bits in these, too.
 struct CameraImage {
-  model::ImageView view;        // valid until the next call of next() or stop()
-  std::uint64_t number = 0;     // the camera's own number, without its wrap; from 0 at the first image after start()
-  std::int64_t time_ns = 0;     // the camera's clock when it took the image; it never runs backwards
-  std::int64_t arrival_ns = 0;  // when it came in, by the clock of host/driver/clock.h
-  bool complete = false;        // otherwise parts are missing, and the pixels mean nothing
+  model::ImageView view;           // valid until the next call of next() or stop()
+  model::WideImageView wide = {};  // all bits, as long; null without them
+  std::uint64_t number = 0;        // the camera's own number, without its wrap; from 0 at the first image after start()
+  std::int64_t time_ns = 0;        // the camera's clock when it took the image; it never runs backwards
+  std::int64_t arrival_ns = 0;     // when it came in, by the clock of host/driver/clock.h
+  bool complete = false;           // otherwise parts are missing, and the pixels mean nothing
 };
 
 // What became of the images since start(): each number that the camera gave is in exactly one of the first three.

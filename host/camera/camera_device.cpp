@@ -46,8 +46,16 @@ model::BoardSettings board_settings(const Camera& camera, const CameraBoardSetti
 }
 
 SoftwareBoard make_board(const Camera& camera, const CameraBoardSettings& given) {
+  if (given.threshold.value_or(0) >= 1 << given.bits) {
+    throw UserError(camera.uri(),
+                    fmt::format("threshold: {} is given, and pixels have {} bits", *given.threshold, given.bits));
+  }
+  if (given.bits > spec::kPixelBits && (given.compact || given.select == model::Select::strongest)) {
+    throw UserError(camera.uri(),
+                    fmt::format("pixels of {} bits have neither a strongest run nor compact columns", given.bits));
+  }
   try {
-    return SoftwareBoard(board_settings(camera, given));
+    return SoftwareBoard(board_settings(camera, given), given.bits);
   } catch (const std::invalid_argument&) {
     throw UserError(camera.uri(),
                     fmt::format("its images have {} x {} pixels; a board takes 4 to {} columns, a multiple of 4, and 1 "
@@ -97,7 +105,8 @@ class CameraDevice final : public driver::TalliedDevice {
     board_.process(image.view, image.complete, image.number,
                    {.clock = time / kSecond * clock_hz_ + time % kSecond * clock_hz_ / kSecond,
                     .encoder = 0,
-                    .pattern = static_cast<std::uint16_t>(image.number % patterns_)});
+                    .pattern = static_cast<std::uint16_t>(image.number % patterns_)},
+                   image.wide);
   }
 
   std::unique_ptr<Camera> camera_;
@@ -132,6 +141,7 @@ CameraDefaults camera_of_rig(const rig::Rig& rig, const model::Measure& measure)
                     .select = measure.select,
                     .gap = measure.gap,
                     .window = measure.window,
+                    .bits = measure.bits,
                     .region_row = rig.camera.region_row(),
                     .region_column = rig.camera.region_column(),
                     .compact = rig.measure.sends_compact(),
@@ -151,6 +161,17 @@ std::unique_ptr<driver::Device> open_any_device(const std::string& uri, const dr
     board.region_column = defaults.board.region_column;
   }
   board.compact = defaults.board.compact;
+  board.bits = defaults.board.bits;
+  if (board.bits > spec::kPixelBits) {
+    std::string& format = camera.camera.format;
+    format = format.empty() ? fmt::format("Mono{}", board.bits) : format;
+    const std::optional<PixelFormat> known = pixel_format(format);
+    if (!known || !has_words(*known) || known->bits != board.bits) {
+      throw UserError(camera.uri,
+                      fmt::format("format: {} is given; measure.pixel_bits of the rig is {}", format, board.bits));
+    }
+    camera.camera.bits = board.bits;
+  }
   fill(board.mode, defaults.board.mode);
   fill(board.threshold, defaults.board.threshold);
   fill(board.select, defaults.board.select);

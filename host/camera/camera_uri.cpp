@@ -93,7 +93,9 @@ constexpr std::array<Key, 21> kKeys = {{
      [](CameraUri& uri, const std::string& text) { uri.camera.rate = positive(text); }},
     {"region", "COLUMNSxROWS[+LEFT+TOP]", "part of the sensor",
      [](CameraUri& uri, const std::string& text) { uri.camera.region = region_of_text(text); }},
-    {"format", "NAME", "pixel format in GenICam's words; values of more than 8 bits give their upper 8 bits",
+    {"format", "NAME",
+     "pixel format in GenICam's words; values of more than 8 bits give their upper 8 bits, or as many as "
+     "measure.pixel_bits of the rig says",
      [](CameraUri& uri, const std::string& text) { uri.camera.format = name_in(text, pixel_format_names()); }},
     {"channel", "NAME", "red, green, blue or grey, of a colour format; a colour filter halves both sides",
      [](CameraUri& uri, const std::string& text) {
@@ -113,7 +115,9 @@ constexpr std::array<Key, 21> kKeys = {{
        uri.board.mode = images::mode_of(name_in(text, images::mode_names()));
      }},
     {"threshold", "N", "a pixel is lit if it is greater",
-     [](CameraUri& uri, const std::string& text) { uri.board.threshold = number_in(text, 0, UINT8_MAX); }},
+     [](CameraUri& uri, const std::string& text) {
+       uri.board.threshold = number_in(text, 0, (1 << model::kMaxPixelBits) - 1);
+     }},
     {"select", "NAME", "all, or strongest for the strongest run of each column",
      [](CameraUri& uri, const std::string& text) {
        uri.board.select = images::select_of(name_in(text, images::select_names()));

@@ -24,7 +24,8 @@ struct CameraParameters {
   std::optional<double> rate;               // images a second, where nothing triggers the camera
   std::optional<images::ImagePart> region;  // of the sensor
   std::string format;                       // pixel_format.h; empty: Mono8, or for V4L2 the luminance of what it has
-  std::optional<images::Channel> channel;   // where the format has colours
+  int bits = spec::kPixelBits;  // of its pixels that count; more than 8: the format has as many, and no colours
+  std::optional<images::Channel> channel;  // where the format has colours
   std::string trigger;              // free, software, or the name of the camera's input, such as Line1; empty: free
   std::optional<int> packet_bytes;  // GigE; as the camera has it unless given
   int buffers = 64;                 // images that wait in memory until they are taken
@@ -37,7 +38,8 @@ struct CameraBoardSettings {
   std::optional<model::Select> select = {};
   std::optional<int> gap = {};
   std::optional<model::RowWindow> window = {};
-  int region_row = 0;  // where on the sensor the images begin, from 1; 0: not said
+  int bits = spec::kPixelBits;  // of a pixel that the moments are of
+  int region_row = 0;           // where on the sensor the images begin, from 1; 0: not said
   int region_column = 0;
   bool compact = false;               // columns in packets of kind compact
   std::optional<int> code_bits = {};  // given: Gray codes are decoded

@@ -31,6 +31,13 @@ void FormattedCamera::describe(CameraImage& image, std::span<const std::uint8_t>
     to_grey8(format_, settings_.channel, raw, raw_rows_, raw_columns_, stride, pixels_.data());
   }
   image.view = {pixels_.data(), rows(), columns(), columns()};
+  if (settings_.bits > spec::kPixelBits) {
+    words_.resize(pixels_.size());
+    if (complete) {
+      to_words(format_, raw, raw_rows_, raw_columns_, stride, words_.data());
+    }
+    image.wide = {words_.data(), rows(), columns(), columns()};
+  }
 }
 
 std::vector<CameraEntry> list_cameras() {

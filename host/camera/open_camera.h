@@ -61,6 +61,7 @@ class FormattedCamera : public Camera {
 
  private:
   std::vector<std::uint8_t> pixels_;  // of an image that is not plain
+  std::vector<std::uint16_t> words_;  // all bits of its pixels
 };
 
 // Whether the program was built with Aravis.

@@ -81,6 +81,26 @@ void grey8_line(const PixelFormat& format, const std::uint8_t* raw, std::size_t 
   }
 }
 
+// All bits of the values of a line.
+void word_line(const PixelFormat& format, const std::uint8_t* raw, std::size_t count, std::uint16_t* out) {
+  const auto bits = static_cast<unsigned>(format.bits);
+  const unsigned mask = (1U << bits) - 1;
+  for (std::size_t i = 0; i < count; ++i) {
+    unsigned value = 0;
+    if (format.layout == Layout::words) {
+      value = raw[2 * i] | unsigned{raw[2 * i + 1]} << 8U;
+    } else if (format.layout == Layout::packed_lsb) {  // 16 bits from its byte on hold it: it begins at an even bit
+      const std::size_t bit = i * bits;
+      value = (raw[bit / 8] | unsigned{raw[bit / 8 + 1]} << 8U) >> bit % 8;
+    } else {  // the upper bits of two values, and between them the lower bits of both
+      const std::uint8_t* const pair = raw + i / 2 * 3;
+      const unsigned low = i % 2 == 0 ? pair[1] & 0xFU : unsigned{pair[1]} >> 4U;
+      value = unsigned{pair[i % 2 == 0 ? 0 : 2]} << (bits - 8) | (low & ((1U << (bits - 8)) - 1));
+    }
+    out[i] = static_cast<std::uint16_t>(value & mask);
+  }
+}
+
 void colour_line(const PixelFormat& format, images::Channel channel, const std::uint8_t* raw, std::size_t count,
                  std::uint8_t* out) {
   const std::size_t red = format.layout == Layout::rgb ? 0 : 2;
@@ -162,6 +182,25 @@ std::size_t line_bytes(const PixelFormat& format, int columns) {
       return 3 * count;
   }
   throw std::invalid_argument("pixel format: unknown layout");
+}
+
+bool has_words(const PixelFormat& format) {
+  return format.bits > 8 && format.bayer.empty() &&
+         (format.layout == Layout::words || format.layout == Layout::packed_lsb ||
+          format.layout == Layout::packed_gige);
+}
+
+void to_words(const PixelFormat& format, std::span<const std::uint8_t> raw, int rows, int columns, std::size_t stride,
+              std::uint16_t* out) {
+  const auto lines = static_cast<std::size_t>(rows);
+  const auto count = static_cast<std::size_t>(columns);
+  if (!has_words(format) || rows < 1 || columns < 1 || stride < line_bytes(format, columns) ||
+      raw.size() < (lines - 1) * stride + line_bytes(format, columns)) {
+    throw std::invalid_argument("pixel format: the image is too short, or its values have 8 bits or colours");
+  }
+  for (std::size_t row = 0; row < lines; ++row) {
+    word_line(format, raw.data() + row * stride, count, out + row * count);
+  }
 }
 
 bool is_plain(const PixelFormat& format) { return format.layout == Layout::bytes && format.bayer.empty(); }

@@ -52,6 +52,14 @@ std::size_t line_bytes(const PixelFormat& format, int columns);
 // Whether the image can be used in place: one byte a pixel, no colour filter.
 bool is_plain(const PixelFormat& format);
 
+// Whether to_words takes the format: values of more than 8 bits, one a pixel.
+bool has_words(const PixelFormat& format);
+
+// Writes the values of `raw`, whose lines are `stride` bytes apart, to `out`, rows · columns of them. Throws
+// std::invalid_argument if raw is too short, or unless has_words(format).
+void to_words(const PixelFormat& format, std::span<const std::uint8_t> raw, int rows, int columns, std::size_t stride,
+              std::uint16_t* out);
+
 // Writes the 8-bit image of `raw`, whose lines are `stride` bytes apart, to `out`, rows_of · columns_of bytes.
 //
 // A value of b > 8 bits becomes its upper 8 bits, floor(value / 2^(b - 8)): what a camera of 8 bits gives, and the

@@ -12,23 +12,26 @@
 namespace selfproj::camera {
 namespace {
 
-model::PacketHeader header_of(const model::BoardSettings& settings) {
+model::PacketHeader header_of(const model::BoardSettings& settings, const model::Measure& measure) {
   model::PacketHeader header;
   header.stream = static_cast<std::uint8_t>(settings.stream);
   header.region_row = static_cast<std::uint16_t>(settings.region_row);
   header.region_column = static_cast<std::uint16_t>(settings.region_column);
-  model::describe_frame(header, settings.rows, settings.columns, settings.measure());
+  model::describe_frame(header, settings.rows, settings.columns, measure);
   return header;
 }
 
 bool within(int value, int min, int max) { return value >= min && value <= max; }
 
-void check_settings(const model::BoardSettings& settings) {
+void check_settings(const model::BoardSettings& settings, int pixel_bits) {
   const bool good = within(settings.columns, spec::kPixelsPerBeat, spec::kMaxColumns) &&
                     settings.columns % spec::kPixelsPerBeat == 0 && within(settings.rows, 1, spec::kMaxRows) &&
                     model::is_known(settings.mode) && model::is_known(settings.select) &&
-                    within(settings.threshold, 0, UINT8_MAX) && within(settings.gap, 0, model::kMaxGap) &&
-                    within(settings.stream, 0, UINT8_MAX) && within(settings.window.first, 0, spec::kMaxRows) &&
+                    within(pixel_bits, spec::kPixelBits, model::kMaxPixelBits) &&
+                    within(settings.threshold, 0, (1 << pixel_bits) - 1) &&
+                    (pixel_bits == spec::kPixelBits || (settings.select == model::Select::all && !settings.compact)) &&
+                    within(settings.gap, 0, model::kMaxGap) && within(settings.stream, 0, UINT8_MAX) &&
+                    within(settings.window.first, 0, spec::kMaxRows) &&
                     within(settings.window.last, 0, spec::kMaxRows) && within(settings.region_row, 0, UINT16_MAX) &&
                     within(settings.region_column, 0, UINT16_MAX);
   if (!good) {
@@ -38,9 +41,11 @@ void check_settings(const model::BoardSettings& settings) {
 
 }  // namespace
 
-SoftwareBoard::SoftwareBoard(const model::BoardSettings& settings)
-    : settings_(settings), measure_(settings.measure()), header_(header_of(settings)) {
-  check_settings(settings);
+SoftwareBoard::SoftwareBoard(const model::BoardSettings& settings, int pixel_bits)
+    : settings_(settings), measure_(settings.measure()) {
+  check_settings(settings, pixel_bits);
+  measure_.bits = pixel_bits;
+  header_ = header_of(settings, measure_);
   runs_.resize(settings.select, settings.columns);
   const auto rows = static_cast<std::size_t>(settings.rows);
   const std::size_t pixels = rows * static_cast<std::size_t>(settings.columns);
@@ -74,7 +79,11 @@ SoftwareBoard::SoftwareBoard(const model::BoardSettings& settings)
 }
 
 void SoftwareBoard::process(const model::ImageView& image, bool complete, std::uint64_t sequence,
-                            const model::BoardInputs& inputs) {
+                            const model::BoardInputs& inputs, const model::WideImageView& wide) {
+  if (complete && measure_.bits > spec::kPixelBits &&
+      (wide.rows != settings_.rows || wide.columns != settings_.columns || wide.pixels == nullptr)) {
+    throw std::invalid_argument("software board: there is no image of all bits, or it has another size");
+  }
   if (complete && (image.rows != settings_.rows || image.columns != settings_.columns || image.pixels == nullptr)) {
     throw std::invalid_argument("software board: the image has another size");
   }
@@ -92,7 +101,7 @@ void SoftwareBoard::process(const model::ImageView& image, bool complete, std::u
     send(header, 0, spec::kStatusIncomplete);
     return;
   }
-  send_moments(image, header);
+  send_moments(image, wide, header);
   if (settings_.image) {
     send_image(image, header);
   }
@@ -120,9 +129,14 @@ void SoftwareBoard::send(model::PacketHeader header, std::size_t payload_bytes, 
   places_.push_back({.header = header, .begin = begin, .size = bytes_.size() - begin, .status = status});
 }
 
-void SoftwareBoard::send_moments(const model::ImageView& image, const model::PacketHeader& header) {
+void SoftwareBoard::send_moments(const model::ImageView& image, const model::WideImageView& wide,
+                                 const model::PacketHeader& header) {
   const model::RunsView view = runs_.view();
-  light_section::fast_measure_columns(image, measure_, view);
+  if (measure_.bits > spec::kPixelBits) {
+    light_section::fast_measure_columns(wide, measure_, view);
+  } else {
+    light_section::fast_measure_columns(image, measure_, view);
+  }
   model::PacketHeader moments = header;
   moments.kind = model::kind_of_columns(settings_.compact, measure_.mode);
   model::pack_columns(moments, view, payload_.data());

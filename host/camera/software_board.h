@@ -19,14 +19,17 @@ namespace selfproj::camera {
 // because nothing is lost between this board and its reader. Allocates everything in the constructor.
 class SoftwareBoard {
  public:
-  // Of the settings it ignores run, hold and timeout. Throws std::invalid_argument if a board of the largest size could
-  // not have them.
-  explicit SoftwareBoard(const model::BoardSettings& settings);
+  // Pixels have `pixel_bits` bits, 8..12. Of the settings it ignores run, hold and timeout. Throws
+  // std::invalid_argument if a board of the largest size could not have them.
+  explicit SoftwareBoard(const model::BoardSettings& settings, int pixel_bits = spec::kPixelBits);
 
   // Processes the frame with this number: makes its packets; those of the frame before are gone. `complete` false: its
   // image did not come whole. As on the board the moments are then an empty packet with the status `incomplete`, and
   // the decoder waits for plane 0. Throws std::invalid_argument if the image has not the size of the settings.
-  void process(const model::ImageView& image, bool complete, std::uint64_t sequence, const model::BoardInputs& inputs);
+  //
+  // With more than 8 bits a pixel, `wide` has all of them, and `image` the upper 8, of which images and codes are.
+  void process(const model::ImageView& image, bool complete, std::uint64_t sequence, const model::BoardInputs& inputs,
+               const model::WideImageView& wide = {});
 
   // Gives the frame's packets one after another: the moments, then the lines of the image, then those of the codes.
   // Returns false if there are no more. A packet is valid until the next call of process().
@@ -44,7 +47,7 @@ class SoftwareBoard {
   };
 
   void send(model::PacketHeader header, std::size_t payload_bytes, std::uint32_t status);
-  void send_moments(const model::ImageView& image, const model::PacketHeader& header);
+  void send_moments(const model::ImageView& image, const model::WideImageView& wide, const model::PacketHeader& header);
   void send_image(const model::ImageView& image, model::PacketHeader header);
   void send_codes(model::PacketHeader header);
   bool decode(const model::ImageView& image, bool complete, int pattern);

@@ -130,10 +130,10 @@ void check_frame_size(const std::string& file, const Image& image, int max_rows,
   }
 }
 
-void check_same_size(const std::string& file, const Image& image, const std::string& first, int rows, int columns) {
-  if (image.rows != rows || image.columns != columns) {
+void check_same_size(const std::string& file, const FrameSize& size, const std::string& first, int rows, int columns) {
+  if (size.rows != rows || size.columns != columns) {
     throw UserError(file, fmt::format("is {}, but {} is {}; all images must have one size",
-                                      size_text(image.rows, image.columns), first, size_text(rows, columns)));
+                                      size_text(size.rows, size.columns), first, size_text(rows, columns)));
   }
 }
 

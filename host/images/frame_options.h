@@ -58,7 +58,7 @@ FrameSize size_of_text(const std::string& option, const std::string& text, int m
 void check_frame_size(const std::string& file, const Image& image, int max_rows, int max_columns);
 
 // Throws UserError, naming the file, if its size differs from that of the first one.
-void check_same_size(const std::string& file, const Image& image, const std::string& first, int rows, int columns);
+void check_same_size(const std::string& file, const FrameSize& size, const std::string& first, int rows, int columns);
 
 }  // namespace selfproj::images
 

@@ -150,16 +150,6 @@ std::string png_of(const cv::Mat& image) {
 
 }  // namespace
 
-Image copy_of(const model::ImageView& view) {
-  Image image{view.rows, view.columns, {}};
-  image.pixels.reserve(static_cast<std::size_t>(view.rows) * static_cast<std::size_t>(view.columns));
-  for (int row = 0; row < view.rows; ++row) {
-    const std::uint8_t* const pixels = view.pixels + row * view.stride;
-    image.pixels.insert(image.pixels.end(), pixels, pixels + view.columns);
-  }
-  return image;
-}
-
 std::optional<ImagePart> image_part(std::string_view text, int max_side) {
   std::array<int, 4> numbers{};
   constexpr std::array<std::string_view, 4> kBehind{"x", "+", "+", ""};
@@ -197,7 +187,37 @@ namespace {
 
 Image by_rule(const std::string& name, const DecodedImage& decoded, const PixelRule& rule) {
   const cv::Mat plane = one_channel(name, narrow(name, decoded, rule.shift), rule.channel);
-  return copy_of({plane.ptr<std::uint8_t>(), plane.rows, plane.cols, static_cast<std::ptrdiff_t>(plane.step)});
+  return copy_of(
+      model::ImageView{plane.ptr<std::uint8_t>(), plane.rows, plane.cols, static_cast<std::ptrdiff_t>(plane.step)});
+}
+
+// The values as they are, which must be those of rule.bits bits.
+WideImage wide_by_rule(const std::string& name, const DecodedImage& decoded, const PixelRule& rule) {
+  if (decoded.pixels.channels() != 1 || rule.channel) {
+    throw UserError(name, fmt::format("pixels of {} bits (measure.pixel_bits of the rig) are taken of images of one "
+                                      "channel, without --channel",
+                                      rule.bits));
+  }
+  const int said = static_cast<int>(std::bit_width(decoded.white));  // 0: it says nothing
+  if (decoded.pixels.depth() != CV_16U || (said != 0 && !rule.shift && said != rule.bits)) {
+    throw UserError(name, fmt::format("has {} bits per pixel; {} are expected, as measure.pixel_bits of the rig says",
+                                      said != 0 ? said : 8 * static_cast<int>(decoded.pixels.elemSize1()), rule.bits));
+  }
+  WideImage image{decoded.pixels.rows, decoded.pixels.cols, {}};
+  image.pixels.reserve(decoded.pixels.total());
+  for (int row = 0; row < image.rows; ++row) {
+    const auto* from = decoded.pixels.ptr<std::uint16_t>(row);
+    for (int column = 0; column < image.columns; ++column) {
+      const int value = from[column] >> rule.shift.value_or(0);
+      if (value >= 1 << rule.bits) {
+        throw UserError(name, fmt::format("has a value of {}; pixels of {} bits are expected, as measure.pixel_bits of "
+                                          "the rig says, and --shift N takes values of N bits more",
+                                          from[column], rule.bits));
+      }
+      image.pixels.push_back(static_cast<std::uint16_t>(value));
+    }
+  }
+  return image;
 }
 
 // The pages of a TIFF; 1 for any other image.
@@ -233,16 +253,23 @@ ImagePages::ImagePages(std::vector<std::string> files) : files_(std::move(files)
   }
 }
 
-Image ImagePages::read(std::size_t i, const PixelRule& rule) {
+Image ImagePages::read(std::size_t i, const PixelRule& rule) { return by_rule(names_.at(i), decoded(i), rule); }
+
+WideImage ImagePages::read_wide(std::size_t i, const PixelRule& rule) {
+  return wide_by_rule(names_.at(i), decoded(i), rule);
+}
+
+DecodedImage ImagePages::decoded(std::size_t i) {
   const Place& place = places_.at(i);
   const std::string& file = files_[place.file];
   if (place.alone) {
-    return read_image(file, rule);
+    check_image_file(file);
+    return decode_image(file);
   }
   if (open_ == nullptr || open_->file() != file) {
     open_ = std::make_shared<PagedImage>(file);
   }
-  return by_rule(names_[i], open_->page(place.page), rule);
+  return open_->page(place.page);
 }
 
 namespace {

@@ -1,4 +1,4 @@
-// Image files as frames of the camera: one channel of 8 bits.
+// Image files as frames of the camera: one channel of 8 bits, or of as many as a rig says.
 #ifndef SELFPROJ_HOST_IMAGES_IMAGE_FILES_H
 #define SELFPROJ_HOST_IMAGES_IMAGE_FILES_H
 
@@ -18,6 +18,7 @@
 namespace selfproj::images {
 
 class PagedImage;
+struct DecodedImage;
 
 // The part of a colour image to take: one of its planes, its luminance (ITU-R BT.601, rounded as in OpenCV), or for the
 // light of a laser one plane less the mean of the other two, at least 0, halves rounded up.
@@ -34,17 +35,29 @@ inline constexpr std::array<std::pair<const char*, Channel>, 7> kChannels{
      {"blue-difference", Channel::blue_difference}}};
 
 // An image that owns its pixels, row by row without gaps.
-struct Image {
+template <typename Pixel>
+struct ImageOf {
   int rows = 0;
   int columns = 0;
-  std::vector<std::uint8_t> pixels;
+  std::vector<Pixel> pixels;
 
   // Valid while this object lives and its pixels are not resized.
-  [[nodiscard]] model::ImageView view() const { return {pixels.data(), rows, columns, columns}; }
+  [[nodiscard]] model::PixelView<Pixel> view() const { return {pixels.data(), rows, columns, columns}; }
 };
+using Image = ImageOf<std::uint8_t>;
+using WideImage = ImageOf<std::uint16_t>;  // pixels of more than 8 bits, from bit 0 on
 
 // The image as one that owns its pixels.
-Image copy_of(const model::ImageView& view);
+template <typename Pixel>
+ImageOf<Pixel> copy_of(const model::PixelView<Pixel>& view) {
+  ImageOf<Pixel> image{view.rows, view.columns, {}};
+  image.pixels.reserve(static_cast<std::size_t>(view.rows) * static_cast<std::size_t>(view.columns));
+  for (int row = 0; row < view.rows; ++row) {
+    const Pixel* const pixels = view.pixels + row * view.stride;
+    image.pixels.insert(image.pixels.end(), pixels, pixels + view.columns);
+  }
+  return image;
+}
 
 // A part of an image or of a sensor; left and top from 0.
 struct ImagePart {
@@ -71,10 +84,11 @@ bool is_colour_image(const std::string& file);
 // taken.
 inline constexpr const char* kReferenceFile = "reference.csv";
 
-// How the pixels of a file become one channel of 8 bits.
+// How the pixels of a file become one channel of 8 bits, or of `bits`.
 struct PixelRule {
   std::optional<Channel> channel = std::nullopt;
   std::optional<int> shift = std::nullopt;  // values of more than 8 bits become floor(value / 2^shift); 0..kMaxShift
+  int bits = spec::kPixelBits;              // for read_wide
 
   PixelRule() = default;
   PixelRule(std::optional<Channel> of_colours, std::optional<int> of_bits = std::nullopt)  // NOLINT: converts
@@ -119,6 +133,7 @@ class ImagePages {
 
   // Image i. Throws as read_image does.
   [[nodiscard]] Image read(std::size_t i, const PixelRule& rule);
+  [[nodiscard]] WideImage read_wide(std::size_t i, const PixelRule& rule);
 
  private:
   struct Place {
@@ -126,6 +141,8 @@ class ImagePages {
     std::size_t page = 0;
     bool alone = true;  // in its file
   };
+  [[nodiscard]] DecodedImage decoded(std::size_t i);
+
   std::vector<std::string> files_;
   std::vector<Place> places_;
   std::vector<std::string> names_;

@@ -37,7 +37,7 @@ Image ImageSequence::read(std::size_t i) {
     rows_ = image.rows;
     columns_ = image.columns;
   } else {
-    check_same_size(files_[i], image, files_.front(), rows_, columns_);
+    check_same_size(files_[i], {image.rows, image.columns}, files_.front(), rows_, columns_);
   }
   return image;
 }

@@ -15,22 +15,30 @@
 namespace selfproj::images {
 namespace {
 
-Image part_of(const Image& image, const ImagePart& part) {
+template <typename Pixel>
+ImageOf<Pixel> part_of(const ImageOf<Pixel>& image, const ImagePart& part) {
   const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(part.top) * image.columns + part.left;
-  return copy_of({image.pixels.data() + first, part.rows, part.columns, image.columns});
+  return copy_of(model::PixelView<Pixel>{image.pixels.data() + first, part.rows, part.columns, image.columns});
 }
 
-void subtract(Image& image, const Image& background) {
+template <typename Pixel>
+void subtract(ImageOf<Pixel>& image, const ImageOf<Pixel>& background) {
   std::transform(image.pixels.begin(), image.pixels.end(), background.pixels.begin(), image.pixels.begin(),
-                 [](std::uint8_t with, std::uint8_t without) {
-                   return static_cast<std::uint8_t>(std::max(0, int{with} - int{without}));
-                 });
+                 [](Pixel with, Pixel without) { return static_cast<Pixel>(std::max(0, int{with} - int{without})); });
+}
+
+Image read_of(ImagePages& from, std::size_t i, const PixelRule& rule, const Image* /*kind*/) {
+  return from.read(i, rule);
+}
+WideImage read_of(ImagePages& from, std::size_t i, const PixelRule& rule, const WideImage* /*kind*/) {
+  return from.read_wide(i, rule);
 }
 
 }  // namespace
 
-Image transposed(const Image& image) {
-  Image result{image.columns, image.rows, {}};
+template <typename Pixel>
+ImageOf<Pixel> transposed(const ImageOf<Pixel>& image) {
+  ImageOf<Pixel> result{image.columns, image.rows, {}};
   result.pixels.resize(image.pixels.size());
   for (int row = 0; row < image.rows; ++row) {
     for (int column = 0; column < image.columns; ++column) {
@@ -54,11 +62,13 @@ Image with_columns(const Image& image, int columns) {
   return result;
 }
 
-PreparedImages::PreparedImages(std::vector<std::string> files, const Preparation& preparation)
+template <typename Pixel>
+PreparedImagesOf<Pixel>::PreparedImagesOf(std::vector<std::string> files, const Preparation& preparation)
     : images_(std::move(files)),
       background_(preparation.background),
       rule_(preparation.pixels.rule()),
       transpose_(preparation.transpose) {
+  rule_.bits = preparation.bits;
   if (!preparation.roi.empty()) {
     constexpr int kMaxSide = 1 << 20;
     part_ = image_part(preparation.roi, kMaxSide);
@@ -76,30 +86,32 @@ PreparedImages::PreparedImages(std::vector<std::string> files, const Preparation
   first_ = prepared(images_, 0);
   if (background_.count() == 1) {
     only_background_ = prepared(background_, 0);
-    check_same_size(background_.names().front(), only_background_, images_.names().front(), first_.rows,
-                    first_.columns);
+    check_same_size(background_.names().front(), {only_background_.rows, only_background_.columns},
+                    images_.names().front(), first_.rows, first_.columns);
   }
 }
 
-Image PreparedImages::frame(std::size_t i, Image* as_taken) {
+template <typename Pixel>
+ImageOf<Pixel> PreparedImagesOf<Pixel>::frame(std::size_t i, ImageOf<Pixel>* as_taken) {
   const std::string& first = images_.names().front();
-  Image image = i == 0 ? first_ : prepared(images_, i);
-  check_same_size(images_.names()[i], image, first, first_.rows, first_.columns);
+  ImageOf<Pixel> image = i == 0 ? first_ : prepared(images_, i);
+  check_same_size(images_.names()[i], {image.rows, image.columns}, first, first_.rows, first_.columns);
   if (as_taken != nullptr) {
     *as_taken = image;
   }
   if (background_.count() == 1) {
     subtract(image, only_background_);
   } else if (background_.count() > 1) {
-    const Image background = prepared(background_, i);
-    check_same_size(background_.names()[i], background, first, first_.rows, first_.columns);
+    const ImageOf<Pixel> background = prepared(background_, i);
+    check_same_size(background_.names()[i], {background.rows, background.columns}, first, first_.rows, first_.columns);
     subtract(image, background);
   }
   return image;
 }
 
-Image PreparedImages::prepared(ImagePages& from, std::size_t i) const {
-  Image image = from.read(i, rule_);
+template <typename Pixel>
+ImageOf<Pixel> PreparedImagesOf<Pixel>::prepared(ImagePages& from, std::size_t i) const {
+  ImageOf<Pixel> image = read_of(from, i, rule_, &first_);
   if (part_) {
     if (part_->left + part_->columns > image.columns || part_->top + part_->rows > image.rows) {
       throw UserError(from.names()[i],
@@ -110,5 +122,9 @@ Image PreparedImages::prepared(ImagePages& from, std::size_t i) const {
   }
   return transpose_ ? transposed(image) : image;
 }
+
+template ImageOf<std::uint8_t> transposed(const ImageOf<std::uint8_t>& image);
+template class PreparedImagesOf<std::uint8_t>;
+template class PreparedImagesOf<std::uint16_t>;
 
 }  // namespace selfproj::images

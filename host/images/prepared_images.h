@@ -4,6 +4,7 @@
 #define SELFPROJ_HOST_IMAGES_PREPARED_IMAGES_H
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -18,20 +19,23 @@ struct Preparation {
   std::string roi = {};                      // a part, as above; empty: all
   bool transpose = false;                    // rows become columns, after the part was taken
   std::vector<std::string> background = {};  // files: one for all images, or one for each; empty: none
+  int bits = spec::kPixelBits;               // of a pixel, for WidePreparedImages
 };
 
 // Image with rows and columns exchanged.
-Image transposed(const Image& image);
+template <typename Pixel>
+ImageOf<Pixel> transposed(const ImageOf<Pixel>& image);
 
 // The image with this many columns: the first ones, or followed by dark ones.
 Image with_columns(const Image& image, int columns);
 
-class PreparedImages {
+template <typename Pixel>
+class PreparedImagesOf {
  public:
   // Looks at all files and reads the first. Throws UserError with the file or option if there is no file, a file is no
   // image, the part is not within it, or the numbers of images do not go together. A TIFF may have several pages, each
   // of which is an image.
-  PreparedImages(std::vector<std::string> files, const Preparation& preparation);
+  PreparedImagesOf(std::vector<std::string> files, const Preparation& preparation);
 
   [[nodiscard]] std::size_t count() const { return images_.count(); }
   [[nodiscard]] const std::vector<std::string>& files() const { return images_.names(); }
@@ -40,19 +44,21 @@ class PreparedImages {
 
   // Frame i, from 0: the image less its background, where that is less than 0 it is 0. `as_taken` gets the frame with
   // its background, if given. Throws UserError with the file, also if its size differs from the first one's.
-  Image frame(std::size_t i, Image* as_taken = nullptr);
+  ImageOf<Pixel> frame(std::size_t i, ImageOf<Pixel>* as_taken = nullptr);
 
  private:
-  [[nodiscard]] Image prepared(ImagePages& from, std::size_t i) const;
+  [[nodiscard]] ImageOf<Pixel> prepared(ImagePages& from, std::size_t i) const;
 
   ImagePages images_;
   ImagePages background_;
   PixelRule rule_;
   std::optional<ImagePart> part_;
   bool transpose_;
-  Image first_;
-  Image only_background_;  // the one for all images
+  ImageOf<Pixel> first_;
+  ImageOf<Pixel> only_background_;  // the one for all images
 };
+using PreparedImages = PreparedImagesOf<std::uint8_t>;
+using WidePreparedImages = PreparedImagesOf<std::uint16_t>;
 
 }  // namespace selfproj::images
 

@@ -463,4 +463,13 @@ void fast_measure_columns(const model::ImageView& image, const model::Measure& m
   }
 }
 
+void fast_measure_columns(const model::WideImageView& image, const model::Measure& measure,
+                          const model::RunsView& out) {
+  if (measure.select == model::Select::all && measure.window == model::RowWindow{}) {
+    fast_column_moments(image, measure.bits, measure.mode, measure.threshold, out.moments);
+  } else {
+    model::measure_columns(image, measure, out);
+  }
+}
+
 }  // namespace selfproj::light_section

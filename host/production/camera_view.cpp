@@ -85,7 +85,8 @@ ExposureFigures exposure_figures(const model::ImageView& image, const std::vecto
     }
     figures.saturated = share(saturated, found);
     figures.dark = share(line.size() - found, line.size());
-    min_bright = std::max(min_bright, (measure.threshold + UINT8_MAX) / 2);
+    const int threshold = measure.threshold >> (measure.bits() - spec::kPixelBits);  // of the upper eight bits
+    min_bright = std::max(min_bright, (threshold + UINT8_MAX) / 2);
   } else {
     const std::size_t all = static_cast<std::size_t>(image.rows) * static_cast<std::size_t>(image.columns);
     std::size_t dark = 0;

@@ -203,7 +203,10 @@ void visit_rig(RigT& rig, Visitor& v) {
   }
   v.begin("measure");
   v.choice("mode", rig.measure.mode, kModeChoices);
-  v.integer("threshold", rig.measure.threshold, 0, 255);
+  if (v.has_any({"pixel_bits"}, rig.measure.pixel_bits)) {
+    v.integer("pixel_bits", *rig.measure.pixel_bits, spec::kPixelBits, model::kMaxPixelBits);
+  }
+  v.integer("threshold", rig.measure.threshold, 0, (1 << rig.measure.bits()) - 1);
   v.integer("min_lit_px", rig.measure.min_lit_px, 1, 1 << 14);
   v.integer("max_lit_px", rig.measure.max_lit_px, 1, 1 << 14);
   v.number("line_width_px", rig.measure.line_width_px, 1, kPositive);
@@ -279,6 +282,19 @@ void check_sections(const Rig& rig, const std::string& source) {
     }
     if (rig.kind != RigKind::light_section) {
       throw UserError(source, "camera.region goes only with kind light-section");
+    }
+  }
+  if (rig.measure.bits() > spec::kPixelBits) {
+    const char* const other = rig.kind != RigKind::light_section ? "kind scanner"
+                              : rig.measure.runs                 ? "measure.runs"
+                              : rig.measure.sends_compact()      ? "measure.words compact"
+                                                                 : nullptr;
+    if (rig.measure.bits() % 2 != 0) {
+      throw UserError(source, fmt::format("measure.pixel_bits is {}; 8, 10 or 12 is expected", rig.measure.bits()));
+    }
+    if (other != nullptr) {
+      throw UserError(source,
+                      fmt::format("measure.pixel_bits is {}; with {} pixels have 8", rig.measure.bits(), other));
     }
   }
   if (rig.light_plane) {
@@ -395,6 +411,13 @@ Rig parse_rig(const std::string& yaml, const std::string& source) {
   }
   check_sections(rig, source);
   return rig;
+}
+
+void need_eight_bits(const Rig& rig, const std::string& what) {
+  if (rig.measure.bits() > spec::kPixelBits) {
+    throw UserError("rig " + rig.name,
+                    fmt::format("measure.pixel_bits is {}; {} takes pixels of 8 bits", rig.measure.bits(), what));
+  }
 }
 
 Rig load_any_rig(const std::string& name_or_file) {

@@ -108,7 +108,8 @@ void run_decode(DecodeOptions options) {
         codes.create(image.rows, image.columns, CV_16UC1);
         engine->start(settings, options.median);
       } else {
-        images::check_same_size(file, image, options.images.front(), settings.rows, settings.columns);
+        images::check_same_size(file, {image.rows, image.columns}, options.images.front(), settings.rows,
+                                settings.columns);
       }
       if (engine->take(image.view(), static_cast<int>(i % cycle), codes.ptr<std::uint16_t>())) {
         cv::Mat measurable(codes.size(), CV_8UC1);

@@ -472,7 +472,9 @@ class StillLine final : public Line {
 };
 
 std::unique_ptr<Line> line_of(const ProductionOptions& options) {
-  if (rig::load_any_rig(options.rig).kind == rig::RigKind::scanner) {
+  const rig::Rig rig = rig::load_any_rig(options.rig);
+  rig::need_eight_bits(rig, "the simulated line");
+  if (rig.kind == rig::RigKind::scanner) {
     return std::make_unique<StillLine>(options);
   }
   return std::make_unique<MovingLine>(options);

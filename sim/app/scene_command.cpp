@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -286,7 +287,13 @@ void render(const SceneOptions& options) {
         crop_as_sent<float>(rig.camera, values.values, part.values);
         values = std::move(part);
       }
-      if (quantized) {
+      if (quantized && rig.measure.bits() > spec::kPixelBits) {
+        const auto steps = static_cast<float>(1 << (rig.measure.bits() - spec::kPixelBits));
+        std::vector<std::uint16_t> pixels(values.values.size());
+        std::ranges::transform(values.values, pixels.begin(),
+                               [&](float value) { return static_cast<std::uint16_t>(std::lround(steps * value)); });
+        bytes = images::encode_png16(values.rows, values.columns, pixels);
+      } else if (quantized) {
         images::Image image{values.rows, values.columns, std::vector<std::uint8_t>(values.values.size())};
         quantize(values.values, image.pixels);
         bytes = images::encode_png(image);

@@ -57,6 +57,7 @@ rig::Rig light_section_rig(const std::string& name) {
   if (rig.kind != rig::RigKind::light_section) {
     throw UserError("--rig " + name, "is not a rig of kind light-section");
   }
+  rig::need_eight_bits(rig, "co-simulation");
   return rig;
 }
 

@@ -10,6 +10,7 @@
 #include <span>
 #include <vector>
 
+#include "selfproj/model/generated/selfproj_spec.h"
 #include "sim/scene/optics.h"
 #include "sim/scene/random.h"
 #include "sim/scene/scene.h"
@@ -43,9 +44,11 @@ void add_noise(const rig::RigImaging& imaging, const RenderOptions& options, int
   }
 }
 
-void quantize(std::span<float> pixels) {
+void quantize(int bits, std::span<float> pixels) {
+  const auto steps = static_cast<float>(1 << (bits - spec::kPixelBits));  // of a grey value
+  const auto largest = static_cast<float>((1 << bits) - 1);
   std::transform(pixels.begin(), pixels.end(), pixels.begin(),
-                 [](float value) { return std::clamp(std::nearbyint(value), 0.0F, kWhite); });
+                 [&](float value) { return std::clamp(std::nearbyint(steps * value), 0.0F, largest) / steps; });
 }
 
 void quantize(std::span<const float> from, std::span<std::uint8_t> to) {

@@ -23,8 +23,11 @@ namespace selfproj::sim {
 // variance (grey - dark) / electrons_per_grey + read_noise^2. The seed of `imaging` and the frame number determine it.
 void add_noise(const rig::RigImaging& imaging, const RenderOptions& options, int frame, std::span<float> pixels);
 
+// Rounds grey values to those of pixels of 8..12 bits, in steps of 2^(8 - bits), and limits them to
+// (2^bits - 1) 2^(8 - bits), which is 255 with 8 bits.
+void quantize(int bits, std::span<float> pixels);
+
 // Rounds grey values and limits them to 0..255.
-void quantize(std::span<float> pixels);
 void quantize(std::span<const float> from, std::span<std::uint8_t> to);
 
 // The same offsets and gains in every frame of a camera.

@@ -59,7 +59,7 @@ void Renderer::render(int frame, const ProjectedLight& light, std::span<float> p
     disturbed_->add_faults(frame, pixels);
   }
   if (options_.quantization) {
-    quantize(pixels);
+    quantize(rig_.measure.bits(), pixels);
   }
 }
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 #include <filesystem>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
@@ -262,6 +263,57 @@ TEST_F(ProductionCommand, ImagesOfARegionAreMeasured) {
       host({"inspect", "--rig", "few.yaml", "--images", "part/frame_00001.png", "--roi", "64x40+0+0"});
   EXPECT_NE(wrong.err.find("but the camera of the rig 512 x 96, and its region 400 x 40"), std::string::npos)
       << wrong.err;
+}
+
+// A dim line in images of 8 and of 12 bits, without noise: what the moments of more bits give is finer, and the
+// commands say what does not go with them.
+TEST_F(ProductionCommand, ImagesOfTwelveBits) {
+  rig::Rig rig = rig::load_rig("light-section");
+  rig.imaging.white = 24;
+  rig.imaging.ambient = 2;
+  rig.imaging.dark = 2;
+  rig.measure.threshold = 3;
+  write_text(folder_ / "eight.yaml", rig::to_yaml(rig));
+  rig.measure.pixel_bits = 12;
+  rig.measure.threshold *= 16;
+  write_text(folder_ / "twelve.yaml", rig::to_yaml(rig));
+  std::map<std::string, double> rms;
+  for (const std::string bits : {"eight", "twelve"}) {
+    ASSERT_EQ(sim({"scene", "render", "mountain", "--first", "300", "--count", "1", "--without",
+                   "shot-noise,read-noise", "--rig", bits + ".yaml", "--truth", bits + ".tiff", "--out", bits})
+                  .status,
+              0);
+    const Outcome run =
+        host({"inspect", "--rig", bits + ".yaml", "--images", bits + "/frame_00300.png", "--out", bits + "-out"});
+    ASSERT_EQ(run.status, 0) << run.err;
+    const auto summary = nlohmann::json::parse(read_text(folder_ / (bits + "-out/summary.json")));
+    EXPECT_EQ(summary.value("pixel_bits", 8), bits == "eight" ? 8 : 12);
+    const images::FloatImage truth = images::read_float_tiff(folder_ / (bits + ".tiff"));
+    const images::FloatImage height = images::read_float_tiff(folder_ / (bits + "-out/height.tiff"));
+    ASSERT_EQ(truth.values.size(), height.values.size());
+    double squares = 0;
+    int count = 0;
+    for (std::size_t i = 0; i < truth.values.size(); ++i) {
+      if (const double off = height.values[i] - truth.values[i]; !std::isnan(off)) {
+        squares += off * off;
+        ++count;
+      }
+    }
+    ASSERT_GT(count, 300);
+    rms[bits] = std::sqrt(squares / count);
+  }
+  EXPECT_LT(rms["twelve"], 0.4 * rms["eight"]);
+  const auto refused = [&](const Words& words) { return host(words).err; };
+  EXPECT_NE(refused({"inspect", "--rig", "eight.yaml", "--images", "twelve/frame_00300.png"}).find("--shift 4"),
+            std::string::npos);
+  EXPECT_NE(refused({"inspect", "--rig", "twelve.yaml", "--images", "eight/frame_00300.png"})
+                .find("has 8 bits per pixel; 12 are expected, as measure.pixel_bits of the rig says"),
+            std::string::npos);
+  EXPECT_NE(refused({"rows", "--rig", "twelve.yaml", "--rows", "24", "--out", "few.yaml"})
+                .find("measure.pixel_bits is 12; this command takes pixels of 8 bits"),
+            std::string::npos);
+  EXPECT_NE(sim({"cosim", "--rig", "twelve.yaml", "--count", "1"}).err.find("co-simulation takes pixels of 8 bits"),
+            std::string::npos);
 }
 
 // From whole images to few rows at their rate and light, and to verdicts by heights and by moments: docs/few-rows.md.

@@ -151,6 +151,36 @@ TEST(ImageFiles, PagesOfATiffAreImages) {
   }
 }
 
+// All bits of a pixel, for rigs that measure more than 8.
+TEST(ImageFiles, PixelsOfMoreBitsAreTakenAsTheyAre) {
+  const ScratchFolder scratch;
+  cv::Mat deep;
+  picture().convertTo(deep, CV_16UC1, 16, 3);  // at most 4083
+  const auto file_of = [&](const char* name, const cv::Mat& mat) {
+    const std::string file = scratch / name;
+    EXPECT_TRUE(cv::imwrite(file, mat));
+    return file;
+  };
+  images::ImagePages images(
+      {file_of("twelve.png", deep), file_of("left.png", deep * 16), file_of("eight.png", picture())});
+  images::PixelRule rule;
+  rule.bits = 12;
+  const std::vector<std::uint16_t> expected(deep.begin<std::uint16_t>(), deep.end<std::uint16_t>());
+  EXPECT_EQ(images.read_wide(0, rule).pixels, expected);
+  EXPECT_NE(error_of([&] { static_cast<void>(images.read_wide(1, rule)); }).find("pixels of 12 bits are expected"),
+            std::string::npos);
+  EXPECT_NE(error_of([&] {
+              static_cast<void>(images.read_wide(2, rule));
+            }).find("has 8 bits per pixel; 12 are expected, as measure.pixel_bits of the rig says"),
+            std::string::npos);
+  rule.shift = 4;
+  EXPECT_EQ(images.read_wide(1, rule).pixels, expected);
+  rule = {};
+  rule.bits = 10;
+  EXPECT_NE(error_of([&] { static_cast<void>(images.read_wide(0, rule)); }).find("twelve.png: has a value of 4"),
+            std::string::npos);
+}
+
 TEST(ImageFiles, DifferencesAreOfOnePlaneAndTheOthers) {
   const ScratchFolder scratch;
   const std::string file = scratch / "colours.png";

@@ -28,6 +28,9 @@ void fast_column_runs(const model::ImageView& image, const model::Measure& measu
 // Writes what measure.select asks for: fast_column_moments or fast_column_runs.
 void fast_measure_columns(const model::ImageView& image, const model::Measure& measure, const model::RunsView& out);
 
+// The same for pixels of measure.bits bits, with Select::all.
+void fast_measure_columns(const model::WideImageView& image, const model::Measure& measure, const model::RunsView& out);
+
 }  // namespace selfproj::light_section
 
 #endif  // SELFPROJ_LIGHT_SECTION_FAST_MOMENTS_H

@@ -104,6 +104,7 @@ struct RigRuns {
 struct RigMeasure {
   model::Mode mode = model::Mode::grey_over;
   int threshold = 0;                            // light section: a pixel is lit if it is greater than this
+  std::optional<int> pixel_bits = {};           // of the pixels that are measured; nothing: 8
   int min_lit_px = 0;                           // a column with fewer lit pixels is invalid
   int max_lit_px = 0;                           // a column with more lit pixels is invalid
   double line_width_px = 0;                     // width of a projected line, in projector lines
@@ -114,6 +115,7 @@ struct RigMeasure {
   std::optional<bool> compact = {};             // packets hold divided columns; nothing: no
 
   [[nodiscard]] bool sends_compact() const { return compact.value_or(false); }
+  [[nodiscard]] int bits() const { return pixel_bits.value_or(spec::kPixelBits); }
 
   // What the board measures, as its registers say.
   [[nodiscard]] model::Measure of_board() const {
@@ -121,13 +123,15 @@ struct RigMeasure {
             .threshold = threshold,
             .select = runs ? model::Select::strongest : model::Select::all,
             .gap = runs ? runs->gap_rows : 0,
-            .window = window.value_or(model::RowWindow{})};
+            .window = window.value_or(model::RowWindow{}),
+            .bits = bits()};
   }
 
   // Makes this what `measure` says, as from options of a command.
   void apply(const model::Measure& measure) {
     mode = measure.mode;
     threshold = measure.threshold;
+    pixel_bits = measure.bits == spec::kPixelBits ? std::nullopt : std::optional(measure.bits);
     if (measure.select == model::Select::all) {
       runs.reset();
     } else {
@@ -137,7 +141,8 @@ struct RigMeasure {
   }
 };
 
-// Light and noise, which only the simulation needs. Grey values are those of the 8-bit image.
+// Light and noise, which only the simulation needs. Grey values are those of the 8-bit image; one of b bits has
+// 2^(b - 8) values in each.
 struct RigImaging {
   double white = 0;               // grey of a white surface, fully lit and facing the projector's light
   double ambient = 0;             // grey of a white surface without projector light
@@ -272,6 +277,9 @@ Rig load_rig(const std::string& name_or_file);
 
 // The same, but a laser line is welcome.
 Rig load_any_rig(const std::string& name_or_file);
+
+// Throws UserError about the rig if its pixels have more than 8 bits, which `what` does not take.
+void need_eight_bits(const Rig& rig, const std::string& what);
 
 // The same from a text (with a laser line or without); errors name `source`.
 Rig parse_rig(const std::string& yaml, const std::string& source);

@@ -1,6 +1,7 @@
 // Tests the parts of cameras: numbers that wrap, pixel formats, URIs.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -160,6 +161,27 @@ TEST(PixelFormat, ValuesBecomeTheirUpperEightBits) {
     EXPECT_THROW(camera::to_grey8(format, std::nullopt, {raw.data(), raw.size() - 1}, 2, static_cast<int>(half),
                                   raw.size() / 2, out.data()),
                  std::invalid_argument);
+  }
+}
+
+TEST(PixelFormat, AllBitsOfValues) {
+  for (const char* name : {"Mono10", "Mono12", "Mono16", "Mono10p", "Mono12p", "Mono10Packed", "Mono12Packed"}) {
+    SCOPED_TRACE(name);
+    const camera::PixelFormat format = camera::pixel_format(name).value();
+    Random random(4);
+    std::vector<unsigned> values(64);
+    for (unsigned& value : values) {
+      value = static_cast<unsigned>(random.between(0, (1 << format.bits) - 1));
+    }
+    const Bytes raw = packed(format, values);
+    std::vector<std::uint16_t> out(values.size());
+    camera::to_words(format, raw, 2, 32, raw.size() / 2, out.data());
+    EXPECT_TRUE(std::ranges::equal(out, values));
+    EXPECT_THROW(camera::to_words(format, {raw.data(), raw.size() - 1}, 2, 32, raw.size() / 2, out.data()),
+                 std::invalid_argument);
+  }
+  for (const char* name : {"Mono8", "BayerRG12", "RGB8", "YUV422_8"}) {
+    EXPECT_FALSE(camera::has_words(camera::pixel_format(name).value())) << name;
   }
 }
 

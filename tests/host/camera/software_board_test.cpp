@@ -26,13 +26,13 @@ namespace {
 using Bytes = std::vector<std::uint8_t>;
 using PacketsOfKind = std::map<int, std::vector<Bytes>>;
 
-model::BoardSettings random_settings(Random& random) {
+model::BoardSettings random_settings(Random& random, int pixel_bits) {
   model::BoardSettings settings;
   settings.columns = 4 * random.between(1, 20);
   settings.rows = random.between(1, 24);
   settings.mode = static_cast<model::Mode>(random.between(0, 2));
-  settings.threshold = random.between(0, 255);
-  settings.select = random.chance(50) ? model::Select::strongest : model::Select::all;
+  settings.threshold = random.between(0, (1 << pixel_bits) - 1);
+  settings.select = pixel_bits == 8 && random.chance(50) ? model::Select::strongest : model::Select::all;
   settings.gap = settings.select == model::Select::strongest ? random.between(0, 3) : 0;
   if (random.chance(30)) {
     settings.window = {random.between(0, settings.rows), random.between(0, settings.rows + 3)};
@@ -48,7 +48,7 @@ model::BoardSettings random_settings(Random& random) {
 }
 
 // Gives the frame to the model, beat by beat; a broken one stops after its first beat.
-void feed(model::BoardModel& model, const Bytes& pixels, const model::BoardSettings& settings,
+void feed(model::BoardModel& model, const std::vector<std::uint16_t>& pixels, const model::BoardSettings& settings,
           model::BoardInputs inputs, bool whole) {
   const std::size_t beats = pixels.size() / 4;
   for (std::size_t beat = 0; beat < (whole ? beats : 1); ++beat) {
@@ -66,17 +66,20 @@ TEST(SoftwareBoard, GivesThePacketsOfTheModel) {
   for (const std::uint64_t seed : seeds(300)) {
     SCOPED_TRACE(how_to_repeat(seed));
     Random random(seed);
-    model::BoardSettings settings = random_settings(random);
+    const int bits = random.chance(50) ? 8 : 2 * random.between(5, 6);
+    model::BoardSettings settings = random_settings(random, bits);
     // Of a broken frame the model has a beat and the camera nothing, which makes no difference to these.
     const bool breaks = !settings.image && settings.rows > 1 && settings.columns > 4 && random.chance(50);
     PacketsOfKind expected;
-    model::BoardModel model([&](model::BoardPacket&& packet) {
-      Bytes bytes;
-      model::append_packet(packet.header, packet.payload, packet.status, bytes);
-      expected[packet.header.kind].push_back(bytes);
-    });
+    model::BoardModel model(
+        [&](model::BoardPacket&& packet) {
+          Bytes bytes;
+          model::append_packet(packet.header, packet.payload, packet.status, bytes);
+          expected[packet.header.kind].push_back(bytes);
+        },
+        true, bits);
     model.write(settings);
-    camera::SoftwareBoard board(settings);
+    camera::SoftwareBoard board(settings, bits);
     PacketsOfKind got;
     model::BoardInputs inputs;
     for (std::uint64_t frame = 0; frame < 40; ++frame) {
@@ -89,8 +92,13 @@ TEST(SoftwareBoard, GivesThePacketsOfTheModel) {
       const bool whole = !breaks || !random.chance(5);
       const Bytes pixels =
           random.bytes(static_cast<std::size_t>(settings.columns) * static_cast<std::size_t>(settings.rows));
-      feed(model, pixels, settings, inputs, whole);
-      board.process({pixels.data(), settings.rows, settings.columns, settings.columns}, whole, frame, inputs);
+      std::vector<std::uint16_t> all(pixels.size());  // bits; those of `pixels` are the upper 8
+      std::ranges::transform(pixels, all.begin(), [&](std::uint8_t p) {
+        return static_cast<std::uint16_t>(p << (bits - 8) | random.between(0, (1 << (bits - 8)) - 1));
+      });
+      feed(model, all, settings, inputs, whole);
+      board.process({pixels.data(), settings.rows, settings.columns, settings.columns}, whole, frame, inputs,
+                    {all.data(), settings.rows, settings.columns, settings.columns});
       model::PacketView packet;
       while (board.next(packet)) {
         model::PacketView parsed;
@@ -117,6 +125,11 @@ TEST(SoftwareBoard, RefusesWhatNoBoardHas) {
   EXPECT_THROW(camera::SoftwareBoard({.columns = 4096}), std::invalid_argument);
   EXPECT_THROW(camera::SoftwareBoard({.rows = 1024}), std::invalid_argument);
   EXPECT_THROW(camera::SoftwareBoard({.threshold = 256}), std::invalid_argument);
+  EXPECT_NO_THROW(camera::SoftwareBoard({.threshold = 256}, 10));
+  EXPECT_THROW(camera::SoftwareBoard({.threshold = 1024}, 10), std::invalid_argument);
+  EXPECT_THROW(camera::SoftwareBoard({}, 13), std::invalid_argument);
+  EXPECT_THROW(camera::SoftwareBoard({.select = model::Select::strongest}, 12), std::invalid_argument);
+  EXPECT_THROW(camera::SoftwareBoard({.compact = true}, 12), std::invalid_argument);
   EXPECT_THROW(camera::SoftwareBoard({.codes = true, .code_bits = 13}), std::invalid_argument);
   camera::SoftwareBoard board({.columns = 8, .rows = 2});
   const Bytes pixels(16);

@@ -15,10 +15,13 @@
 #include <vector>
 
 #include "host/camera/camera.h"
+#include "host/camera/camera_device.h"
 #include "host/camera/camera_uri.h"
 #include "host/camera/open_camera.h"
 #include "host/driver/device_port.h"
+#include "selfproj/driver/device.h"
 #include "selfproj/files/user_error.h"
+#include "selfproj/model/packet.h"
 
 namespace selfproj::test {
 namespace {
@@ -229,6 +232,47 @@ TEST(V4l2Camera, PlaysARecordingWithDroppedAndDamagedImages) {
     FAIL() << "an unplugged camera";
   } catch (const UserError& error) {
     EXPECT_EQ(std::string(error.what()), "camera:/dev/video9: the camera has gone: No such device");
+  }
+}
+
+// A rig that measures pixels of 12 bits: the moments are of all bits, and raw images of the upper eight.
+TEST(V4l2Camera, MomentsOfTwelveBits) {
+  Player player;
+  player.formats = {V4L2_PIX_FMT_YUYV, V4L2_PIX_FMT_Y12};
+  player.images = {{.sequence = 0, .grey = 0x0A}, {.sequence = 1, .grey = 0x03}};  // both bytes of a pixel
+  camera::CameraUri uri = camera::parse_camera_uri("camera:/dev/video9?region=320x8&format=Mono12");
+  uri.camera.bits = 12;
+  uri.board.bits = 12;
+  uri.board.mode = model::Mode::grey;
+  uri.board.threshold = 0x0303;
+  uri.board.image = true;
+  const std::unique_ptr<driver::Device> device =
+      camera::make_camera_device(camera::open_v4l2_camera(uri, std::make_unique<PlayerPort>(player)), uri.board, {});
+  for (const std::uint32_t pixel : {0x0A0AU, 0x0303U}) {
+    model::PacketView packet;
+    ASSERT_EQ(device->next(packet, std::chrono::seconds(1)), driver::Next::packet);
+    ASSERT_EQ(packet.header.kind, spec::kKindMoments);
+    EXPECT_EQ(packet.header.pixel_bits, 12);
+    EXPECT_EQ(packet.header.threshold, 0x0303);
+    model::Moments moments;
+    moments.resize(320);
+    model::unpack_columns(packet.header, packet.payload.data(), {.moments = moments.view()});
+    const bool lit = pixel > 0x0303;
+    EXPECT_EQ(moments.m0, std::vector<std::uint32_t>(320, lit ? 8 * pixel : 0));
+    EXPECT_EQ(moments.m1, std::vector<std::uint32_t>(320, lit ? 36 * pixel : 0));
+    EXPECT_EQ(moments.n, std::vector<std::uint32_t>(320, lit ? 8 : 0));
+    for (int row = 0; row < 8; ++row) {
+      ASSERT_EQ(device->next(packet, std::chrono::seconds(1)), driver::Next::packet);
+      ASSERT_EQ(packet.header.kind, spec::kKindImage);
+      EXPECT_EQ(packet.payload[319], pixel >> 4);
+    }
+  }
+  uri.board.threshold = 4096;
+  try {
+    camera::make_camera_device(camera::open_v4l2_camera(uri, std::make_unique<PlayerPort>(player)), uri.board, {});
+    FAIL() << "a threshold above all pixels";
+  } catch (const UserError& error) {
+    EXPECT_EQ(std::string(error.what()), "camera:/dev/video9: threshold: 4096 is given, and pixels have 12 bits");
   }
 }
 

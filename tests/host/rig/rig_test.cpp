@@ -238,6 +238,32 @@ TEST(Rig, CompactWordsAreReadBackAndChecked) {
             "rig.yaml: measure.words is compact, which goes with modes grey and grey_over: binary words have 32 bits");
 }
 
+TEST(Rig, PixelBitsAreReadBackAndChecked) {
+  rig::Rig rig = rig::load_rig("light-section");
+  EXPECT_EQ(rig.measure.bits(), 8);
+  EXPECT_EQ(rig::to_yaml(rig).find("pixel_bits"), std::string::npos);
+  rig.measure.pixel_bits = 12;
+  rig.measure.threshold = 4095;
+  const std::string yaml = rig::to_yaml(rig);
+  const rig::Rig back = rig::parse_rig(yaml, "twelve");
+  EXPECT_EQ(back.measure.of_board().bits, 12);
+  EXPECT_EQ(back.measure.of_board().threshold, 4095);
+  EXPECT_EQ(rig::to_yaml(back), yaml);
+  const auto error = [](const rig::Rig& wrong) { return error_of(rig::to_yaml(wrong)); };
+  rig::Rig ten = rig;
+  ten.measure.pixel_bits = 10;
+  EXPECT_NE(error(ten).find("threshold"), std::string::npos);  // 1023 at most
+  ten.measure.pixel_bits = 11;
+  ten.measure.threshold = 0;
+  EXPECT_NE(error(ten).find("measure.pixel_bits is 11; 8, 10 or 12 is expected"), std::string::npos);
+  rig::Rig runs = rig;
+  runs.measure.runs = rig::RigRuns{};
+  EXPECT_NE(error(runs).find("measure.pixel_bits is 12; with measure.runs pixels have 8"), std::string::npos);
+  rig::Rig compact = rig;
+  compact.measure.compact = true;
+  EXPECT_NE(error(compact).find("with measure.words compact pixels have 8"), std::string::npos);
+}
+
 TEST(Rig, ARegionIsReadBackAndChecked) {
   rig::Rig rig = rig::load_rig("light-section");
   rig.camera.region = rig::RigRegion{
