@@ -80,9 +80,10 @@ Out<T> array_of(std::vector<T> values, const std::vector<std::size_t>& shape) {
 // Images as arrays of 2 dimensions, or of 3: one image after another, not of 3 or 4 columns, which are colours. The
 // pixels of a row lie side by side; rows and images may have any distance, also a negative one. Throws ValueError
 // otherwise.
-class Images {
+template <typename Pixel>
+class ImagesOf {
  public:
-  explicit Images(const In<std::uint8_t>& array) : array_(array) {
+  explicit ImagesOf(const In<Pixel>& array) : array_(array) {
     require(array.ndim() == 2 || array.ndim() == 3, "image: an array of 2 dimensions is needed, or of 3 for several");
     const std::size_t last = array.ndim() - 1;
     for (std::size_t i = 0; i <= last; ++i) {
@@ -99,7 +100,7 @@ class Images {
   [[nodiscard]] std::size_t count() const { return several() ? array_.shape(0) : 1; }
   [[nodiscard]] std::size_t rows() const { return array_.shape(array_.ndim() - 2); }
   [[nodiscard]] std::size_t columns() const { return array_.shape(array_.ndim() - 1); }
-  [[nodiscard]] model::ImageView view(std::size_t i) const {
+  [[nodiscard]] model::PixelView<Pixel> view(std::size_t i) const {
     const std::ptrdiff_t from = several() ? static_cast<std::ptrdiff_t>(i) * array_.stride(0) : 0;
     return {array_.data() + from, static_cast<int>(rows()), static_cast<int>(columns()),
             static_cast<std::ptrdiff_t>(array_.stride(array_.ndim() - 2))};
@@ -107,8 +108,9 @@ class Images {
 
  private:
   static constexpr std::size_t kMaxSide = std::size_t{1} << 30U;
-  In<std::uint8_t> array_;
+  In<Pixel> array_;
 };
+using Images = ImagesOf<std::uint8_t>;
 
 // One image.
 inline model::ImageView image_of(const In<std::uint8_t>& array) {

@@ -170,8 +170,10 @@ void bind_profiles(nb::module_& module) {
 }  // namespace
 
 void bind_light_section(nb::module_& module) {
-  def_moments(module, light_section::fast_measure_columns,
-              "The same as selfproj.model.moments, at the speed of memory.");
+  const auto kernel = [](const auto& image, const model::Measure& measure, const model::RunsView& out) {
+    light_section::fast_measure_columns(image, measure, out);
+  };
+  def_moments(module, kernel, "The same as selfproj.model.moments, at the speed of memory.");
   bind_rig(module);
   bind_references(module);
   bind_profiles(module);

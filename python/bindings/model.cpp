@@ -147,8 +147,11 @@ void bind_model(nb::module_& module) {
       .def("__repr__", [](const MomentsResult& self) { return shape_text("Moments", self.sides()); })
       .def("__getstate__", &state_of)
       .def("__setstate__", &set_state);
+  const auto kernel = [](const auto& image, const model::Measure& measure, const model::RunsView& out) {
+    model::measure_columns(image, measure, out);
+  };
   def_moments(
-      module, model::measure_columns,
+      module, kernel,
       "Column moments of an image, as sp_column_moments gives them, to the last bit.\n\n"
       "image: uint8, (rows, columns), or (images, rows, columns), not of 3 or 4 columns, which are taken for\n"
       "colours. Rows 1..1023. It is not copied.\n"

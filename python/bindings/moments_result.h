@@ -63,9 +63,9 @@ class MomentsResult {
 };
 
 // The moments of images by `kernel`, which has the arguments of measure_columns.
-template <typename Kernel>
-MomentsResult measure_images(const In<std::uint8_t>& array, const model::Measure& measure, const Kernel& kernel) {
-  const Images images(array);
+template <typename Pixel, typename Kernel>
+MomentsResult measure_images(const In<Pixel>& array, const model::Measure& measure, const Kernel& kernel) {
+  const ImagesOf<Pixel> images(array);
   MomentsResult result(measure.select, images.several() ? std::optional(images.count()) : std::nullopt,
                        images.columns());
   without_gil([&] {
@@ -76,7 +76,7 @@ MomentsResult measure_images(const In<std::uint8_t>& array, const model::Measure
   return result;
 }
 
-// Defines `moments` in the module: images measured by `kernel`.
+// Defines `moments` in the module: images measured by `kernel`, of 8 bits, and of more in words of 16.
 template <typename Kernel>
 void def_moments(nb::module_& module, const Kernel& kernel, const char* documentation) {
   module.def(
@@ -94,6 +94,19 @@ void def_moments(nb::module_& module, const Kernel& kernel, const char* document
       nb::arg("image").noconvert(), nb::arg("threshold"), nb::arg("mode") = model::Mode::grey_over,
       nb::arg("select") = model::Select::all, nb::arg("gap") = 0, nb::arg("first_row") = 0, nb::arg("last_row") = 0,
       documentation);
+  module.def(
+      "moments",
+      [kernel](const In<std::uint16_t>& image, int threshold, int bits, model::Mode mode, int first_row, int last_row) {
+        return measure_images(
+            image,
+            {.mode = mode, .threshold = threshold, .window = {.first = first_row, .last = last_row}, .bits = bits},
+            kernel);
+      },
+      nb::arg("image").noconvert(), nb::arg("threshold"), nb::kw_only(), nb::arg("bits"),
+      nb::arg("mode") = model::Mode::grey_over, nb::arg("first_row") = 0, nb::arg("last_row") = 0,
+      "The same of pixels of 8 to 12 bits in uint16, from bit 0 on, and a threshold of as many: the moments of all "
+      "lit\n"
+      "pixels. Pixels of 2^bits and more are not looked for; they give wrong sums.");
 }
 
 }  // namespace selfproj::python

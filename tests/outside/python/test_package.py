@@ -84,6 +84,23 @@ class Model(Case):
                         same(getattr(one, name), values)
                         same(getattr(several, name)[number], values)
 
+    def test_moments_of_more_bits(self):
+        for _ in range(20):
+            bits, rows, columns = self.between(8, 12), self.between(1, 60), self.between(5, 70)
+            image = self.random.integers(0, 1 << bits, (rows, columns), dtype="uint16")
+            threshold, first = self.between(0, (1 << bits) - 1), self.between(0, rows)
+            row = numpy.arange(1, rows + 1)[:, None]
+            lit = (image > threshold) & (row >= first)
+            for mode, weight in ((model.Mode.BINARY, 1), (model.Mode.GREY, image.astype("int64")),
+                                 (model.Mode.GREY_OVER, image.astype("int64") - threshold)):
+                for function in (model.moments, light_section.moments):
+                    given = function(image, threshold, bits=bits, mode=mode, first_row=first)
+                    same(given.m0, numpy.where(lit, weight, 0).sum(0).astype("uint32"))
+                    same(given.m1, numpy.where(lit, row * weight, 0).sum(0).astype("uint32"))
+                    same(given.n, lit.sum(0).astype("uint32"))
+        with self.assertRaisesRegex(ValueError, "threshold"):
+            model.moments(image, 1 << bits, bits=bits)
+
     def test_decoders_and_median(self):
         for _ in range(12):
             rows, columns, bits, threshold = (self.between(1, 12), self.between(1, 40), self.between(1, 12),
@@ -136,7 +153,7 @@ class Packets(Case):
                 same(given.runs, wanted[3])
             same(packets.build(packet.header, packet.payload, 5), c.built(packet.payload, 5, **{
                 name: getattr(packet.header, name) for name, _ in c.Header._fields_
-                if name not in ("size")}))
+                if name not in ("size", "reserved")}))
             damaged = data.copy()
             damaged[self.between(0, data.size - 1)] ^= 1
             with self.assertRaisesRegex(ValueError, "no packet: "):
