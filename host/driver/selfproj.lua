@@ -291,7 +291,8 @@ local function word_of(buffer)
   local kind = format.kinds[number(buffer, format.header, "kind")]
   if kind == "moments" then
     local run = format.selects[number(buffer, format.header, "select")] == "strongest" and "_run" or ""
-    return (format.modes[number(buffer, format.header, "mode")] == "binary" and "binary" or "grey") .. run
+    local grey = number(buffer, format.header, "pixel") ~= 0 and "wide_grey" or "grey"
+    return (format.modes[number(buffer, format.header, "mode")] == "binary" and "binary" or grey) .. run
   end
   return (kind == "codes" and "code") or (kind == "compact" and "compact") or nil
 end
@@ -323,6 +324,11 @@ end
 local function add_header(tree, buffer)
   local added = add_fields(tree, "selfproj.", format.header, buffer, 0)
   add_bits(added.flags, "selfproj.flags.", format.flags, buffer(byte_of(format.header, "flags"), 1))
+  local pixel = byte_of(format.header, "pixel")
+  for _, item in ipairs(format.words.header_pixel.fields) do
+    added.pixel:add(fields["selfproj.header_pixel." .. item[1]], buffer(pixel, 1),
+      bits_at(buffer, pixel, item[2], item[3]))
+  end
   return string.format("%s of frame %s, %d x %d", format.kinds[number(buffer, format.header, "kind")] or "?",
     tostring(buffer(byte_of(format.header, "sequence"), 8):le_uint64()), number(buffer, format.header, "columns"),
     number(buffer, format.header, "rows"))
