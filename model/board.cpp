@@ -236,10 +236,8 @@ void BoardModel::end_frame(std::uint32_t status) {
     Runs runs;
     runs.resize(settings_.select, settings_.columns);
     const RunsView view = runs.view();
-    const auto measure_image = [&](const auto& pixels) {  // the columns that did not come are 0
-      measure_columns(
-          PixelView{.pixels = pixels.data(), .rows = settings_.rows, .columns = complete, .stride = settings_.columns},
-          measure(), view);
+    const auto measure_image = [&]<typename Pixel>(const std::vector<Pixel>& pixels) {  // what did not come is 0
+      measure_columns(PixelView<Pixel>{pixels.data(), settings_.rows, complete, settings_.columns}, measure(), view);
     };
     if (pixel_bits_ > spec::kPixelBits) {
       measure_image(wide_pixels_);

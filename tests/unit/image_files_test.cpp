@@ -157,7 +157,7 @@ TEST(ImageFiles, PixelsOfMoreBitsAreTakenAsTheyAre) {
   cv::Mat deep;
   picture().convertTo(deep, CV_16UC1, 16, 3);  // at most 4083
   const auto file_of = [&](const char* name, const cv::Mat& mat) {
-    const std::string file = scratch / name;
+    std::string file = scratch / name;
     EXPECT_TRUE(cv::imwrite(file, mat));
     return file;
   };
