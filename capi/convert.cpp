@@ -106,6 +106,9 @@ model::PacketHeader header_of(const selfproj_header* header) {
   if (out.pixel_bits == 0) {  // not set
     out.pixel_bits = spec::kPixelBits;
   }
+  require(out.pixel_bits >= spec::kPixelBits && out.pixel_bits <= model::kMaxPixelBits &&
+              out.threshold < 1 << model::kMaxPixelBits,
+          "header: pixel_bits are not in 8..12, or threshold has more than 12");
   return out;
 }
 

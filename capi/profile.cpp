@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -103,8 +104,10 @@ std::int32_t selfproj_profile_of_packet(selfproj_profiler* profiler, const selfp
     static_cast<void>(mode_of(static_cast<std::int32_t>(std::min<std::uint32_t>(header.mode, SELFPROJ_GREY_OVER + 1))));
     static_cast<void>(select_of(static_cast<std::int32_t>(std::min<std::uint32_t>(header.select, 2))));
     model::PacketView view;
-    selfproj_header given = header;
-    given.size = sizeof given;  // need not be set
+    selfproj_header given{};  // its size need not be set, and an older caller's is smaller
+    given.size = static_cast<std::uint32_t>(std::min(sizeof given, packet->size - offsetof(selfproj_packet, header)));
+    std::memcpy(&given, &header, given.size);
+    given.size = sizeof given;
     view.header = header_of(&given);
     if (!profiler->profiler.unlike_camera(view.header).empty()) {
       return failed(SELFPROJ_BAD_INPUT, "the packet is of a frame of another size than the rig's camera");

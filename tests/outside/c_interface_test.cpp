@@ -170,6 +170,64 @@ TEST(CInterface, MomentsAndPackets) {
   }
 }
 
+// Packets of pixels of 12 bits; and a caller who was built before the header had pixel_bits: nothing is written or read
+// behind what he has.
+TEST(CInterface, PacketsOfTwelveBits) {
+  constexpr int kColumns = 512;
+  std::vector<std::uint32_t> m0(kColumns, 4095 * 20);
+  std::vector<std::uint32_t> m1(kColumns, 4095 * 20 * 48);
+  std::vector<std::uint32_t> n(kColumns, 20);
+  std::vector<std::uint8_t> payload(model::moments_payload_bytes(model::Mode::grey, kColumns));
+  model::pack_wide_moments(model::Mode::grey, kColumns, {m0.data(), m1.data(), n.data()}, payload.data());
+  selfproj_header header = sized<selfproj_header>();
+  header.kind = SELFPROJ_KIND_MOMENTS;
+  header.columns = kColumns;
+  header.rows = 96;
+  header.mode = SELFPROJ_GREY;
+  header.first_line = 1;
+  header.lines = 96;
+  header.threshold = 4000;
+  std::vector<std::uint8_t> packet(model::packet_bytes(payload.size()));
+  std::size_t written = 0;
+  const auto build = [&] {
+    return selfproj_build_packet(&header, payload.data(), payload.size(), 0, packet.data(), packet.size(), &written);
+  };
+  header.pixel_bits = 13;
+  EXPECT_EQ(build(), SELFPROJ_BAD_ARGUMENT);
+  header.pixel_bits = 12;
+  ASSERT_EQ(build(), SELFPROJ_OK);
+  selfproj_packet found = sized<selfproj_packet>();
+  ASSERT_EQ(selfproj_parse_packet(packet.data(), packet.size(), &found), SELFPROJ_OK);
+  EXPECT_EQ(found.header.pixel_bits, 12U);
+  EXPECT_EQ(found.header.threshold, 4000U);
+  model::Moments back;
+  back.resize(kColumns);
+  ASSERT_EQ(selfproj_unpack_wide_moments(SELFPROJ_GREY, kColumns, found.payload, found.payload_bytes, back.m0.data(),
+                                         back.m1.data(), back.n.data()),
+            SELFPROJ_OK);
+  EXPECT_EQ(back.m0, m0);
+  EXPECT_EQ(back.m1, m1);
+  EXPECT_EQ(back.n, n);
+
+  selfproj_packet older{};
+  std::memset(&older, 0xEE, sizeof older);
+  older.size = offsetof(selfproj_packet, header) + offsetof(selfproj_header, pixel_bits);
+  header.pixel_bits = 8;
+  header.threshold = 40;
+  ASSERT_EQ(build(), SELFPROJ_OK);
+  ASSERT_EQ(selfproj_parse_packet(packet.data(), packet.size(), &older), SELFPROJ_OK);
+  EXPECT_EQ(older.header.pixel_bits, 0xEEEEEEEEU);
+  EXPECT_EQ(older.header.size, offsetof(selfproj_header, pixel_bits));
+  selfproj_profiler* profiler = nullptr;
+  ASSERT_EQ(selfproj_profiler_create("light-section", nullptr, &profiler), SELFPROJ_OK);
+  std::vector<std::uint8_t> validity(kColumns, 255);
+  auto profile = sized<selfproj_profile>();
+  profile.columns = kColumns;
+  profile.validity = validity.data();
+  EXPECT_EQ(selfproj_profile_of_packet(profiler, &older, &profile), SELFPROJ_OK) << selfproj_last_error();
+  selfproj_profiler_destroy(profiler);
+}
+
 TEST(CInterface, CodesMedianAndMatches) {
   for (const std::uint64_t seed : seeds(20)) {
     SCOPED_TRACE(how_to_repeat(seed));
