@@ -107,8 +107,8 @@ model::PacketHeader header_of(const selfproj_header* header) {
     out.pixel_bits = spec::kPixelBits;
   }
   require(out.pixel_bits >= spec::kPixelBits && out.pixel_bits <= model::kMaxPixelBits &&
-              out.threshold < 1 << model::kMaxPixelBits,
-          "header: pixel_bits are not in 8..12, or threshold has more than 12");
+              out.threshold < 1 << out.pixel_bits,
+          "header: pixel_bits are not in 8..12, or threshold has more");
   return out;
 }
 
@@ -126,6 +126,10 @@ void check_packet(const selfproj_packet* out) {
 
 void write_packet(const model::PacketView& packet, selfproj_packet* out) {
   check_packet(out);
+  require(packet.header.pixel_bits == spec::kPixelBits || out->size >= offsetof(selfproj_packet, header) +
+                                                                           offsetof(selfproj_header, pixel_bits) +
+                                                                           sizeof(std::uint32_t),
+          "packet: its pixels have more than 8 bits, of which this version of selfproj_packet cannot tell");
   selfproj_packet value{};
   value.status = packet.status;
   value.bytes = packet.bytes().data();

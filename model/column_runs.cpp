@@ -46,6 +46,13 @@ RunsOfColumn runs_of(const ImageView& image, const Measure& measure, int column)
   return runs;
 }
 
+// Of pixels of more bits an image of 8 is none.
+void need_pixels_of_eight_bits(const Measure& measure) {
+  if (measure.bits != spec::kPixelBits) {
+    throw std::invalid_argument("measure: its pixels have more than 8 bits, those of the image 8");
+  }
+}
+
 }  // namespace
 
 void column_runs(const ImageView& image, const Measure& measure, const RunsView& out, int max_rows) {
@@ -62,6 +69,7 @@ void column_runs(const ImageView& image, const Measure& measure, const RunsView&
 }
 
 void measure_columns(const ImageView& image, const Measure& measure, const RunsView& out) {
+  need_pixels_of_eight_bits(measure);
   if (measure.select == Select::strongest) {
     column_runs(image, measure, out);
   } else {
@@ -77,6 +85,7 @@ void measure_columns(const WideImageView& image, const Measure& measure, const R
 }
 
 void measure_tall_columns(const ImageView& image, const Measure& measure, const RunsView& out) {
+  need_pixels_of_eight_bits(measure);
   if (measure.select == Select::strongest) {
     column_runs(image, measure, out, kMaxSoftwareRows);
   } else {

@@ -114,6 +114,10 @@ PacketHeader read_header(const std::uint8_t* bytes) {
 // Writes all fields.
 void write_header(const PacketHeader& header, std::uint32_t payload_size, std::uint32_t spec_hash,
                   std::uint16_t version, std::uint8_t* bytes) {
+  if (header.pixel_bits < spec::kPixelBits || header.pixel_bits > kMaxPixelBits ||
+      header.threshold >= 1 << header.pixel_bits) {
+    throw std::invalid_argument("packet: pixel_bits are not in 8..12, or the threshold has more");
+  }
   store_little_endian(bytes + spec::kHeaderMagic, spec::kMagic);
   store_little_endian(bytes + spec::kHeaderSpecHash, spec_hash);
   store_little_endian(bytes + spec::kHeaderVersion, version);

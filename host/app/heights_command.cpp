@@ -164,6 +164,7 @@ void run_heights(HeightsOptions options) {
     throw UserError("--out, --check", "exactly one of them is needed");
   }
   rig::Rig rig = rig::load_any_rig(options.rig);
+  rig::need_eight_bits(rig, "this command");
   model::Measure measure = rig.measure.of_board();
   options.select.apply(measure);
   rig.measure.apply(measure);

@@ -252,6 +252,9 @@ void run_pattern(const PatternOptions& options) {
   } else if (options.sweep) {
     make_sweep(rig, options);
   } else {
+    if (!options.scan.empty() || !options.residual.empty()) {
+      rig::need_eight_bits(rig, options.scan.empty() ? "--residual" : "--scan");
+    }
     make_reference(rig, options);
   }
 }

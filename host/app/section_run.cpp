@@ -12,6 +12,7 @@
 
 #include "host/cli/command_line.h"
 #include "host/driver/clock.h"
+#include "host/files/notes.h"
 #include "host/images/frame_options.h"
 #include "host/images/image_files.h"
 #include "host/production/part_result.h"
@@ -165,6 +166,18 @@ bool SectionRun::is_usable(const model::PacketView& packet, const std::string& u
     if (counts_.profiles == 0) {
       throw UserError(uri, unlike + "; let the rig say what counts (measure.runs, measure.window)");
     }
+    ++counts_.other_select;
+    return false;
+  }
+  if (bits_ == 0) {
+    bits_ = header.pixel_bits;
+    if (bits_ != rig_bits_) {
+      files::note(
+          fmt::format("{}: its moments are of pixels of {} bits, and measure.pixel_bits of the rig is {}: heights "
+                      "are the same, M0 and thresholds are values of {} bits",
+                      uri, bits_, rig_bits_, bits_));
+    }
+  } else if (header.pixel_bits != bits_) {
     ++counts_.other_select;
     return false;
   }

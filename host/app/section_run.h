@@ -95,9 +95,11 @@ std::string delay_text(const driver::DurationHistogram& delay);
 // Computes the profiles of packets, and counts what becomes of these.
 class SectionRun {
  public:
-  // The profiler must outlive it. `select` is what the board must have selected; nothing: whatever comes.
-  explicit SectionRun(const light_section::DifferentialProfiler& profiler, std::optional<model::Select> select = {})
-      : profiler_(profiler), select_(select) {}
+  // The profiler must outlive it. `select` is what the board must have selected; nothing: whatever comes. Notes if the
+  // pixels of the first frame have not the bits of the rig; frames of other bits than the first give no profile.
+  SectionRun(const light_section::DifferentialProfiler& profiler, int rig_bits,
+             std::optional<model::Select> select = {})
+      : profiler_(profiler), rig_bits_(rig_bits), select_(select) {}
 
   // Computes the newest packet of the device. Returns false if it gives no profile. Throws UserError if the device
   // sends frames of another rig, or measured otherwise than `select` or the reference says, from the first on.
@@ -115,6 +117,8 @@ class SectionRun {
   void count(const model::PacketHeader& header, const light_section::ProfileView& made, std::int64_t arrival_ns);
 
   const light_section::DifferentialProfiler& profiler_;
+  int rig_bits_;
+  int bits_ = 0;  // of the first frame
   std::optional<model::Select> select_;
   SectionCounts counts_;
 };

@@ -162,6 +162,7 @@ std::unique_ptr<driver::Device> open_any_device(const std::string& uri, const dr
   }
   board.compact = defaults.board.compact;
   board.bits = defaults.board.bits;
+  const bool asked_for_bits = board.bits > spec::kPixelBits && camera.camera.format.empty();
   if (board.bits > spec::kPixelBits) {
     std::string& format = camera.camera.format;
     format = format.empty() ? fmt::format("Mono{}", board.bits) : format;
@@ -180,7 +181,17 @@ std::unique_ptr<driver::Device> open_any_device(const std::string& uri, const dr
   fill(board.pixel_clock_hz, defaults.board.pixel_clock_hz);
   fill(board.code_bits, defaults.board.code_bits);
   fill(board.code_threshold, defaults.board.code_threshold);
-  return make_camera_device(open_camera(camera), board, options);
+  try {
+    return make_camera_device(open_camera(camera), board, options);
+  } catch (const UserError& error) {
+    if (!asked_for_bits) {
+      throw;
+    }
+    throw UserError(error.what(),
+                    fmt::format("measure.pixel_bits of the rig, {0}, asks for Mono{0}; format=Mono{0}p and "
+                                "format=Mono{0}Packed have as many bits",
+                                board.bits));
+  }
 }
 
 }  // namespace selfproj::camera

@@ -133,6 +133,10 @@ std::uint32_t Control::word_with(std::uint32_t word, const RegisterPart& part, s
   if (part.field == nullptr) {
     return value;
   }
+  if (build_.pixel_bits == spec::kPixelBits && part.in->address == spec::kRegMeasure && part.field->lsb == kHighLsb &&
+      value != 0) {
+    throw UserError(uri(), "measure.threshold_high is 0 on this board, whose pixels have 8 bits");
+  }
   const int bits = in_two_fields(part) ? build_.pixel_bits : part.field->bits;
   if ((std::uint64_t{value} >> bits) != 0) {
     throw UserError(uri(), std::string(part.in->name) + "." + std::string(part.field->name) + " cannot hold " +

@@ -35,7 +35,8 @@ local format = {
     {"stream", 11, 8, "stream number, 0..255, a setting: tells the cameras of a host apart"},
     {"pattern", 12, 16, "index of the projected pattern, from 0"},
     {"mode", 14, 8, "mode of the moments: see the modes below"},
-    {"threshold", 15, 8, "threshold of the moments: a pixel is lit where it is greater"},
+    {"threshold", 15, 8,
+      "threshold of the moments, bits 7..0, with those of pixel above them: a pixel is lit where it is greater"},
     {"sequence", 16, 64, "number of the frame, from 0: the frame starts accepted before it since reset"},
     {"time_stamp", 24, 64,
       "edges of the pixel clock after reset that come before the edge that takes the frame's first beat"},
@@ -291,7 +292,11 @@ local function word_of(buffer)
   local kind = format.kinds[number(buffer, format.header, "kind")]
   if kind == "moments" then
     local run = format.selects[number(buffer, format.header, "select")] == "strongest" and "_run" or ""
-    local grey = number(buffer, format.header, "pixel") ~= 0 and "wide_grey" or "grey"
+    local wide = number(buffer, format.header, "pixel") ~= 0
+    if wide and run ~= "" then  -- there are no such packets
+      return nil
+    end
+    local grey = wide and "wide_grey" or "grey"
     return (format.modes[number(buffer, format.header, "mode")] == "binary" and "binary" or grey) .. run
   end
   return (kind == "codes" and "code") or (kind == "compact" and "compact") or nil

@@ -30,6 +30,7 @@ rig::Rig rig_of(const DeviceEntry& entry) {
   if (rig.kind != rig::RigKind::light_section) {
     throw UserError(entry.rig, "is not a rig of kind light-section");
   }
+  rig::need_eight_bits(rig, "GenTL");
   rig::expect_measured(rig, entry.rig);
   if (const std::optional<double> clock = board_of(entry).pixel_clock_hz) {
     rig.board = rig::RigBoard{.pixel_clock_hz = *clock};

@@ -99,6 +99,17 @@ cv::Mat one_channel(const std::string& file, const cv::Mat& image, std::optional
   return plane;
 }
 
+// Throws UserError unless the values have 8 or 16 bits.
+void check_whole_numbers(const std::string& file, const DecodedImage& image) {
+  const int depth = image.pixels.depth();
+  if (depth != CV_8U && depth != CV_16U) {
+    const bool floats = depth == CV_32F || depth == CV_64F;
+    throw UserError(file,
+                    floats ? "has pixels that are floating-point numbers; whole numbers of 8 to 16 bits are expected"
+                           : fmt::format("has {} bits per pixel; 8 to 16 are expected", 8 * image.pixels.elemSize1()));
+  }
+}
+
 // The values as 8 bits.
 cv::Mat narrow(const std::string& file, const DecodedImage& image, std::optional<int> shift) {
   if (image.pixels.depth() == CV_8U) {
@@ -107,12 +118,7 @@ cv::Mat narrow(const std::string& file, const DecodedImage& image, std::optional
     }
     return image.pixels;
   }
-  if (image.pixels.depth() != CV_16U) {
-    const bool floats = image.pixels.depth() == CV_32F || image.pixels.depth() == CV_64F;
-    throw UserError(file,
-                    floats ? "has pixels that are floating-point numbers; whole numbers of 8 to 16 bits are expected"
-                           : fmt::format("has {} bits per pixel; 8 to 16 are expected", 8 * image.pixels.elemSize1()));
-  }
+  check_whole_numbers(file, image);
   if (!shift && image.white == 0) {
     throw UserError(file,
                     "has 16 bits per pixel, and does not say how many of them count: --shift 4 takes values of 12 "
@@ -198,17 +204,28 @@ WideImage wide_by_rule(const std::string& name, const DecodedImage& decoded, con
                                       "channel, without --channel",
                                       rule.bits));
   }
-  const int said = static_cast<int>(std::bit_width(decoded.white));  // 0: it says nothing
-  if (decoded.pixels.depth() != CV_16U || (said != 0 && !rule.shift && said != rule.bits)) {
-    throw UserError(name, fmt::format("has {} bits per pixel; {} are expected, as measure.pixel_bits of the rig says",
-                                      said != 0 ? said : 8 * static_cast<int>(decoded.pixels.elemSize1()), rule.bits));
+  check_whole_numbers(name, decoded);
+  const int shift = rule.shift.value_or(0);
+  const bool eight = decoded.pixels.depth() == CV_8U;
+  const bool said = eight || decoded.white != 0;  // how many bits there are
+  const std::uint32_t white = eight ? UINT8_MAX : decoded.white;
+  if (said && white >> shift != (1U << rule.bits) - 1) {
+    throw UserError(
+        name,
+        fmt::format("has values up to {}{}; pixels of {} bits are expected, up to {}, as measure.pixel_bits of the "
+                    "rig says{}",
+                    white, rule.shift ? fmt::format(", with --shift {} up to {}", shift, white >> shift) : "",
+                    rule.bits, (1 << rule.bits) - 1,
+                    white == UINT16_MAX && !rule.shift
+                        ? fmt::format("; --shift {} takes values that are shifted up", 16 - rule.bits)
+                        : ""));
   }
   WideImage image{decoded.pixels.rows, decoded.pixels.cols, {}};
   image.pixels.reserve(decoded.pixels.total());
   for (int row = 0; row < image.rows; ++row) {
     const auto* from = decoded.pixels.ptr<std::uint16_t>(row);
     for (int column = 0; column < image.columns; ++column) {
-      const int value = from[column] >> rule.shift.value_or(0);
+      const int value = from[column] >> shift;
       if (value >= 1 << rule.bits) {
         throw UserError(name, fmt::format("has a value of {}; pixels of {} bits are expected, as measure.pixel_bits of "
                                           "the rig says, and --shift N takes values of N bits more",

@@ -3,12 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "host/files/notes.h"
 #include "host/images/frame_options.h"
 #include "selfproj/files/user_error.h"
 
@@ -32,6 +34,21 @@ Image read_of(ImagePages& from, std::size_t i, const PixelRule& rule, const Imag
 }
 WideImage read_of(ImagePages& from, std::size_t i, const PixelRule& rule, const WideImage* /*kind*/) {
   return from.read_wide(i, rule);
+}
+
+void note_shift(const std::string& /*name*/, const Image& /*image*/, const PixelRule& /*rule*/) {}
+
+// A file that does not say its bits may have values that its camera has shifted up.
+void note_shift(const std::string& name, const WideImage& image, const PixelRule& rule) {
+  std::uint16_t any = 0;
+  for (const std::uint16_t pixel : image.pixels) {
+    any |= pixel;
+  }
+  const int zeros = any == 0 ? 0 : std::countr_zero(any);
+  if (zeros >= 2 && !rule.shift) {
+    files::note(fmt::format("{}: all its values are multiples of {}; are they shifted up? --shift {} undoes it", name,
+                            1 << zeros, zeros));
+  }
 }
 
 }  // namespace
@@ -84,6 +101,7 @@ PreparedImagesOf<Pixel>::PreparedImagesOf(std::vector<std::string> files, const 
                     fmt::format("has {} images for {} frames", background_.count(), images_.count()));
   }
   first_ = prepared(images_, 0);
+  note_shift(images_.names().front(), first_, rule_);
   if (background_.count() == 1) {
     only_background_ = prepared(background_, 0);
     check_same_size(background_.names().front(), {only_background_.rows, only_background_.columns},

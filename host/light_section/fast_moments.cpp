@@ -454,7 +454,9 @@ void fast_column_runs(const model::ImageView& image, const model::Measure& measu
 }
 
 void fast_measure_columns(const model::ImageView& image, const model::Measure& measure, const model::RunsView& out) {
-  if (measure.select == model::Select::strongest) {
+  if (measure.bits != spec::kPixelBits) {
+    model::measure_columns(image, measure, out);  // throws
+  } else if (measure.select == model::Select::strongest) {
     fast_column_runs(image, measure, out);
   } else if (measure.window == model::RowWindow{}) {
     fast_column_moments(image, measure.mode, measure.threshold, out.moments);

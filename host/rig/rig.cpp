@@ -289,12 +289,8 @@ void check_sections(const Rig& rig, const std::string& source) {
                               : rig.measure.runs                 ? "measure.runs"
                               : rig.measure.sends_compact()      ? "measure.words compact"
                                                                  : nullptr;
-    if (rig.measure.bits() % 2 != 0) {
-      throw UserError(source, fmt::format("measure.pixel_bits is {}; 8, 10 or 12 is expected", rig.measure.bits()));
-    }
     if (other != nullptr) {
-      throw UserError(source,
-                      fmt::format("measure.pixel_bits is {}; with {} pixels have 8", rig.measure.bits(), other));
+      throw UserError(source, fmt::format("measure.pixel_bits is {}; without {} only", rig.measure.bits(), other));
     }
   }
   if (rig.light_plane) {

@@ -307,9 +307,18 @@ TEST_F(ProductionCommand, ImagesOfTwelveBits) {
   EXPECT_NE(refused({"inspect", "--rig", "eight.yaml", "--images", "twelve/frame_00300.png"}).find("--shift 4"),
             std::string::npos);
   EXPECT_NE(refused({"inspect", "--rig", "twelve.yaml", "--images", "eight/frame_00300.png"})
-                .find("has 8 bits per pixel; 12 are expected, as measure.pixel_bits of the rig says"),
+                .find("has values up to 255; pixels of 12 bits are expected, up to 4095"),
             std::string::npos);
   EXPECT_NE(refused({"rows", "--rig", "twelve.yaml", "--rows", "24", "--out", "few.yaml"})
+                .find("measure.pixel_bits is 12; this command takes pixels of 8 bits"),
+            std::string::npos);
+  EXPECT_NE(refused({"inspect", "--rig", "twelve.yaml", "--images", "twelve/frame_00300.png", "--select", "strongest"})
+                .find("--select strongest: measure.pixel_bits of rig light-section is 12; runs have pixels of 8 bits"),
+            std::string::npos);
+  EXPECT_NE(refused({"pattern", "--rig", "twelve.yaml", "--scan", "eight", "--out", "scanned"})
+                .find("measure.pixel_bits is 12; --scan takes pixels of 8 bits"),
+            std::string::npos);
+  EXPECT_NE(refused({"calibrate", "heights", "--rig", "twelve.yaml", "--heights", "10", "--check", "eight"})
                 .find("measure.pixel_bits is 12; this command takes pixels of 8 bits"),
             std::string::npos);
   EXPECT_NE(sim({"cosim", "--rig", "twelve.yaml", "--count", "1"}).err.find("co-simulation takes pixels of 8 bits"),

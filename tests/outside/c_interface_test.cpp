@@ -212,7 +212,10 @@ TEST(CInterface, PacketsOfTwelveBits) {
   selfproj_packet older{};
   std::memset(&older, 0xEE, sizeof older);
   older.size = offsetof(selfproj_packet, header) + offsetof(selfproj_header, pixel_bits);
+  EXPECT_EQ(selfproj_parse_packet(packet.data(), packet.size(), &older), SELFPROJ_BAD_ARGUMENT);
   header.pixel_bits = 8;
+  header.threshold = 300;
+  EXPECT_EQ(build(), SELFPROJ_BAD_ARGUMENT);
   header.threshold = 40;
   ASSERT_EQ(build(), SELFPROJ_OK);
   ASSERT_EQ(selfproj_parse_packet(packet.data(), packet.size(), &older), SELFPROJ_OK);

@@ -169,12 +169,31 @@ TEST(ImageFiles, PixelsOfMoreBitsAreTakenAsTheyAre) {
   EXPECT_EQ(images.read_wide(0, rule).pixels, expected);
   EXPECT_NE(error_of([&] { static_cast<void>(images.read_wide(1, rule)); }).find("pixels of 12 bits are expected"),
             std::string::npos);
-  EXPECT_NE(error_of([&] {
-              static_cast<void>(images.read_wide(2, rule));
-            }).find("has 8 bits per pixel; 12 are expected, as measure.pixel_bits of the rig says"),
-            std::string::npos);
+  EXPECT_NE(
+      error_of([&] {
+        static_cast<void>(images.read_wide(2, rule));
+      }).find("has values up to 255; pixels of 12 bits are expected, up to 4095, as measure.pixel_bits of the rig"),
+      std::string::npos);
   rule.shift = 4;
   EXPECT_EQ(images.read_wide(1, rule).pixels, expected);
+  // A file that says its largest value must say that of the rig's bits, shifted or not.
+  const auto pgm = [&](int maximum) {
+    const std::string file = scratch / (std::to_string(maximum) + ".pgm");
+    write_text(file, "P5 1 1 " + std::to_string(maximum) + " " + std::string{'\x0A', '\x40'});
+    return images::ImagePages({file});
+  };
+  rule.shift = std::nullopt;
+  EXPECT_EQ(pgm(4095).read_wide(0, rule).pixels, std::vector<std::uint16_t>{0x0A40});
+  EXPECT_NE(error_of([&] { static_cast<void>(pgm(4000).read_wide(0, rule)); }).find("has values up to 4000;"),
+            std::string::npos);
+  EXPECT_NE(error_of([&] {
+              static_cast<void>(pgm(65535).read_wide(0, rule));
+            }).find("--shift 4 takes values that are shifted up"),
+            std::string::npos);
+  rule.shift = 4;
+  EXPECT_EQ(pgm(65535).read_wide(0, rule).pixels, std::vector<std::uint16_t>{0x00A4});
+  EXPECT_NE(error_of([&] { static_cast<void>(pgm(4095).read_wide(0, rule)); }).find("with --shift 4 up to 255;"),
+            std::string::npos);
   rule = {};
   rule.bits = 10;
   EXPECT_NE(error_of([&] { static_cast<void>(images.read_wide(0, rule)); }).find("twelve.png: has a value of 4"),

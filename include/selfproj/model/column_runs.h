@@ -79,7 +79,7 @@ struct Runs {
 void column_runs(const ImageView& image, const Measure& measure, const RunsView& out, int max_rows = spec::kMaxRows);
 
 // Writes what measure.select asks for: column_moments or column_runs. With Select::all it does not touch out.runs and
-// out.second.
+// out.second. Throws also unless measure.bits is 8.
 void measure_columns(const ImageView& image, const Measure& measure, const RunsView& out);
 
 // The same for pixels of measure.bits bits, with Select::all.

@@ -109,7 +109,8 @@ std::uint32_t check_word(std::span<const std::uint8_t> packet);
 
 // Appends a whole packet to `out`: the header, with the payload's size as payload_size (that of `header` is ignored),
 // the payload, and the trailer with `status`. Throws std::invalid_argument if the payload is not a multiple of 16
-// bytes. Does not check the header, so that tests can build wrong packets.
+// bytes, if pixel_bits are not in 8..12, or the threshold has more bits. Does not check the header otherwise, so that
+// tests can build wrong packets.
 void append_packet(const PacketHeader& header, std::span<const std::uint8_t> payload, std::uint32_t status,
                    std::vector<std::uint8_t>& out);
 

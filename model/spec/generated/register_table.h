@@ -70,12 +70,12 @@ inline constexpr std::array<RegisterField, 2> kFieldsOfSize{{
     {"rows", 16, 10, "from 1 to the build's maximum"},
 }};
 inline constexpr std::array<RegisterField, 6> kFieldsOfMeasure{{
-    {"threshold", 0, 8, "a pixel is lit where it is greater"},
+    {"threshold", 0, 8, "a pixel is lit where it is greater; bits 7..0 where pixels have more than 8"},
     {"mode", 8, 2, "0 binary, 1 grey, 2 grey_over; a binary build refuses all but 0"},
     {"select", 10, 1, "0 all, 1 strongest; a build without runs refuses 1"},
     {"gap", 12, 2, "dark rows that two lit pixels of one run may have between them; a build without runs refuses all but 0"},
     {"stream", 16, 8, "stream number, repeated in every packet header"},
-    {"threshold_high", 24, 4, "bits 11..8 of the threshold in a build for pixels of more than 8 bits; what its pixels have not is refused"},
+    {"threshold_high", 24, 4, "bits 11..8 of the threshold in a build for pixels of more than 8 bits; what its pixels have not is refused; ignored where they have 8"},
 }};
 inline constexpr std::array<RegisterField, 1> kFieldsOfTimeout{{
     {"clocks", 0, 24, "an open frame ends as incomplete after this many clocks without a beat; 0: never"},
