@@ -41,4 +41,5 @@ if [[ ! -e $folder/CMakeCache.txt ]] && command -v ccache >/dev/null; then
 fi
 export CCACHE_SLOPPINESS=pch_defines,time_macros CCACHE_BASEDIR=$PWD
 cmake --preset "$preset" --log-level=NOTICE "${options[@]}" >/dev/null
-cmake --build --preset "$preset" --target "${targets[@]}"
+# One compiler a processor: ninja would start two more, which push each other out of the caches (a fifth of the time).
+cmake --build --preset "$preset" --parallel "$(nproc)" --target "${targets[@]}"

@@ -70,7 +70,7 @@ port=${SELFPROJ_DEMO_PORT:-8080}
 [[ $seconds != 0 ]] || exit 0
 
 printf '\nBuilding the host program for the live run:\n'
-cmake --build --preset release --target selfproj_demo
+cmake --build --preset release --parallel "$(nproc)" --target selfproj_demo
 times+=("programs/seconds=$SECONDS" "programs/cpu_seconds=$(cpu_seconds)")
 if $record; then
   SELFPROJ_RESULTS=results python3 -B scripts/results.py record demo_time --command "scripts/demo.sh --record" \

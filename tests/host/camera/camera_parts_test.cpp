@@ -248,8 +248,8 @@ TEST(CameraUri, Refusals) {
   EXPECT_EQ(refusal("ring:a"), "ring:a: is not a camera; use camera:NAME, as `selfproj devices` lists them");
   EXPECT_EQ(refusal("camera:a?gain"), "camera:a?gain: gain has no value");
   EXPECT_EQ(refusal("camera:a?gain=1&gain=1"), "camera:a?gain=1&gain=1: gain is given twice");
-  EXPECT_EQ(refusal("camera:a?threshold=256"),
-            "camera:a?threshold=256: threshold: '256' is not a whole number from 0 to 255");
+  EXPECT_EQ(refusal("camera:a?threshold=4096"),
+            "camera:a?threshold=4096: threshold: '4096' is not a whole number from 0 to 4095");
   EXPECT_EQ(refusal("camera:a?region=512x"),
             "camera:a?region=512x: region: '512x' is not a region such as 512x96 or 512x96+64+20");
   EXPECT_NE(refusal("camera:a?region=512x96+1"), "none");
