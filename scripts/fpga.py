@@ -59,6 +59,8 @@ CONFIGURATIONS = [
     Configuration("runs", "moments with the strongest runs, binary; 512 columns, 127 rows", SMALL | {"Runs": "1'b1"}),
     Configuration("verdict", "moments, binary, and verdict, one section; 512 columns, 127 rows",
                   SMALL | {"Verdict": "1'b1", "VerdictLogSections": "0"}),
+    Configuration("12 bits", "moments with the grey modes, pixels of 12 bits; 512 columns, 127 rows",
+                  SMALL | {"Grey": "1'b1", "PixelBits": "12"}),
 ]
 
 # Only in the table of the clocks
@@ -122,7 +124,8 @@ ROUTE_SECONDS = 1200  # a seed that takes longer counts as not routed
 # Part and configuration. Each is placed with the seeds 1, 2, 3, ...: none is left out.
 PLACES = [("iCE40 HX8K", CONFIGURATIONS[0]), ("iCE40 HX8K", CONFIGURATIONS[1]), ("LFE5U-85F-8", CONFIGURATIONS[0]),
           ("LFE5U-85F-8", CONFIGURATIONS[1]), ("LFE5U-85F-8", SCANNER), ("iCE40 HX8K", CONFIGURATIONS[4]),
-          ("LFE5U-85F-8", GREY_RUNS), ("LFE5U-85F-8", CONFIGURATIONS[5])]
+          ("LFE5U-85F-8", GREY_RUNS), ("LFE5U-85F-8", CONFIGURATIONS[5]),
+          ("LFE5U-85F-8", CONFIGURATIONS[6])]
 GOAL = 151.2  # MHz, the original's pixel clock
 
 # Descriptions in the files of results/

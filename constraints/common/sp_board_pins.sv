@@ -29,6 +29,7 @@ endmodule
 module sp_board_pins #(
   parameter int MaxColumns = sp_spec_pkg::MaxColumns,
   parameter int MaxRows = sp_spec_pkg::MaxRows,
+  parameter int PixelBits = sp_spec_pkg::PixelBits,
   parameter bit Grey = 1'b1,
   parameter bit Runs = 1'b0,
   parameter bit Image = 1'b0,
@@ -47,7 +48,8 @@ module sp_board_pins #(
 );
 
   // Video clock, in: reset, valid, data, start, end, encoder; out: ready, triggers, ejector
-  localparam int VideoIn = 1 + 1 + 32 + 1 + 1 + 2;
+  localparam int Data = 4 * PixelBits;
+  localparam int VideoIn = 1 + 1 + Data + 1 + 1 + 2;
   localparam int VideoOut = 3 + 32'(Verdict);
   // Bus clock, in: reset, packet ready, AXI4-Lite; out: packets, AXI4-Lite
   localparam int BusIn = 1 + 1 + 1 + 8 + 1 + 32 + 4 + 1 + 1 + 8 + 1;
@@ -96,6 +98,7 @@ module sp_board_pins #(
   sp_board #(
     .MaxColumns (MaxColumns),
     .MaxRows    (MaxRows),
+    .PixelBits  (PixelBits),
     .Grey       (Grey),
     .Runs       (Runs),
     .Image      (Image),
@@ -109,11 +112,11 @@ module sp_board_pins #(
     .rst_i              (video_in[0]),
     .s_axis_tvalid      (video_in[1]),
     .s_axis_tready      (video_out[0]),
-    .s_axis_tdata       (video_in[2+:32]),
-    .s_axis_tuser       (video_in[34]),
-    .s_axis_tlast       (video_in[35]),
-    .encoder_a_i        (video_in[36]),
-    .encoder_b_i        (video_in[37]),
+    .s_axis_tdata       (video_in[2+:Data]),
+    .s_axis_tuser       (video_in[Data+2]),
+    .s_axis_tlast       (video_in[Data+3]),
+    .encoder_a_i        (video_in[Data+4]),
+    .encoder_b_i        (video_in[Data+5]),
     .projector_trigger_o(video_out[1]),
     .camera_trigger_o   (video_out[2]),
     .ejector_o          (ejector),
