@@ -9,6 +9,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include "host/camera/open_camera.h"
@@ -184,7 +185,7 @@ std::unique_ptr<driver::Device> open_any_device(const std::string& uri, const dr
   try {
     return make_camera_device(open_camera(camera), board, options);
   } catch (const UserError& error) {
-    if (!asked_for_bits) {
+    if (!asked_for_bits || std::string_view(error.what()).find("format") == std::string_view::npos) {
       throw;
     }
     throw UserError(error.what(),

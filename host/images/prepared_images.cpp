@@ -18,6 +18,9 @@ namespace selfproj::images {
 namespace {
 
 template <typename Pixel>
+constexpr bool kWide = sizeof(Pixel) > 1;
+
+template <typename Pixel>
 ImageOf<Pixel> part_of(const ImageOf<Pixel>& image, const ImagePart& part) {
   const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(part.top) * image.columns + part.left;
   return copy_of(model::PixelView<Pixel>{image.pixels.data() + first, part.rows, part.columns, image.columns});
@@ -29,23 +32,14 @@ void subtract(ImageOf<Pixel>& image, const ImageOf<Pixel>& background) {
                  [](Pixel with, Pixel without) { return static_cast<Pixel>(std::max(0, int{with} - int{without})); });
 }
 
-Image read_of(ImagePages& from, std::size_t i, const PixelRule& rule, const Image* /*kind*/) {
-  return from.read(i, rule);
-}
-WideImage read_of(ImagePages& from, std::size_t i, const PixelRule& rule, const WideImage* /*kind*/) {
-  return from.read_wide(i, rule);
-}
-
-void note_shift(const std::string& /*name*/, const Image& /*image*/, const PixelRule& /*rule*/) {}
-
 // A file that does not say its bits may have values that its camera has shifted up.
-void note_shift(const std::string& name, const WideImage& image, const PixelRule& rule) {
+void note_shift(const std::string& name, const WideImage& image) {
   std::uint16_t any = 0;
   for (const std::uint16_t pixel : image.pixels) {
     any |= pixel;
   }
   const int zeros = any == 0 ? 0 : std::countr_zero(any);
-  if (zeros >= 2 && !rule.shift) {
+  if (zeros >= 2) {
     files::note(fmt::format("{}: all its values are multiples of {}; are they shifted up? --shift {} undoes it", name,
                             1 << zeros, zeros));
   }
@@ -101,7 +95,11 @@ PreparedImagesOf<Pixel>::PreparedImagesOf(std::vector<std::string> files, const 
                     fmt::format("has {} images for {} frames", background_.count(), images_.count()));
   }
   first_ = prepared(images_, 0);
-  note_shift(images_.names().front(), first_, rule_);
+  if constexpr (kWide<Pixel>) {
+    if (!rule_.shift) {
+      note_shift(images_.names().front(), first_);
+    }
+  }
   if (background_.count() == 1) {
     only_background_ = prepared(background_, 0);
     check_same_size(background_.names().front(), {only_background_.rows, only_background_.columns},
@@ -129,7 +127,12 @@ ImageOf<Pixel> PreparedImagesOf<Pixel>::frame(std::size_t i, ImageOf<Pixel>* as_
 
 template <typename Pixel>
 ImageOf<Pixel> PreparedImagesOf<Pixel>::prepared(ImagePages& from, std::size_t i) const {
-  ImageOf<Pixel> image = read_of(from, i, rule_, &first_);
+  ImageOf<Pixel> image;
+  if constexpr (kWide<Pixel>) {
+    image = from.read_wide(i, rule_);
+  } else {
+    image = from.read(i, rule_);
+  }
   if (part_) {
     if (part_->left + part_->columns > image.columns || part_->top + part_->rows > image.rows) {
       throw UserError(from.names()[i],
