@@ -105,8 +105,7 @@ std::int32_t selfproj_profile_of_packet(selfproj_profiler* profiler, const selfp
     static_cast<void>(select_of(static_cast<std::int32_t>(std::min<std::uint32_t>(header.select, 2))));
     model::PacketView view;
     selfproj_header given{};  // its size need not be set, and an older caller's is smaller
-    given.size = static_cast<std::uint32_t>(std::min(sizeof given, packet->size - offsetof(selfproj_packet, header)));
-    std::memcpy(&given, &header, given.size);
+    std::memcpy(&given, &header, std::min(sizeof given, packet->size - offsetof(selfproj_packet, header)));
     given.size = sizeof given;
     view.header = header_of(&given);
     if (!profiler->profiler.unlike_camera(view.header).empty()) {

@@ -17,7 +17,8 @@ def bit_range(lsb, bits):
 
 
 def formats(spec):
-    out = [f"Largest image: {spec.sizes['max_columns']} columns, {spec.sizes['max_rows']} rows; pixels 0..255 where nothing else is said.",
+    out = [f"Largest image: {spec.sizes['max_columns']} columns, {spec.sizes['max_rows']} rows; pixels 0..255 where "
+           "nothing else is said.",
            "", "| word | bits | field | meaning | largest value | it fits |", "|---|---|---|---|---|---|"]
     for fmt in spec.raw["formats"]:
         pixels = f", pixels of {fmt['pixel_bits']}" if "pixel_bits" in fmt else ""

@@ -18,12 +18,7 @@ TEST(Soak, EveryPacketEqualsTheModelOrIsCountedAsLost) {
   });
   report_soak("board_soak",
               "The board's RTL against the model, random frames with stalls and faults, every packet byte",
-              {{"frames", counts.frames},
-               {"packets", counts.delivered},
-               {"image_lines", counts.image_delivered},
-               {"bytes", counts.bytes},
-               {"lost_counted", counts.lost},
-               {"mismatches", 0}});
+              figures_of(counts));
 }
 
 }  // namespace

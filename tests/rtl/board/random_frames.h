@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <nlohmann/json.hpp>
 
 #include "tests/rtl/board/frames.h"
 #include "tests/rtl/board/scoreboard.h"
@@ -38,6 +39,12 @@ struct FrameCounts {
   std::uint64_t bytes = 0;
   std::map<std::uint32_t, std::uint64_t> by_status;
 };
+
+// Of a soak without mismatches, for report_soak.
+inline nlohmann::ordered_json figures_of(const FrameCounts& counts) {
+  return {{"frames", counts.frames}, {"packets", counts.delivered}, {"image_lines", counts.image_delivered},
+          {"bytes", counts.bytes},   {"lost_counted", counts.lost}, {"mismatches", 0}};
+}
 
 // Plays frames of random size, mode, threshold and content, with or without gaps between beats and between frames,
 // stalls on the bus, and a turning encoder. Every packet is compared with the model's; missing packets must be counted.

@@ -24,12 +24,7 @@ TEST(WideSoak, EveryPacketEqualsTheModelOrIsCountedAsLost) {
     }
   });
   report_soak("wide_soak", "The boards' RTL for pixels of 12 and 10 bits against the model, stalls and faults",
-              {{"frames", counts.frames},
-               {"packets", counts.delivered},
-               {"image_lines", counts.image_delivered},
-               {"bytes", counts.bytes},
-               {"lost_counted", counts.lost},
-               {"mismatches", 0}});
+              figures_of(counts));
 }
 
 }  // namespace
