@@ -89,6 +89,19 @@ std::int32_t selfproj_unpack_wide_moments(std::int32_t mode, std::int32_t column
   });
 }
 
+std::int32_t selfproj_unpack_wide_runs(std::int32_t mode, std::int32_t columns, const std::uint8_t* payload,
+                                       std::size_t payload_bytes, std::uint32_t* m0, std::uint32_t* m1,
+                                       std::uint32_t* n, std::uint8_t* runs, std::uint8_t* second) {
+  return guarded([&] {
+    require(payload != nullptr, "null pointer");
+    const int count = checked_columns(columns);
+    require(payload_bytes >= model::moments_payload_bytes(mode_of(mode), count),
+            "payload_bytes are too few for the columns");
+    model::unpack_wide_runs(mode_of(mode), count, payload,
+                            runs_of(model::Select::strongest, {m0, m1, n}, runs, second));
+  });
+}
+
 std::int32_t selfproj_unpack_compact(std::int32_t select, std::int32_t columns, const std::uint8_t* payload,
                                      std::size_t payload_bytes, std::uint32_t* m0, std::uint32_t* m1, std::uint32_t* n,
                                      std::uint8_t* runs, std::uint8_t* second) {

@@ -161,9 +161,14 @@ int32_t selfproj_unpack_moments(int32_t select, int32_t mode, int32_t columns, c
                                 size_t payload_bytes, uint32_t* m0, uint32_t* m1, uint32_t* n, uint8_t* runs,
                                 uint8_t* second);
 
-/* Reads the moments of pixels of more than 8 bits (pixel_bits of the header), of which SELFPROJ_ALL is sent alone. */
+/* Reads the moments of pixels of more than 8 bits (pixel_bits of the header), with SELFPROJ_ALL. */
 int32_t selfproj_unpack_wide_moments(int32_t mode, int32_t columns, const uint8_t* payload, size_t payload_bytes,
                                      uint32_t* m0, uint32_t* m1, uint32_t* n);
+
+/* The same with SELFPROJ_STRONGEST. In the grey modes n is at most 63, and `runs` is 0, 1, or 2 where `second` is not
+ * 0. */
+int32_t selfproj_unpack_wide_runs(int32_t mode, int32_t columns, const uint8_t* payload, size_t payload_bytes,
+                                  uint32_t* m0, uint32_t* m1, uint32_t* n, uint8_t* runs, uint8_t* second);
 
 /* Reads compact columns, `payload_bytes` at least those of SELFPROJ_KIND_COMPACT: m0 becomes 512, or 0 without light,
  * m1 the centroid in 1/512 rows; n, `runs` and `second` at most 63, 3 and 15. With SELFPROJ_ALL the last two may be

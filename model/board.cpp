@@ -35,22 +35,21 @@ void BoardModel::beat(const BoardInputs& inputs, const VideoBeat& beat) {
   }
 
   const auto at = static_cast<std::size_t>(row_) * static_cast<std::size_t>(settings_.columns);
-  std::array<std::uint8_t, spec::kPixelsPerBeat> upper{};  // bits
   const int below = pixel_bits_ - spec::kPixelBits;
-  std::ranges::transform(beat.pixels, upper.begin(),
-                         [&](std::uint16_t p) { return static_cast<std::uint8_t>(p >> below); });
   const std::ptrdiff_t place = static_cast<std::ptrdiff_t>(at) + column_;
-  std::ranges::copy(upper, pixels_.begin() + place);
+  std::uint8_t* const upper = pixels_.data() + place;  // bits
+  std::transform(beat.pixels.begin(), beat.pixels.begin() + lanes_, upper,
+                 [&](std::uint16_t p) { return static_cast<std::uint8_t>(p >> below); });
   if (below > 0) {
-    std::ranges::copy(beat.pixels, wide_pixels_.begin() + place);
+    std::copy_n(beat.pixels.begin(), lanes_, wide_pixels_.begin() + place);
   }
   last_frame_beat_ = inputs.clock;
   ++frame_beats_;
   if (settings_.codes) {
-    decoder_.pixels(row_, column_, spec::kPixelsPerBeat, upper.data(),
+    decoder_.pixels(row_, column_, lanes_, upper,
                     due_ ? codes_.data() + at + static_cast<std::size_t>(column_) : nullptr);
   }
-  column_ += spec::kPixelsPerBeat;
+  column_ += lanes_;
 
   const bool complete = column_ == settings_.columns;
   if (beat.line_end && !complete) {
@@ -138,7 +137,7 @@ void BoardModel::start_decoding(std::uint64_t clock) {
   }
   due_ = decoder_.begin(inputs_.pattern);
   const bool busy = median_built_ && due_ && last_codes_columns_ >= 0 &&
-                    clock <= last_codes_ + kMedianClocks + static_cast<std::uint64_t>(last_codes_columns_ / 4);
+                    clock <= last_codes_ + kMedianClocks + static_cast<std::uint64_t>(last_codes_columns_ / lanes_);
   if (busy) {
     decoder_.end(false);
     due_ = false;
@@ -182,7 +181,7 @@ void BoardModel::end_code_line(std::uint32_t status) {
     send_codes(row_, column_, status);
     return;
   }
-  const int columns = status == 0 ? column_ : column_ - spec::kPixelsPerBeat;
+  const int columns = status == 0 ? column_ : column_ - lanes_;
   if (row_ > 0 && columns > 0) {
     send_codes(row_ - 1, columns, status);
   }

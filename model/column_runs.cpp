@@ -26,7 +26,8 @@ struct RunsOfColumn {
   }
 };
 
-RunsOfColumn runs_of(const ImageView& image, const Measure& measure, int column) {
+template <typename Pixel>
+RunsOfColumn runs_of(const PixelView<Pixel>& image, const Measure& measure, int column) {
   RunsOfColumn runs;
   Run run;
   int dark = 0;  // rows since the last lit pixel of the run
@@ -46,6 +47,25 @@ RunsOfColumn runs_of(const ImageView& image, const Measure& measure, int column)
   return runs;
 }
 
+template <typename Pixel>
+void find_runs(const PixelView<Pixel>& image, const Measure& measure, const RunsView& out) {
+  for (int column = 0; column < image.columns; ++column) {
+    const RunsOfColumn runs = runs_of(image, measure, column);
+    const auto& [m0, m1, n] = runs.strongest;
+    out.moments.m0[column] = m0;
+    out.moments.m1[column] = m1;
+    out.moments.n[column] = n;
+    out.runs[column] = static_cast<std::uint8_t>(std::min(runs.count, 3));
+    out.second[column] = static_cast<std::uint8_t>(m0 == 0 ? 0 : 16 * runs.second / m0);
+  }
+}
+
+void check_gap(const Measure& measure, const RunsView& out) {
+  if (measure.gap < 0 || measure.gap > kMaxGap || out.runs == nullptr || out.second == nullptr) {
+    throw std::invalid_argument("column_runs: gap is not in 0..kMaxGap, or null pointer");
+  }
+}
+
 // Of pixels of more bits an image of 8 is none.
 void need_pixels_of_eight_bits(const Measure& measure) {
   if (measure.bits != spec::kPixelBits) {
@@ -57,15 +77,12 @@ void need_pixels_of_eight_bits(const Measure& measure) {
 
 void column_runs(const ImageView& image, const Measure& measure, const RunsView& out, int max_rows) {
   check_column_runs(image, measure, out, max_rows);
-  for (int column = 0; column < image.columns; ++column) {
-    const RunsOfColumn runs = runs_of(image, measure, column);
-    const auto& [m0, m1, n] = runs.strongest;
-    out.moments.m0[column] = m0;
-    out.moments.m1[column] = m1;
-    out.moments.n[column] = n;
-    out.runs[column] = static_cast<std::uint8_t>(std::min(runs.count, 3));
-    out.second[column] = static_cast<std::uint8_t>(m0 == 0 ? 0 : 16 * runs.second / m0);
-  }
+  find_runs(image, measure, out);
+}
+
+void column_runs(const WideImageView& image, const Measure& measure, const RunsView& out) {
+  check_column_runs(image, measure, out);
+  find_runs(image, measure, out);
 }
 
 void measure_columns(const ImageView& image, const Measure& measure, const RunsView& out) {
@@ -78,10 +95,11 @@ void measure_columns(const ImageView& image, const Measure& measure, const RunsV
 }
 
 void measure_columns(const WideImageView& image, const Measure& measure, const RunsView& out) {
-  if (measure.select != Select::all) {
-    throw std::invalid_argument("measure_columns: of pixels of more than 8 bits, select is not all");
+  if (measure.select == Select::strongest) {
+    column_runs(image, measure, out);
+  } else {
+    column_moments(image, measure.bits, measure.mode, measure.threshold, out.moments, measure.window);
   }
-  column_moments(image, measure.bits, measure.mode, measure.threshold, out.moments, measure.window);
 }
 
 void measure_tall_columns(const ImageView& image, const Measure& measure, const RunsView& out) {
@@ -95,9 +113,12 @@ void measure_tall_columns(const ImageView& image, const Measure& measure, const 
 
 void check_column_runs(const ImageView& image, const Measure& measure, const RunsView& out, int max_rows) {
   check_column_moments(image, measure.mode, measure.threshold, out.moments, max_rows);
-  if (measure.gap < 0 || measure.gap > kMaxGap || out.runs == nullptr || out.second == nullptr) {
-    throw std::invalid_argument("column_runs: gap is not in 0..kMaxGap, or null pointer");
-  }
+  check_gap(measure, out);
+}
+
+void check_column_runs(const WideImageView& image, const Measure& measure, const RunsView& out) {
+  check_column_moments(image, measure.bits, measure.mode, measure.threshold, out.moments);
+  check_gap(measure, out);
 }
 
 }  // namespace selfproj::model

@@ -162,13 +162,11 @@ bool lines_in_frame(const PacketHeader& header) {
   return header.lines >= 1 && header.first_line >= 1 && header.first_line + header.lines - 1 <= header.rows;
 }
 
-// Whether the bits of a pixel are possible, and the threshold with them. Words of more than 8 bits are those of all lit
-// pixels.
+// Whether the bits of a pixel are possible, and the threshold with them. Words of more than 8 bits are whole ones.
 bool pixels_are_right(const PacketHeader& header) {
   const int bits = header.pixel_bits;
-  const bool words_exist =
-      bits == spec::kPixelBits || !one_for_a_frame(header.kind) ||
-      (header.kind == spec::kKindMoments && static_cast<Select>(header.select) == Select::all && !has_verdict(header));
+  const bool words_exist = bits == spec::kPixelBits || !one_for_a_frame(header.kind) ||
+                           (header.kind == spec::kKindMoments && !has_verdict(header));
   return bits <= kMaxPixelBits && header.threshold < 1 << bits && words_exist;
 }
 
@@ -350,7 +348,11 @@ void pack_columns(const PacketHeader& header, const RunsView& runs, std::uint8_t
   if (header.kind == spec::kKindCompact) {
     pack_compact(select, header.columns, runs, payload);
   } else if (header.pixel_bits > spec::kPixelBits) {
-    pack_wide_moments(static_cast<Mode>(header.mode), header.columns, runs.moments, payload);
+    if (select == Select::strongest) {
+      pack_wide_runs(static_cast<Mode>(header.mode), header.columns, runs, payload);
+    } else {
+      pack_wide_moments(static_cast<Mode>(header.mode), header.columns, runs.moments, payload);
+    }
   } else {
     pack_columns(select, static_cast<Mode>(header.mode), header.columns, runs, payload);
   }
@@ -361,7 +363,11 @@ void unpack_columns(const PacketHeader& header, const std::uint8_t* payload, con
   if (header.kind == spec::kKindCompact) {
     unpack_compact(select, header.columns, payload, out);
   } else if (header.pixel_bits > spec::kPixelBits) {
-    unpack_wide_moments(static_cast<Mode>(header.mode), header.columns, payload, out.moments);
+    if (select == Select::strongest) {
+      unpack_wide_runs(static_cast<Mode>(header.mode), header.columns, payload, out);
+    } else {
+      unpack_wide_moments(static_cast<Mode>(header.mode), header.columns, payload, out.moments);
+    }
   } else {
     unpack_columns(select, static_cast<Mode>(header.mode), header.columns, payload, out);
   }

@@ -17,7 +17,7 @@ constexpr std::size_t kPixelBytes = spec::kPixelBits / 8;
 
 // The words of runs and of wide pixels are as long as those of moments.
 static_assert(spec::kBinaryRunWordBits == spec::kBinaryWordBits && spec::kGreyRunWordBits == spec::kGreyWordBits &&
-              spec::kWideGreyWordBits == spec::kGreyWordBits);
+              spec::kWideGreyWordBits == spec::kGreyWordBits && spec::kWideGreyRunWordBits == spec::kGreyWordBits);
 
 constexpr int kHalf = 8;  // the second run has half of the strongest, in sixteenths
 
@@ -51,6 +51,17 @@ void store_grey_words(std::size_t count, const MomentsView& moments, std::uint8_
                                                     (m0[i] & ones64(At.m0_bits)) << At.m0_lsb |
                                                     (n[i] & ones64(At.n_bits)) << At.n_lsb);
   }
+}
+
+// What unpacked runs are written with.
+auto store_runs(const RunsView& to) {
+  return [to](int i, std::uint32_t m0, std::uint32_t m1, std::uint32_t n, std::uint8_t runs, std::uint8_t second) {
+    to.moments.m0[i] = m0;
+    to.moments.m1[i] = m1;
+    to.moments.n[i] = n;
+    to.runs[i] = runs;
+    to.second[i] = second;
+  };
 }
 
 std::size_t checked(int columns) {
@@ -164,19 +175,37 @@ void pack_runs(Mode mode, int columns, const RunsView& runs, std::uint8_t* paylo
 
 void unpack_runs(Mode mode, int columns, const std::uint8_t* payload, const RunsView& out) {
   checked(mode, columns);
-  const RunsView to = out;
-  const auto store = [&](int i, std::uint32_t m0, std::uint32_t m1, std::uint32_t n, std::uint8_t runs,
-                         std::uint8_t second) {
-    to.moments.m0[i] = m0;
-    to.moments.m1[i] = m1;
-    to.moments.n[i] = n;
-    to.runs[i] = runs;
-    to.second[i] = second;
-  };
   if (mode == Mode::binary) {
-    for_each_binary_run_word(payload, 0, columns, store);
+    for_each_binary_run_word(payload, 0, columns, store_runs(out));
   } else {
-    for_each_grey_run_word(payload, 0, columns, store);
+    for_each_grey_run_word(payload, 0, columns, store_runs(out));
+  }
+}
+
+void pack_wide_runs(Mode mode, int columns, const RunsView& runs, std::uint8_t* payload) {
+  if (mode == Mode::binary) {
+    pack_runs(mode, columns, runs, payload);
+    return;
+  }
+  const std::size_t count = checked(mode, columns);
+  const MomentsView& moments = runs.moments;
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::uint64_t n = std::min<std::uint64_t>(moments.n[i], spec::kWideGreyRunNMax);
+    store_little_endian(payload + i * kGreyBytes,
+                        (moments.m1[i] & ones64(spec::kWideGreyRunM1Bits)) << spec::kWideGreyRunM1Lsb |
+                            (moments.m0[i] & ones64(spec::kWideGreyRunM0Bits)) << spec::kWideGreyRunM0Lsb |
+                            n << spec::kWideGreyRunNLsb |
+                            (runs.second[i] & ones64(spec::kWideGreyRunSecondBits)) << spec::kWideGreyRunSecondLsb);
+  }
+  std::fill(payload + count * kGreyBytes, payload + moments_bytes(mode, count), std::uint8_t{0});
+}
+
+void unpack_wide_runs(Mode mode, int columns, const std::uint8_t* payload, const RunsView& out) {
+  checked(mode, columns);
+  if (mode == Mode::binary) {
+    for_each_binary_run_word(payload, 0, columns, store_runs(out));
+  } else {
+    for_each_wide_grey_run_word(payload, 0, columns, store_runs(out));
   }
 }
 

@@ -97,7 +97,8 @@ RegisterAnswer RegisterFile::read(std::uint32_t address, const BoardState& state
     case spec::kRegCapability:
       return answer(capability());
     case spec::kRegStatus:
-      return answer(static_cast<std::uint32_t>(build_.pixel_bits - spec::kPixelBits) << spec::kRegStatusMoreBitsLsb |
+      return answer(static_cast<std::uint32_t>(build_.lanes / (2 * spec::kPixelsPerBeat)) << spec::kRegStatusLanesLsb |
+                    static_cast<std::uint32_t>(build_.pixel_bits - spec::kPixelBits) << spec::kRegStatusMoreBitsLsb |
                     static_cast<std::uint32_t>(build_.compact ? 1U : 0U) << spec::kRegStatusCompactLsb |
                     static_cast<std::uint32_t>(build_.verdict_log_sections >= 0 ? 1U : 0U)
                         << spec::kRegStatusVerdictLsb |
@@ -219,7 +220,7 @@ bool RegisterFile::good(std::uint32_t address, std::uint32_t data) const {
       // The bits above a field must be 0, so they count to it.
       const std::uint32_t columns = bits_of(data, 0, spec::kRegSizeRowsLsb);
       const std::uint32_t rows = data >> spec::kRegSizeRowsLsb;
-      return columns != 0 && columns % spec::kPixelsPerBeat == 0 &&
+      return columns != 0 && columns % static_cast<std::uint32_t>(build_.lanes) == 0 &&
              columns <= static_cast<std::uint32_t>(build_.max_columns) && rows != 0 &&
              rows <= static_cast<std::uint32_t>(build_.max_rows);
     }

@@ -17,6 +17,7 @@ struct BoardBuild {
   int max_columns = spec::kMaxColumns;
   int max_rows = spec::kMaxRows;
   int pixel_bits = spec::kPixelBits;
+  int lanes = spec::kPixelsPerBeat;  // pixels in a beat: 4, 8 or 16
   bool grey = true;
   bool image = true;
   bool codes = false;  // the Gray-code decoder

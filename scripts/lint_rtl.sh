@@ -26,7 +26,7 @@ if grep -nE "(^|[^A-Za-z0-9_) '\`]|[=(,?:] )[~!-][A-Za-z_][A-Za-z0-9_:]*'\(" "${
 fi
 
 # Parameters of sp_board to lint besides the default: the original's, with grey, with raw images, tiny, with runs,
-# with compact columns, with verdicts, with the decoder, with pixels of 12 and 10 bits.
+# with compact columns, with verdicts, with the decoder, with pixels of 12 and 10 bits, with 8 and 16 lanes.
 board_configurations=(
   "MaxColumns=512 MaxRows=127 Grey=1'b0 Image=1'b0"
   "MaxColumns=512 MaxRows=127 Grey=1'b1 Image=1'b0"
@@ -39,15 +39,19 @@ board_configurations=(
   "MaxColumns=64 MaxRows=40 Runs=1'b1 Compact=1'b1 Verdict=1'b1 VerdictLogSections=4"
   "MaxColumns=64 MaxRows=40 Codes=1'b1"
   "MaxColumns=64 MaxRows=40 Grey=1'b0 Image=1'b0 Codes=1'b1 CodesMedian=1'b0 CodeBits=8"
-  "MaxColumns=64 MaxRows=40 PixelBits=12 Codes=1'b1"
+  "MaxColumns=64 MaxRows=40 PixelBits=12 Runs=1'b1 Codes=1'b1"
   "MaxColumns=512 MaxRows=127 PixelBits=10 Grey=1'b0 Image=1'b0"
+  "MaxColumns=512 MaxRows=127 Lanes=8 Runs=1'b1"
+  "MaxColumns=64 MaxRows=40 Lanes=8 PixelBits=12"
+  "MaxColumns=64 MaxRows=40 Lanes=16 Grey=1'b0"
 )
 
 # Parameters of sp_camera_link besides the default, Base: Medium, Full and 80 bit
 camera_link_configurations=("Taps=4" "Taps=8 Columns=516" "Taps=10 Columns=512")
 
-# The same of sp_column_moments: pixels of more than 8 bits
-column_moments_configurations=("PixelBits=10" "PixelBits=12" "Grey=1'b0 PixelBits=12")
+# The same of sp_column_moments and sp_column_runs: pixels of more than 8 bits, more lanes
+column_moments_configurations=("PixelBits=10" "PixelBits=12" "Grey=1'b0 PixelBits=12" "Lanes=8" "Lanes=16 Grey=1'b0")
+column_runs_configurations=("Lanes=8" "Lanes=16 Grey=1'b0" "PixelBits=12" "PixelBits=10 MaxColumns=16 MaxRows=7")
 
 # Each of the three: TOOL_lint MODULE [PARAMETER=VALUE...]
 
@@ -117,6 +121,7 @@ for module in "${modules[@]}"; do
   [[ $module == sp_board ]] && jobs+=("${board_configurations[@]/#/sp_board }")
   [[ $module == sp_camera_link ]] && jobs+=("${camera_link_configurations[@]/#/sp_camera_link }")
   [[ $module == sp_column_moments ]] && jobs+=("${column_moments_configurations[@]/#/sp_column_moments }")
+  [[ $module == sp_column_runs ]] && jobs+=("${column_runs_configurations[@]/#/sp_column_runs }")
 done
 
 # One job for each processor.

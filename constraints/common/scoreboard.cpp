@@ -17,7 +17,7 @@ void show_frame(model::BoardModel& model, std::span<const std::uint8_t> pixels, 
   const auto line = static_cast<std::size_t>(columns);
   for (std::size_t at = 0; at < pixels.size(); at += spec::kPixelsPerBeat, ++inputs.clock) {
     model::VideoBeat beat{.start = at == 0, .line_end = (at + spec::kPixelsPerBeat) % line == 0};
-    std::copy_n(pixels.data() + at, beat.pixels.size(), beat.pixels.begin());
+    std::copy_n(pixels.data() + at, spec::kPixelsPerBeat, beat.pixels.begin());
     model.beat(inputs, beat);
   }
 }

@@ -30,6 +30,7 @@ module sp_board_pins #(
   parameter int MaxColumns = sp_spec_pkg::MaxColumns,
   parameter int MaxRows = sp_spec_pkg::MaxRows,
   parameter int PixelBits = sp_spec_pkg::PixelBits,
+  parameter int Lanes = sp_spec_pkg::PixelsPerBeat,
   parameter bit Grey = 1'b1,
   parameter bit Runs = 1'b0,
   parameter bit Image = 1'b0,
@@ -48,7 +49,7 @@ module sp_board_pins #(
 );
 
   // Video clock, in: reset, valid, data, start, end, encoder; out: ready, triggers, ejector
-  localparam int Data = 4 * PixelBits;
+  localparam int Data = Lanes * PixelBits;
   localparam int VideoIn = 1 + 1 + Data + 1 + 1 + 2;
   localparam int VideoOut = 3 + 32'(Verdict);
   // Bus clock, in: reset, packet ready, AXI4-Lite; out: packets, AXI4-Lite
@@ -99,6 +100,7 @@ module sp_board_pins #(
     .MaxColumns (MaxColumns),
     .MaxRows    (MaxRows),
     .PixelBits  (PixelBits),
+    .Lanes      (Lanes),
     .Grey       (Grey),
     .Runs       (Runs),
     .Image      (Image),

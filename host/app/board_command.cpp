@@ -48,7 +48,7 @@ void print_info(driver::Control& control) {
   fmt::print("{}: selfproj board, specification {}.{}, hash 0x{:08X}\n", control.uri(), spec::kVersion >> 8U,
              spec::kVersion & 0xFFU, spec::kHash);
   fmt::print("largest image    {} x {} pixels\n", build.max_columns, build.max_rows);
-  fmt::print("pixels           {} bits\n", build.pixel_bits);
+  fmt::print("pixels           {} bits, {} a clock\n", build.pixel_bits, build.lanes);
   fmt::print("grey moments     {}\nraw images       {}\n", yes(build.grey), yes(build.image));
   fmt::print("verdicts         {}\n",
              build.verdict_log_sections < 0 ? "no" : fmt::format("{} sections", 1 << build.verdict_log_sections));

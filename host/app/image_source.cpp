@@ -137,10 +137,6 @@ ImageSource::ImageSource(const ImageSourceOptions& options, const rig::Rig& rig,
   if (sent_.rows > model::kMaxSoftwareRows) {
     throw UserError(first(), fmt::format("has {} rows; at most {} are possible", sent_.rows, model::kMaxSoftwareRows));
   }
-  if (measure.bits > spec::kPixelBits && measure.select != model::Select::all) {
-    throw UserError("--select strongest", fmt::format("measure.pixel_bits of rig {} is {}; runs have pixels of 8 bits",
-                                                      rig.name, measure.bits));
-  }
   if (sent_.rows > spec::kMaxRows && measure.bits > spec::kPixelBits) {
     throw UserError(first(), fmt::format("has {} rows; at most {} are possible with pixels of {} bits", sent_.rows,
                                          spec::kMaxRows, measure.bits));

@@ -51,9 +51,8 @@ SoftwareBoard make_board(const Camera& camera, const CameraBoardSettings& given)
     throw UserError(camera.uri(),
                     fmt::format("threshold: {} is given, and pixels have {} bits", *given.threshold, given.bits));
   }
-  if (given.bits > spec::kPixelBits && (given.compact || given.select == model::Select::strongest)) {
-    throw UserError(camera.uri(),
-                    fmt::format("pixels of {} bits have neither a strongest run nor compact columns", given.bits));
+  if (given.bits > spec::kPixelBits && given.compact) {
+    throw UserError(camera.uri(), fmt::format("pixels of {} bits have no compact columns", given.bits));
   }
   try {
     return SoftwareBoard(board_settings(camera, given), given.bits);

@@ -87,6 +87,7 @@ Control::Control(std::unique_ptr<RegisterPort> port) : port_(std::move(port)) {
       .max_rows = static_cast<int>(field_of(can, spec::kRegCapabilityMaxRowsLsb, spec::kRegCapabilityMaxRowsBits)),
       .pixel_bits = spec::kPixelBits +
                     static_cast<int>(field_of(words[4], spec::kRegStatusMoreBitsLsb, spec::kRegStatusMoreBitsBits)),
+      .lanes = spec::kPixelsPerBeat << field_of(words[4], spec::kRegStatusLanesLsb, spec::kRegStatusLanesBits),
       .grey = flag(can, spec::kRegCapabilityGreyLsb),
       .image = flag(can, spec::kRegCapabilityImageLsb),
       .codes = flag(can, spec::kRegCapabilityCodesLsb),
@@ -214,14 +215,17 @@ void Control::write_together(std::vector<std::pair<RegisterPart, std::uint32_t>>
 
 void Control::set(const model::BoardSettings& settings) {
   const auto bit = [](bool set, int lsb) { return static_cast<std::uint32_t>(set ? 1U : 0U) << lsb; };
-  const auto need_in_build = [&](bool wanted, bool there, const char* what) {
+  const auto need_in_build = [&](bool wanted, bool there, const std::string& what) {
     if (wanted && !there) {
-      throw UserError(uri(), std::string("this board ") + what);
+      throw UserError(uri(), "this board " + what);
     }
   };
   need_in_build(settings.codes, build_.codes, "has no Gray-code decoder");
   need_in_build(settings.region_row != 0 || settings.region_column != 0, build_.region,
                 "has no register for the region of the sensor");
+  need_in_build(settings.columns % build_.lanes != 0, false,
+                "takes " + std::to_string(build_.lanes) + " pixels a clock: " + std::to_string(settings.columns) +
+                    " columns are no multiple of them");
   need_in_build(settings.threshold >> build_.pixel_bits != 0, false, "has no pixels as bright as the threshold");
   need_in_build(settings.compact, build_.compact, "has no compact columns");
   need_in_build(settings.verdict, build_.verdict_log_sections >= 0, "gives no verdicts");

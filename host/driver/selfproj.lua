@@ -116,6 +116,14 @@ local format = {
       {"m0", 31, 22, "0th moment"},
       {"n", 53, 11, "number of lit pixels"},
     }},
+    wide_grey_run = {bits = 64, fields = {
+      {"m1", 0, 31, "1st moment of the strongest run, rows counted from 1"},
+      {"m0", 31, 22, "0th moment of the strongest run"},
+      {"n", 53, 6, "number of its lit pixels; 63: as many or more"},
+      {"second", 59, 5,
+        "floor(16 M0 of the second run / M0 of the strongest), 16 where they are equal; 0 where there is one run " ..
+        "at most"},
+    }},
     header_pixel = {bits = 8, fields = {
       {"threshold_high", 0, 4, "bits 11..8 of the threshold"},
       {"more_bits", 4, 4, "bits of a pixel, less 8; images and codes are of the upper eight bits"},
@@ -293,9 +301,6 @@ local function word_of(buffer)
   if kind == "moments" then
     local run = format.selects[number(buffer, format.header, "select")] == "strongest" and "_run" or ""
     local wide = number(buffer, format.header, "pixel") ~= 0
-    if wide and run ~= "" then  -- there are no such packets
-      return nil
-    end
     local grey = wide and "wide_grey" or "grey"
     return (format.modes[number(buffer, format.header, "mode")] == "binary" and "binary" or grey) .. run
   end

@@ -394,6 +394,10 @@ SELFPROJ_CLONES void unpack_runs_grey(const std::uint8_t* payload, int first, in
   unpack_grey_runs(payload, first, count, moments);
 }
 
+SELFPROJ_CLONES void unpack_runs_wide_grey(const std::uint8_t* payload, int first, int count, StripMoments& moments) {
+  unpack_wide_grey_runs(payload, first, count, moments);
+}
+
 SELFPROJ_CLONES void unpack_compact(const std::uint8_t* payload, int first, int count, StripMoments& moments) {
   unpack_compact_columns<model::Select::all>(payload, first, count, moments);
 }
@@ -429,7 +433,7 @@ void profile_by_curves(const ColumnCurves& curves, const LineRules& rules, const
   const bool runs = words.select == model::Select::strongest;
   const auto unpack = words.compact                       ? (runs ? unpack_runs_compact : unpack_compact)
                       : words.mode == model::Mode::binary ? (runs ? unpack_runs_binary : unpack_binary)
-                      : words.wide                        ? unpack_wide_grey
+                      : words.wide                        ? (runs ? unpack_runs_wide_grey : unpack_wide_grey)
                                                           : (runs ? unpack_runs_grey : unpack_grey);
   for_each_strip(curves, rules, begin, end, out,
                  [&](int first, int count, StripMoments& moments) { unpack(payload, first - begin, count, moments); });

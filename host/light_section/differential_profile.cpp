@@ -144,6 +144,13 @@ SELFPROJ_CLONES void strip_grey_runs(const std::uint8_t* payload, int first, int
   triangulate(moments, columns, tables, out);
 }
 
+SELFPROJ_CLONES void strip_wide_grey_runs(const std::uint8_t* payload, int first, int columns,
+                                          const ProfileTables& tables, const ProfileView& out) {
+  StripMoments moments;
+  unpack_wide_grey_runs(payload, first, columns, moments);
+  triangulate(moments, columns, tables, out);
+}
+
 SELFPROJ_CLONES void strip_compact(const std::uint8_t* payload, int first, int columns, const ProfileTables& tables,
                                    const ProfileView& out) {
   StripMoments moments;
@@ -271,7 +278,7 @@ void DifferentialProfiler::profile(const ColumnWords& words, const std::uint8_t*
   const bool runs = words.select == model::Select::strongest;
   const auto strip_of = words.compact                       ? (runs ? strip_compact_runs : strip_compact)
                         : words.mode == model::Mode::binary ? (runs ? strip_binary_runs : strip_binary)
-                        : words.wide                        ? strip_wide_grey
+                        : words.wide                        ? (runs ? strip_wide_grey_runs : strip_wide_grey)
                                                             : (runs ? strip_grey_runs : strip_grey);
   for (int first = begin; first < end; first += kStrip) {
     const int count = std::min(kStrip, end - first);

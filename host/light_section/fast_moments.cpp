@@ -341,18 +341,18 @@ template <int Gap>
 //
 // Reads the image a second time, after the moments, strip after strip and some rows of a strip at once. An image that
 // fits in the second-level cache comes from there, so nothing is asked for ahead.
-template <int Gap>
-[[gnu::always_inline]] inline void count_strip(const model::ImageView& strip, int columns, std::uint8_t threshold,
+template <int Gap, typename Pixel>
+[[gnu::always_inline]] inline void count_strip(const model::PixelView<Pixel>& strip, int columns, Pixel threshold,
                                                RunStrip& count) {
   constexpr int kRows = Gap + 1;                            // of a block
   constexpr int kBlocks = Gap == 0 ? 4 : Gap == 3 ? 1 : 2;  // that are processed at a time
   constexpr int kAllRows = kBlocks * kRows;
-  static constexpr RunStrip kDark{};
+  static constexpr std::array<Pixel, kRunColumns> kDark{};
   alignas(64) RunStrip above{};  // the last block of the rows above
   count.fill(0);
   int rows_to_limit = kLimitRows;
   for (int row = 0; row < strip.rows; row += kAllRows) {
-    std::array<const std::uint8_t*, kAllRows> pixels{};
+    std::array<const Pixel*, kAllRows> pixels{};
     for (int k = 0; k < kAllRows; ++k) {
       pixels[k] = row + k < strip.rows ? strip.pixels + (row + k) * strip.stride : kDark.data();
     }
@@ -379,8 +379,8 @@ template <int Gap>
   limit_to_two(count, columns);
 }
 
-template <int Gap>
-[[gnu::always_inline]] inline void count_either(const model::ImageView& strip, std::uint8_t threshold,
+template <int Gap, typename Pixel>
+[[gnu::always_inline]] inline void count_either(const model::PixelView<Pixel>& strip, Pixel threshold,
                                                 RunStrip& count) {
   if (strip.columns == kRunColumns) {
     count_strip<Gap>(strip, kRunColumns, threshold, count);
@@ -389,7 +389,9 @@ template <int Gap>
   }
 }
 
-SELFPROJ_CLONES void count_runs(const model::ImageView& strip, std::uint8_t threshold, int gap, RunStrip& count) {
+template <typename Pixel>
+[[gnu::always_inline]] inline void count_gaps(const model::PixelView<Pixel>& strip, Pixel threshold, int gap,
+                                              RunStrip& count) {
   static_assert(model::kMaxGap == 3);
   switch (gap) {
     case 0:
@@ -401,6 +403,14 @@ SELFPROJ_CLONES void count_runs(const model::ImageView& strip, std::uint8_t thre
     default:
       return count_either<3>(strip, threshold, count);
   }
+}
+
+SELFPROJ_CLONES void count_runs(const model::ImageView& strip, std::uint8_t threshold, int gap, RunStrip& count) {
+  count_gaps(strip, threshold, gap, count);
+}
+
+SELFPROJ_CLONES void count_runs(const model::WideImageView& strip, std::uint16_t threshold, int gap, RunStrip& count) {
+  count_gaps(strip, threshold, gap, count);
 }
 
 // The first column from `from` on with two runs or more, or `columns`. Looks at eight columns at once.
@@ -423,9 +433,16 @@ model::RunsView from_column(const model::RunsView& view, int first) {
   return {from_column(view.moments, first), view.runs + first, view.second + first};
 }
 
-}  // namespace
+// The moments of all lit pixels
+void all_moments(const model::ImageView& image, const model::Measure& measure, const model::MomentsView& out) {
+  fast_column_moments(image, measure.mode, measure.threshold, out);
+}
+void all_moments(const model::WideImageView& image, const model::Measure& measure, const model::MomentsView& out) {
+  fast_column_moments(image, measure.bits, measure.mode, measure.threshold, out);
+}
 
-void fast_column_runs(const model::ImageView& image, const model::Measure& measure, const model::RunsView& out) {
+template <typename Pixel>
+void find_runs(const model::PixelView<Pixel>& image, const model::Measure& measure, const model::RunsView& out) {
   model::check_column_runs(image, measure, out);
   const model::RowWindow& window = measure.window;
   const int above = std::min(std::max(window.first - 1, 0), image.rows);  // rows that do not count
@@ -434,8 +451,8 @@ void fast_column_runs(const model::ImageView& image, const model::Measure& measu
     model::column_runs(image, measure, out);  // nothing counts
     return;
   }
-  const model::ImageView part = {image.pixels + above * image.stride, end - above, image.columns, image.stride};
-  fast_column_moments(part, measure.mode, measure.threshold, out.moments);
+  const model::PixelView<Pixel> part = {image.pixels + above * image.stride, end - above, image.columns, image.stride};
+  all_moments(part, measure, out.moments);
   for (int i = 0; above > 0 && i < image.columns; ++i) {
     out.moments.m1[i] += static_cast<std::uint32_t>(above) * out.moments.m0[i];
   }
@@ -443,14 +460,25 @@ void fast_column_runs(const model::ImageView& image, const model::Measure& measu
   alignas(64) RunStrip count;
   for (int first = 0; first < image.columns; first += kRunColumns) {
     const int columns = std::min(kRunColumns, image.columns - first);
-    count_runs({part.pixels + first, part.rows, columns, part.stride}, narrow_run(measure.threshold), measure.gap,
-               count);
+    count_runs(model::PixelView<Pixel>{part.pixels + first, part.rows, columns, part.stride},
+               static_cast<Pixel>(measure.threshold), measure.gap, count);
     std::copy_n(count.data(), columns, out.runs + first);
   }
   for (int i = next_several(out.runs, 0, image.columns); i < image.columns;
        i = next_several(out.runs, i + 1, image.columns)) {
-    model::column_runs({image.pixels + i, image.rows, 1, image.stride}, measure, from_column(out, i));
+    model::column_runs(model::PixelView<Pixel>{image.pixels + i, image.rows, 1, image.stride}, measure,
+                       from_column(out, i));
   }
+}
+
+}  // namespace
+
+void fast_column_runs(const model::ImageView& image, const model::Measure& measure, const model::RunsView& out) {
+  find_runs(image, measure, out);
+}
+
+void fast_column_runs(const model::WideImageView& image, const model::Measure& measure, const model::RunsView& out) {
+  find_runs(image, measure, out);
 }
 
 void fast_measure_columns(const model::ImageView& image, const model::Measure& measure, const model::RunsView& out) {
@@ -467,7 +495,9 @@ void fast_measure_columns(const model::ImageView& image, const model::Measure& m
 
 void fast_measure_columns(const model::WideImageView& image, const model::Measure& measure,
                           const model::RunsView& out) {
-  if (measure.select == model::Select::all && measure.window == model::RowWindow{}) {
+  if (measure.select == model::Select::strongest) {
+    fast_column_runs(image, measure, out);
+  } else if (measure.window == model::RowWindow{}) {
     fast_column_moments(image, measure.bits, measure.mode, measure.threshold, out.moments);
   } else {
     model::measure_columns(image, measure, out);

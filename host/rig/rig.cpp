@@ -286,7 +286,6 @@ void check_sections(const Rig& rig, const std::string& source) {
   }
   if (rig.measure.bits() > spec::kPixelBits) {
     const char* const other = rig.kind != RigKind::light_section ? "kind scanner"
-                              : rig.measure.runs                 ? "measure.runs"
                               : rig.measure.sends_compact()      ? "measure.words compact"
                                                                  : nullptr;
     if (other != nullptr) {

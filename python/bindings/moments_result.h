@@ -96,17 +96,22 @@ void def_moments(nb::module_& module, const Kernel& kernel, const char* document
       documentation);
   module.def(
       "moments",
-      [kernel](const In<std::uint16_t>& image, int threshold, int bits, model::Mode mode, int first_row, int last_row) {
-        return measure_images(
-            image,
-            {.mode = mode, .threshold = threshold, .window = {.first = first_row, .last = last_row}, .bits = bits},
-            kernel);
+      [kernel](const In<std::uint16_t>& image, int threshold, int bits, model::Mode mode, model::Select select, int gap,
+               int first_row, int last_row) {
+        return measure_images(image,
+                              {.mode = mode,
+                               .threshold = threshold,
+                               .select = select,
+                               .gap = gap,
+                               .window = {.first = first_row, .last = last_row},
+                               .bits = bits},
+                              kernel);
       },
       nb::arg("image").noconvert(), nb::arg("threshold"), nb::kw_only(), nb::arg("bits"),
-      nb::arg("mode") = model::Mode::grey_over, nb::arg("first_row") = 0, nb::arg("last_row") = 0,
-      "The same of pixels of 8 to 12 bits in uint16, from bit 0 on, and a threshold of as many: the moments of all "
-      "lit\n"
-      "pixels. Pixels of 2^bits and more are not looked for; they give wrong sums.");
+      nb::arg("mode") = model::Mode::grey_over, nb::arg("select") = model::Select::all, nb::arg("gap") = 0,
+      nb::arg("first_row") = 0, nb::arg("last_row") = 0,
+      "The same of pixels of 8 to 12 bits in uint16, from bit 0 on, and a threshold of as many.\n"
+      "Pixels of 2^bits and more are not looked for; they give wrong sums.");
 }
 
 }  // namespace selfproj::python

@@ -12,11 +12,14 @@
 `default_nettype none
 
 module sp_board #(
-  parameter int MaxColumns = sp_spec_pkg::MaxColumns,  // image width: a multiple of 4, 12..2048
+  parameter int MaxColumns = sp_spec_pkg::MaxColumns,  // image width: a multiple of 4, 12..2048; of Lanes
   parameter int MaxRows = sp_spec_pkg::MaxRows,  // image height: 2..1023
-  // Bits of a pixel: 8..12. With more than 8, images and codes are of the upper eight, and Runs,
-  // Compact and Verdict cannot be built.
+  // Bits of a pixel: 8..12. With more than 8, images and codes are of the upper eight, and Compact
+  // and Verdict cannot be built.
   parameter int PixelBits = sp_spec_pkg::PixelBits,  // 8..12
+  // Pixels in a beat. With more than 4, Compact and Verdict cannot be built, with 16 neither Codes, and
+  // frames need more rows to follow each other without a gap: see sp_payload_split.
+  parameter int Lanes = sp_spec_pkg::PixelsPerBeat,  // 4, 8 or 16
   parameter bit Grey = 1'b1,   // modes grey and grey_over
   parameter bit Runs = 1'b0,   // the strongest run of a column
   parameter bit Image = 1'b1,  // raw-image packets
@@ -36,9 +39,9 @@ module sp_board #(
   // Video, in the pixel clock
   input  wire logic         clk_i,                // pixel clock
   input  wire logic         rst_i,                // active high, synchronous, four clocks or more
-  input  wire logic         s_axis_tvalid,        // a beat of four pixels
+  input  wire logic         s_axis_tvalid,        // a beat of Lanes pixels
   output logic              s_axis_tready,        // always 1: the camera is never stalled
-  input  wire logic [4*PixelBits-1:0] s_axis_tdata,  // leftmost pixel lowest
+  input  wire logic [Lanes*PixelBits-1:0] s_axis_tdata,  // leftmost pixel lowest
   input  wire logic         s_axis_tuser,         // start of frame: first beat of a frame
   input  wire logic         s_axis_tlast,         // end of line: last beat of every line
   input  wire logic         encoder_a_i,          // quadrature; any clock
@@ -77,7 +80,11 @@ module sp_board #(
     verdict_log_sections_is_not_in_0_to_6 u_error ();
   end
 
-  localparam int GroupBits = $clog2(MaxColumns / 4);
+  if (Lanes > 8 && Codes) begin : gen_no_wide_codes
+    more_than_8_lanes_exclude_codes u_error ();
+  end
+
+  localparam int GroupBits = $clog2(MaxColumns / Lanes);
   localparam int ColumnBits = $clog2(MaxColumns + 1);
   localparam int RowBits = $clog2(MaxRows + 1);
   localparam int StatusBits = sp_spec_pkg::StatusBits;
@@ -142,6 +149,7 @@ module sp_board #(
     .MaxColumns(MaxColumns),
     .MaxRows   (MaxRows),
     .PixelBits (PixelBits),
+    .Lanes     (Lanes),
     .Grey      (Grey),
     .Runs      (Runs),
     .Image     (Image),
@@ -208,8 +216,8 @@ module sp_board #(
   logic [1:0]            mode;
   logic [7:0]            stream;
   logic                  beat_valid, beat_first_row, beat_last_row, beat_line_start, beat_line_end;
-  logic [4*PixelBits-1:0] beat_pixels;
-  logic [31:0]           upper_pixels;  // the upper eight bits of each
+  logic [Lanes*PixelBits-1:0] beat_pixels;
+  logic [8*Lanes-1:0]    upper_pixels;  // the upper eight bits of each
   logic [GroupBits-1:0]  beat_group;
   logic [RowBits-1:0]    beat_row;
   logic                  frame_start, stray_before, last_row_start, frame_break, break_in_last_row;
@@ -219,6 +227,7 @@ module sp_board #(
     .MaxColumns(MaxColumns),
     .MaxRows   (MaxRows),
     .PixelBits (PixelBits),
+    .Lanes     (Lanes),
     .Region    (Region),
     .Compact   (Compact),
     .Verdict   (Verdict)
@@ -276,7 +285,7 @@ module sp_board #(
     .stray_o            (stray)
   );
 
-  for (genvar lane = 0; lane < 4; lane++) begin : gen_upper
+  for (genvar lane = 0; lane < Lanes; lane++) begin : gen_upper
     assign upper_pixels[8*lane+:8] = beat_pixels[PixelBits*lane+PixelBits-8+:8];
   end
 
@@ -350,6 +359,7 @@ module sp_board #(
     .MaxColumns(MaxColumns),
     .MaxRows   (MaxRows),
     .PixelBits (PixelBits),
+    .Lanes     (Lanes),
     .Grey      (Grey),
     .Runs      (Runs),
     .Region    (Region),
@@ -445,6 +455,7 @@ module sp_board #(
     sp_image_path #(
       .MaxColumns(MaxColumns),
       .MaxRows   (MaxRows),
+      .Lanes     (Lanes),
       .Region    (Region),
       .Wide      (PixelBits > 8),
       .LogDepth  (ImageLogDepth)
@@ -484,6 +495,7 @@ module sp_board #(
       .MaxColumns(MaxColumns),
       .MaxRows   (MaxRows),
       .MaxBits   (CodeBits),
+      .Lanes     (Lanes),
       .Median    (CodesMedian),
       .Region    (Region),
       .Wide      (PixelBits > 8),

@@ -2,7 +2,8 @@
 // packet FIFO into the bus clock.
 //
 // Guarantees: every line whose codes began gives a packet or is counted in lost_o; packets come out
-// whole. Lines of 88 columns and more may follow each other without a gap.
+// whole. Lines of 88 columns and more may follow each other without a gap; with 8 lanes they need a
+// gap of 11 clocks.
 //
 // Codes come seven clocks after their pixels, or one line later with the median. By then the header
 // fields of sp_frame_info may belong to a later frame. They are therefore held from the first codes
@@ -12,9 +13,10 @@
 `default_nettype none
 
 module sp_codes_path #(
-  parameter int MaxColumns = sp_spec_pkg::MaxColumns,  // a multiple of 4
+  parameter int MaxColumns = sp_spec_pkg::MaxColumns,  // a multiple of 4; of Lanes
   parameter int MaxRows = sp_spec_pkg::MaxRows,  // 1 or more
   parameter int MaxBits = sp_spec_pkg::CodeCodeBits,  // 1..12
+  parameter int Lanes = sp_spec_pkg::PixelsPerBeat,  // pixels in a beat: 4 or 8
   parameter bit Median = 1'b1,
   parameter bit Region = 1'b1,  // headers say where on the sensor frames begin
   parameter bit Wide = 1'b0,  // headers tell of pixels of more than 8 bits
@@ -38,7 +40,7 @@ module sp_codes_path #(
   input  wire logic [ColumnBits-1:0] columns_i,
   input  wire logic [RowBits-1:0]    rows_i,
   input  wire logic                  beat_valid_i,
-  input  wire logic [31:0]           beat_pixels_i,
+  input  wire logic [8*Lanes-1:0]    beat_pixels_i,
   input  wire logic                  beat_line_start_i,
   input  wire logic                  beat_line_end_i,
   input  wire logic                  beat_last_row_i,
@@ -77,13 +79,14 @@ module sp_codes_path #(
   // --- Codes ---
   logic                  raw_start, codes_valid, codes_start, codes_line_start, codes_line_end,
       codes_break;
-  logic [63:0]           codes;
+  logic [16*Lanes-1:0]   codes;
   logic [StatusBits-1:0] codes_status;
 
   sp_gray_core #(
     .MaxColumns(MaxColumns),
     .MaxRows   (MaxRows),
     .MaxBits   (MaxBits),
+    .Lanes     (Lanes),
     .Median    (Median)
   ) u_core (
     .clk_i             (clk_i),
@@ -187,7 +190,8 @@ module sp_codes_path #(
   sp_image_packer #(
     .MaxColumns(MaxColumns),
     .MaxRows   (MaxRows),
-    .BeatBits  (64)
+    .Lanes     (Lanes),
+    .PixelBytes(2)
   ) u_packer (
     .clk_i            (clk_i),
     .rst_i            (rst_i),

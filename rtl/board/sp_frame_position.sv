@@ -1,4 +1,4 @@
-// Position of the beats of a frame: the group of four pixels in the line, the row, and whether
+// Position of the beats of a frame: the group of pixels, one beat, in the line, the row, and whether
 // either is the last one.
 //
 // beat_i marks a beat, start_i with it the first beat of a frame; the signals beside start_i
@@ -48,7 +48,7 @@ module sp_frame_position #(
 `ifdef FORMAL
   ,
   input  wire logic                 f_open_i,  // a frame is open, of this size:
-  input  wire logic [GroupBits+2:0] f_columns_i,
+  input  wire logic [GroupBits+2:0] f_columns_i,  // four times its groups
   input  wire logic [RowBits-1:0]   f_rows_i
 `endif
 );

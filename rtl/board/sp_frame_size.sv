@@ -5,7 +5,7 @@
 // first clock of a new size and in the two clocks before it, so nothing is taken over until then.
 // Facts in force are right from the clock after take_i on. Facts of a frame that starts are right
 // in the clock after its first beat was at the input. sp_registers keeps sizes within the maxima of
-// the build and columns a multiple of 4, so nothing overflows. groups_less_3_o has no meaning with
+// the build and columns a multiple of Lanes, so nothing overflows. groups_less_3_o has no meaning with
 // fewer than three groups, rows_less_2_o none with one row.
 //
 //   clock              0   1   2   3   4   5
@@ -20,8 +20,9 @@
 
 module sp_frame_size #(
   parameter int GroupBits = 9,  // 2 or more
-  parameter int ColumnBits = 12,  // GroupBits + 2 or more
-  parameter int RowBits = 10  // 2 or more
+  parameter int ColumnBits = 12,  // GroupBits + $clog2(Lanes) or more
+  parameter int RowBits = 10,  // 2 or more
+  parameter int Lanes = sp_spec_pkg::PixelsPerBeat  // pixels in a beat: 4, 8 or 16
 ) (
   input  wire logic                  clk_i,
 
@@ -34,7 +35,7 @@ module sp_frame_size #(
   input  wire logic                  take_i,
   output logic      [ColumnBits-1:0] columns_o,
   output logic      [RowBits-1:0]    rows_o,
-  output logic                       one_group_o,      // a line has 4 columns
+  output logic                       one_group_o,      // a line has Lanes columns
   output logic                       two_groups_o,
   output logic      [GroupBits-1:0]  groups_less_3_o,  // groups of a line, minus 3
   output logic      [RowBits-1:0]    rows_less_2_o,
@@ -69,11 +70,14 @@ module sp_frame_size #(
   if (RowBits < 2) begin : gen_row_bits
     row_bits_is_less_than_2 u_error ();
   end
-  if (ColumnBits < GroupBits + 2) begin : gen_column_bits
-    column_bits_is_less_than_group_bits_plus_2 u_error ();
+  if (Lanes != 4 && Lanes != 8 && Lanes != 16) begin : gen_lanes
+    lanes_is_not_4_or_8_or_16 u_error ();
   end
-
-  localparam int CountBits = ColumnBits - 2;  // of groups
+  localparam int LaneBits = $clog2(Lanes);
+  localparam int CountBits = ColumnBits - LaneBits;  // of groups
+  if (CountBits < GroupBits) begin : gen_column_bits
+    column_bits_is_less_than_group_bits_plus_those_of_lanes u_error ();
+  end
 
   logic [CountBits-1:0] groups;
   // Of the size as written
@@ -85,7 +89,7 @@ module sp_frame_size #(
   logic                 three_groups_q, one_row_q, next_in_last_row_q, row_after_is_last_q;
   logic                 one_group, one_row;  // of a frame that starts now
 
-  assign groups = columns_i[ColumnBits-1:2];
+  assign groups = columns_i[ColumnBits-1:LaneBits];
 
   always_ff @(posedge clk_i) if (hold_i) begin
     new_one_group_q     <= groups == CountBits'(1);
@@ -141,33 +145,33 @@ module sp_frame_size #(
   assign f_rows    = take_i ? rows_i : rows_o;
   always_comb if (f_ran_q) begin
     if (!(hold_i && f_hold_q == 2'b11)) begin
-      assert (new_one_group_q == (columns_i == ColumnBits'(4)) &&
-              new_two_groups_q == (columns_i == ColumnBits'(8)));
-      assert (new_three_groups_q == (columns_i == ColumnBits'(12)) &&
+      assert (new_one_group_q == (columns_i == ColumnBits'(Lanes)) &&
+              new_two_groups_q == (columns_i == ColumnBits'(2 * Lanes)));
+      assert (new_three_groups_q == (columns_i == ColumnBits'(3 * Lanes)) &&
               new_one_row_q == (rows_i == RowBits'(1)));
       assert (new_two_rows_q == (rows_i == RowBits'(2)) &&
               new_three_rows_q == (rows_i == RowBits'(3)));
-      assert (new_groups_less_3_q == GroupBits'((columns_i >> 2) - ColumnBits'(3)));
+      assert (new_groups_less_3_q == GroupBits'((columns_i >> LaneBits) - ColumnBits'(3)));
       assert (new_rows_less_2_q == rows_i - RowBits'(2));
     end
     if (f_in_force_i) begin
-      assert (one_group_o == (columns_o == ColumnBits'(4)) &&
-              two_groups_o == (columns_o == ColumnBits'(8)));
-      assert (three_groups_q == (columns_o == ColumnBits'(12)) &&
+      assert (one_group_o == (columns_o == ColumnBits'(Lanes)) &&
+              two_groups_o == (columns_o == ColumnBits'(2 * Lanes)));
+      assert (three_groups_q == (columns_o == ColumnBits'(3 * Lanes)) &&
               one_row_q == (rows_o == RowBits'(1)));
-      assert (next_in_last_row_q == (rows_o == (columns_o == ColumnBits'(4) ? RowBits'(2) :
+      assert (next_in_last_row_q == (rows_o == (columns_o == ColumnBits'(Lanes) ? RowBits'(2) :
                                                 RowBits'(1))));
-      assert (row_after_is_last_q == (rows_o == (columns_o == ColumnBits'(4) ? RowBits'(3) :
+      assert (row_after_is_last_q == (rows_o == (columns_o == ColumnBits'(Lanes) ? RowBits'(3) :
                                                  RowBits'(2))));
-      assert (groups_less_3_o == GroupBits'((columns_o >> 2) - ColumnBits'(3)));
+      assert (groups_less_3_o == GroupBits'((columns_o >> LaneBits) - ColumnBits'(3)));
       assert (rows_less_2_o == rows_o - RowBits'(2));
     end
     if (f_start_i && (take_i || f_in_force_i)) begin
-      assert (start_one_group_o == (f_columns == ColumnBits'(4)) &&
+      assert (start_one_group_o == (f_columns == ColumnBits'(Lanes)) &&
               start_one_row_o == (f_rows == RowBits'(1)));
-      assert (start_next_ends_line_o == (f_columns == ColumnBits'(4) ||
-                                         f_columns == ColumnBits'(8)));
-      assert (start_three_groups_o == (f_columns == ColumnBits'(12)));
+      assert (start_next_ends_line_o == (f_columns == ColumnBits'(Lanes) ||
+                                         f_columns == ColumnBits'(2 * Lanes)));
+      assert (start_three_groups_o == (f_columns == ColumnBits'(3 * Lanes)));
       assert (start_next_in_last_row_o == (f_rows == (start_one_group_o ? RowBits'(2) :
                                                       RowBits'(1))));
       assert (start_row_after_is_last_o == (f_rows == (start_one_group_o ? RowBits'(3) :

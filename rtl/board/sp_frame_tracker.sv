@@ -30,24 +30,25 @@
 `default_nettype none
 
 module sp_frame_tracker #(
-  parameter int MaxColumns = sp_spec_pkg::MaxColumns,  // a multiple of 4, 12..2048
+  parameter int MaxColumns = sp_spec_pkg::MaxColumns,  // a multiple of 4, 12..2048; of Lanes
   parameter int MaxRows = sp_spec_pkg::MaxRows,  // 2..1023
   parameter int PixelBits = sp_spec_pkg::PixelBits,  // 8..12
+  parameter int Lanes = sp_spec_pkg::PixelsPerBeat,  // pixels in a beat: 4, 8 or 16
   parameter bit Region = 1'b1,  // hand region_i on; else region_o is 0
   parameter bit Compact = 1'b0,  // hand compact_i on; else compact_o is 0
   parameter bit Verdict = 1'b0,  // hand verdict_i on; else verdict_o is 0
   // derived, do not set
-  parameter int GroupBits = $clog2(MaxColumns / 4),
+  parameter int GroupBits = $clog2(MaxColumns / Lanes),
   parameter int ColumnBits = $clog2(MaxColumns + 1),
   parameter int RowBits = $clog2(MaxRows + 1)
 ) (
   input  wire logic                  clk_i,
   input  wire logic                  rst_i,
 
-  // AXI4-Stream video: 4 pixels per beat, leftmost lowest; tuser starts a frame, tlast ends a line
+  // AXI4-Stream video: Lanes pixels per beat, leftmost lowest; tuser starts a frame, tlast ends a line
   input  wire logic                  s_axis_tvalid_i,
   output logic                       s_axis_tready_o,
-  input  wire logic [4*PixelBits-1:0] s_axis_tdata_i,
+  input  wire logic [Lanes*PixelBits-1:0] s_axis_tdata_i,
   input  wire logic                  s_axis_tuser_i,
   input  wire logic                  s_axis_tlast_i,
 
@@ -85,7 +86,7 @@ module sp_frame_tracker #(
 
   // Beats
   output logic                       beat_valid_o,
-  output logic      [4*PixelBits-1:0] beat_pixels_o,
+  output logic      [Lanes*PixelBits-1:0] beat_pixels_o,
   output logic      [GroupBits-1:0]  beat_group_o,
   output logic      [RowBits-1:0]    beat_row_o,
   output logic                       beat_first_row_o,
@@ -106,9 +107,12 @@ module sp_frame_tracker #(
   output logic      [31:0]           stray_o    // beats discarded while running
 );
 
-  if (MaxColumns < 12 || MaxColumns > sp_spec_pkg::MaxColumns || MaxColumns % 4 != 0)
+  if (MaxColumns < 3 * Lanes || MaxColumns > sp_spec_pkg::MaxColumns || MaxColumns % Lanes != 0)
   begin : gen_max_columns
-    max_columns_is_not_a_multiple_of_4_in_12_to_2048 u_error ();
+    max_columns_is_not_a_multiple_of_lanes_in_3_lanes_to_2048 u_error ();
+  end
+  if (Lanes != 4 && Lanes != 8 && Lanes != 16) begin : gen_lanes
+    lanes_is_not_4_or_8_or_16 u_error ();
   end
   if (MaxRows < 2 || MaxRows > sp_spec_pkg::MaxRows) begin : gen_max_rows
     max_rows_is_not_in_2_to_1023 u_error ();
@@ -153,7 +157,7 @@ module sp_frame_tracker #(
   logic        s1_valid_q, s1_last_q;     // a beat; its tlast
   logic        s1_start_q, s1_further_q;  // a beat with tuser, without tuser
   logic        s1_begin_q;                // a beat that starts a frame
-  logic [4*PixelBits-1:0] s1_pixels_q;
+  logic [Lanes*PixelBits-1:0] s1_pixels_q;
 
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
@@ -218,7 +222,8 @@ module sp_frame_tracker #(
   sp_frame_size #(
     .GroupBits (GroupBits),
     .ColumnBits(ColumnBits),
-    .RowBits   (RowBits)
+    .RowBits   (RowBits),
+    .Lanes     (Lanes)
   ) u_size (
     .clk_i                    (clk_i),
     .hold_i                   (hold_i),
@@ -282,7 +287,7 @@ module sp_frame_tracker #(
 `ifdef FORMAL
     ,
     .f_open_i                 (open_q && f_ran_q && !rst_i),
-    .f_columns_i              ((GroupBits + 3)'(columns_o)),
+    .f_columns_i              ((GroupBits + 3)'(columns_o >> ($clog2(Lanes) - 2))),
     .f_rows_i                 (rows_o)
 `endif
   );
@@ -407,7 +412,7 @@ module sp_frame_tracker #(
   always_comb assume (rst_i == !f_ran_q);
   // Sizes are within the maxima; hold_i announces a new size two clocks before (sp_registers).
   always_comb begin
-    assume (columns_i[1:0] == 2'd0 && columns_i != '0 && columns_i <= ColumnBits'(MaxColumns));
+    assume (columns_i[$clog2(Lanes)-1:0] == '0 && columns_i != '0 && columns_i <= ColumnBits'(MaxColumns));
     assume (rows_i != '0 && rows_i <= RowBits'(MaxRows));
   end
   logic [ColumnBits-1:0] f_columns_before_q;
@@ -488,7 +493,7 @@ module sp_frame_tracker #(
   always_comb if (f_ran_q && !rst_i) begin
     if (in_force_q) assert (f_columns_q == columns_o && f_rows_q == rows_o);
     if (in_force_q) begin
-      assert (columns_o[1:0] == 2'd0 && columns_o != '0 && columns_o <= ColumnBits'(MaxColumns));
+      assert (columns_o[$clog2(Lanes)-1:0] == '0 && columns_o != '0 && columns_o <= ColumnBits'(MaxColumns));
       assert (rows_o != '0 && rows_o <= RowBits'(MaxRows));
     end
     cover (f_frame_end && rows_o == RowBits'(2) && columns_o == ColumnBits'(8));

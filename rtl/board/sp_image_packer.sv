@@ -11,15 +11,17 @@
 `default_nettype none
 
 module sp_image_packer #(
-  parameter int MaxColumns = sp_spec_pkg::MaxColumns,  // a multiple of 4
+  parameter int MaxColumns = sp_spec_pkg::MaxColumns,  // a multiple of 4; of Lanes
   parameter int MaxRows = sp_spec_pkg::MaxRows,  // 1 or more
-  parameter int BeatBits = 32,  // 32 or 64: four pixels of 8 bits, or four codes of 16
+  parameter int Lanes = sp_spec_pkg::PixelsPerBeat,  // pixels in a beat: 4, 8 or 16
+  parameter int PixelBytes = 1,  // 1 or 2: pixels of 8 bits, or codes of 16
   // derived, do not set
+  parameter int BeatBits = 8 * PixelBytes * Lanes,
   parameter int ColumnBits = $clog2(MaxColumns + 1),
   parameter int RowBits = $clog2(MaxRows + 1),
-  parameter int WordBits = $clog2(MaxColumns * BeatBits / 512 + 2),
+  parameter int WordBits = $clog2(MaxColumns * PixelBytes / 16 + 2),
   parameter int LogDepth =
-    MaxColumns * BeatBits > 8192 ? $clog2(MaxColumns / 8 * (BeatBits / 32)) : 5
+    MaxColumns * PixelBytes > 256 ? $clog2(MaxColumns / 8 * PixelBytes) : 5
 ) (
   input  wire logic                  clk_i,
   input  wire logic                  rst_i,
@@ -29,7 +31,7 @@ module sp_image_packer #(
   input  wire logic [ColumnBits-1:0] columns_i,
   input  wire logic                  beat_valid_i,
   input  wire logic [BeatBits-1:0]   beat_pixels_i,
-  input  wire logic [1:0]            beat_group_i,  // low bits of the group; 64 bits use bit 0 only
+  input  wire logic [1:0]            beat_group_i,  // low bits of the group
   input  wire logic [RowBits-1:0]    beat_row_i,
   input  wire logic                  beat_line_start_i,
   input  wire logic                  beat_line_end_i,
@@ -48,14 +50,20 @@ module sp_image_packer #(
   output logic                       words_break_o
 );
 
-  if (MaxColumns < 4 || MaxColumns % 4 != 0) begin : gen_max_columns
-    max_columns_is_not_a_multiple_of_4 u_error ();
+  if (MaxColumns < Lanes || MaxColumns % Lanes != 0) begin : gen_max_columns
+    max_columns_is_not_a_multiple_of_lanes u_error ();
+  end
+  if (Lanes != 4 && Lanes != 8 && Lanes != 16) begin : gen_lanes
+    lanes_is_not_4_or_8_or_16 u_error ();
   end
   if (MaxRows < 1) begin : gen_max_rows
     max_rows_is_less_than_1 u_error ();
   end
-  if (BeatBits != 32 && BeatBits != 64) begin : gen_beat_bits
-    beat_bits_is_not_32_or_64 u_error ();
+  if (PixelBytes != 1 && PixelBytes != 2) begin : gen_pixel_bytes
+    pixel_bytes_is_not_1_or_2 u_error ();
+  end
+  if (BeatBits > 128) begin : gen_beat_bits
+    a_beat_has_more_bytes_than_a_word u_error ();
   end
 
   logic                line_open_q;
@@ -80,14 +88,14 @@ module sp_image_packer #(
       else if (break_i) line_open_q <= 1'b0;
     end
     if (valid && beat_line_start_i) begin
-      line_words_q <= WordBits'((32'(columns_i) * (BeatBits / 32) + 32'd12) >> 4);
+      line_words_q <= WordBits'((32'(columns_i) * PixelBytes + 32'd12) >> 4);
       line_row_o   <= beat_row_i;
     end
   end
 
-  // --- Words into the ring: a word is written one clock after its fourth beat; an incomplete word,
+  // --- Words into the ring: a word is written one clock after its last beat; an incomplete word,
   // or the last one, in the clock in which its line is done ---
-  logic [95:0]         gathered_q;  // first three beats of a word, zeros above
+  logic [95:0]         gathered_q;  // the beats of a word but the last, zeros above
   logic                partial_q;   // gathered_q holds beats not yet written
   logic                whole_q;     // word_q waits to be written
   logic [127:0]        word_q;
@@ -117,7 +125,7 @@ module sp_image_packer #(
     end
   end
 
-  if (BeatBits == 32) begin : gen_pixels
+  if (BeatBits == 32) begin : gen_four_beats
     assign last_of_word = beat_group_i == 2'd3;
 
     always_ff @(posedge clk_i) begin
@@ -130,7 +138,7 @@ module sp_image_packer #(
         endcase
       end
     end
-  end else begin : gen_codes
+  end else if (BeatBits == 64) begin : gen_two_beats
     assign last_of_word = beat_group_i[0];
 
     always_ff @(posedge clk_i) begin
@@ -140,6 +148,14 @@ module sp_image_packer #(
 
     logic unused;
     assign unused = beat_group_i[1];
+  end else begin : gen_one_beat
+    assign last_of_word = 1'b1;
+    assign gathered_q   = '0;
+
+    always_ff @(posedge clk_i) if (valid) word_q <= beat_pixels_i;
+
+    logic unused;
+    assign unused = ^beat_group_i;
   end
 
   // --- Words out of the ring: those of a line whose packet was accepted ---

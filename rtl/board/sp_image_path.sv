@@ -2,13 +2,15 @@
 // the bus clock.
 //
 // Guarantees: every line that began gives a packet or is counted in lost_o; packets come out whole.
-// Lines of 60 columns and more may follow each other without a gap. This module only connects
-// sp_image_packer and sp_packet_output, which have the latency, the formats and the overflow rule.
+// Lines may follow each other without a gap from 60 columns on, with 8 lanes from 176 on; with 16
+// lanes they need a gap of 11 clocks. This module only connects sp_image_packer and
+// sp_packet_output, which have the latency, the formats and the overflow rule.
 `default_nettype none
 
 module sp_image_path #(
-  parameter int MaxColumns = sp_spec_pkg::MaxColumns,  // a multiple of 4
+  parameter int MaxColumns = sp_spec_pkg::MaxColumns,  // a multiple of 4; of Lanes
   parameter int MaxRows = sp_spec_pkg::MaxRows,  // 1 or more
+  parameter int Lanes = sp_spec_pkg::PixelsPerBeat,  // pixels in a beat: 4, 8 or 16
   parameter bit Region = 1'b1,  // headers say where on the sensor frames begin
   parameter bit Wide = 1'b0,  // headers tell of pixels of more than 8 bits
   parameter int LogDepth = 9,  // log2 of the depth of the packet FIFO, in beats of 16 bytes: 3..15
@@ -24,7 +26,7 @@ module sp_image_path #(
   input  wire logic                  image_i,
   input  wire logic [ColumnBits-1:0] columns_i,
   input  wire logic                  beat_valid_i,
-  input  wire logic [31:0]           beat_pixels_i,
+  input  wire logic [8*Lanes-1:0]    beat_pixels_i,
   input  wire logic [1:0]            beat_group_i,  // low bits of the group
   input  wire logic [RowBits-1:0]    beat_row_i,
   input  wire logic                  beat_line_start_i,
@@ -56,7 +58,8 @@ module sp_image_path #(
 
   sp_image_packer #(
     .MaxColumns(MaxColumns),
-    .MaxRows   (MaxRows)
+    .MaxRows   (MaxRows),
+    .Lanes     (Lanes)
   ) u_packer (
     .clk_i            (clk_i),
     .rst_i            (rst_i),

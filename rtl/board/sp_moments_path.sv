@@ -2,8 +2,8 @@
 // the bus clock.
 //
 // Guarantees: every frame start gives a packet or is counted in lost_o; packets come out whole.
-// This module only connects sp_column_moments, or sp_column_runs, perhaps sp_compact_words, and
-// sp_packet_output, which have the latency, the formats and the overflow rule.
+// This module only connects sp_column_moments, or sp_column_runs, perhaps sp_compact_words or
+// sp_payload_split, and sp_packet_output, which have the latency, the formats and the overflow rule.
 //
 // With Verdict the sums of a frame that is to be judged come out of words_valid_o whether its packet
 // finds room or not, if judge_ready_i is high at decision_o; else they do not come, and the packet
@@ -11,9 +11,10 @@
 `default_nettype none
 
 module sp_moments_path #(
-  parameter int MaxColumns = sp_spec_pkg::MaxColumns,  // a multiple of 4, 8..2048
+  parameter int MaxColumns = sp_spec_pkg::MaxColumns,  // a multiple of 4, 8..2048; of Lanes
   parameter int MaxRows = sp_spec_pkg::MaxRows,  // 2..1023
-  parameter int PixelBits = sp_spec_pkg::PixelBits,  // 8..12, more than 8 without Runs, Compact, Verdict
+  parameter int PixelBits = sp_spec_pkg::PixelBits,  // 8..12, more than 8 without Compact, Verdict
+  parameter int Lanes = sp_spec_pkg::PixelsPerBeat,  // pixels in a beat: 4, 8 or 16
   parameter bit Grey = 1'b1,
   parameter bit Runs = 1'b0,    // the strongest run of a column
   parameter bit Region = 1'b1,  // headers say where on the sensor frames begin
@@ -21,7 +22,7 @@ module sp_moments_path #(
   parameter bit Verdict = 1'b0,  // sums for sp_verdict, packets with its verdict
   parameter int LogDepth = 11,  // log2 of the depth of the packet FIFO, in beats of 16 bytes: 3..15
   // derived, do not set
-  parameter int GroupBits = $clog2(MaxColumns / 4),
+  parameter int GroupBits = $clog2(MaxColumns / Lanes),
   parameter int ColumnBits = $clog2(MaxColumns + 1),
   parameter int RowBits = $clog2(MaxRows + 1)
 ) (
@@ -39,7 +40,7 @@ module sp_moments_path #(
   input  wire logic                  one_group_i,
   input  wire logic                  two_groups_i,
   input  wire logic                  beat_valid_i,
-  input  wire logic [4*PixelBits-1:0] beat_pixels_i,
+  input  wire logic [Lanes*PixelBits-1:0] beat_pixels_i,
   input  wire logic [GroupBits-1:0]  beat_group_i,
   input  wire logic [RowBits-1:0]    beat_row_i,
   input  wire logic                  beat_first_row_i,
@@ -77,8 +78,11 @@ module sp_moments_path #(
   if (Compact && !Grey) begin : gen_compact_needs_grey
     compact_needs_grey u_error ();
   end
-  if (PixelBits > 8 && (Runs || Compact || Verdict)) begin : gen_wide_moments_only
-    more_than_8_pixel_bits_exclude_runs_compact_and_verdict u_error ();
+  if (PixelBits > 8 && (Compact || Verdict)) begin : gen_wide_moments_only
+    more_than_8_pixel_bits_exclude_compact_and_verdict u_error ();
+  end
+  if (Lanes > 4 && (Compact || Verdict)) begin : gen_wide_beats_only
+    more_than_4_lanes_exclude_compact_and_verdict u_error ();
   end
 
   localparam int StatusBits = sp_spec_pkg::StatusBits;
@@ -87,7 +91,7 @@ module sp_moments_path #(
   logic                   accept;  // the packet
   logic                   wanted;  // the sums
   logic                   words_valid, words_break, spoiled;
-  logic [127:0]           words_data;
+  logic [32*Lanes-1:0]    words_data;
   logic [PayloadBits-1:0] payload_beats, payload_beats_q;
   logic                   last_row_start_q;
 
@@ -119,6 +123,8 @@ module sp_moments_path #(
     sp_column_runs #(
       .MaxColumns(MaxColumns),
       .MaxRows   (MaxRows),
+      .PixelBits (PixelBits),
+      .Lanes     (Lanes),
       .Grey      (Grey)
     ) u_moments (
       .clk_i           (clk_i),
@@ -148,6 +154,7 @@ module sp_moments_path #(
       .MaxColumns(MaxColumns),
       .MaxRows   (MaxRows),
       .PixelBits (PixelBits),
+      .Lanes     (Lanes),
       .Grey      (Grey)
     ) u_moments (
       .clk_i           (clk_i),
@@ -188,7 +195,7 @@ module sp_moments_path #(
       128'({sp_spec_pkg::VerdictPartBits{1'b1}}) << sp_spec_pkg::VerdictPartLsb;
   logic       tail_valid, columns_leave;
   assign words_valid_o = words_valid;
-  assign words_data_o  = words_data;
+  assign words_data_o  = words_data[127:0];
   assign words_break_o = words_break;
   assign spoiled_o     = spoiled;
   logic       active;         // at the decision: the frame is to be judged
@@ -269,6 +276,22 @@ module sp_moments_path #(
       .data_o       (payload_data),
       .break_o      (payload_break)
     );
+  end else if (Lanes > 4) begin : gen_wide
+    logic unused_compact;
+    assign unused_compact = compact_i;
+    sp_payload_split #(
+      .Lanes   (Lanes),
+      .LogDepth(Grey ? GroupBits + 1 : GroupBits)
+    ) u_split (
+      .clk_i        (clk_i),
+      .rst_i        (rst_i),
+      .words_valid_i(words_valid),
+      .words_data_i (words_data),
+      .words_break_i(words_break),
+      .valid_o      (payload_valid),
+      .data_o       (payload_data),
+      .break_o      (payload_break)
+    );
   end else begin : gen_exact
     logic unused_compact;
     assign unused_compact = compact_i;
@@ -316,7 +339,7 @@ module sp_moments_path #(
 
 `ifdef FORMAL
   // Any one pixel of any beat
-  (* anyseq *) logic [1:0] f_lane;
+  (* anyseq *) logic [$clog2(Lanes)-1:0] f_lane;
   logic [PixelBits-1:0] f_pixel;
   logic       f_above, f_below;  // the row is above the first one that counts, below the last one
   assign f_pixel = beat_pixels_i[PixelBits*f_lane+:PixelBits];

@@ -21,9 +21,10 @@
 `default_nettype none
 
 module sp_registers #(
-  parameter int MaxColumns = sp_spec_pkg::MaxColumns,  // a multiple of 4, 4..2048
+  parameter int MaxColumns = sp_spec_pkg::MaxColumns,  // a multiple of 4, 4..2048; of Lanes
   parameter int MaxRows = sp_spec_pkg::MaxRows,  // 1..1023
   parameter int PixelBits = sp_spec_pkg::PixelBits,  // 8..12
+  parameter int Lanes = sp_spec_pkg::PixelsPerBeat,  // pixels in a beat: 4, 8 or 16
   parameter bit Grey = 1'b1,
   parameter bit Runs = 1'b0,  // the strongest run of a column
   parameter bit Image = 1'b1,
@@ -89,9 +90,12 @@ module sp_registers #(
   input  wire logic [15:0]            encoder_errors_i
 );
 
-  if (MaxColumns < 4 || MaxColumns > sp_spec_pkg::MaxColumns || MaxColumns % 4 != 0)
+  if (MaxColumns < Lanes || MaxColumns > sp_spec_pkg::MaxColumns || MaxColumns % Lanes != 0)
   begin : gen_max_columns
-    max_columns_is_not_a_multiple_of_4_in_4_to_2048 u_error ();
+    max_columns_is_not_a_multiple_of_lanes_up_to_2048 u_error ();
+  end
+  if (Lanes != 4 && Lanes != 8 && Lanes != 16) begin : gen_lanes
+    lanes_is_not_4_or_8_or_16 u_error ();
   end
   if (MaxRows < 1 || MaxRows > sp_spec_pkg::MaxRows) begin : gen_max_rows
     max_rows_is_not_in_1_to_1023 u_error ();
@@ -308,7 +312,8 @@ module sp_registers #(
   assign camera_word  = 32'(trigger_camera_o) << sp_spec_pkg::RegTriggerCameraClocksLsb;
   assign width_word   = 32'(trigger_width_o) << sp_spec_pkg::RegTriggerWidthClocksLsb;
   assign errors_word  = 32'(encoder_errors_i) << sp_spec_pkg::RegEncoderErrorsCountLsb;
-  assign status_word  = 32'(PixelBits - 8) << sp_spec_pkg::RegStatusMoreBitsLsb |
+  assign status_word  = 32'($clog2(Lanes) - 2) << sp_spec_pkg::RegStatusLanesLsb |
+                        32'(PixelBits - 8) << sp_spec_pkg::RegStatusMoreBitsLsb |
                         32'(Compact) << sp_spec_pkg::RegStatusCompactLsb |
                         32'(Verdict) << sp_spec_pkg::RegStatusVerdictLsb |
                         32'(frame_open_i) << sp_spec_pkg::RegStatusFrameOpenLsb |
@@ -343,7 +348,7 @@ module sp_registers #(
       there_q <= address_i[1:0] == 2'd0 && address_i <= LastRegister &&
                  (NoHoles || Present[address_i[6:2]]);
       hit_q   <= {{(Words - 1) {1'b0}}, !address_i[7] && address_i[1:0] == 2'd0} << address_i[6:2];
-      size_good_q    <= data_i[SizeColumnsLsb+:2] == 2'd0 &&
+      size_good_q    <= data_i[SizeColumnsLsb+:$clog2(Lanes)] == '0 &&
                         data_i[SizeColumnsLsb+:SizeColumnsSpan] != '0 &&
                         data_i[SizeColumnsLsb+:SizeColumnsSpan] <= SizeColumnsSpan'(MaxColumns) &&
                         data_i[SizeRowsLsb+:SizeRowsSpan] != '0 &&

@@ -68,6 +68,15 @@ package sp_spec_pkg is
   constant WideGreyM0Bits : natural := 22;
   constant WideGreyNLsb : natural := 53;
   constant WideGreyNBits : natural := 11;
+  constant WideGreyRunWordBits : natural := 64;
+  constant WideGreyRunM1Lsb : natural := 0;
+  constant WideGreyRunM1Bits : natural := 31;
+  constant WideGreyRunM0Lsb : natural := 31;
+  constant WideGreyRunM0Bits : natural := 22;
+  constant WideGreyRunNLsb : natural := 53;
+  constant WideGreyRunNBits : natural := 6;
+  constant WideGreyRunSecondLsb : natural := 59;
+  constant WideGreyRunSecondBits : natural := 5;
   constant HeaderPixelWordBits : natural := 8;
   constant HeaderPixelThresholdHighLsb : natural := 0;
   constant HeaderPixelThresholdHighBits : natural := 4;
@@ -272,6 +281,8 @@ package sp_spec_pkg is
   constant RegStatusFrameOpenBits : natural := 1;
   constant RegStatusPendingLsb : natural := 1;
   constant RegStatusPendingBits : natural := 1;
+  constant RegStatusLanesLsb : natural := 25;
+  constant RegStatusLanesBits : natural := 2;
   constant RegStatusMoreBitsLsb : natural := 27;
   constant RegStatusMoreBitsBits : natural := 3;
   constant RegStatusVerdictLsb : natural := 30;

@@ -4,9 +4,10 @@
 `default_nettype none
 
 module sp_gray_core #(
-  parameter int MaxColumns = sp_spec_pkg::MaxColumns,  // a multiple of 4
+  parameter int MaxColumns = sp_spec_pkg::MaxColumns,  // a multiple of 4; of Lanes
   parameter int MaxRows = sp_spec_pkg::MaxRows,  // 1 or more
   parameter int MaxBits = sp_spec_pkg::CodeCodeBits,  // 1..12
+  parameter int Lanes = sp_spec_pkg::PixelsPerBeat,  // pixels in a beat: 4, 8 or 16
   parameter bit Median = 1'b1,
   // derived, do not set
   parameter int ColumnBits = $clog2(MaxColumns + 1),
@@ -25,7 +26,7 @@ module sp_gray_core #(
   input  wire logic                  median_i,  // with take_i: send the median
 
   input  wire logic                  beat_valid_i,
-  input  wire logic [31:0]           beat_pixels_i,
+  input  wire logic [8*Lanes-1:0]    beat_pixels_i,
   input  wire logic                  beat_line_start_i,
   input  wire logic                  beat_line_end_i,
   input  wire logic                  beat_last_row_i,
@@ -37,7 +38,7 @@ module sp_gray_core #(
   // first beat of codes of a frame, before the median
   output logic                       raw_start_o,
   output logic                       codes_valid_o,
-  output logic      [63:0]           codes_o,
+  output logic      [16*Lanes-1:0]   codes_o,
   output logic                       codes_start_o,
   output logic                       codes_line_start_o,
   output logic                       codes_line_end_o,
@@ -47,20 +48,21 @@ module sp_gray_core #(
   output logic      [31:0]           abandoned_o
 );
 
-  localparam int WordBits = 4 * (sp_spec_pkg::PixelBits + 2 * MaxBits);
+  localparam int WordBits = Lanes * (sp_spec_pkg::PixelBits + 2 * MaxBits);
 
   logic                read, read_first, write, write_first, frame_end_unused;
   logic [WordBits-1:0] read_data, write_data;
 
   logic                raw_valid, raw_start, raw_line_start, raw_line_end, raw_last_row, raw_break,
       busy;
-  logic [63:0]         raw;
+  logic [16*Lanes-1:0] raw;
   logic [sp_spec_pkg::StatusBits-1:0] raw_status;
 
   sp_gray_decoder #(
     .MaxColumns(MaxColumns),
     .MaxRows   (MaxRows),
-    .MaxBits   (MaxBits)
+    .MaxBits   (MaxBits),
+    .Lanes     (Lanes)
   ) u_decoder (
     .clk_i             (clk_i),
     .rst_i             (rst_i),
@@ -101,7 +103,7 @@ module sp_gray_core #(
 
   sp_gray_memory #(
     .Width(WordBits),
-    .Words(MaxColumns / 4 * MaxRows)
+    .Words(MaxColumns / Lanes * MaxRows)
   ) u_memory (
     .clk_i     (clk_i),
     .rd_en_i   (read),
@@ -122,7 +124,8 @@ module sp_gray_core #(
     always_ff @(posedge clk_i) if (take_i) median_q <= median_i;
 
     sp_median3x3 #(
-      .MaxColumns(MaxColumns)
+      .MaxColumns(MaxColumns),
+      .Lanes     (Lanes)
     ) u_median (
       .clk_i         (clk_i),
       .rst_i         (rst_i),

@@ -24,13 +24,14 @@
 `default_nettype none
 
 module sp_gray_decoder #(
-  parameter int MaxColumns = sp_spec_pkg::MaxColumns,  // largest image width, a multiple of 4
+  parameter int MaxColumns = sp_spec_pkg::MaxColumns,  // largest image width, a multiple of 4; of Lanes
   parameter int MaxRows = sp_spec_pkg::MaxRows,  // largest image height: 1 or more
   parameter int MaxBits = sp_spec_pkg::CodeCodeBits,  // largest m: 1..12
+  parameter int Lanes = sp_spec_pkg::PixelsPerBeat,  // pixels in a beat: 4, 8 or 16
   // derived, do not set
   parameter int ColumnBits = $clog2(MaxColumns + 1),
   parameter int RowBits = $clog2(MaxRows + 1),
-  parameter int WordBits = 4 * (sp_spec_pkg::PixelBits + 2 * MaxBits)
+  parameter int WordBits = Lanes * (sp_spec_pkg::PixelBits + 2 * MaxBits)
 ) (
   input  wire logic                  clk_i,                   // pixel clock
   input  wire logic                  rst_i,                   // active high, synchronous
@@ -44,8 +45,8 @@ module sp_gray_decoder #(
   input  wire logic [RowBits-1:0]    rows_i,                  // a change restarts the decoder
 
   // Beats and breaks of sp_frame_tracker
-  input  wire logic                  beat_valid_i,            // a beat of four pixels
-  input  wire logic [31:0]           beat_pixels_i,           // leftmost pixel in 7..0
+  input  wire logic                  beat_valid_i,            // a beat of Lanes pixels
+  input  wire logic [8*Lanes-1:0]    beat_pixels_i,           // leftmost pixel in 7..0
   input  wire logic                  beat_line_start_i,       // first beat of a line
   input  wire logic                  beat_line_end_i,         // last beat of a line
   input  wire logic                  beat_last_row_i,         // the row is the last of the frame
@@ -66,8 +67,8 @@ module sp_gray_decoder #(
 
   // Codes: leftmost in 15..0
   input  wire logic                  busy_i,  // codes of a frame that starts cannot be taken
-  output logic                       codes_valid_o,           // a beat of four codes
-  output logic      [63:0]           codes_o,                 // format code of the packets
+  output logic                       codes_valid_o,           // a beat of Lanes codes
+  output logic      [16*Lanes-1:0]   codes_o,                 // format code of the packets
   output logic                       codes_start_o,           // first beat of a frame
   output logic                       codes_line_start_o,      // first beat of a line
   output logic                       codes_line_end_o,        // last beat of a line
@@ -78,15 +79,18 @@ module sp_gray_decoder #(
   output logic      [31:0]           abandoned_o              // frames given up, as listed above
 );
 
-  if (MaxColumns < 4 || MaxColumns % 4 != 0) begin : gen_max_columns
-    max_columns_is_not_a_multiple_of_4 u_error ();
+  if (MaxColumns < Lanes || MaxColumns % Lanes != 0) begin : gen_max_columns
+    max_columns_is_not_a_multiple_of_lanes u_error ();
+  end
+  if (Lanes != 4 && Lanes != 8 && Lanes != 16) begin : gen_lanes
+    lanes_is_not_4_or_8_or_16 u_error ();
   end
   if (MaxRows < 1) begin : gen_max_rows
     max_rows_is_less_than_1 u_error ();
   end
 
   localparam int StatusBits = sp_spec_pkg::StatusBits;
-  localparam int StateBits = WordBits / 4;
+  localparam int StateBits = WordBits / Lanes;
   localparam int TooClose = 6;
 
   // --- Signals beside the pixels; the index counts the clocks after the beat ---
@@ -94,7 +98,7 @@ module sp_gray_decoder #(
   logic [StatusBits-1:0] status1_q, status2_q, status3_q, status4_q, status5_q, status6_q,
       status7_q;
   logic [4:1]            close_q, took_q;
-  logic [31:0]           pixels1_q, pixels2_q, pixels3_q;
+  logic [8*Lanes-1:0]    pixels1_q, pixels2_q, pixels3_q;
   logic                  decode_q;  // the frame of stage 1 is decoded
 
   // --- Settings. They come at least seven clocks apart, but a frame that keeps those before it may
@@ -208,7 +212,7 @@ module sp_gray_decoder #(
   // --- Pixels ---
   logic lost6_q;
 
-  for (genvar i = 0; i < 4; i++) begin : gen_lane
+  for (genvar i = 0; i < Lanes; i++) begin : gen_lane
     sp_gray_lane #(
       .MaxBits(MaxBits)
     ) u_lane (

@@ -1,8 +1,8 @@
-// 3 x 3 median of a stream of code images, four codes per clock, one line behind its input.
+// 3 x 3 median of a stream of code images, a beat of codes per clock, one line behind its input.
 //
 //   codes ─▶ line before ─▶ line before that        two line buffers
 //     │          │              │
-//     └──────────┴──────────────┴▶ window of 6 x 3 ─▶ 4 × sp_median9
+//     └──────────┴──────────────┴▶ window of Lanes + 2 x 3 ─▶ Lanes × sp_median9
 //
 // A line leaves while the next one comes in. The last line of a frame follows at once, one beat per
 // clock. No other frame may begin during that time (busy_o) and three clocks after it;
@@ -19,14 +19,15 @@
 `default_nettype none
 
 module sp_median3x3 #(
-  parameter int MaxColumns = sp_spec_pkg::MaxColumns  // largest image width, a multiple of 4
+  parameter int MaxColumns = sp_spec_pkg::MaxColumns,  // largest image width, a multiple of 4; of Lanes
+  parameter int Lanes = sp_spec_pkg::PixelsPerBeat  // pixels in a beat: 4, 8 or 16
 ) (
   input  wire logic        clk_i,                              // pixel clock
   input  wire logic        rst_i,                              // active high, synchronous
 
   // Codes of sp_gray_decoder
-  input  wire logic        s_valid_i,                          // a beat of four codes
-  input  wire logic [63:0] s_codes_i,                          // leftmost code in 15..0
+  input  wire logic        s_valid_i,                          // a beat of Lanes codes
+  input  wire logic [16*Lanes-1:0] s_codes_i,                          // leftmost code in 15..0
   input  wire logic        s_start_i,                          // first beat of a frame
   input  wire logic        s_line_start_i,                     // first beat of a line
   input  wire logic        s_line_end_i,                       // last beat of a line
@@ -37,8 +38,8 @@ module sp_median3x3 #(
   output logic             busy_o,  // a frame is open, or its last line is still leaving
 
   // Codes
-  output logic             m_valid_o,                          // a beat of four codes
-  output logic      [63:0] m_codes_o,                          // leftmost code in 15..0
+  output logic             m_valid_o,                          // a beat of Lanes codes
+  output logic      [16*Lanes-1:0] m_codes_o,                          // leftmost code in 15..0
   output logic             m_start_o,                          // first beat of a frame
   output logic             m_line_start_o,                     // first beat of a line
   output logic             m_line_end_o,                       // last beat of a line
@@ -46,14 +47,17 @@ module sp_median3x3 #(
   output logic [sp_spec_pkg::StatusBits-1:0] m_status_o        // why, with m_break_o
 );
 
-  if (MaxColumns < 4 || MaxColumns % 4 != 0) begin : gen_max_columns
-    max_columns_is_not_a_multiple_of_4 u_error ();
+  if (MaxColumns < Lanes || MaxColumns % Lanes != 0) begin : gen_max_columns
+    max_columns_is_not_a_multiple_of_lanes u_error ();
+  end
+  if (Lanes != 4 && Lanes != 8 && Lanes != 16) begin : gen_lanes
+    lanes_is_not_4_or_8_or_16 u_error ();
   end
 
   localparam int StatusBits = sp_spec_pkg::StatusBits;
   localparam int CodeBits = sp_spec_pkg::CodeCodeBits;
   localparam int Width = CodeBits + 1;  // {measurable, code}
-  localparam int GroupBits = MaxColumns > 4 ? $clog2(MaxColumns / 4) : 1;
+  localparam int GroupBits = MaxColumns > Lanes ? $clog2(MaxColumns / Lanes) : 1;
 
   // --- Place of the beat. A step reads both line buffers: a beat from the second line on, or a
   // beat of the last line while it leaves. ---
@@ -94,14 +98,14 @@ module sp_median3x3 #(
   // --- Line buffers: near holds the line before, far the line before that. They are written one
   // clock after they are read. A read that meets the write of its own group (lines of one group)
   // takes the word that is written. ---
-  logic [4*Width-1:0]   now1_q;
+  logic [Lanes*Width-1:0]   now1_q;
   logic                 valid1_q, step1_q, first1_q, last1_q, top1_q, bottom1_q, same1_q;
   logic [GroupBits-1:0] group1_q, step_group;
-  logic [4*Width-1:0]   near_ram, far_ram, near, far, near_written_q, far_written_q;
-  logic [4*Width-1:0]   codes;
+  logic [Lanes*Width-1:0]   near_ram, far_ram, near, far, near_written_q, far_written_q;
+  logic [Lanes*Width-1:0]   codes;
   logic                 median_q;
 
-  for (genvar i = 0; i < 4; i++) begin : gen_in
+  for (genvar i = 0; i < Lanes; i++) begin : gen_in
     assign codes[Width*i+:Width] =
         {s_codes_i[16*i+sp_spec_pkg::CodeMeasurableLsb], s_codes_i[16*i+:CodeBits]};
     logic unused;
@@ -132,7 +136,7 @@ module sp_median3x3 #(
   end
 
   sp_ram #(
-    .Width   (4 * Width),
+    .Width   (Lanes * Width),
     .LogDepth(GroupBits)
   ) u_near (
     .wr_clk_i (clk_i),
@@ -146,7 +150,7 @@ module sp_median3x3 #(
   );
 
   sp_ram #(
-    .Width   (4 * Width),
+    .Width   (Lanes * Width),
     .LogDepth(GroupBits)
   ) u_far (
     .wr_clk_i (clk_i),
@@ -163,15 +167,15 @@ module sp_median3x3 #(
   // the one before the group of the step. ---
   localparam int Column = 3 * Width;
 
-  logic [4*Column-1:0] columns;      // of the step
-  logic [4*Column-1:0] middle_q;     // of the step before
+  logic [Lanes*Column-1:0] columns;      // of the step
+  logic [Lanes*Column-1:0] middle_q;     // of the step before
   logic [Column-1:0]   left_q;       // the column to the left of it
   logic                middle_valid_q, middle_first_q, middle_last_q, middle_top_q, middle_bottom_q;
   logic                leaves;
-  logic [6*Column-1:0] window_q;
+  logic [(Lanes+2)*Column-1:0] window_q;
   logic                window_valid_q, window_first_q, window_last_q, window_top_q, window_bottom_q;
 
-  for (genvar i = 0; i < 4; i++) begin : gen_column
+  for (genvar i = 0; i < Lanes; i++) begin : gen_column
     assign columns[Column*i+:Column] =
         {bottom1_q ? now1_q[Width*i+:Width] : Width'(0), near[Width*i+:Width],
                                         top1_q ? far[Width*i+:Width] : Width'(0)};
@@ -190,7 +194,7 @@ module sp_median3x3 #(
     end
     if (step1_q) begin
       middle_q        <= columns;
-      left_q          <= first1_q ? '0 : middle_q[3*Column+:Column];
+      left_q          <= first1_q ? '0 : middle_q[(Lanes-1)*Column+:Column];
       middle_first_q  <= first1_q;
       middle_last_q   <= last1_q;
       middle_top_q    <= top1_q;
@@ -203,9 +207,9 @@ module sp_median3x3 #(
     window_bottom_q <= middle_bottom_q;
   end
 
-  // --- Four medians. Half of the codes that exist: 4 of 9, 3 of 6, 2 of 4, 1 of 2 or 3. ---
+  // --- The medians. Half of the codes that exist: 4 of 9, 3 of 6, 2 of 4, 1 of 2 or 3. ---
   logic [3:0]         half_inner, half_outer;
-  logic [4*Width-1:0] medians;
+  logic [Lanes*Width-1:0] medians;
 
   always_comb begin
     case ({window_top_q, window_bottom_q})
@@ -215,9 +219,9 @@ module sp_median3x3 #(
     endcase
   end
 
-  for (genvar i = 0; i < 4; i++) begin : gen_median
+  for (genvar i = 0; i < Lanes; i++) begin : gen_median
     logic outer;
-    assign outer = i == 0 && window_first_q || i == 3 && window_last_q;
+    assign outer = i == 0 && window_first_q || i == Lanes - 1 && window_last_q;
     sp_median9 #(
       .CodeBits(CodeBits)
     ) u_median (

@@ -1,4 +1,4 @@
-// Column moments M0, M1 and N of a stream of frames, four pixels in every clock.
+// Column moments M0, M1 and N of a stream of frames, 4, 8 or 16 pixels in every clock.
 //
 //   M0(c) = sum over rows of w,   M1(c) = sum over rows of row*w,   N(c) = lit pixels   (3.1, 3.2)
 //
@@ -12,10 +12,10 @@
 // early, within its last row, one clock after the last beat that counts or later; the columns that
 // were complete still leave, followed by moments_break_o.
 //
-// Output: 16-byte payload beats of the packet format, without back-pressure. In mode binary a beat
-// holds four columns and leaves 8 clocks after their pixels (10 in a grey build). In the grey modes
-// a beat holds two columns, as words wide_grey if pixels have more than 8 bits; the first leaves
-// after 16 clocks, the last of G groups G + 16 clocks after its pixels.
+// Output: the payload of the packet format, 4 Lanes bytes at once, without back-pressure. In mode
+// binary this is a group of columns, and leaves 8 clocks after its pixels (10 in a grey build). In
+// the grey modes it is half a group, as words wide_grey if pixels have more than 8 bits; the first
+// leaves after 16 clocks, the last of G groups G + 16 clocks after its pixels.
 //
 // spoiled_o: a frame of three or more rows came while a larger frame before it was still draining,
 // which only a change of size in a grey build can cause. Its sums are void; its packet counts as
@@ -23,20 +23,21 @@
 `default_nettype none
 
 module sp_column_moments #(
-  parameter int MaxColumns = sp_spec_pkg::MaxColumns,  // image width: a multiple of 4, 8..2048
+  parameter int MaxColumns = sp_spec_pkg::MaxColumns,  // image width: a multiple of 4, 8..2048; of Lanes
   parameter int MaxRows = sp_spec_pkg::MaxRows,  // image height: 2..1023
   parameter bit Grey = 1'b1,  // modes grey and grey_over
   parameter int PixelBits = sp_spec_pkg::PixelBits,  // 8..12
+  parameter int Lanes = sp_spec_pkg::PixelsPerBeat,  // pixels in a beat: 4, 8 or 16
   // derived, do not set
-  parameter int GroupBits = $clog2(MaxColumns / 4),
+  parameter int GroupBits = $clog2(MaxColumns / Lanes),
   parameter int RowBits = $clog2(MaxRows + 1)
 ) (
   input  wire logic                 clk_i,             // pixel clock
   input  wire logic                 rst_i,             // active high, synchronous
 
-  input  wire logic                 beat_valid_i,  // a beat of four pixels
-  input  wire logic [4*PixelBits-1:0] beat_pixels_i,   // leftmost pixel lowest
-  input  wire logic [GroupBits-1:0] beat_group_i,      // group of four columns, from 0
+  input  wire logic                 beat_valid_i,  // a beat of Lanes pixels
+  input  wire logic [Lanes*PixelBits-1:0] beat_pixels_i,   // leftmost pixel lowest
+  input  wire logic [GroupBits-1:0] beat_group_i,      // group of Lanes columns, from 0
   input  wire logic [RowBits-1:0]   beat_row_i,        // row, from 1
   input  wire logic                 beat_first_row_i,  // the row is the first of the frame
   input  wire logic                 beat_last_row_i,   // the row is the last of the frame
@@ -46,23 +47,26 @@ module sp_column_moments #(
   input  wire logic                 accept_i,          // the beat of four clocks ago is wanted
 
   // The same with every beat of a frame
-  input  wire logic                 one_group_i,  // the frame has 4 columns
-  input  wire logic                 two_groups_i,  // the frame has 8 columns
+  input  wire logic                 one_group_i,  // the frame has one group
+  input  wire logic                 two_groups_i,  // the frame has two groups
   input  wire logic [1:0]           mode_i,  // 0 binary, 1 grey, 2 grey_over
 
   // Payload of the packet
   output logic                      moments_valid_o,   // a payload beat
-  output logic [127:0]              moments_data_o,  // four or two columns, leftmost lowest
+  output logic [32*Lanes-1:0]       moments_data_o,  // a group or half of it, leftmost lowest
   output logic                      moments_break_o,  // no further payload beat of this frame comes
   output logic                      spoiled_o          // the sums of the frame are void: see above
 );
 
-  if (MaxColumns < 8 || MaxColumns > sp_spec_pkg::MaxColumns || MaxColumns % 4 != 0)
+  if (MaxColumns < 2 * Lanes || MaxColumns > sp_spec_pkg::MaxColumns || MaxColumns % Lanes != 0)
   begin : gen_max_columns
-    max_columns_is_not_a_multiple_of_4_in_8_to_2048 u_error ();
+    max_columns_is_not_a_multiple_of_lanes_in_2_lanes_to_2048 u_error ();
   end
   if (PixelBits < 8 || PixelBits > 12) begin : gen_pixel_bits
     pixel_bits_is_not_in_8_to_12 u_error ();
+  end
+  if (Lanes != 4 && Lanes != 8 && Lanes != 16) begin : gen_lanes
+    lanes_is_not_4_or_8_or_16 u_error ();
   end
 
   localparam int WeightBits = Grey ? PixelBits : 1;
@@ -79,7 +83,7 @@ module sp_column_moments #(
   logic [GroupBits-1:0]    s1_group_q, s2_group_q, s3_group_q, s4_group_q;
   logic [RowBits-1:0]      s1_row_q, s2_row_q, s3_row_q, s4_row_q;
   logic [5:0]              s1_flags_q, s2_flags_q, s3_flags_q, s4_flags_q;
-  logic [4*WeightBits-1:0] s3_weights, s4_weights_q;
+  logic [Lanes*WeightBits-1:0] s3_weights, s4_weights_q;
   logic                    s4_first_row, s4_last_row, s4_line_end, s4_one, s4_two, s4_grey;
 
   always_ff @(posedge clk_i) begin
@@ -107,7 +111,8 @@ module sp_column_moments #(
 
   sp_pixel_weights #(
     .Grey     (Grey),
-    .PixelBits(PixelBits)
+    .PixelBits(PixelBits),
+    .Lanes    (Lanes)
   ) u_weights (
     .clk_i        (clk_i),
     .rst_i        (rst_i),
@@ -123,8 +128,8 @@ module sp_column_moments #(
   logic                   drain;
   logic [GroupBits-1:0]   drain_group;
   logic                   draining;
-  logic [4*LaneMBits-1:0] raw_m, sum_m;
-  logic [4*LaneABits-1:0] raw_a, sum_a;
+  logic [Lanes*LaneMBits-1:0] raw_m, sum_m;
+  logic [Lanes*LaneABits-1:0] raw_a, sum_a;
   logic                   sum_m_comes, sum_a_comes;
 
   assign s4_drain_row = s4_last_row && s4_grey;
@@ -136,12 +141,12 @@ module sp_column_moments #(
   logic                    add, add_first_row, add_one, add_two, add_grey;
   logic [GroupBits-1:0]    add_group;
   logic [RowBits-1:0]      add_row;
-  logic [4*WeightBits-1:0] add_weights;
+  logic [Lanes*WeightBits-1:0] add_weights;
   if (Grey) begin : gen_stage5
     logic                    s5_add_q, s5_first_row_q, s5_one_q, s5_two_q, s5_grey_q;
     logic [GroupBits-1:0]    s5_group_q;
     logic [RowBits-1:0]      s5_row_q;
-    logic [4*WeightBits-1:0] s5_weights_q;
+    logic [Lanes*WeightBits-1:0] s5_weights_q;
     always_ff @(posedge clk_i) begin
       if (rst_i) s5_add_q <= 1'b0;
       else s5_add_q <= s4_add;
@@ -163,7 +168,8 @@ module sp_column_moments #(
     .MaxRows  (MaxRows),
     .GroupBits(GroupBits),
     .Grey     (Grey),
-    .PixelBits(PixelBits)
+    .PixelBits(PixelBits),
+    .Lanes    (Lanes)
   ) u_sums (
     .clk_i        (clk_i),
     .rst_i        (rst_i),
@@ -191,7 +197,7 @@ module sp_column_moments #(
   localparam int SumA = Grey ? 9 : 8;  // the stage that sum_a belongs to; sum_m is one ahead
   logic [DirectEnd:5]   direct_q;
   logic [DirectEnd:5]   direct_break_q;
-  logic [4*RowBits-1:0] m0_q;          // of stage SumA
+  logic [Lanes*RowBits-1:0] m0_q;          // of stage SumA
   logic                 break_drains;
 
   always_ff @(posedge clk_i) begin
@@ -206,9 +212,9 @@ module sp_column_moments #(
   end
 
   logic         no_direct_q;  // !direct_q[SumA]
-  logic [127:0] direct_data;
+  logic [32*Lanes-1:0] direct_data;
   always_ff @(posedge clk_i) no_direct_q <= rst_i || !direct_q[SumA-1];
-  for (genvar lane = 0; lane < 4; lane++) begin : gen_word
+  for (genvar lane = 0; lane < Lanes; lane++) begin : gen_word
     logic [RowBits-1:0] m0;
     logic [M1Bits-1:0]  m1;
     logic [31:0]        word;
@@ -247,7 +253,7 @@ module sp_column_moments #(
   if (Grey) begin : gen_grey
     logic         drain_grey_q;  // this last row, or the one before, goes to the drain
     logic         drain_valid;
-    logic [127:0] drain_data;
+    logic [32*Lanes-1:0] drain_data;
     logic         drain_break;
 
     always_ff @(posedge clk_i) begin
@@ -259,7 +265,8 @@ module sp_column_moments #(
     sp_moment_drain #(
       .MaxRows  (MaxRows),
       .GroupBits(GroupBits),
-      .PixelBits(PixelBits)
+      .PixelBits(PixelBits),
+      .Lanes    (Lanes)
     ) u_drain (
       .clk_i           (clk_i),
       .rst_i           (rst_i),

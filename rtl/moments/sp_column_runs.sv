@@ -1,40 +1,44 @@
-// The strongest run of every column of a stream of frames, four pixels in every clock; the moments
+// The strongest run of every column of a stream of frames, 4, 8 or 16 pixels in every clock; the moments
 // of all lit pixels where select is `all`.
 //
 // A run is a sequence of lit rows with at most gap_i dark rows between two of them. The strongest
 // run has the largest M0, of equals the one with the smaller rows. Weights, rows, M0, M1 and N are
 // those of sp_column_moments. The words also tell how many runs there are, up to 3, and how strong
 // the second one is; both are 0 where select is `all`, and the words those of sp_column_moments.
+// With pixels of more than 8 bits, words of the grey modes are wide_grey_run or wide_grey, and the
+// former tell no number of runs.
 //
 // Input, accept_i, break_i and spoiled_o are those of sp_column_moments. Latency: in a binary build
-// a beat of four columns leaves 12 clocks after its pixels. In a grey build two columns are
-// completed per clock, in every mode. The first beat leaves 19 clocks after its pixels, the last of
-// G groups G + 19 clocks after its pixels; in mode binary, where a beat takes four columns, the
-// first after 20.
+// a group of columns leaves 12 clocks after its pixels. In a grey build half a group is completed
+// per clock, in every mode. The first words leave 19 clocks after their pixels, the last of G groups
+// G + 19 clocks after its pixels; in mode binary, where a whole group leaves at once, the first
+// after 20.
 //
 // Distance: no gap is needed between frames. In a grey build the last row takes 2 G clocks to
 // leave, in mode binary too. sp_packetizer counts a packet that comes sooner as lost.
 `default_nettype none
 
 module sp_column_runs #(
-  parameter int MaxColumns = sp_spec_pkg::MaxColumns,  // image width: a multiple of 4, 8..2048
+  parameter int MaxColumns = sp_spec_pkg::MaxColumns,  // image width: a multiple of 4, 8..2048; of Lanes
   parameter int MaxRows = sp_spec_pkg::MaxRows,  // image height: 2..1023
   parameter bit Grey = 1'b1,  // modes grey and grey_over
+  parameter int PixelBits = sp_spec_pkg::PixelBits,  // 8..12
+  parameter int Lanes = sp_spec_pkg::PixelsPerBeat,  // pixels in a beat: 4, 8 or 16
   // derived, do not set
-  parameter int GroupBits = $clog2(MaxColumns / 4),
+  parameter int GroupBits = $clog2(MaxColumns / Lanes),
   parameter int RowBits = $clog2(MaxRows + 1)
 ) (
   input  wire logic                 clk_i,             // pixel clock
   input  wire logic                 rst_i,             // active high, synchronous
 
-  input  wire logic                 beat_valid_i,  // a beat of four pixels
-  input  wire logic [31:0]          beat_pixels_i,     // leftmost pixel in 7..0
-  input  wire logic [GroupBits-1:0] beat_group_i,      // group of four columns, from 0
+  input  wire logic                 beat_valid_i,  // a beat of Lanes pixels
+  input  wire logic [Lanes*PixelBits-1:0] beat_pixels_i,   // leftmost pixel lowest
+  input  wire logic [GroupBits-1:0] beat_group_i,      // group of Lanes columns, from 0
   input  wire logic [RowBits-1:0]   beat_row_i,        // row, from 1
   input  wire logic                 beat_first_row_i,  // the row is the first of the frame
   input  wire logic                 beat_last_row_i,   // the row is the last of the frame
   input  wire logic                 beat_line_end_i,   // the group is the last of its line
-  input  wire logic [7:0]           threshold_i,  // a pixel of this beat is lit where it is greater
+  input  wire logic [PixelBits-1:0] threshold_i,  // a pixel of this beat is lit where it is greater
   input  wire logic                 break_i,           // the frame ends early, in its last row
   input  wire logic                 accept_i,          // the beat of four clocks ago is wanted
 
@@ -45,19 +49,26 @@ module sp_column_runs #(
 
   // Payload of the packet
   output logic                      moments_valid_o,   // a payload beat
-  output logic [127:0]              moments_data_o,    // four or two columns, leftmost lowest
+  output logic [32*Lanes-1:0]       moments_data_o,    // a group or half of it, leftmost lowest
   output logic                      moments_break_o,   // no more payload of this frame comes
   output logic                      spoiled_o          // the sums of the frame are void
 );
 
-  if (MaxColumns < 8 || MaxColumns > sp_spec_pkg::MaxColumns || MaxColumns % 4 != 0)
+  if (MaxColumns < 2 * Lanes || MaxColumns > sp_spec_pkg::MaxColumns || MaxColumns % Lanes != 0)
   begin : gen_max_columns
-    max_columns_is_not_a_multiple_of_4_in_8_to_2048 u_error ();
+    max_columns_is_not_a_multiple_of_lanes_in_2_lanes_to_2048 u_error ();
+  end
+  if (Lanes != 4 && Lanes != 8 && Lanes != 16) begin : gen_lanes
+    lanes_is_not_4_or_8_or_16 u_error ();
+  end
+  if (PixelBits < 8 || PixelBits > 12) begin : gen_pixel_bits
+    pixel_bits_is_not_in_8_to_12 u_error ();
   end
 
-  localparam int WeightBits = Grey ? 8 : 1;
-  localparam int M0Bits = Grey ? $clog2(255 * MaxRows + 1) : RowBits;
-  localparam int ABits = $clog2((Grey ? 255 : 1) * MaxRows * (MaxRows + 1) / 2 + 1);
+  localparam int WeightBits = Grey ? PixelBits : 1;
+  localparam int MaxWeight = 2 ** WeightBits - 1;
+  localparam int M0Bits = $clog2(MaxWeight * MaxRows + 1);
+  localparam int ABits = $clog2(MaxWeight * (MaxRows * (MaxRows + 1) / 2) + 1);
   localparam int BestBits = 2 + 2 * M0Bits + ABits + (Grey ? 2 * RowBits : 0);
 
   // --- Stages 1 to 4: weights; the rest waits for the decision of the packetizer ---
@@ -67,7 +78,7 @@ module sp_column_runs #(
   logic [4*GroupBits-1:0]    group_q;   // of stages 1 to 4, stage 1 lowest
   logic [4*RowBits-1:0]      row_q;     // likewise
   logic [4*FlagBits-1:0]     flags_q;   // likewise
-  logic [4*WeightBits-1:0]   s3_weights, s4_weights_q;
+  logic [Lanes*WeightBits-1:0]   s3_weights, s4_weights_q;
   logic [GroupBits-1:0]      s4_group;
   logic [RowBits-1:0]        s4_row;
   logic                      s4_first_row, s4_last_row, s4_line_end, s4_grey, s4_strongest;
@@ -96,7 +107,9 @@ module sp_column_runs #(
       flags_q[3*FlagBits+:FlagBits];
 
   sp_pixel_weights #(
-    .Grey(Grey)
+    .Grey     (Grey),
+    .PixelBits(PixelBits),
+    .Lanes    (Lanes)
   ) u_weights (
     .clk_i        (clk_i),
     .rst_i        (rst_i),
@@ -112,10 +125,10 @@ module sp_column_runs #(
   logic [1:0]              add_gap;
   logic [GroupBits-1:0]    add_group, drain_group;
   logic [RowBits-1:0]      add_row, drain_row;
-  logic [4*WeightBits-1:0] add_weights, drain1_weights;
-  logic [3:0]              drain1_lit;
+  logic [Lanes*WeightBits-1:0] add_weights, drain1_weights;
+  logic [Lanes-1:0]        drain1_lit;
   logic                    best_valid;
-  logic [4*BestBits-1:0]   best;
+  logic [Lanes*BestBits-1:0]   best;
 
   // A first row needs no read, so it may pass a drain. Another row meets a drain only after a
   // change of size: see spoiled_o.
@@ -126,7 +139,9 @@ module sp_column_runs #(
   sp_run_sums #(
     .MaxRows  (MaxRows),
     .GroupBits(GroupBits),
-    .Grey     (Grey)
+    .Grey     (Grey),
+    .PixelBits(PixelBits),
+    .Lanes    (Lanes)
   ) u_sums (
     .clk_i           (clk_i),
     .rst_i           (rst_i),
@@ -152,8 +167,8 @@ module sp_column_runs #(
     logic [1:0]              s5_gap_q;
     logic [GroupBits-1:0]    s5_group_q;
     logic [RowBits-1:0]      s5_row_q, row_number_q;
-    logic [4*WeightBits-1:0] s5_weights_q;
-    logic [3:0]              s4_lit;
+    logic [Lanes*WeightBits-1:0] s5_weights_q;
+    logic [Lanes-1:0]        s4_lit;
     logic                    drain_break;
     logic                    out_grey_q, out_strongest_q;  // of the row that is drained
     always_ff @(posedge clk_i) begin
@@ -172,13 +187,13 @@ module sp_column_runs #(
 
     // Which weights are not 0 waits beside them: nothing comes late out of a block RAM and is still
     // compared with 0.
-    for (genvar lane = 0; lane < 4; lane++) begin : gen_lit
+    for (genvar lane = 0; lane < Lanes; lane++) begin : gen_lit
       assign s4_lit[lane] = s4_weights_q[lane*WeightBits+:WeightBits] != '0;
     end
 
     sp_drain_order #(
       .GroupBits(GroupBits),
-      .Width    (4 + 4 * WeightBits)
+      .Width    (Lanes + Lanes * WeightBits)
     ) u_order (
       .clk_i         (clk_i),
       .rst_i         (rst_i),
@@ -195,7 +210,9 @@ module sp_column_runs #(
     );
 
     sp_run_output #(
-      .MaxRows(MaxRows)
+      .MaxRows  (MaxRows),
+      .PixelBits(PixelBits),
+      .Lanes    (Lanes)
     ) u_output (
       .clk_i          (clk_i),
       .rst_i          (rst_i),
@@ -223,7 +240,7 @@ module sp_column_runs #(
     logic [OutStage:5]       push_q, end_q, strongest_q;
     logic [GroupBits-1:0]    s5_group_q;
     logic [RowBits-1:0]      s5_row_q;
-    logic [4*WeightBits-1:0] s5_weights_q, s6_weights_q;
+    logic [Lanes*WeightBits-1:0] s5_weights_q, s6_weights_q;
     always_ff @(posedge clk_i) begin
       if (rst_i) begin
         push_q <= '0;
@@ -245,7 +262,7 @@ module sp_column_runs #(
     assign draining                                 = 1'b0;
     assign spoiled_o                                = 1'b0;
 
-    for (genvar lane = 0; lane < 4; lane++) begin : gen_word
+    for (genvar lane = 0; lane < Lanes; lane++) begin : gen_word
       logic [1:0]        runs;
       logic [M0Bits-1:0] second, m0;
       logic [ABits-1:0]  m1;
@@ -270,7 +287,6 @@ module sp_column_runs #(
 `ifdef FORMAL
   localparam int FWait = 11, FChangeWait = 23;
   localparam bit FBinaryDrains = 1'b1;
-  localparam int PixelBits = sp_spec_pkg::PixelBits;
 `include "sp_formal_frames.svh"
 
   // Of the frame with the column, and of the others
@@ -318,7 +334,7 @@ module sp_column_runs #(
   logic [4:0]          f_told;
   logic [FSumBits+4:0] f_sixteen, f_told_m0;
   always_comb begin
-    f_told    = f_word[61:57];
+    f_told    = PixelBits == 8 ? f_word[61:57] : f_strongest ? f_word[63:59] : 5'd0;
     f_sixteen = (FSumBits + 5)'(f_second_q) << 4;
     f_told_m0 = '0;
     for (int bit_of = 0; bit_of < 5; bit_of++) begin
@@ -332,9 +348,14 @@ module sp_column_runs #(
   always_comb if (f_run) begin
     if (f_here) begin
       if (f_grey) begin
-        assert (f_word[26:0] == 27'(f_best_m1_q) && f_word[44:27] == 18'(f_best_m0_q) &&
-                f_word[54:45] == f_best_n_q[9:0] && f_word[63:62] == '0);
-        assert (f_word[56:55] == (f_strongest ? f_runs_q : 2'd0));
+        if (PixelBits > 8) begin
+          assert (f_word[30:0] == 31'(f_best_m1_q) && f_word[52:31] == 22'(f_best_m0_q) &&
+                  f_word[58:53] == f_best_n_q[5:0] && (f_strongest || f_word[63:59] == '0));
+        end else begin
+          assert (f_word[26:0] == 27'(f_best_m1_q) && f_word[44:27] == 18'(f_best_m0_q) &&
+                  f_word[54:45] == f_best_n_q[9:0] && f_word[63:62] == '0);
+          assert (f_word[56:55] == (f_strongest ? f_runs_q : 2'd0));
+        end
         if (f_best_m0_q != '0 && f_strongest) begin
           assert (f_told_m0 <= f_sixteen &&
                   f_sixteen < f_told_m0 + (FSumBits + 5)'(f_best_m0_q));

@@ -1,7 +1,7 @@
 // When the column groups of a last row are drained: every second clock, while they come in at one
 // group per clock.
 //
-// In the grey modes a column takes 64 bits, so the four columns of a group need two clocks to
+// In the grey modes a column takes 64 bits, so a group of columns needs two clocks to
 // leave. The weights of the last row therefore wait in a line buffer (push_*), and drain_* takes
 // them out again, one group every second clock.
 //

@@ -13,6 +13,7 @@
 // build goes through the drain.
   parameter bit [PixelBits-1:0] ValueBits = {PixelBits{1'b1}};  // bits that pixels and threshold have
   parameter bit Changes = 1'b0;  // the other frames have another mode and threshold
+  localparam int FLaneBits = $clog2(Lanes);
   localparam int FSumBits = 16;  // hold every sum of the sizes that are proved
   logic f_ran_q = 1'b0, f_run;
   always_ff @(posedge clk_i) f_ran_q <= 1'b1;
@@ -70,7 +71,7 @@
   always_comb begin
     assume (rst_i == !f_ran_q);
     assume (f_rows != '0 && f_rows <= RowBits'(MaxRows) &&
-            f_last_group < (GroupBits + 1)'(MaxColumns / 4));
+            f_last_group < (GroupBits + 1)'(MaxColumns / Lanes));
     assume (beat_group_i == f_group_q && beat_row_i == f_row_q &&
             beat_first_row_i == (f_row_q == RowBits'(1)));
     assume (beat_last_row_i == f_last_row && beat_line_end_i == f_line_end);
@@ -78,7 +79,7 @@
     assume (mode_i == (f_this ? f_mode : f_other_mode) &&
             mode_i <= (Grey ? sp_spec_pkg::ModeGreyOver : sp_spec_pkg::ModeBinary));
     assume (f_mode <= (Grey ? sp_spec_pkg::ModeGreyOver : sp_spec_pkg::ModeBinary));
-    assume ((beat_pixels_i & ~{4{ValueBits}}) == '0 &&
+    assume ((beat_pixels_i & ~{Lanes{ValueBits}}) == '0 &&
             ((f_threshold | f_other_threshold) & ~ValueBits) == '0);
     if (f_decides && f_this) assume (f_wanted);
     assume (threshold_i == (f_this ? f_threshold : f_other_threshold) && !break_i &&
@@ -86,7 +87,7 @@
   end
 
   // The column
-  (* anyconst *) logic [1:0]           f_lane;
+  (* anyconst *) logic [FLaneBits-1:0] f_lane;
   (* anyconst *) logic [GroupBits-1:0] f_group;
   logic [PixelBits-1:0] f_pixel;
   logic                f_mine, f_lit;  // a beat that has the column; its pixel is lit
@@ -104,15 +105,15 @@
     end
   end
 
-  // The output: payload beats of two or four columns, in order.
+  // The output: groups of columns, or halves of them, in order.
   logic [GroupBits:0] f_beat_q;
   logic               f_here;  // the word of the column comes out
   logic               f_grey_out;  // of the frame that comes out
   logic [63:0]        f_word;
   assign f_grey_out = (f_out_q == f_before_q ? f_mode : f_other_mode) != sp_spec_pkg::ModeBinary;
   assign f_here = moments_valid_o && f_out_q == f_before_q && f_ended_q >= 6'(f_frame) &&
-                  f_beat_q == (f_grey ? {f_group, f_lane[1]} : {1'b0, f_group});
-  assign f_word = f_grey ? moments_data_o[64*f_lane[0]+:64] : 64'(moments_data_o[32*f_lane+:32]);
+                  f_beat_q == (f_grey ? {f_group, f_lane[FLaneBits-1]} : {1'b0, f_group});
+  assign f_word = f_grey ? moments_data_o[64*f_lane[FLaneBits-2:0]+:64] : 64'(moments_data_o[32*f_lane+:32]);
   always_ff @(posedge clk_i) begin
     if (rst_i) {f_beat_q, f_out_q} <= '0;
     else if (moments_valid_o) begin

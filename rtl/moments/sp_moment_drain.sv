@@ -1,4 +1,4 @@
-// Grey modes: completes the sums with the last row, two columns per clock.
+// Grey modes: completes the sums with the last row, half a group of columns per clock.
 //
 // The last row is not added to the sums. sp_drain_order says when a column group is drained. This
 // module reads the sums of the earlier rows (drain_*), adds the last row and computes M1:
@@ -16,10 +16,10 @@
 //   read. After a change of settings, active_o keeps others from reading; it falls with the last
 //   drain read.
 // * Nothing overflows. M1 fits (sp_spec_pkg).
-// * Latency: the first two columns of a group leave ten clocks after its drain read, the other two
-//   one clock later.
+// * Latency: the first half of a group leaves ten clocks after its drain read, the other half one
+//   clock later.
 //
-// Two groups:
+// Two groups of four columns:
 //
 //   clock        0   1   2   3   4   5   6  ... 11  12  13  14  15  16
 //   push_i      _/A\_/B\____________________ ... ________________________   push_end_i with B
@@ -34,6 +34,7 @@ module sp_moment_drain #(
   parameter int MaxRows = 1023,  // 2..1023
   parameter int GroupBits = 9,  // 1..24
   parameter int PixelBits = sp_spec_pkg::PixelBits,  // 8..12
+  parameter int Lanes = sp_spec_pkg::PixelsPerBeat,  // pixels in a beat: 4, 8 or 16
   // derived, do not set
   parameter int RowBits = $clog2(MaxRows + 1),
   parameter int M0Bits = $clog2((2 ** PixelBits - 1) * MaxRows + 1),
@@ -48,7 +49,7 @@ module sp_moment_drain #(
   input  wire logic                   push_i,
   input  wire logic                   push_end_i,  // the last group of the row
   input  wire logic [GroupBits-1:0]   push_group_i,
-  input  wire logic [4*PixelBits-1:0] push_weights_i,
+  input  wire logic [Lanes*PixelBits-1:0] push_weights_i,
   input  wire logic [RowBits-1:0]     push_row_i,
   input  wire logic                   push_first_row_i,
   input  wire logic                   push_one_group_i,
@@ -59,16 +60,16 @@ module sp_moment_drain #(
   output logic                        drain_o,
   output logic [GroupBits-1:0]        drain_group_o,
   output logic                        active_o,
-  input  wire logic [4*LaneMBits-1:0] raw_m_i,
-  input  wire logic [4*LaneABits-1:0] raw_a_i,
-  input  wire logic [4*LaneMBits-1:0] sum_m_i,
-  input  wire logic [4*LaneABits-1:0] sum_a_i,
+  input  wire logic [Lanes*LaneMBits-1:0] raw_m_i,
+  input  wire logic [Lanes*LaneABits-1:0] raw_a_i,
+  input  wire logic [Lanes*LaneMBits-1:0] sum_m_i,
+  input  wire logic [Lanes*LaneABits-1:0] sum_a_i,
   // sum_m_i will be of the beat two clocks before the read
   input  wire logic                   sum_m_comes_i,
   input  wire logic                   sum_a_comes_i,
 
   output logic                        valid_o,
-  output logic [127:0]                data_o,  // 0 where not valid
+  output logic [32*Lanes-1:0]         data_o,  // 0 where not valid
   output logic                        break_o
 );
 
@@ -78,7 +79,11 @@ module sp_moment_drain #(
   if (PixelBits < 8 || PixelBits > 12) begin : gen_pixel_bits
     pixel_bits_is_not_in_8_to_12 u_error ();
   end
+  if (Lanes != 4 && Lanes != 8 && Lanes != 16) begin : gen_lanes
+    lanes_is_not_4_or_8_or_16 u_error ();
+  end
 
+  localparam int Half = Lanes / 2;  // columns that leave per clock
   localparam bit Wide = PixelBits > 8;  // the words have more bits for the moments
   localparam int Latency = 8;  // from stage 2 to stage 10, where the words are complete
   localparam int MLow = PixelBits;
@@ -89,13 +94,13 @@ module sp_moment_drain #(
   logic                 s1_read_q;      // there was a drain read one clock ago
   logic [RowBits-1:0]   row_number_q;   // number of the last row: R
   logic                 first_row_q;    // the last row is also the first: there are no earlier sums
-  logic                 one_group_q;    // the image has 4 columns
-  logic [4*PixelBits-1:0] raw_weights;  // weights of the last row, from the line buffer
+  logic                 one_group_q;    // the image has one group
+  logic [Lanes*PixelBits-1:0] raw_weights;  // weights of the last row, from the line buffer
   logic                 s0_break;       // the break in the stages, behind the last word
 
   sp_drain_order #(
     .GroupBits(GroupBits),
-    .Width    (4 * PixelBits)
+    .Width    (Lanes * PixelBits)
   ) u_order (
     .clk_i         (clk_i),
     .rst_i         (rst_i),
@@ -122,15 +127,15 @@ module sp_moment_drain #(
 
   // Stage 1: the M words and the weights are here.
   // Stage 2: they are kept for the two clocks of their group; the A words are here.
-  // Stage 3: the first two columns of the group, with A kept; one clock later the other two.
-  // the stage holds the first two columns of a group
+  // Stage 3: the first half of the group, with A kept; one clock later the other half.
+  // the stage holds the first half of a group
   logic                   s2_first_q, s3_first_q;
   // the memories do not have these sums yet: take sum_m_i, sum_a_i
   logic                   s1_from_sum_q, s2_from_sum_q;
-  logic                   s2_valid_q;      // the stage holds columns, the first two or the others
-  logic [4*LaneMBits-1:0] s2_m_q;
-  logic [4*LaneABits-1:0] s3_a_q;
-  logic [4*PixelBits-1:0] s2_weights_q;
+  logic                   s2_valid_q;      // the stage holds half a group
+  logic [Lanes*LaneMBits-1:0] s2_m_q;
+  logic [Lanes*LaneABits-1:0] s3_a_q;
+  logic [Lanes*PixelBits-1:0] s2_weights_q;
   logic                   s1_break_q, s2_break_q;
 
   logic [Latency-1:0]     valid_q;  // from stage 3 on
@@ -146,7 +151,7 @@ module sp_moment_drain #(
       break_q    <= '0;
     end else begin
       s2_first_q <= s1_read_q;
-      s2_valid_q <= s1_read_q || s2_first_q;  // two clocks, two columns each
+      s2_valid_q <= s1_read_q || s2_first_q;  // two clocks, half a group each
       s1_break_q <= s0_break;
       s2_break_q <= s1_break_q;
       valid_q    <= {valid_q[Latency-2:0], s2_valid_q};
@@ -172,8 +177,8 @@ module sp_moment_drain #(
     if (s2_first_q) s3_a_q <= first_row_q ? '0 : s2_from_sum_q ? sum_a_i : raw_a_i;
   end
 
-  for (genvar c = 0; c < 2; c++) begin : gen_column
-    // Stage 3: one of the two columns
+  for (genvar c = 0; c < Half; c++) begin : gen_column
+    // Stage 3: one of these columns
     logic [PixelBits-1:0] s3_weight_q;
     logic [RowBits-1:0]   s3_n_q;
     logic [MHigh-1:0]     s3_m_high_q;
@@ -181,9 +186,9 @@ module sp_moment_drain #(
     logic                 s3_m_carry_q;
     always_ff @(posedge clk_i) if (moving_q) begin
       {s3_n_q, s3_m_high_q, s3_m_carry_q, s3_m_low_q} <=
-          s2_first_q ? s2_m_q[c*LaneMBits+:LaneMBits] : s2_m_q[(c+2)*LaneMBits+:LaneMBits];
+          s2_first_q ? s2_m_q[c*LaneMBits+:LaneMBits] : s2_m_q[(c+Half)*LaneMBits+:LaneMBits];
       s3_weight_q <= s2_first_q ? s2_weights_q[c*PixelBits+:PixelBits] :
-                                  s2_weights_q[(c+2)*PixelBits+:PixelBits];
+                                  s2_weights_q[(c+Half)*PixelBits+:PixelBits];
     end
 
     // Stage 4: M0' in one piece; the low half of M0; N; A of the column
@@ -201,7 +206,7 @@ module sp_moment_drain #(
       s4_lit_q                                <= s3_weight_q != '0;
       s4_n_q                                  <= s3_n_q;
       {s4_a_high_q, s4_a_carry_q, s4_a_low_q} <= s3_first_q ? s3_a_q[c*LaneABits+:LaneABits] :
-                                                 s3_a_q[(c+2)*LaneABits+:LaneABits];
+                                                 s3_a_q[(c+Half)*LaneABits+:LaneABits];
     end
 
     // Stage 5: M0, and the excess of R*M0 over M1, in halves
@@ -261,7 +266,7 @@ module sp_moment_drain #(
     assign data_o[64*c+:64] = word;
   end
 
-  // s2_valid_q belongs to stage 2 of the first two columns; the words are in stage 10.
+  // s2_valid_q belongs to stage 2 of the first half; the words are in stage 10.
   assign valid_o = valid_q[Latency-1];
   assign break_o = break_q[Latency-1];
 

@@ -1,4 +1,4 @@
-// Running sums of the four column lanes.
+// Running sums of the column lanes.
 //
 // One memory keeps M0 of each column (and N, the number of lit pixels, in a grey build). A second
 // memory keeps the first-moment sum A and runs one clock later, so that A can take up the old M0.
@@ -11,7 +11,7 @@
 // low} stands for ((high + carry) << width of low) | low.
 //
 // Guarantees: the sums are right at every distance between two beats of one column, down to the
-// very next clock. (An image of 4 columns has all its beats at one address.) A sum that the memory
+// very next clock. (An image of one group has all its beats at one address.) A sum that the memory
 // does not have yet bypasses it. The sums never wrap: their widths follow from MaxRows. Latency, in
 // clocks after a beat is taken (stage 0):
 //
@@ -30,6 +30,7 @@ module sp_moment_sums #(
   parameter int GroupBits = 9,  // 1..24
   parameter bit Grey = 1'b1,
   parameter int PixelBits = sp_spec_pkg::PixelBits,  // 8..12
+  parameter int Lanes = sp_spec_pkg::PixelsPerBeat,  // pixels in a beat: 4, 8 or 16
   // derived, do not set
   parameter int RowBits = $clog2(MaxRows + 1),
   parameter int WeightBits = Grey ? PixelBits : 1,
@@ -49,17 +50,17 @@ module sp_moment_sums #(
   // Stage 0: a beat to add up
   input  wire logic                     add_i,
   input  wire logic [GroupBits-1:0]     group_i,
-  input  wire logic [4*WeightBits-1:0]  weights_i,
+  input  wire logic [Lanes*WeightBits-1:0]  weights_i,
   input  wire logic [RowBits-1:0]       row_i,
   input  wire logic                     first_row_i,   // the sums begin at zero
-  input  wire logic                     one_group_i,   // the image has 4 columns; with add_i
-  input  wire logic                     two_groups_i,  // the image has 8 columns; with add_i
+  input  wire logic                     one_group_i,   // the image has one group; with add_i
+  input  wire logic                     two_groups_i,  // the image has two; with add_i
   input  wire logic                     grey_i,  // with add_i
 
-  output logic [4*LaneMBits-1:0]        raw_m_o,  // each lane {N, M0 in halves}, or M0
-  output logic [4*LaneABits-1:0]        raw_a_o,
-  output logic [4*LaneMBits-1:0]        sum_m_o,
-  output logic [4*LaneABits-1:0]        sum_a_o,
+  output logic [Lanes*LaneMBits-1:0]        raw_m_o,  // each lane {N, M0 in halves}, or M0
+  output logic [Lanes*LaneABits-1:0]        raw_a_o,
+  output logic [Lanes*LaneMBits-1:0]        sum_m_o,
+  output logic [Lanes*LaneABits-1:0]        sum_a_o,
   // for one clock: the next sum_m_o is of stage 3
   output logic                          sum_m_comes_o,
   output logic                          sum_a_comes_o   // the next sum_a_o is of a beat in stage 4
@@ -71,13 +72,16 @@ module sp_moment_sums #(
   if (PixelBits < 8 || PixelBits > 12) begin : gen_pixel_bits
     pixel_bits_is_not_in_8_to_12 u_error ();
   end
+  if (Lanes != 4 && Lanes != 8 && Lanes != 16) begin : gen_lanes
+    lanes_is_not_4_or_8_or_16 u_error ();
+  end
 
   // Stage 1: the word of M is read, and the read of A begins
   logic                    s1_add_q, s1_drain_q, s1_first_q, s1_grey_q;
   logic                    s1_onto_new_q;   // add to the sum in the making, of one clock before
   logic                    s1_onto_last_q;  // add to the last sum made, of two clocks before
   logic [GroupBits-1:0]    s1_group_q, s1_drain_group_q;
-  logic [4*WeightBits-1:0] s1_weights_q;
+  logic [Lanes*WeightBits-1:0] s1_weights_q;
   logic [RowBits-1:0]      s1_row_q;
   // Stage 2: M is summed and written
   logic                    s2_add_q, s2_first_q, s2_onto_new_q, s2_onto_last_q, s2_grey_q;
@@ -86,8 +90,8 @@ module sp_moment_sums #(
   // Stage 3: A is summed and written
   logic                    s3_add_q;
   logic [GroupBits-1:0]    s3_group_q;
-  logic [4*LaneMBits-1:0]  sum_m;
-  logic [4*LaneABits-1:0]  sum_a;
+  logic [Lanes*LaneMBits-1:0]  sum_m;
+  logic [Lanes*LaneABits-1:0]  sum_a;
 
   // Where the memory does not have the old sum yet, the stages have it. s1_onto_new_q: an image of
   // one group, with a beat one clock before. s1_onto_last_q: an image of one group, with a gap of
@@ -126,7 +130,7 @@ module sp_moment_sums #(
     s3_group_q       <= s2_group_q;
   end
 
-  for (genvar lane = 0; lane < 4; lane++) begin : gen_lane
+  for (genvar lane = 0; lane < Lanes; lane++) begin : gen_lane
     logic [LaneMBits-1:0] s2_old_m_q, next_m, sum_m_q;
     logic [LaneABits-1:0] s3_old_a_q, next_a, sum_a_q;
 
@@ -198,7 +202,7 @@ module sp_moment_sums #(
   // A word holds two lanes. Reads and writes of one word meet in a clock only where the word read
   // is not used: in the first row, in images of one group, and in images of two groups without a
   // gap (s1_onto_last_q).
-  for (genvar pair = 0; pair < 2; pair++) begin : gen_pair
+  for (genvar pair = 0; pair < Lanes / 2; pair++) begin : gen_pair
     sp_ram #(
       .Width   (2 * LaneMBits),
       .LogDepth(GroupBits)

@@ -1,4 +1,4 @@
-// Weights of four pixels: what each of them adds to the sums of its column.
+// Weights of the pixels of a beat: what each of them adds to the sums of its column.
 //
 // A pixel is lit where it is greater than the threshold. A lit pixel weighs 1 (binary), its value
 // (grey) or its value minus the threshold (grey_over), which is never 0. Any other pixel weighs 0.
@@ -13,23 +13,27 @@
 module sp_pixel_weights #(
   parameter bit Grey = 1'b1,
   parameter int PixelBits = sp_spec_pkg::PixelBits,  // 8..12
+  parameter int Lanes = sp_spec_pkg::PixelsPerBeat,  // pixels in a beat: 4, 8 or 16
   // derived, do not set
   parameter int WeightBits = Grey ? PixelBits : 1
 ) (
   input  wire logic                    clk_i,
   input  wire logic                    rst_i,
-  input  wire logic [4*PixelBits-1:0]  beat_pixels_i,  // leftmost pixel lowest
+  input  wire logic [Lanes*PixelBits-1:0]  beat_pixels_i,  // leftmost pixel lowest
   input  wire logic [1:0]              mode_i,  // of the beat
   input  wire logic [PixelBits-1:0]    threshold_i,  // of the beat
-  output logic      [4*WeightBits-1:0] weights_o
+  output logic      [Lanes*WeightBits-1:0] weights_o
 );
 
   if (PixelBits < 8 || PixelBits > 12) begin : gen_pixel_bits
     pixel_bits_is_not_in_8_to_12 u_error ();
   end
+  if (Lanes != 4 && Lanes != 8 && Lanes != 16) begin : gen_lanes
+    lanes_is_not_4_or_8_or_16 u_error ();
+  end
 
   // The threshold comes from a comparison of rows, so nothing but a register takes it.
-  logic [4*PixelBits-1:0] s1_pixels_q;
+  logic [Lanes*PixelBits-1:0] s1_pixels_q;
   logic [PixelBits-1:0]   s1_room_q;  // the largest pixel minus the threshold
   always_ff @(posedge clk_i) begin
     s1_pixels_q <= beat_pixels_i;
@@ -43,7 +47,7 @@ module sp_pixel_weights #(
     {s2_binary_q, s2_grey_q} <= {s1_binary_q, s1_grey_q};
   end
 
-  for (genvar lane = 0; lane < 4; lane++) begin : gen_weight
+  for (genvar lane = 0; lane < Lanes; lane++) begin : gen_weight
     // A pixel is lit where pixel + (largest - threshold) exceeds the largest. The carry is taken as
     // a bit of the sum, so that it stays at the end of its chain. It does not matter in reset.
     logic                 lit, lit2_q;

@@ -14,10 +14,12 @@
 
 module sp_run_finish #(
   parameter int MaxRows = 1023,  // 2..1023
+  parameter int PixelBits = sp_spec_pkg::PixelBits,  // 8..12
   // derived, do not set
   parameter int RowBits = $clog2(MaxRows + 1),
-  parameter int M0Bits = $clog2(255 * MaxRows + 1),
-  parameter int ABits = $clog2(255 * MaxRows * (MaxRows + 1) / 2 + 1)
+  parameter int MaxWeight = 2 ** PixelBits - 1,
+  parameter int M0Bits = $clog2(MaxWeight * MaxRows + 1),
+  parameter int ABits = $clog2(MaxWeight * (MaxRows * (MaxRows + 1) / 2) + 1)
 ) (
   input  wire logic               clk_i,
   input  wire logic [1:0]         runs_i,
@@ -36,6 +38,9 @@ module sp_run_finish #(
 
   if (MaxRows < 2 || MaxRows > sp_spec_pkg::MaxRows) begin : gen_max_rows
     max_rows_is_not_in_2_to_1023 u_error ();
+  end
+  if (PixelBits < 8 || PixelBits > 12) begin : gen_pixel_bits
+    pixel_bits_is_not_in_8_to_12 u_error ();
   end
 
   localparam int Stages = 5;

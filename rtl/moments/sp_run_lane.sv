@@ -1,4 +1,4 @@
-// One of four column lanes of the runs: whether a run is open, and the sums of the run.
+// One column lane of the runs: whether a run is open, and the sums of the run.
 //
 // A column has three values, in three memories of sp_run_sums, each read and written one clock
 // after the one before:
@@ -32,11 +32,13 @@
 module sp_run_lane #(
   parameter int MaxRows = 1023,  // 2..1023
   parameter bit Grey = 1'b1,
+  parameter int PixelBits = sp_spec_pkg::PixelBits,  // 8..12
   // derived, do not set
   parameter int RowBits = $clog2(MaxRows + 1),
-  parameter int WeightBits = Grey ? 8 : 1,
-  parameter int M0Bits = Grey ? $clog2(255 * MaxRows + 1) : RowBits,
-  parameter int ABits = $clog2((Grey ? 255 : 1) * MaxRows * (MaxRows + 1) / 2 + 1),
+  parameter int WeightBits = Grey ? PixelBits : 1,
+  parameter int MaxWeight = 2 ** WeightBits - 1,
+  parameter int M0Bits = $clog2(MaxWeight * MaxRows + 1),
+  parameter int ABits = $clog2(MaxWeight * (MaxRows * (MaxRows + 1) / 2) + 1),
   parameter int MBits = Grey ? M0Bits + RowBits : M0Bits
 ) (
   input  wire logic                  clk_i,
@@ -73,6 +75,9 @@ module sp_run_lane #(
 
   if (MaxRows < 2 || MaxRows > sp_spec_pkg::MaxRows) begin : gen_max_rows
     max_rows_is_not_in_2_to_1023 u_error ();
+  end
+  if (PixelBits < 8 || PixelBits > 12) begin : gen_pixel_bits
+    pixel_bits_is_not_in_8_to_12 u_error ();
   end
 
   // The first beat

@@ -1,4 +1,4 @@
-// Runs of the columns, four columns in every clock: sums of the open run, and the strongest of the
+// Runs of the columns, a group of them in every clock: sums of the open run, and the strongest of the
 // ended runs.
 //
 // Beats come in two streams. add_*: every row of a frame but the last. drain_*: the last row, which
@@ -8,7 +8,7 @@
 //
 // Guarantees: everything is right at every distance between two beats of one column, down to the
 // very next clock, if a drain comes two clocks after the add of the row before it, or later. (An
-// image of 4 columns has all its beats in one column group.) What a memory does not have yet is
+// image of one group has all its beats in it.) What a memory does not have yet is
 // taken from the stage that has it, which the group numbers tell. No sum wraps.
 //
 // Memories, each with one read and one write per clock; D, M and A are those of sp_run_lane:
@@ -18,7 +18,7 @@
 //   D             rd      wr
 //   M                 rd      wr
 //   A                     rd      wr
-//   best (4 x)            rd          wr
+//   best (each)           rd          wr
 //   best_o        -------------------------< B   word of sp_run_best, lane 0 lowest
 //   best_valid_o  _________________________/1\   after a drain
 `default_nettype none
@@ -27,11 +27,14 @@ module sp_run_sums #(
   parameter int MaxRows = 1023,  // 2..1023
   parameter int GroupBits = 9,  // 1..24
   parameter bit Grey = 1'b1,
+  parameter int PixelBits = sp_spec_pkg::PixelBits,  // 8..12
+  parameter int Lanes = sp_spec_pkg::PixelsPerBeat,  // pixels in a beat: 4, 8 or 16
   // derived, do not set
   parameter int RowBits = $clog2(MaxRows + 1),
-  parameter int WeightBits = Grey ? 8 : 1,
-  parameter int M0Bits = Grey ? $clog2(255 * MaxRows + 1) : RowBits,
-  parameter int ABits = $clog2((Grey ? 255 : 1) * MaxRows * (MaxRows + 1) / 2 + 1),
+  parameter int WeightBits = Grey ? PixelBits : 1,
+  parameter int MaxWeight = 2 ** WeightBits - 1,
+  parameter int M0Bits = $clog2(MaxWeight * MaxRows + 1),
+  parameter int ABits = $clog2(MaxWeight * (MaxRows * (MaxRows + 1) / 2) + 1),
   parameter int BestBits = 2 + 2 * M0Bits + ABits + (Grey ? 2 * RowBits : 0)
 ) (
   input  wire logic                    clk_i,
@@ -41,7 +44,7 @@ module sp_run_sums #(
   input  wire logic                    add_first_i,   // of the first row
   input  wire logic [GroupBits-1:0]    add_group_i,
   input  wire logic [RowBits-1:0]      add_row_i,
-  input  wire logic [4*WeightBits-1:0] add_weights_i,
+  input  wire logic [Lanes*WeightBits-1:0] add_weights_i,
   // The same with every add_i of a frame
   input  wire logic                    strongest_i,  // a run ends; else never
   input  wire logic [1:0]              gap_i,  // dark rows that a run may have inside
@@ -51,12 +54,19 @@ module sp_run_sums #(
   input  wire logic                    drain_i,
   input  wire logic [GroupBits-1:0]    drain_group_i,
   input  wire logic [RowBits-1:0]      drain_row_i,
-  input  wire logic [4*WeightBits-1:0] drain1_weights_i,  // one clock later
-  input  wire logic [3:0]              drain1_lit_i,      // likewise: the weight is not 0
+  input  wire logic [Lanes*WeightBits-1:0] drain1_weights_i,  // one clock later
+  input  wire logic [Lanes-1:0]        drain1_lit_i,      // likewise: the weight is not 0
 
   output logic                         best_valid_o,
-  output logic      [4*BestBits-1:0]   best_o
+  output logic      [Lanes*BestBits-1:0]   best_o
 );
+
+  if (Lanes != 4 && Lanes != 8 && Lanes != 16) begin : gen_lanes
+    lanes_is_not_4_or_8_or_16 u_error ();
+  end
+  if (PixelBits < 8 || PixelBits > 12) begin : gen_pixel_bits
+    pixel_bits_is_not_in_8_to_12 u_error ();
+  end
 
   localparam int MBits = Grey ? M0Bits + RowBits : M0Bits;
   localparam int RestBits = ABits + (Grey ? 2 * RowBits : 0);
@@ -78,8 +88,8 @@ module sp_run_sums #(
   // of the add
   logic [GroupBits-1:0]    w1_group_q, w2_group_q, w3_group_q, w4_group_q, w5_group_q;
   logic [3:1]              onto_new_q, onto_last_q;  // the adds one and two clocks before are ...
-  logic [4*WeightBits-1:0] s1_weights, w1_weights_q;
-  logic [3:0]              w1_lit_q;      // these weights are not 0
+  logic [Lanes*WeightBits-1:0] s1_weights, w1_weights_q;
+  logic [Lanes-1:0]        w1_lit_q;      // these weights are not 0
   logic [RowBits-1:0]      s1_row_q, s2_row_q, s3_row_q, s4_row_q, s5_row_q;
   logic                    s1_strongest_q, s2_strongest_q;
   logic [1:0]              s1_gap_q, s2_gap_q;
@@ -133,12 +143,12 @@ module sp_run_sums #(
   assign s1_weights = drain_q[1] ? drain1_weights_i : w1_weights_q;
 
   // --- Memories of all lanes ---
-  logic [4*3-1:0]     raw_d, wr_d;
-  logic [4*MBits-1:0] raw_m, wr_m;
-  logic [4*ABits-1:0] raw_a, wr_a;
+  logic [Lanes*3-1:0]     raw_d, wr_d;
+  logic [Lanes*MBits-1:0] raw_m, wr_m;
+  logic [Lanes*ABits-1:0] raw_a, wr_a;
 
   sp_ram #(
-    .Width   (4 * 3),
+    .Width   (Lanes * 3),
     .LogDepth(GroupBits)
   ) u_d (
     .wr_clk_i (clk_i),
@@ -152,7 +162,7 @@ module sp_run_sums #(
   );
 
   sp_ram #(
-    .Width   (4 * MBits),
+    .Width   (Lanes * MBits),
     .LogDepth(GroupBits)
   ) u_m (
     .wr_clk_i (clk_i),
@@ -166,7 +176,7 @@ module sp_run_sums #(
   );
 
   sp_ram #(
-    .Width   (4 * ABits),
+    .Width   (Lanes * ABits),
     .LogDepth(GroupBits)
   ) u_a (
     .wr_clk_i (clk_i),
@@ -179,15 +189,16 @@ module sp_run_sums #(
     .rd_data_o(raw_a)
   );
 
-  for (genvar lane = 0; lane < 4; lane++) begin : gen_lane
+  for (genvar lane = 0; lane < Lanes; lane++) begin : gen_lane
     logic                s3_ends, s3_has_run, s4_ends_q, s4_run_q, s5_keep_q;
     logic [MBits-1:0]    s4_m;
     logic [ABits-1:0]    s5_a;
     logic [RestBits-1:0] s5_rest;
 
     sp_run_lane #(
-      .MaxRows(MaxRows),
-      .Grey   (Grey)
+      .MaxRows  (MaxRows),
+      .Grey     (Grey),
+      .PixelBits(PixelBits)
     ) u_lane (
       .clk_i          (clk_i),
       .s1_weight_i    (s1_weights[lane*WeightBits+:WeightBits]),

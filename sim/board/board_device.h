@@ -47,6 +47,7 @@ struct BoardDeviceOptions {
   std::uint64_t bus_period_ps = 8000;  // 125 MHz
   std::uint64_t bus_phase_ps = 1234;
   int pixel_bits = spec::kPixelBits;  // of the build
+  int lanes = spec::kPixelsPerBeat;   // likewise: pixels in a beat
   int bus_stall_percent = 0;          // share of bus clocks in which the sink is not ready
   int video_gap_percent = 0;          // share of video clocks without a beat while beats are waiting
   std::string trace_file = {};        // FST file; only if the model was built with TRACE
@@ -125,15 +126,15 @@ class BoardDevice {
     }
   }
 
-  // Queues a whole frame; columns must be a multiple of 4.
+  // Queues a whole frame; columns must be a multiple of the build's lanes.
   void send(const model::ImageView& image) {
     for (int row = 0; row < image.rows; ++row) {
       const std::uint8_t* line = image.pixels + row * image.stride;
-      for (int column = 0; column < image.columns; column += spec::kPixelsPerBeat) {
+      for (int column = 0; column < image.columns; column += options_.lanes) {
         model::VideoBeat beat;
-        std::copy_n(line + column, beat.pixels.size(), beat.pixels.begin());
+        std::copy_n(line + column, options_.lanes, beat.pixels.begin());
         beat.start = row == 0 && column == 0;
-        beat.line_end = column + spec::kPixelsPerBeat == image.columns;
+        beat.line_end = column + options_.lanes == image.columns;
         send(beat);
       }
     }
@@ -290,6 +291,34 @@ class BoardDevice {
     bus_clocks_ += edge.bus ? 1 : 0;
   }
 
+  // The pixels of a beat, leftmost lowest.
+  template <typename Port>
+  void set_pixels(Port& port, const model::VideoBeat& beat) const {
+    if constexpr (std::is_integral_v<Port>) {
+      std::uint64_t pixels = 0;
+      for (int i = options_.lanes - 1; i >= 0; --i) {
+        pixels = pixels << options_.pixel_bits | beat.pixels[static_cast<std::size_t>(i)];
+      }
+      port = static_cast<Port>(pixels);
+    } else {                   // words of 32 bits
+      std::uint64_t bits = 0;  // that are not in a word yet
+      int held = 0;
+      int word = 0;
+      for (int i = 0; i < options_.lanes; ++i) {
+        bits |= std::uint64_t{beat.pixels[static_cast<std::size_t>(i)]} << held;
+        held += options_.pixel_bits;
+        if (held >= 32) {
+          port[word++] = static_cast<std::uint32_t>(bits);
+          bits >>= 32;
+          held -= 32;
+        }
+      }
+      if (held > 0) {
+        port[word] = static_cast<std::uint32_t>(bits);
+      }
+    }
+  }
+
   void drive_video() {
     auto& m = *model_;
     if (clock_hook_ && !in_reset_) {
@@ -310,11 +339,7 @@ class BoardDevice {
       return;
     }
     m.s_axis_tvalid = 1;
-    std::uint64_t pixels = 0;
-    for (int i = spec::kPixelsPerBeat - 1; i >= 0; --i) {
-      pixels = pixels << options_.pixel_bits | next.beat.pixels[static_cast<std::size_t>(i)];
-    }
-    m.s_axis_tdata = static_cast<std::remove_reference_t<decltype(m.s_axis_tdata)>>(pixels);
+    set_pixels(m.s_axis_tdata, next.beat);
     m.s_axis_tuser = next.beat.start;
     m.s_axis_tlast = next.beat.line_end;
     if (beat_hook_) {

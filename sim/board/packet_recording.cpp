@@ -143,7 +143,7 @@ PacketRecording recording_of_images(const model::BoardSettings& settings, std::s
         ++inputs.clock;
         beat.start = row == 0 && column == 0;
         beat.line_end = column + spec::kPixelsPerBeat == settings.columns;
-        std::copy_n(view.pixels + row * view.stride + column, beat.pixels.size(), beat.pixels.begin());
+        std::copy_n(view.pixels + row * view.stride + column, spec::kPixelsPerBeat, beat.pixels.begin());
         board.beat(inputs, beat);
       }
     }

@@ -123,9 +123,9 @@ class ModelFeed {
   void line(std::uint64_t clock, std::span<const std::uint8_t> pixels, bool frame_start) {
     model::VideoBeat beat;
     beat.start = frame_start;
-    for (std::size_t at = 0; at < pixels.size(); at += beat.pixels.size()) {
-      std::copy_n(pixels.data() + at, beat.pixels.size(), beat.pixels.begin());
-      beat.line_end = at + beat.pixels.size() == pixels.size();
+    for (std::size_t at = 0; at < pixels.size(); at += spec::kPixelsPerBeat) {
+      std::copy_n(pixels.data() + at, spec::kPixelsPerBeat, beat.pixels.begin());
+      beat.line_end = at + spec::kPixelsPerBeat == pixels.size();
       clock_ = clock++;
       const auto pattern = static_cast<std::uint16_t>(model_.frames() % patterns_);
       model_.beat({.clock = clock_, .encoder = count_, .pattern = pattern}, beat);

@@ -59,13 +59,13 @@ class RtlCore : public BoardCore {
     wait_until(clock);
     model::VideoBeat beat;
     beat.start = frame_start;
-    for (std::size_t at = 0; at < pixels.size(); at += beat.pixels.size()) {
-      std::copy_n(pixels.data() + at, beat.pixels.size(), beat.pixels.begin());
-      beat.line_end = at + beat.pixels.size() == pixels.size();
+    for (std::size_t at = 0; at < pixels.size(); at += spec::kPixelsPerBeat) {
+      std::copy_n(pixels.data() + at, spec::kPixelsPerBeat, beat.pixels.begin());
+      beat.line_end = at + spec::kPixelsPerBeat == pixels.size();
       device_.send(beat);
       beat.start = false;
     }
-    queue_end_ = clock + pixels.size() / beat.pixels.size();
+    queue_end_ = clock + pixels.size() / spec::kPixelsPerBeat;
   }
 
   void encoder(std::uint64_t clock, bool a, bool b) override {

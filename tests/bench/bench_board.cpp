@@ -77,7 +77,7 @@ model::ImageView frame_of(const std::vector<std::uint8_t>& pixels, int frame) {
 void model_frame(model::BoardModel& model, const model::ImageView& image, model::BoardInputs& inputs) {
   for (int at = 0; at < kRows * kColumns; at += spec::kPixelsPerBeat) {
     model::VideoBeat beat;
-    std::copy_n(image.pixels + at, beat.pixels.size(), beat.pixels.begin());
+    std::copy_n(image.pixels + at, spec::kPixelsPerBeat, beat.pixels.begin());
     beat.start = at == 0;
     beat.line_end = at % kColumns == kColumns - spec::kPixelsPerBeat;
     ++inputs.clock;

@@ -90,8 +90,8 @@ def main():
         if lint.returncode or lint.stderr:
             print(f"{name}: {lint.stderr}", file=sys.stderr)
             failed = 1
-        parameters = {"PixelBits": 8, "GroupBits": 9, "RowBits": 10, "ColumnBits": 12, "LimitBits": 17, "SectionBits": 1,
-                      "LogWords": 5, "sp_spec_pkg__StatusBits": 5}
+        parameters = {"PixelBits": 8, "Lanes": 4, "GroupBits": 9, "RowBits": 10, "ColumnBits": 12, "LimitBits": 17,
+                      "SectionBits": 1, "LogWords": 5, "sp_spec_pkg__StatusBits": 5}
         source = (ROOT / "rtl" / rtl)
         with tempfile.TemporaryDirectory() as folder:
             plain = pathlib.Path(folder) / "rtl.sv"

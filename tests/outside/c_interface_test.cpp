@@ -209,6 +209,28 @@ TEST(CInterface, PacketsOfTwelveBits) {
   EXPECT_EQ(back.m1, m1);
   EXPECT_EQ(back.n, n);
 
+  std::vector<std::uint8_t> runs(kColumns, 2);
+  std::vector<std::uint8_t> second(kColumns, 5);
+  model::pack_wide_runs(model::Mode::grey, kColumns, {{m0.data(), m1.data(), n.data()}, runs.data(), second.data()},
+                        payload.data());
+  header.select = SELFPROJ_STRONGEST;
+  ASSERT_EQ(build(), SELFPROJ_OK);
+  ASSERT_EQ(selfproj_parse_packet(packet.data(), packet.size(), &found), SELFPROJ_OK);
+  std::vector<std::uint8_t> found_runs(kColumns);
+  std::vector<std::uint8_t> found_second(kColumns);
+  ASSERT_EQ(selfproj_unpack_wide_runs(SELFPROJ_GREY, kColumns, found.payload, found.payload_bytes, back.m0.data(),
+                                      back.m1.data(), back.n.data(), found_runs.data(), found_second.data()),
+            SELFPROJ_OK);
+  EXPECT_EQ(back.m0, m0);
+  EXPECT_EQ(back.n, n);
+  EXPECT_EQ(found_runs, runs);
+  EXPECT_EQ(found_second, second);
+  EXPECT_EQ(selfproj_unpack_wide_runs(SELFPROJ_GREY, kColumns, found.payload, found.payload_bytes, back.m0.data(),
+                                      back.m1.data(), back.n.data(), nullptr, nullptr),
+            SELFPROJ_BAD_ARGUMENT);
+  header.select = SELFPROJ_ALL;
+  ASSERT_EQ(build(), SELFPROJ_OK);
+
   selfproj_packet older{};
   std::memset(&older, 0xEE, sizeof older);
   older.size = offsetof(selfproj_packet, header) + offsetof(selfproj_header, pixel_bits);

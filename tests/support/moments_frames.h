@@ -9,6 +9,7 @@
 
 #include "selfproj/model/column_moments.h"
 #include "selfproj/model/column_runs.h"
+#include "selfproj/model/packet.h"
 #include "selfproj/model/packet_payload.h"
 #include "tests/support/random_cases.h"
 
@@ -34,20 +35,25 @@ inline std::vector<std::uint8_t> payload_of_moments(const MomentsFrame& frame) {
   std::vector<std::uint8_t> payload(model::moments_payload_bytes(frame.mode, frame.columns));
   model::Runs runs;
   runs.resize(frame.select, frame.columns);
+  const model::Measure measure{.mode = frame.mode,
+                               .threshold = frame.threshold,
+                               .select = frame.select,
+                               .gap = frame.gap,
+                               .window = frame.window,
+                               .bits = frame.bits};
+  model::PacketHeader header;
+  header.kind = spec::kKindMoments;
+  model::describe_frame(header, frame.rows, frame.columns, measure);
+  const auto measure_image = [&]<typename Pixel>(const std::vector<Pixel>& pixels) {
+    model::measure_columns(model::PixelView<Pixel>{pixels.data(), frame.rows, frame.columns, frame.columns}, measure,
+                           runs.view());
+  };
   if (frame.bits > 8) {
-    model::column_moments({frame.wide_pixels.data(), frame.rows, frame.columns, frame.columns}, frame.bits, frame.mode,
-                          frame.threshold, runs.moments.view(), frame.window);
-    model::pack_wide_moments(frame.mode, frame.columns, runs.moments.view(), payload.data());
-    return payload;
+    measure_image(frame.wide_pixels);
+  } else {
+    measure_image(frame.pixels);
   }
-  model::measure_columns({frame.pixels.data(), frame.rows, frame.columns, frame.columns},
-                         {.mode = frame.mode,
-                          .threshold = frame.threshold,
-                          .select = frame.select,
-                          .gap = frame.gap,
-                          .window = frame.window},
-                         runs.view());
-  model::pack_columns(frame.select, frame.mode, frame.columns, runs.view(), payload.data());
+  model::pack_columns(header, runs.view(), payload.data());
   return payload;
 }
 

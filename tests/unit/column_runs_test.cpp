@@ -94,7 +94,8 @@ TEST(ColumnRuns, LargestSums) {
 }
 
 // All runs of a column by another way: the list of lit rows, cut where it jumps.
-model::Runs by_list(const model::ImageView& image, const model::Measure& measure) {
+template <typename Pixel>
+model::Runs by_list(const model::PixelView<Pixel>& image, const model::Measure& measure) {
   model::Runs out;
   out.resize(model::Select::strongest, image.columns);
   for (int column = 0; column < image.columns; ++column) {
@@ -132,6 +133,42 @@ model::Runs by_list(const model::ImageView& image, const model::Measure& measure
     out.runs[at] = static_cast<std::uint8_t>(std::min<std::size_t>(runs.size(), 3));
   }
   return out;
+}
+
+// Pixels of 9 to 12 bits, dark ones and few values among them.
+TEST(ColumnRuns, RandomImagesOfMoreBits) {
+  for_cases(1000, [](Random& random) {
+    const int bits = random.between(9, model::kMaxPixelBits);
+    const int largest = (1 << bits) - 1;
+    const int rows = random.between(1, random.chance(5) ? spec::kMaxRows : 60);
+    const int columns = random.between(1, 40);
+    const int dark_percent = random.between(10, 90);
+    const model::Measure measure{.mode = static_cast<model::Mode>(random.between(0, 2)),
+                                 .threshold = random.between(0, largest - 1),
+                                 .select = model::Select::strongest,
+                                 .gap = random.between(0, 3),
+                                 .window = {.first = random.chance(60) ? 0 : random.between(0, rows),
+                                            .last = random.chance(60) ? 0 : random.between(0, rows)},
+                                 .bits = bits};
+    std::vector<std::uint16_t> pixels(static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns));
+    for (std::uint16_t& pixel : pixels) {
+      pixel = static_cast<std::uint16_t>(random.chance(dark_percent) ? random.between(0, measure.threshold)
+                                         : random.chance(50)         ? largest
+                                                                     : random.between(measure.threshold + 1, largest));
+    }
+    const model::WideImageView image{pixels.data(), rows, columns, columns};
+    model::Runs found;
+    found.resize(model::Select::strongest, columns);
+    model::column_runs(image, measure, found.view());
+    ASSERT_EQ(found, by_list(image, measure));
+    model::Runs again;
+    again.resize(model::Select::strongest, columns);
+    model::measure_columns(image, measure, again.view());
+    ASSERT_EQ(again, found);
+    EXPECT_THROW(model::column_runs(image, {.threshold = largest + 1, .bits = bits}, found.view()),
+                 std::invalid_argument);
+    EXPECT_THROW(model::column_runs(image, {.gap = 4, .bits = bits}, found.view()), std::invalid_argument);
+  });
 }
 
 TEST(ColumnRuns, RandomImages) {
@@ -233,8 +270,8 @@ TEST(ColumnRuns, PacketsOfTheBoard) {
       EXPECT_EQ(header.first_row, 2);
       EXPECT_EQ(header.last_row, 6);
       EXPECT_EQ(packets[frame].status, frame == 0 ? 0U : spec::kStatusShortLine);
-      model::Runs right =
-          by_list({frames[frame].data(), 6, 8, 8}, {.mode = mode, .threshold = 90, .gap = 1, .window = {2, 6}});
+      model::Runs right = by_list(model::ImageView{frames[frame].data(), 6, 8, 8},
+                                  {.mode = mode, .threshold = 90, .gap = 1, .window = {2, 6}});
       for (std::size_t i = 0; i < 8; ++i) {
         right.second[i] = mode == model::Mode::binary ? right.second[i] / 8 > 0 ? 8 : 0 : right.second[i];
         if (frame == 1 && i >= 4) {

@@ -116,6 +116,39 @@ TEST(PayloadWords, WideFieldsAtTheirBits) {
   EXPECT_EQ(word_of(model::Mode::binary, 0xFFF, 0xFFFFF, 0), 0x00000000FFFFFFFFU);
 }
 
+// The strongest run of pixels of more than 8 bits: N ends at 63, and runs are told by the second one alone.
+TEST(PayloadWords, WideRunsAtTheirBits) {
+  const auto word_of = [](model::Mode mode, std::uint32_t m0, std::uint32_t m1, std::uint32_t n, std::uint8_t runs,
+                          std::uint8_t second) {
+    std::array<std::uint8_t, kBeat> bytes{};
+    bytes.fill(0xEE);
+    model::pack_wide_runs(mode, 1, {{&m0, &m1, &n}, &runs, &second}, bytes.data());
+    EXPECT_TRUE(std::all_of(bytes.begin() + 8, bytes.end(), [](std::uint8_t b) { return b == 0; }));
+    std::uint32_t found_m0 = 0;
+    std::uint32_t found_m1 = 0;
+    std::uint32_t found_n = 0;
+    std::uint8_t found_runs = 9;
+    std::uint8_t found_second = 99;
+    model::unpack_wide_runs(mode, 1, bytes.data(), {{&found_m0, &found_m1, &found_n}, &found_runs, &found_second});
+    if (mode != model::Mode::binary) {
+      EXPECT_EQ(found_m1, m1 & 0x7FFFFFFF);
+      EXPECT_EQ(found_m0, m0 & 0x3FFFFF);
+      EXPECT_EQ(found_n, std::min(n, 63U));
+      EXPECT_EQ(found_second, second & 31);
+      EXPECT_EQ(found_runs, (found_m0 == 0 ? 0 : 1) + (found_second == 0 ? 0 : 1));
+    }
+    return model::load_little_endian<std::uint64_t>(bytes.data());
+  };
+  EXPECT_EQ(word_of(model::Mode::grey, 0, 0x7FFFFFFF, 0, 0, 0), 0x000000007FFFFFFFU);
+  EXPECT_EQ(word_of(model::Mode::grey_over, 0x3FFFFF, 0, 0, 1, 0), 0x001FFFFF80000000U);
+  EXPECT_EQ(word_of(model::Mode::grey, 0, 0, 62, 1, 0), 0x07C0000000000000U);
+  EXPECT_EQ(word_of(model::Mode::grey, 0, 0, 1023, 1, 0), 0x07E0000000000000U);
+  EXPECT_EQ(word_of(model::Mode::grey, 1, 0, 0, 3, 16), 0x8000000080000000U);
+  EXPECT_EQ(word_of(model::Mode::grey, 0xFFFFFFFF, 0, 0, 3, 0), 0x001FFFFF80000000U);
+  // Mode binary has the words of 8 bits: m1 19, half, m0 10, runs 2.
+  EXPECT_EQ(word_of(model::Mode::binary, 5, 3, 5, 2, 9), (2U << 30) | (5U << 20) | (1U << 19) | 3U);
+}
+
 // What an image can give, at its corners: the centroid is the nearest multiple of 1/512, halves up, and so within half
 // of one of M1 / M0; no field overflows.
 TEST(PayloadWords, CompactColumnsAreBounded) {

@@ -24,11 +24,12 @@ void fast_column_moments(const model::WideImageView& image, int bits, model::Mod
 // columns at once, and goes through the rows only of columns that have several. It takes as long as the rows of these
 // columns need: where all columns have several runs it is many times slower.
 void fast_column_runs(const model::ImageView& image, const model::Measure& measure, const model::RunsView& out);
+void fast_column_runs(const model::WideImageView& image, const model::Measure& measure, const model::RunsView& out);
 
 // Writes what measure.select asks for: fast_column_moments or fast_column_runs.
 void fast_measure_columns(const model::ImageView& image, const model::Measure& measure, const model::RunsView& out);
 
-// The same for pixels of measure.bits bits, with Select::all.
+// The same for pixels of measure.bits bits.
 void fast_measure_columns(const model::WideImageView& image, const model::Measure& measure, const model::RunsView& out);
 
 }  // namespace selfproj::light_section

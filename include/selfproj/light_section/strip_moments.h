@@ -123,6 +123,20 @@ constexpr std::int32_t second_on_board(model::Mode mode, std::uint32_t runs, std
       });
 }
 
+// 63 lit pixels may be as many as rows, which counts against the column.
+[[gnu::always_inline]] inline void unpack_wide_grey_runs(const std::uint8_t* payload, int first, int count,
+                                                         StripMoments& moments) {
+  model::for_each_wide_grey_run_word(
+      payload, first, count,
+      [&](int i, std::uint32_t m0, std::uint32_t m1, std::uint32_t n, std::uint8_t /*runs*/, std::uint8_t second) {
+        const auto at = static_cast<std::size_t>(i);
+        moments.m0[at] = static_cast<std::int32_t>(m0);
+        moments.m1[at] = static_cast<std::int32_t>(m1);
+        moments.n[at] = static_cast<std::int32_t>(n == spec::kWideGreyRunNMax ? spec::kMaxRows : n);
+        moments.second[at] = second;
+      });
+}
+
 // Compact columns. `Select` is known to the compiler, so that the loop has no branch. What a word leaves open counts
 // against the column: 63 lit pixels may be as many as rows, and a second run of 15/16 as strong as the first.
 template <model::Select Select>

@@ -53,9 +53,12 @@ struct BoardSettings {
   }
 };
 
-// One beat of the camera: four pixels of the build's bits, leftmost first.
+constexpr int kMaxLanes = 16;  // pixels in the widest beat
+
+// One beat of the camera: the build's 4, 8 or 16 pixels, of its bits, leftmost first; what is behind them does not
+// count.
 struct VideoBeat {
-  std::array<std::uint16_t, spec::kPixelsPerBeat> pixels{};
+  std::array<std::uint16_t, kMaxLanes> pixels{};
   bool start = false;     // tuser: first beat of a frame
   bool line_end = false;  // tlast: last beat of a line
 };
@@ -83,9 +86,11 @@ class BoardModel {
   //
   // `median_built`: the build contains the median. Codes then leave one line later, whether or not the median is used.
   // `pixel_bits`: bits of a pixel in the build, 8..kMaxPixelBits. With more than 8, moments are of all of them, images
-  // and codes of the upper 8.
-  explicit BoardModel(Sink sink, bool median_built = true, int pixel_bits = spec::kPixelBits)
-      : sink_(std::move(sink)), median_built_(median_built), pixel_bits_(pixel_bits) {}
+  // and codes of the upper 8. `lanes`: pixels in a beat, 4, 8 or 16; columns are a multiple of them. With more than 4
+  // the build has no compact columns or verdicts, with 16 no codes.
+  explicit BoardModel(Sink sink, bool median_built = true, int pixel_bits = spec::kPixelBits,
+                      int lanes = spec::kPixelsPerBeat)
+      : sink_(std::move(sink)), median_built_(median_built), pixel_bits_(pixel_bits), lanes_(lanes) {}
 
   // Judges frames with `verdict`, which holds the limits and must live longer. The model judges all frames; the board
   // leaves out those that come too soon (register verdict_state, missed).
@@ -118,7 +123,7 @@ class BoardModel {
 
   // Two frames are not consecutive for the decoder if the later one starts less than kDecodeDistance clocks after the
   // last beat of one with fewer beats (docs/circuits/gray.md). If the median is built, the same holds for a frame whose
-  // codes are due no later than kMedianClocks + columns / 4 clocks after the last beat of the previous frame with
+  // codes are due no later than kMedianClocks + columns / lanes clocks after the last beat of the previous frame with
   // codes.
   static constexpr std::uint64_t kDecodeDistance = 6;
   static constexpr std::uint64_t kMedianClocks = 3;
@@ -138,6 +143,7 @@ class BoardModel {
   Sink sink_;
   bool median_built_;
   int pixel_bits_;
+  int lanes_;
   BoardSettings written_;
   BoardSettings settings_;  // in force
   Verdict* verdict_ = nullptr;

@@ -38,7 +38,7 @@ struct Measure {
   Select select = Select::all;
   int gap = 0;                  // g, 0..kMaxGap; only with Select::strongest
   RowWindow window = {};        // rows that count
-  int bits = spec::kPixelBits;  // of a pixel, 8..kMaxPixelBits; more than 8 only with Select::all
+  int bits = spec::kPixelBits;  // of a pixel, 8..kMaxPixelBits
 
   bool operator==(const Measure&) const = default;
 };
@@ -78,11 +78,14 @@ struct Runs {
 // those of column_moments; throws also if the gap is not in 0..kMaxGap.
 void column_runs(const ImageView& image, const Measure& measure, const RunsView& out, int max_rows = spec::kMaxRows);
 
+// The same for pixels of measure.bits bits.
+void column_runs(const WideImageView& image, const Measure& measure, const RunsView& out);
+
 // Writes what measure.select asks for: column_moments or column_runs. With Select::all it does not touch out.runs and
 // out.second. Throws also unless measure.bits is 8.
 void measure_columns(const ImageView& image, const Measure& measure, const RunsView& out);
 
-// The same for pixels of measure.bits bits, with Select::all.
+// The same for pixels of measure.bits bits.
 void measure_columns(const WideImageView& image, const Measure& measure, const RunsView& out);
 
 // The same for up to kMaxSoftwareRows rows, more than a circuit takes.
@@ -91,6 +94,7 @@ void measure_tall_columns(const ImageView& image, const Measure& measure, const 
 // Throws std::invalid_argument under the conditions of column_runs.
 void check_column_runs(const ImageView& image, const Measure& measure, const RunsView& out,
                        int max_rows = spec::kMaxRows);
+void check_column_runs(const WideImageView& image, const Measure& measure, const RunsView& out);
 
 }  // namespace selfproj::model
 

@@ -45,6 +45,11 @@ void unpack_wide_moments(Mode mode, int columns, const std::uint8_t* payload, co
 void pack_runs(Mode mode, int columns, const RunsView& runs, std::uint8_t* payload);
 void unpack_runs(Mode mode, int columns, const std::uint8_t* payload, const RunsView& out);
 
+// The same of pixels of 9 to 12 bits: words wide_grey_run in the grey modes. N comes back as 63 where it is more, and
+// the number of runs as 0, 1, or 2 where `second` is not 0, because a word does not tell it.
+void pack_wide_runs(Mode mode, int columns, const RunsView& runs, std::uint8_t* payload);
+void unpack_wide_runs(Mode mode, int columns, const std::uint8_t* payload, const RunsView& out);
+
 // Either of the two, as `select` says. With Select::all they do not touch `runs` and `second`.
 void pack_columns(Select select, Mode mode, int columns, const RunsView& runs, std::uint8_t* payload);
 void unpack_columns(Select select, Mode mode, int columns, const std::uint8_t* payload, const RunsView& out);
@@ -162,6 +167,23 @@ template <typename Take>
          static_cast<std::uint32_t>(field_of(word, spec::kGreyRunNLsb, spec::kGreyRunNBits)),
          static_cast<std::uint8_t>(field_of(word, spec::kGreyRunRunsLsb, spec::kGreyRunRunsBits)),
          static_cast<std::uint8_t>(field_of(word, spec::kGreyRunSecondLsb, spec::kGreyRunSecondBits)));
+  }
+}
+
+// The same for a payload of words wide_grey_run. `runs` is what pack_wide_runs leaves of it.
+template <typename Take>
+[[gnu::always_inline]] inline void for_each_wide_grey_run_word(const std::uint8_t* payload, int first, int columns,
+                                                               const Take& take) {
+  constexpr std::ptrdiff_t kBytes = spec::kWideGreyRunWordBits / 8;
+  const std::uint8_t* words = payload + first * kBytes;
+  for (int i = 0; i < columns; ++i) {
+    const auto word = load_little_endian<std::uint64_t>(words + i * kBytes);
+    const auto m0 = static_cast<std::uint32_t>(field_of(word, spec::kWideGreyRunM0Lsb, spec::kWideGreyRunM0Bits));
+    const auto second =
+        static_cast<std::uint8_t>(field_of(word, spec::kWideGreyRunSecondLsb, spec::kWideGreyRunSecondBits));
+    take(i, m0, static_cast<std::uint32_t>(field_of(word, spec::kWideGreyRunM1Lsb, spec::kWideGreyRunM1Bits)),
+         static_cast<std::uint32_t>(field_of(word, spec::kWideGreyRunNLsb, spec::kWideGreyRunNBits)),
+         static_cast<std::uint8_t>((m0 != 0 ? 1 : 0) + (second != 0 ? 1 : 0)), second);
   }
 }
 

@@ -66,7 +66,7 @@ inline constexpr std::array<RegisterField, 3> kFieldsOfControl{{
     {"image", 2, 1, "1: send raw-image packets too; refused in a build without them"},
 }};
 inline constexpr std::array<RegisterField, 2> kFieldsOfSize{{
-    {"columns", 0, 12, "a multiple of 4, from 4 to the build's maximum"},
+    {"columns", 0, 12, "a multiple of the pixels in a beat, up to the build's maximum"},
     {"rows", 16, 10, "from 1 to the build's maximum"},
 }};
 inline constexpr std::array<RegisterField, 6> kFieldsOfMeasure{{
@@ -94,9 +94,10 @@ inline constexpr std::array<RegisterField, 1> kFieldsOfTriggerCamera{{
 inline constexpr std::array<RegisterField, 1> kFieldsOfTriggerWidth{{
     {"clocks", 0, 16, "pixel clocks that a pulse lasts; 0: no pulses; a pulse that lasts until the next one of its kind runs into it"},
 }};
-inline constexpr std::array<RegisterField, 5> kFieldsOfStatus{{
+inline constexpr std::array<RegisterField, 6> kFieldsOfStatus{{
     {"frame_open", 0, 1, "1: a frame is being taken"},
     {"pending", 1, 1, "1: settings were written that no frame start has taken over yet; also after reset, until the first take-over"},
+    {"lanes", 25, 2, "pixels in a beat, and columns in a group: 0: 4, 1: 8, 2: 16"},
     {"more_bits", 27, 3, "bits of a pixel, less 8"},
     {"verdict", 30, 1, "1: the registers verdict_… and ejector_… are built in"},
     {"compact", 31, 1, "1: the register compact is built in"},

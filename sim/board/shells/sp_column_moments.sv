@@ -8,6 +8,7 @@ module sp_column_moments #(
   parameter int MaxColumns = sp_spec_pkg::MaxColumns,
   parameter int MaxRows = sp_spec_pkg::MaxRows,
   parameter int PixelBits = sp_spec_pkg::PixelBits,
+  parameter int Lanes = sp_spec_pkg::PixelsPerBeat,
   parameter bit Grey = 1'b1,
   // derived, do not set
   parameter int GroupBits = $clog2(MaxColumns / 4),
@@ -44,7 +45,7 @@ module sp_column_moments #(
     output int unsigned answer, output bit [127:0] data
   );
 
-  if (PixelBits != 8 || !Grey || GroupBits != 9 || RowBits != 10) begin : gen_error
+  if (PixelBits != 8 || Lanes != 4 || !Grey || GroupBits != 9 || RowBits != 10) begin : gen_error
     $fatal(1, "the shell is built for the default maxima and pixels, with the grey modes");
   end
 

@@ -7,6 +7,7 @@ module sp_gray_decoder #(
   parameter int MaxColumns = sp_spec_pkg::MaxColumns,
   parameter int MaxRows = sp_spec_pkg::MaxRows,
   parameter int MaxBits = sp_spec_pkg::CodeCodeBits,
+  parameter int Lanes = sp_spec_pkg::PixelsPerBeat,
   // derived, do not set
   parameter int ColumnBits = $clog2(MaxColumns + 1),
   parameter int RowBits = $clog2(MaxRows + 1),
@@ -63,8 +64,8 @@ module sp_gray_decoder #(
     output int unsigned abandoned
   );
 
-  if (WordBits != 128) begin : gen_error
-    $fatal(1, "the shell is built for codes of 12 bits");
+  if (WordBits != 128 || Lanes != 4) begin : gen_error
+    $fatal(1, "the shell is built for codes of 12 bits, four in a beat");
   end
 
   int unsigned answer, abandoned;

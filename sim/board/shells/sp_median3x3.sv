@@ -4,7 +4,8 @@
 `default_nettype none
 
 module sp_median3x3 #(
-  parameter int MaxColumns = sp_spec_pkg::MaxColumns
+  parameter int MaxColumns = sp_spec_pkg::MaxColumns,
+  parameter int Lanes = sp_spec_pkg::PixelsPerBeat
 ) (
   input  wire logic        clk_i,
   input  wire logic        rst_i,
@@ -37,8 +38,8 @@ module sp_median3x3 #(
     output bit [63:0] codes_out
   );
 
-  if (MaxColumns > sp_spec_pkg::MaxColumns) begin : gen_error
-    $fatal(1, "the shell has line buffers for the default maxima");
+  if (MaxColumns > sp_spec_pkg::MaxColumns || Lanes != 4) begin : gen_error
+    $fatal(1, "the shell has line buffers for the default maxima, four codes in a beat");
   end
 
   int unsigned answer;

@@ -32,7 +32,7 @@ model::BoardSettings random_settings(Random& random, int pixel_bits) {
   settings.rows = random.between(1, 24);
   settings.mode = static_cast<model::Mode>(random.between(0, 2));
   settings.threshold = random.between(0, (1 << pixel_bits) - 1);
-  settings.select = pixel_bits == 8 && random.chance(50) ? model::Select::strongest : model::Select::all;
+  settings.select = random.chance(50) ? model::Select::strongest : model::Select::all;
   settings.gap = settings.select == model::Select::strongest ? random.between(0, 3) : 0;
   if (random.chance(30)) {
     settings.window = {random.between(0, settings.rows), random.between(0, settings.rows + 3)};
@@ -128,7 +128,6 @@ TEST(SoftwareBoard, RefusesWhatNoBoardHas) {
   EXPECT_NO_THROW(camera::SoftwareBoard({.threshold = 256}, 10));
   EXPECT_THROW(camera::SoftwareBoard({.threshold = 1024}, 10), std::invalid_argument);
   EXPECT_THROW(camera::SoftwareBoard({}, 13), std::invalid_argument);
-  EXPECT_THROW(camera::SoftwareBoard({.select = model::Select::strongest}, 12), std::invalid_argument);
   EXPECT_THROW(camera::SoftwareBoard({.compact = true}, 12), std::invalid_argument);
   EXPECT_THROW(camera::SoftwareBoard({.codes = true, .code_bits = 13}), std::invalid_argument);
   camera::SoftwareBoard board({.columns = 8, .rows = 2});

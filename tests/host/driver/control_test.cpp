@@ -247,18 +247,31 @@ TEST(Control, WhatABuildHasNotIsRefused) {
   }
 }
 
+// A board for 8 pixels a clock takes columns that are a multiple of 8.
+TEST(Control, ColumnsOfMoreLanes) {
+  model::RegisterFile board({.lanes = 8});
+  driver::Control control(port_of(board));
+  const auto refusal = [&](int columns) { return error_of([&] { control.set({.columns = columns, .rows = 8}); }); };
+  EXPECT_EQ(refusal(20), "sim:: this board takes 8 pixels a clock: 20 columns are no multiple of them");
+  EXPECT_EQ(refusal(24), "none");
+  EXPECT_EQ(error_of([&] { control.write("size.columns", 20); }),
+            "sim:: the board refuses 0x00080014 in register size");
+}
+
 // What the register `capability` and its companions say of a build, each by itself.
 TEST(Control, WhatTheBoardIs) {
   const auto all = [](const model::BoardBuild& build) {
-    return std::tuple(build.max_columns, build.max_rows, build.grey, build.image, build.codes, build.median, build.runs,
-                      build.region, build.compact, build.verdict_log_sections, build.code_bits);
+    return std::tuple(build.max_columns, build.max_rows, build.pixel_bits, build.lanes, build.grey, build.image,
+                      build.codes, build.median, build.runs, build.region, build.compact, build.verdict_log_sections,
+                      build.code_bits);
   };
   for (const model::BoardBuild& build :
        {model::BoardBuild{}, kEverything, model::BoardBuild{.max_columns = 512, .max_rows = 100, .grey = false},
         model::BoardBuild{.image = false}, model::BoardBuild{.codes = true, .code_bits = 9},
         model::BoardBuild{.codes = true, .median = true, .code_bits = 1}, model::BoardBuild{.runs = true},
         model::BoardBuild{.region = true}, model::BoardBuild{.compact = true},
-        model::BoardBuild{.verdict_log_sections = 0}}) {
+        model::BoardBuild{.verdict_log_sections = 0}, model::BoardBuild{.pixel_bits = 12},
+        model::BoardBuild{.lanes = 8}, model::BoardBuild{.pixel_bits = 10, .lanes = 16}}) {
     model::RegisterFile board(build);
     EXPECT_EQ(all(driver::Control(port_of(board)).build()), all(build));
   }

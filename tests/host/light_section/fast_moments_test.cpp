@@ -345,7 +345,8 @@ TEST_F(FastWideMoments, RefusesWhatIsOutOfRange) {
 
 class FastRuns : public FastMoments {};
 
-void expect_right_runs(const model::ImageView& image, const model::Measure& measure) {
+template <typename Pixel>
+void expect_right_runs(const model::PixelView<Pixel>& image, const model::Measure& measure) {
   model::Runs right;
   model::Runs found;
   right.resize(measure.select, image.columns);
@@ -364,6 +365,30 @@ TEST_F(FastRuns, RandomImages) {
     expect_right_runs(random.image, random.measure);
     random.measure.select = model::Select::all;
     expect_right_runs(random.image, random.measure);
+    if (HasFatalFailure()) {
+      return;
+    }
+  }
+}
+
+// Pixels of 9 to 12 bits: those of 8 with more bits below them.
+TEST_F(FastRuns, RandomImagesOfMoreBits) {
+  for (const std::uint64_t seed : seeds(1000)) {
+    SCOPED_TRACE(how_to_repeat(seed));
+    RandomRuns random(seed);
+    Random more(seed);
+    const int below = more.between(1, model::kMaxPixelBits - spec::kPixelBits);
+    std::vector<std::uint16_t> wide;
+    const model::ImageView& image = random.image;
+    for (int row = 0; row < image.rows; ++row) {
+      for (int column = 0; column < image.columns; ++column) {
+        wide.push_back(static_cast<std::uint16_t>(image.pixels[row * image.stride + column] << below |
+                                                  more.between(0, (1 << below) - 1)));
+      }
+    }
+    random.measure.bits = spec::kPixelBits + below;
+    random.measure.threshold = random.measure.threshold << below | more.between(0, (1 << below) - 1);
+    expect_right_runs(model::WideImageView{wide.data(), image.rows, image.columns, image.columns}, random.measure);
     if (HasFatalFailure()) {
       return;
     }
@@ -395,9 +420,9 @@ TEST_F(FastRuns, LinesWithAFewHotPixels) {
                            .threshold = random.between(0, 100),
                            .select = model::Select::strongest,
                            .gap = random.between(0, model::kMaxGap)};
-    expect_right_runs({pixels.data(), rows, columns, columns}, measure);
+    expect_right_runs(model::ImageView{pixels.data(), rows, columns, columns}, measure);
     measure.window = {random.between(0, rows), random.between(0, rows)};
-    expect_right_runs({pixels.data(), rows, columns, columns}, measure);
+    expect_right_runs(model::ImageView{pixels.data(), rows, columns, columns}, measure);
     if (HasFatalFailure()) {
       return;
     }
@@ -414,7 +439,7 @@ TEST_F(FastRuns, ManyRuns) {
   }
   for (int gap = 0; gap <= model::kMaxGap; ++gap) {
     expect_right_runs(
-        {pixels.data(), spec::kMaxRows, 300, 300},
+        model::ImageView{pixels.data(), spec::kMaxRows, 300, 300},
         {.mode = model::Mode::grey_over, .threshold = 50, .select = model::Select::strongest, .gap = gap});
   }
 }

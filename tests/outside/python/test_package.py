@@ -98,6 +98,18 @@ class Model(Case):
                     same(given.m0, numpy.where(lit, weight, 0).sum(0).astype("uint32"))
                     same(given.m1, numpy.where(lit, row * weight, 0).sum(0).astype("uint32"))
                     same(given.n, lit.sum(0).astype("uint32"))
+            if bits > 8:  # values that 8 bits have, further up: the same runs, with weights as many times as large
+                how = {"select": model.Select.STRONGEST, "gap": self.between(0, 3), "first_row": first}
+                for mode in (model.Mode.BINARY, model.Mode.GREY):
+                    narrow = model.moments((image >> bits - 8).astype("uint8"), threshold >> bits - 8, mode=mode, **how)
+                    times = 1 if mode == model.Mode.BINARY else 1 << bits - 8
+                    for function in (model.moments, light_section.moments):
+                        wide = function(image >> bits - 8 << bits - 8, threshold >> bits - 8 << bits - 8, bits=bits,
+                                        mode=mode, **how)
+                        same(wide.m1, narrow.m1 * times)
+                        same(wide.n, narrow.n)
+                        same(wide.runs, narrow.runs)
+                        same(wide.second, narrow.second)
         with self.assertRaisesRegex(ValueError, "threshold"):
             model.moments(image, 1 << bits, bits=bits)
 

@@ -79,7 +79,7 @@ void play_camera(std::uint64_t seed, int taps, int frames, CameraRun& run, int g
     camera.board_clock();
     for (const Beat& beat : camera.beats()) {
       model::VideoBeat video{.start = beat.start, .line_end = beat.end};
-      for (std::size_t i = 0; i < video.pixels.size(); ++i) {
+      for (std::size_t i = 0; i < spec::kPixelsPerBeat; ++i) {
         video.pixels[i] = static_cast<std::uint8_t>(beat.pixels >> (8 * i));
       }
       board.send(video);

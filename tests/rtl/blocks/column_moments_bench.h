@@ -7,6 +7,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -32,7 +34,7 @@ constexpr bool kRuns = requires(Dut& dut) {
   dut.strongest_i;
 };
 
-// From that read to the first two columns of the group; the other two come one clock later.
+// From that read to the first half of the group; the other half comes one clock later.
 template <typename Dut>
 constexpr int kDrainDelay = kRuns<Dut> ? 13 : 10;
 
@@ -48,6 +50,10 @@ constexpr bool kBinaryDrains = false;
 // Bits of a pixel.
 template <typename Dut>
 constexpr int kPixelBits = 8;
+
+// Pixels of a beat, which are the columns of a group.
+template <typename Dut>
+constexpr int kLanes = 4;
 
 struct Frame : MomentsFrame {
   int gaps = 0;        // percent of clocks without a beat
@@ -78,7 +84,7 @@ class ColumnBench {
   void play(Frame settings) {
     auto frame = std::make_shared<Frame>(std::move(settings));
     frame->words = payload_of_moments(*frame);
-    const int groups = frame->columns / 4;
+    const int groups = frame->columns / kColumns;
     for (int row = 1; row <= frame->rows; ++row) {
       for (int group = 0; group < groups; ++group) {
         while (frame->gaps > 0 && random_.chance(frame->gaps)) {
@@ -133,13 +139,13 @@ class ColumnBench {
   std::int64_t last_word_clock = 0;
 
  private:
-  using Pixels = std::remove_reference_t<decltype(std::declval<Dut>().beat_pixels_i)>;
+  static constexpr int kColumns = kLanes<Dut>;
   static constexpr int kBits = kPixelBits<Dut>;
   static constexpr int kMaxPixel = (1 << kBits) - 1;
-  static constexpr std::uint64_t kAllPixels = (std::uint64_t{1} << 4 * kBits) - 1;
+  using Word = std::array<std::uint32_t, static_cast<std::size_t>(kColumns)>;  // what leaves in a clock
 
   struct Output {
-    std::optional<Word128> word;
+    std::optional<Word> word;
     bool ends_early = false;
   };
   struct LastRowBeat {
@@ -152,26 +158,45 @@ class ColumnBench {
     std::shared_ptr<Frame> frame;
   };
 
-  static Word128 word_at(const Frame& frame, int index) {
-    Word128 word{};
-    for (std::size_t i = 0; i < 16; ++i) {
-      const auto at = 16 * static_cast<std::size_t>(index) + i;
-      // 8 columns in a grey mode fill whole beats, and so do 4 columns in mode binary
+  static Word word_at(const Frame& frame, int index) {
+    Word word{};
+    for (std::size_t i = 0; i < 4 * word.size(); ++i) {
+      const auto at = 4 * word.size() * static_cast<std::size_t>(index) + i;
       word[i / 4] |= static_cast<std::uint32_t>(frame.words[at]) << (8 * (i % 4));
     }
     return word;
   }
 
-  void beat(const std::shared_ptr<Frame>& frame, int row, int group, bool broken) {
-    const int groups = frame->columns / 4;
-    const auto at = static_cast<std::size_t>(row - 1) * static_cast<std::size_t>(frame->columns) +
-                    static_cast<std::size_t>(4 * group);
-    moments_->beat_valid_i = 1;
-    moments_->beat_pixels_i = 0;
-    for (std::size_t lane = 0; lane < 4; ++lane) {
-      const std::uint64_t pixel = kBits > 8 ? frame->wide_pixels[at + lane] : frame->pixels[at + lane];
-      moments_->beat_pixels_i |= static_cast<Pixels>(pixel << (kBits * lane));
+  // The pixels of a beat, leftmost lowest.
+  template <typename Pixel>
+  void set_pixels(const Pixel& pixel) {
+    std::array<std::uint32_t, (kColumns * kBits + 31) / 32> words{};
+    for (std::size_t bit = 0; bit < kColumns * kBits; ++bit) {
+      words[bit / 32] |= (pixel(bit / kBits) >> bit % kBits & 1U) << bit % 32;
     }
+    auto& port = moments_->beat_pixels_i;
+    using Port = std::remove_reference_t<decltype(port)>;
+    if constexpr (std::is_integral_v<Port>) {
+      std::uint64_t all = words[0];
+      if constexpr (words.size() > 1) {
+        all |= std::uint64_t{words[1]} << 32;
+      }
+      port = static_cast<Port>(all);
+    } else {
+      for (std::size_t i = 0; i < words.size(); ++i) {
+        port[i] = words[i];
+      }
+    }
+  }
+
+  void beat(const std::shared_ptr<Frame>& frame, int row, int group, bool broken) {
+    const int groups = frame->columns / kColumns;
+    const auto at = static_cast<std::size_t>(row - 1) * static_cast<std::size_t>(frame->columns) +
+                    static_cast<std::size_t>(kColumns * group);
+    moments_->beat_valid_i = 1;
+    set_pixels([&](std::size_t lane) -> std::uint32_t {
+      return kBits > 8 ? frame->wide_pixels[at + lane] : frame->pixels[at + lane];
+    });
     moments_->beat_group_i = static_cast<std::remove_reference_t<decltype(moments_->beat_group_i)>>(group);
     moments_->beat_row_i = static_cast<std::remove_reference_t<decltype(moments_->beat_row_i)>>(row);
     moments_->beat_first_row_i = row == 1;
@@ -196,7 +221,8 @@ class ColumnBench {
     }
     step();
     moments_->beat_valid_i = 0;
-    moments_->beat_pixels_i = static_cast<Pixels>(random_.bits() & kAllPixels);  // may be anything
+    const std::uint64_t anything = random_.bits();
+    set_pixels([&](std::size_t lane) { return static_cast<std::uint32_t>(anything >> lane & kMaxPixel); });
   }
 
   void clock() { step(); }
@@ -247,7 +273,11 @@ class ColumnBench {
     const Output output = found == expected_.end() ? Output{} : found->second;
     ASSERT_EQ(moments_->moments_valid_o, output.word ? 1 : 0);
     if (output.word) {
-      ASSERT_EQ(word128(moments_->moments_data_o), *output.word);
+      Word word;
+      for (std::size_t i = 0; i < word.size(); ++i) {
+        word[i] = moments_->moments_data_o[i];
+      }
+      ASSERT_EQ(word, *output.word);
       ++words_matched;
       last_word_clock = now;
     }
@@ -275,7 +305,7 @@ class ColumnBench {
       expected_[frame.last_word].word = word_at(frame, 2 * group + 1);
       frame.words_sent += 2;
     }
-    if (frame.stop_row == 0 && frame.words_sent == static_cast<int>(frame.words.size() / 16)) {
+    if (frame.stop_row == 0 && frame.words_sent == static_cast<int>(frame.words.size()) / (4 * kColumns)) {
       idle_from_ = frame.last_word + kBusyAfter;
     }
   }
@@ -286,7 +316,7 @@ class ColumnBench {
                                   : clock + kBinaryDelay<Dut> - 1;
     ASSERT_GE(when, frame.last_word);
     expected_[when].ends_early = true;
-    const int missing = static_cast<int>(frame.words.size() / 16) - frame.words_sent;
+    const int missing = static_cast<int>(frame.words.size()) / (4 * kColumns) - frame.words_sent;
     idle_from_ = (missing > 0 ? when + missing : frame.last_word) + kBusyAfter;
   }
 
@@ -315,14 +345,14 @@ template <typename Dut>
 void small_sizes(const std::vector<model::Mode>& modes) {
   Random random(1);
   for (const model::Mode mode : modes) {
-    for (int columns = 4; columns <= 32; columns += 4) {
+    for (int columns = kLanes<Dut>; columns <= 8 * kLanes<Dut>; columns += kLanes<Dut>) {
       for (int rows = 1; rows <= 7; ++rows) {
         SCOPED_TRACE(::testing::Message() << columns << " x " << rows << ", mode " << static_cast<int>(mode));
         ColumnBench<Dut> bench(random);
         for (int frame = 0; frame < 8; ++frame) {
           Frame next = random_frame<Dut>(random, columns, rows, mode);
           next.gaps = frame < 5 ? 0 : 40;
-          bench.wait_for_room((rows - 1) * columns / 4);
+          bench.wait_for_room((rows - 1) * columns / kLanes<Dut>);
           bench.play(next);
           ASSERT_FALSE(::testing::Test::HasFatalFailure());
         }
@@ -361,15 +391,16 @@ template <typename Dut>
 void random_frames(Random& random, const std::vector<model::Mode>& modes, int max_columns, int max_rows,
                    bool sizes_change) {
   ColumnBench<Dut> bench(random);
-  int columns = 4;
+  constexpr int kColumns = kLanes<Dut>;
+  int columns = kColumns;
   int rows = 1;
   model::Mode mode = model::Mode::binary;
   const int breaks = random.chance(50) ? 0 : random.between(1, 40);
   const bool dense = random.chance(50);
   for (int i = 0; i < 40; ++i) {
     if (i == 0 || (sizes_change && random.chance(50))) {
-      columns = 4 * random.between(1, max_columns / 4);
-      columns = random.chance(40) ? 4 * random.between(1, 3) : columns;
+      columns = kColumns * random.between(1, max_columns / kColumns);
+      columns = random.chance(40) ? kColumns * random.between(1, 3) : columns;
       rows = random.between(1, max_rows);
       mode = modes[static_cast<std::size_t>(random.between(0, static_cast<int>(modes.size()) - 1))];
     }
@@ -378,9 +409,9 @@ void random_frames(Random& random, const std::vector<model::Mode>& modes, int ma
     frame.wanted = random.chance(85);
     if (random.chance(breaks)) {
       frame.stop_row = random.chance(70) ? rows : random.between(1, rows);
-      frame.stop_beats = random.between(1, columns / 4);
+      frame.stop_beats = random.between(1, columns / kColumns);
       // A line of one group is over with its beat: its frame breaks at once.
-      const bool at_once = random.chance(60) || (columns == 4 && !sizes_change);
+      const bool at_once = random.chance(60) || (columns == kColumns && !sizes_change);
       frame.break_after = at_once ? 1 : random.between(1, 15);
     }
     bench.play(frame);
@@ -416,13 +447,14 @@ template <typename Dut>
 void spoiled_frame() {
   Random random(1);
   ColumnBench<Dut> bench(random);
+  constexpr int kTwoGroups = 2 * kLanes<Dut>;
   bench.play(random_frame<Dut>(random, 2048, 2, model::Mode::grey));
-  bench.play(random_frame<Dut>(random, 8, 400, model::Mode::grey));  // its second row collides with the drain
+  bench.play(random_frame<Dut>(random, kTwoGroups, 400, model::Mode::grey));  // its second row collides with the drain
   EXPECT_EQ(bench.frames_accepted, 1);
   bench.idle(5);
   EXPECT_EQ(bench.frames_spoiled, 1);
   bench.idle(600);
-  bench.play(random_frame<Dut>(random, 8, 400, model::Mode::grey));
+  bench.play(random_frame<Dut>(random, kTwoGroups, 400, model::Mode::grey));
   bench.finish();
   EXPECT_EQ(bench.frames_accepted, 2);
   EXPECT_EQ(bench.frames_spoiled, 1);

@@ -57,17 +57,17 @@ inline TestImage random_runs_image(Random& random, int rows, int columns, int th
   return image;
 }
 
-// The frame as beats, line by line.
+// The frame as beats of this many pixels, line by line.
 using Lines = std::vector<std::vector<model::VideoBeat>>;
-inline Lines lines_of(const TestImage& image) {
+inline Lines lines_of(const TestImage& image, int lanes = spec::kPixelsPerBeat) {
   Lines lines(static_cast<std::size_t>(image.rows));
   for (int row = 0; row < image.rows; ++row) {
-    for (int column = 0; column < image.columns; column += spec::kPixelsPerBeat) {
+    for (int column = 0; column < image.columns; column += lanes) {
       model::VideoBeat beat;
-      std::copy_n(image.pixels.data() + static_cast<std::ptrdiff_t>(row) * image.columns + column, beat.pixels.size(),
+      std::copy_n(image.pixels.data() + static_cast<std::ptrdiff_t>(row) * image.columns + column, lanes,
                   beat.pixels.begin());
       beat.start = row == 0 && column == 0;
-      beat.line_end = column + spec::kPixelsPerBeat == image.columns;
+      beat.line_end = column + lanes == image.columns;
       lines[static_cast<std::size_t>(row)].push_back(beat);
     }
   }
@@ -130,10 +130,11 @@ inline std::vector<model::VideoBeat> with_fault(Lines lines, Fault fault, int ro
 }
 
 // The beats of the image, in this share of calls with a fault of any kind at any place.
-inline std::vector<model::VideoBeat> beats_with_faults(Random& random, const TestImage& image, int fault_percent) {
+inline std::vector<model::VideoBeat> beats_with_faults(Random& random, const TestImage& image, int fault_percent,
+                                                       int lanes) {
   const Fault fault = random.chance(fault_percent) ? static_cast<Fault>(random.between(0, kFaults - 1)) : Fault::none;
-  return with_fault(lines_of(image), fault, random.between(0, image.rows - 1),
-                    random.between(0, image.columns / 4 - 1));
+  return with_fault(lines_of(image, lanes), fault, random.between(0, image.rows - 1),
+                    random.between(0, image.columns / lanes - 1));
 }
 
 // Gives the pixels of 8 bits `below` more, all 0, all 1, or any.
@@ -150,12 +151,14 @@ inline void append_bits(Random& random, int below, std::vector<model::VideoBeat>
 
 // Clocks of any periods and phase.
 inline sim::BoardDeviceOptions random_board_clocks(Random& random, std::uint64_t seed,
-                                                   int pixel_bits = spec::kPixelBits) {
+                                                   int pixel_bits = spec::kPixelBits,
+                                                   int lanes = spec::kPixelsPerBeat) {
   return {.seed = seed,
           .video_period_ps = static_cast<std::uint64_t>(random.between(5000, 9000)),
           .bus_period_ps = static_cast<std::uint64_t>(random.between(3000, 12000)),
           .bus_phase_ps = static_cast<std::uint64_t>(random.between(0, 5000)),
-          .pixel_bits = pixel_bits};
+          .pixel_bits = pixel_bits,
+          .lanes = lanes};
 }
 
 }  // namespace selfproj::test

@@ -49,7 +49,7 @@ inline void play_lvds_frames(std::uint64_t seed, int count, int rows, int gap, s
     } else {
       const Beat& beat = bench.beats()[at++];
       model::VideoBeat video{.start = beat.start, .line_end = beat.end};
-      for (std::size_t i = 0; i < video.pixels.size(); ++i) {
+      for (std::size_t i = 0; i < spec::kPixelsPerBeat; ++i) {
         video.pixels.at(i) = static_cast<std::uint16_t>(beat.pixels >> (8 * i) & 0xFF);
       }
       board.device().send(video);

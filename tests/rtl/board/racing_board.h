@@ -354,7 +354,8 @@ class RacingBoard {
     const bool fits = random_.chance(90);
     const int rows = fits ? settings.rows : random_.between(1, kRaceRows);
     const int columns = fits ? settings.columns : 4 * random_.between(1, kRaceColumns / 4);
-    for (const model::VideoBeat& beat : beats_with_faults(random_, random_image(random_, rows, columns), 4)) {
+    for (const model::VideoBeat& beat :
+         beats_with_faults(random_, random_image(random_, rows, columns), 4, spec::kPixelsPerBeat)) {
       device_.send(beat);
     }
   }

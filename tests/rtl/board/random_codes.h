@@ -30,10 +30,10 @@ inline constexpr int kMaxCodeRows = 40;
 template <class Model>
 void play_random_sequences(std::uint64_t seed, bool full_build, int fault_percent, CodeCounts& counts,
                            const std::function<void(Scoreboard<Model>&, Random&)>& begin = {},
-                           const std::function<void(Scoreboard<Model>&)>& end = {}, int pixel_bits = spec::kPixelBits) {
+                           const std::function<void(Scoreboard<Model>&)>& end = {}, int pixel_bits = spec::kPixelBits,
+                           int lanes = spec::kPixelsPerBeat) {
   Random random(seed);
-  Scoreboard<Model> board(random_board_clocks(random, seed, pixel_bits), full_build);
-  const bool runs = pixel_bits == spec::kPixelBits;  // no build has them with more bits
+  Scoreboard<Model> board(random_board_clocks(random, seed, pixel_bits, lanes), full_build);
   if (begin) {
     begin(board, random);
   }
@@ -43,15 +43,15 @@ void play_random_sequences(std::uint64_t seed, bool full_build, int fault_percen
   model::BoardSettings settings;
   for (int change = 0; change < 40 && !::testing::Test::HasFailure(); ++change) {
     if (change == 0 || random.chance(60)) {
-      settings.columns = 4 * random.between(1, random.chance(50) ? 6 : kMaxCodeColumns / 4);
+      settings.columns = lanes * random.between(1, random.chance(50) ? 6 : kMaxCodeColumns / lanes);
       settings.rows = random.between(1, random.chance(60) ? 4 : kMaxCodeRows / 4);
     }
     settings.image = full_build && random.chance(30);
     settings.mode = full_build ? static_cast<model::Mode>(random.between(0, 2)) : model::Mode::binary;
     settings.threshold = random.between(0, (1 << pixel_bits) - 1);
     settings.stream = random.between(0, 255);
-    settings.select = runs && settings.stream % 2 == 0 ? model::Select::strongest : model::Select::all;
-    settings.gap = runs ? settings.stream / 2 % 4 : 0;
+    settings.select = settings.stream % 2 == 0 ? model::Select::strongest : model::Select::all;
+    settings.gap = settings.stream / 2 % 4;
     settings.region_row = 257 * settings.stream;
     settings.region_column = 65535 - settings.region_row;
     settings.timeout = random.chance(70) ? 0 : random.between(20, 200);

@@ -18,13 +18,14 @@ struct RandomFrames {
   int max_columns = 64;
   int max_rows = 40;
   int pixel_bits = spec::kPixelBits;
-  bool grey = true;       // modes grey and grey_over
-  bool image = true;      // raw images
-  bool runs = false;      // the strongest run of a column
-  bool region = true;     // the register region
-  bool compact = false;   // compact columns
-  int fault_percent = 0;  // share of frames with faults
-  int changes = 100;      // number of changes of the settings, each followed by 1 to 12 frames
+  int lanes = spec::kPixelsPerBeat;  // pixels in a beat
+  bool grey = true;                  // modes grey and grey_over
+  bool image = true;                 // raw images
+  bool runs = false;                 // the strongest run of a column
+  bool region = true;                // the register region
+  bool compact = false;              // compact columns
+  int fault_percent = 0;             // share of frames with faults
+  int changes = 100;                 // number of changes of the settings, each followed by 1 to 12 frames
   // gets every image that is sent, without its faults
   std::function<void(const TestImage&, const model::BoardSettings&)> also = nullptr;
 };
@@ -51,18 +52,18 @@ inline nlohmann::ordered_json figures_of(const FrameCounts& counts) {
 template <class Model>
 void play_random_frames(std::uint64_t seed, const RandomFrames& limits, FrameCounts& counts) {
   Random random(seed);
-  Scoreboard<Model> board(random_board_clocks(random, seed, limits.pixel_bits));
+  Scoreboard<Model> board(random_board_clocks(random, seed, limits.pixel_bits, limits.lanes));
   const int largest = (1 << limits.pixel_bits) - 1;
   board.turn_encoder(random.between(4, 40));
   board.count_patterns_on_frames(random.between(0, 23));
   int last_rows = 1;
-  int last_columns = 4;
+  int last_columns = limits.lanes;
   for (int change = 0; change < limits.changes && !::testing::Test::HasFailure(); ++change) {
     const int rows = random.between(1, random.chance(70) ? 6 : limits.max_rows);
     const bool strongest = limits.runs && random.chance(75);
     const model::BoardSettings settings = {
         .image = limits.image && random.chance(30),
-        .columns = 4 * random.between(1, random.chance(70) ? 8 : limits.max_columns / 4),
+        .columns = limits.lanes * random.between(1, random.chance(70) ? 8 : limits.max_columns / limits.lanes),
         .rows = rows,
         .mode = limits.grey ? static_cast<model::Mode>(random.between(0, 2)) : model::Mode::binary,
         .threshold = random.chance(20) ? largest * random.between(0, 1) : random.between(0, largest),
@@ -84,7 +85,8 @@ void play_random_frames(std::uint64_t seed, const RandomFrames& limits, FrameCou
     const bool spaced = random.chance(60);
     for (int i = 0; i < burst; ++i) {
       const TestImage image = limits.runs && random.chance(75)
-                                  ? random_runs_image(random, settings.rows, settings.columns, settings.threshold)
+                                  ? random_runs_image(random, settings.rows, settings.columns,
+                                                      settings.threshold >> (limits.pixel_bits - spec::kPixelBits))
                                   : random_image(random, settings.rows, settings.columns);
       if (limits.also) {
         limits.also(image, settings);
@@ -100,7 +102,7 @@ void play_random_frames(std::uint64_t seed, const RandomFrames& limits, FrameCou
   // The last frame may have been cut in its last row: the board may have counted it as lost, but whether it has ended,
   // and what its packet would be, only the next start tells.
   if (board.model().frame_open()) {
-    for (const auto& line : lines_of(constant_image(last_rows, last_columns, 0))) {
+    for (const auto& line : lines_of(constant_image(last_rows, last_columns, 0), limits.lanes)) {
       for (const model::VideoBeat& beat : line) {
         board.device().send(beat);
       }

@@ -44,7 +44,8 @@ class Scoreboard {
       : device_(options),
         median_built_(median_built),
         pixel_bits_(options.pixel_bits),
-        model_([this](model::BoardPacket&& packet) { expect(std::move(packet)); }, median_built, pixel_bits_) {
+        lanes_(options.lanes),
+        model_([this](model::BoardPacket&& packet) { expect(std::move(packet)); }, median_built, pixel_bits_, lanes_) {
     device_.on_packet([this](std::span<const std::uint8_t> bytes) { receive(bytes); });
     device_.on_clock([this](std::uint64_t clock) { before_clock(clock); });
     device_.on_beat([this](std::uint64_t clock, const model::VideoBeat& beat) {
@@ -78,7 +79,7 @@ class Scoreboard {
     before_ = {};
     device_.reset();
     model_ = model::BoardModel([this](model::BoardPacket&& packet) { expect(std::move(packet)); }, median_built_,
-                               pixel_bits_);
+                               pixel_bits_, lanes_);
     scoreboard_ = {};
     on_frame_ = false;
     pattern_ = 0;
@@ -87,7 +88,7 @@ class Scoreboard {
 
   // Sends the image, in this share of calls with a fault; with faults, there may be pauses anywhere.
   void send(Random& random, const TestImage& image, int fault_percent) {
-    std::vector<model::VideoBeat> beats = beats_with_faults(random, image, fault_percent);
+    std::vector<model::VideoBeat> beats = beats_with_faults(random, image, fault_percent, lanes_);
     if (pixel_bits_ > spec::kPixelBits) {
       append_bits(random, pixel_bits_ - spec::kPixelBits, beats);
     }
@@ -183,6 +184,7 @@ class Scoreboard {
   sim::BoardDevice<Model> device_;
   bool median_built_;
   int pixel_bits_;
+  int lanes_;
   model::BoardModel model_;
   sim::PacketScoreboard scoreboard_;
 

@@ -1,9 +1,12 @@
-// Soak: random small frames of 12 and 10 bits with stalls and faults, every packet compared with the model, every loss
-// counted.
+// Soak: random small frames of 12 and 10 bits, and of 8 and 16 pixels a clock, with stalls and faults, every packet
+// compared with the model, every loss counted.
 //
 //     wide_soak [FRAMES] [FIRST_SEED]      1,000,000 frames from seed 1 on by default
 #include <cstdint>
 
+#include "Vboard_eight.h"
+#include "Vboard_eight_of_twelve.h"
+#include "Vboard_sixteen.h"
 #include "Vboard_ten.h"
 #include "Vboard_twelve.h"
 #include "tests/rtl/board/random_frames.h"
@@ -15,15 +18,27 @@ namespace {
 TEST(WideSoak, EveryPacketEqualsTheModelOrIsCountedAsLost) {
   FrameCounts counts;
   soak(counts.frames, 1'000'000, [&](std::uint64_t seed) {
-    const int faults = seed % 4 < 2 ? 0 : 20;
-    if (seed % 2 == 0) {
-      play_random_frames<Vboard_twelve>(seed, {.pixel_bits = 12, .fault_percent = faults}, counts);
-    } else {
-      play_random_frames<Vboard_ten>(seed, {.pixel_bits = 10, .image = false, .region = false, .fault_percent = faults},
-                                     counts);
+    const int faults = seed % 10 < 5 ? 0 : 20;
+    switch (seed % 5) {
+      case 0:
+        return play_random_frames<Vboard_twelve>(seed, {.pixel_bits = 12, .runs = true, .fault_percent = faults},
+                                                 counts);
+      case 1:
+        return play_random_frames<Vboard_ten>(
+            seed, {.pixel_bits = 10, .image = false, .runs = true, .region = false, .fault_percent = faults}, counts);
+      case 2:
+        return play_random_frames<Vboard_eight>(seed, {.lanes = 8, .runs = true, .fault_percent = faults}, counts);
+      case 3:
+        return play_random_frames<Vboard_eight_of_twelve>(
+            seed, {.pixel_bits = 12, .lanes = 8, .runs = true, .fault_percent = faults}, counts);
+      default:
+        return play_random_frames<Vboard_sixteen>(
+            seed, {.lanes = 16, .runs = true, .region = false, .fault_percent = faults}, counts);
     }
   });
-  report_soak("wide_soak", "The boards' RTL for pixels of 12 and 10 bits against the model, stalls and faults",
+  report_soak("wide_soak",
+              "The boards' RTL for pixels of 12 and 10 bits, and for 8 and 16 pixels a clock, against the model, "
+              "stalls and faults",
               figures_of(counts));
 }
 

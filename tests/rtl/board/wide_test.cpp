@@ -1,9 +1,13 @@
-// Boards for pixels of 12 and 10 bits beside the model, packet by packet and byte by byte.
+// Boards for pixels of 12 and 10 bits, and for 8 and 16 pixels a clock, beside the model, packet by packet and byte by
+// byte.
 #include <gtest/gtest.h>
 
 #include <cstdint>
 #include <vector>
 
+#include "Vboard_eight.h"
+#include "Vboard_eight_of_twelve.h"
+#include "Vboard_sixteen.h"
 #include "Vboard_ten.h"
 #include "Vboard_twelve.h"
 #include "tests/rtl/board/frames.h"
@@ -16,19 +20,98 @@ namespace selfproj::test {
 namespace {
 
 TEST(WideBoard, RandomFramesOfTwelveBitsEqualTheModel) {
-  play_all_random_frames<Vboard_twelve>(40, {.pixel_bits = 12});
+  play_all_random_frames<Vboard_twelve>(40, {.pixel_bits = 12, .runs = true});
 }
 TEST(WideBoard, RandomFaultsOfTwelveBitsEqualTheModel) {
-  play_all_random_frames<Vboard_twelve>(30, {.max_columns = 40, .max_rows = 12, .pixel_bits = 12, .fault_percent = 40});
+  play_all_random_frames<Vboard_twelve>(
+      30, {.max_columns = 40, .max_rows = 12, .pixel_bits = 12, .runs = true, .fault_percent = 40});
 }
 TEST(WideBoard, RandomFramesOfTenBitsEqualTheModel) {
-  play_all_random_frames<Vboard_ten>(40, {.pixel_bits = 10, .image = false, .region = false, .fault_percent = 10});
+  play_all_random_frames<Vboard_ten>(
+      40, {.pixel_bits = 10, .image = false, .runs = true, .region = false, .fault_percent = 10});
+}
+
+TEST(WideBoard, RandomFramesOfEightLanesEqualTheModel) {
+  play_all_random_frames<Vboard_eight>(60, {.lanes = 8, .runs = true});
+}
+TEST(WideBoard, RandomFaultsOfEightLanesEqualTheModel) {
+  play_all_random_frames<Vboard_eight>(
+      40, {.max_columns = 512, .max_rows = 12, .lanes = 8, .runs = true, .fault_percent = 40});
+}
+TEST(WideBoard, RandomFramesOfEightLanesOfTwelveBitsEqualTheModel) {
+  play_all_random_frames<Vboard_eight_of_twelve>(40, {.pixel_bits = 12, .lanes = 8, .runs = true, .fault_percent = 10});
+}
+TEST(WideBoard, RandomFramesOfSixteenLanesEqualTheModel) {
+  play_all_random_frames<Vboard_sixteen>(
+      60, {.max_columns = 512, .lanes = 16, .runs = true, .region = false, .fault_percent = 20});
+}
+
+// Frames without a gap between them, and a bus that never stalls: 40 clocks more than a packet has payload beats are
+// enough for every packet (sp_payload_split), and fewer clocks than beats are not.
+template <class Board>
+void frames_close_together(int lanes, model::Mode mode) {
+  for (const int columns : {8 * lanes, 256, 512}) {
+    const int groups = columns / lanes;
+    const int beats = columns / (mode == model::Mode::binary ? 4 : 2);
+    const auto lost_of = [&](int rows) {
+      Scoreboard<Board> board({.bus_period_ps = 4000, .lanes = lanes});
+      board.write(
+          {.columns = columns, .rows = rows, .mode = mode, .threshold = 100, .select = model::Select::strongest});
+      Random random(1);
+      for (int frame = 0; frame < 40; ++frame) {
+        board.send(random, random_image(random, rows, columns), 0);
+      }
+      board.play();
+      board.finish();
+      return board.lost(spec::kKindMoments);
+    };
+    SCOPED_TRACE(::testing::Message() << lanes << " lanes, " << columns << " columns");
+    EXPECT_EQ(lost_of((beats + 40 + groups - 1) / groups), 0U);
+    EXPECT_GT(lost_of(beats / groups), 0U);
+  }
+}
+TEST(WideBoard, FramesCloseTogether) {
+  for (const model::Mode mode : {model::Mode::binary, model::Mode::grey, model::Mode::grey_over}) {
+    frames_close_together<Vboard_eight>(8, mode);
+    frames_close_together<Vboard_sixteen>(16, mode);
+  }
+}
+
+// Columns that beats cannot have are refused; `status` says how many pixels a beat has.
+TEST(WideBoard, RegistersOfMoreLanes) {
+  Scoreboard<Vboard_eight> eight({.lanes = 8});
+  Scoreboard<Vboard_sixteen> sixteen({.lanes = 16});
+  const auto lanes = [](auto& board) {
+    return spec::kPixelsPerBeat << (board.device().read(spec::kRegStatus) >> spec::kRegStatusLanesLsb &
+                                    ((1U << spec::kRegStatusLanesBits) - 1));
+  };
+  EXPECT_EQ(lanes(eight), 8);
+  EXPECT_EQ(lanes(sixteen), 16);
+  const auto refused = [](auto& board, std::uint32_t columns) {
+    return board.device()
+        .access(true, spec::kRegSize, columns << spec::kRegSizeColumnsLsb | 8U << spec::kRegSizeRowsLsb)
+        .error;
+  };
+  EXPECT_FALSE(refused(eight, 8));
+  EXPECT_TRUE(refused(eight, 12));
+  EXPECT_FALSE(refused(sixteen, 48));
+  EXPECT_TRUE(refused(sixteen, 40));
 }
 
 // Images and codes are of the upper eight bits.
 TEST(WideBoard, CodesOfTwelveBitsEqualTheModel) {
   CodeCounts counts;
   for_cases(20, [&](std::uint64_t seed) { play_random_sequences<Vboard_twelve>(seed, true, 10, counts, {}, {}, 12); });
+  if (runs_all_cases()) {
+    EXPECT_GT(counts.delivered, counts.frames / 8) << "too little of the decoder was seen";
+  }
+}
+
+TEST(WideBoard, CodesOfEightLanesEqualTheModel) {
+  CodeCounts counts;
+  for_cases(40, [&](std::uint64_t seed) {
+    play_random_sequences<Vboard_eight_of_twelve>(seed, true, 10, counts, {}, {}, 12, 8);
+  });
   if (runs_all_cases()) {
     EXPECT_GT(counts.delivered, counts.frames / 8) << "too little of the decoder was seen";
   }

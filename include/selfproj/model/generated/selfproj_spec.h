@@ -131,6 +131,23 @@ constexpr int kWideGreyNLsb = 53;
 constexpr int kWideGreyNBits = 11;
 constexpr std::uint64_t kWideGreyNMax = 1023;  // rows
 static_assert(kWideGreyNMax >> kWideGreyNBits == 0, "wide_grey.n does not fit");
+constexpr int kWideGreyRunWordBits = 64;
+constexpr int kWideGreyRunM1Lsb = 0;
+constexpr int kWideGreyRunM1Bits = 31;
+constexpr std::uint64_t kWideGreyRunM1Max = 2144862720;  // pixel*rows*(rows+1)/2
+static_assert(kWideGreyRunM1Max >> kWideGreyRunM1Bits == 0, "wide_grey_run.m1 does not fit");
+constexpr int kWideGreyRunM0Lsb = 31;
+constexpr int kWideGreyRunM0Bits = 22;
+constexpr std::uint64_t kWideGreyRunM0Max = 4189185;  // pixel*rows
+static_assert(kWideGreyRunM0Max >> kWideGreyRunM0Bits == 0, "wide_grey_run.m0 does not fit");
+constexpr int kWideGreyRunNLsb = 53;
+constexpr int kWideGreyRunNBits = 6;
+constexpr std::uint64_t kWideGreyRunNMax = 63;  // 63
+static_assert(kWideGreyRunNMax >> kWideGreyRunNBits == 0, "wide_grey_run.n does not fit");
+constexpr int kWideGreyRunSecondLsb = 59;
+constexpr int kWideGreyRunSecondBits = 5;
+constexpr std::uint64_t kWideGreyRunSecondMax = 16;  // 16
+static_assert(kWideGreyRunSecondMax >> kWideGreyRunSecondBits == 0, "wide_grey_run.second does not fit");
 constexpr int kHeaderPixelWordBits = 8;
 constexpr int kHeaderPixelThresholdHighLsb = 0;
 constexpr int kHeaderPixelThresholdHighBits = 4;
@@ -332,6 +349,8 @@ constexpr int kRegStatusFrameOpenLsb = 0;
 constexpr int kRegStatusFrameOpenBits = 1;
 constexpr int kRegStatusPendingLsb = 1;
 constexpr int kRegStatusPendingBits = 1;
+constexpr int kRegStatusLanesLsb = 25;
+constexpr int kRegStatusLanesBits = 2;
 constexpr int kRegStatusMoreBitsLsb = 27;
 constexpr int kRegStatusMoreBitsBits = 3;
 constexpr int kRegStatusVerdictLsb = 30;
