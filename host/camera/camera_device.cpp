@@ -47,15 +47,16 @@ model::BoardSettings board_settings(const Camera& camera, const CameraBoardSetti
 }
 
 SoftwareBoard make_board(const Camera& camera, const CameraBoardSettings& given) {
-  if (given.threshold.value_or(0) >= 1 << given.bits) {
+  const int bits = given.bits.value_or(spec::kPixelBits);
+  if (given.threshold.value_or(0) >= 1 << bits) {
     throw UserError(camera.uri(),
-                    fmt::format("threshold: {} is given, and pixels have {} bits", *given.threshold, given.bits));
+                    fmt::format("threshold: {} is given, and pixels have {} bits", *given.threshold, bits));
   }
-  if (given.bits > spec::kPixelBits && given.compact) {
-    throw UserError(camera.uri(), fmt::format("pixels of {} bits have no compact columns", given.bits));
+  if (bits > spec::kPixelBits && given.compact) {
+    throw UserError(camera.uri(), fmt::format("pixels of {} bits have no compact columns", bits));
   }
   try {
-    return SoftwareBoard(board_settings(camera, given), given.bits);
+    return SoftwareBoard(board_settings(camera, given), bits);
   } catch (const std::invalid_argument&) {
     throw UserError(camera.uri(),
                     fmt::format("its images have {} x {} pixels; a board takes 4 to {} columns, a multiple of 4, and 1 "
@@ -148,12 +149,7 @@ CameraDefaults camera_of_rig(const rig::Rig& rig, const model::Measure& measure)
                     .pixel_clock_hz = rig.pixel_clock_hz()}};
 }
 
-std::unique_ptr<driver::Device> open_any_device(const std::string& uri, const driver::DeviceOptions& options,
-                                                const CameraDefaults& defaults) {
-  if (!is_camera_uri(uri)) {
-    return driver::open_device(uri, options);
-  }
-  CameraUri camera = parse_camera_uri(uri);
+void fill_from(CameraUri& camera, const CameraDefaults& defaults) {
   CameraBoardSettings& board = camera.board;
   if (!camera.camera.region) {
     camera.camera.region = defaults.region;
@@ -161,17 +157,16 @@ std::unique_ptr<driver::Device> open_any_device(const std::string& uri, const dr
     board.region_column = defaults.board.region_column;
   }
   board.compact = defaults.board.compact;
-  board.bits = defaults.board.bits;
-  const bool asked_for_bits = board.bits > spec::kPixelBits && camera.camera.format.empty();
-  if (board.bits > spec::kPixelBits) {
+  const char* const said_by = board.bits ? "bits of the URI are" : "measure.pixel_bits of the rig is";
+  fill(board.bits, defaults.board.bits);
+  if (const int bits = board.bits.value_or(spec::kPixelBits); bits > spec::kPixelBits) {
     std::string& format = camera.camera.format;
-    format = format.empty() ? fmt::format("Mono{}", board.bits) : format;
+    format = format.empty() ? fmt::format("Mono{}", bits) : format;
     const std::optional<PixelFormat> known = pixel_format(format);
-    if (!known || !has_words(*known) || known->bits != board.bits) {
-      throw UserError(camera.uri,
-                      fmt::format("format: {} is given; measure.pixel_bits of the rig is {}", format, board.bits));
+    if (!known || !has_words(*known) || known->bits != bits) {
+      throw UserError(camera.uri, fmt::format("format: {} is given; {} {}", format, said_by, bits));
     }
-    camera.camera.bits = board.bits;
+    camera.camera.bits = bits;
   }
   fill(board.mode, defaults.board.mode);
   fill(board.threshold, defaults.board.threshold);
@@ -181,16 +176,27 @@ std::unique_ptr<driver::Device> open_any_device(const std::string& uri, const dr
   fill(board.pixel_clock_hz, defaults.board.pixel_clock_hz);
   fill(board.code_bits, defaults.board.code_bits);
   fill(board.code_threshold, defaults.board.code_threshold);
+}
+
+std::unique_ptr<driver::Device> open_any_device(const std::string& uri, const driver::DeviceOptions& options,
+                                                const CameraDefaults& defaults) {
+  if (!is_camera_uri(uri)) {
+    return driver::open_device(uri, options);
+  }
+  CameraUri camera = parse_camera_uri(uri);
+  const bool has_format = !camera.camera.format.empty();
+  fill_from(camera, defaults);
   try {
-    return make_camera_device(open_camera(camera), board, options);
+    return make_camera_device(open_camera(camera), camera.board, options);
   } catch (const UserError& error) {
-    if (!asked_for_bits || std::string_view(error.what()).find("format") == std::string_view::npos) {
+    const int bits = camera.camera.bits;
+    if (bits == spec::kPixelBits || has_format ||
+        std::string_view(error.what()).find("format") == std::string_view::npos) {
       throw;
     }
-    throw UserError(error.what(),
-                    fmt::format("measure.pixel_bits of the rig, {0}, asks for Mono{0}; format=Mono{0}p and "
-                                "format=Mono{0}Packed have as many bits",
-                                board.bits));
+    throw UserError(error.what(), fmt::format("pixels of {0} bits (measure.pixel_bits of the rig, or bits of the URI) "
+                                              "ask for Mono{0}; format=Mono{0}p and format=Mono{0}Packed have as many",
+                                              bits));
   }
 }
 

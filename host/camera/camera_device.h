@@ -33,6 +33,9 @@ struct CameraDefaults {
 // What a camera of a light section is set to: the size of the rig's camera, its pixel clock, and what to measure.
 CameraDefaults camera_of_rig(const rig::Rig& rig, const model::Measure& measure);
 
+// Gives a camera what its URI does not say. Throws UserError if its format has other bits than its pixels.
+void fill_from(CameraUri& camera, const CameraDefaults& defaults);
+
 // Opens a device of any kind: camera:NAME (camera_uri.h), or one of the driver (selfproj/driver/device.h). Throws
 // UserError.
 std::unique_ptr<driver::Device> open_any_device(const std::string& uri, const driver::DeviceOptions& options = {},

@@ -84,7 +84,7 @@ struct Key {
   void (*set)(CameraUri&, const std::string&);
 };
 
-constexpr std::array<Key, 21> kKeys = {{
+constexpr std::array<Key, 22> kKeys = {{
     {"exposure-us", "NUMBER", "exposure time in microseconds",
      [](CameraUri& uri, const std::string& text) { uri.camera.exposure_us = positive(text); }},
     {"gain", "NUMBER", "gain, in the camera's unit",
@@ -94,8 +94,7 @@ constexpr std::array<Key, 21> kKeys = {{
     {"region", "COLUMNSxROWS[+LEFT+TOP]", "part of the sensor",
      [](CameraUri& uri, const std::string& text) { uri.camera.region = region_of_text(text); }},
     {"format", "NAME",
-     "pixel format in GenICam's words; values of more than 8 bits give their upper 8 bits, or as many as "
-     "measure.pixel_bits of the rig says",
+     "pixel format in GenICam's words; values of more than 8 bits give their upper 8 bits, or all of them with bits",
      [](CameraUri& uri, const std::string& text) { uri.camera.format = name_in(text, pixel_format_names()); }},
     {"channel", "NAME", "red, green, blue or grey, of a colour format; a colour filter halves both sides",
      [](CameraUri& uri, const std::string& text) {
@@ -110,6 +109,10 @@ constexpr std::array<Key, 21> kKeys = {{
      }},
     {"buffers", "N", "images that wait in memory until they are taken",
      [](CameraUri& uri, const std::string& text) { uri.camera.buffers = number_in(text, 2, kMaxBuffers); }},
+    {"bits", "N", "bits of the pixels that moments are of, 8 to 12; of a rig measure.pixel_bits",
+     [](CameraUri& uri, const std::string& text) {
+       uri.board.bits = number_in(text, spec::kPixelBits, model::kMaxPixelBits);
+     }},
     {"mode", "NAME", "binary, grey or grey-over",
      [](CameraUri& uri, const std::string& text) {
        uri.board.mode = images::mode_of(name_in(text, images::mode_names()));

@@ -38,8 +38,8 @@ struct CameraBoardSettings {
   std::optional<model::Select> select = {};
   std::optional<int> gap = {};
   std::optional<model::RowWindow> window = {};
-  int bits = spec::kPixelBits;  // of a pixel that the moments are of
-  int region_row = 0;           // where on the sensor the images begin, from 1; 0: not said
+  std::optional<int> bits = {};  // of a pixel that the moments are of, 8..model::kMaxPixelBits; nothing: 8
+  int region_row = 0;            // where on the sensor the images begin, from 1; 0: not said
   int region_column = 0;
   bool compact = false;               // columns in packets of kind compact
   std::optional<int> code_bits = {};  // given: Gray codes are decoded

@@ -8,8 +8,10 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <tuple>
 #include <vector>
 
+#include "host/camera/camera_device.h"
 #include "host/camera/camera_uri.h"
 #include "host/camera/frame_numbers.h"
 #include "host/camera/pixel_format.h"
@@ -220,10 +222,30 @@ TEST(PixelFormat, ColoursAndLuminance) {
   EXPECT_THROW(plane("RGB8", std::nullopt, 2), std::invalid_argument);
 }
 
+// Bits of the URI come before those of the rig, and ask for a format of as many.
+TEST(CameraUri, BitsOfPixels) {
+  const auto filled = [](const std::string& settings, std::optional<int> of_rig) {
+    camera::CameraUri uri = camera::parse_camera_uri("camera:Maker-1" + settings);
+    camera::fill_from(uri, {.board = {.bits = of_rig}});
+    return std::tuple(uri.camera.format, uri.camera.bits, uri.board.bits.value_or(8));
+  };
+  EXPECT_EQ(filled("", {}), std::tuple("", 8, 8));
+  EXPECT_EQ(filled("", 12), std::tuple("Mono12", 12, 12));
+  EXPECT_EQ(filled("?bits=10", 12), std::tuple("Mono10", 10, 10));
+  EXPECT_EQ(filled("?bits=8", 12), std::tuple("", 8, 8));
+  EXPECT_EQ(filled("?bits=12&format=Mono12p", {}), std::tuple("Mono12p", 12, 12));
+  EXPECT_EQ(error_of([&] { filled("?bits=12&format=Mono10", {}); }),
+            "camera:Maker-1: format: Mono10 is given; bits of the URI are 12");
+  EXPECT_EQ(error_of([&] { filled("?format=Mono10", 12); }),
+            "camera:Maker-1: format: Mono10 is given; measure.pixel_bits of the rig is 12");
+  EXPECT_EQ(error_of([&] { filled("?bits=9", {}); }), "camera:Maker-1: format: Mono9 is given; bits of the URI are 9");
+}
+
 TEST(CameraUri, EverySetting) {
   const camera::CameraUri uri = camera::parse_camera_uri(
       "camera:Maker-1?exposure-us=12.5&gain=-2&region=512x96+64+20&format=BayerRG12&channel=green&trigger=Line1&"
-      "packet-bytes=9000&buffers=8&mode=grey&threshold=60&select=strongest&gap=1&rows=10..80&codes=6&code-threshold=4&"
+      "packet-bytes=9000&buffers=8&bits=12&mode=grey&threshold=60&select=strongest&gap=1&rows=10..80&codes=6&code-"
+      "threshold=4&"
       "patterns=12&stream=3&pixel-clock-hz=1e6&median=yes&image=no");
   EXPECT_EQ(uri.uri, "camera:Maker-1");
   EXPECT_EQ(uri.name, "Maker-1");
@@ -234,6 +256,7 @@ TEST(CameraUri, EverySetting) {
   EXPECT_EQ(uri.camera.trigger, "Line1");
   EXPECT_EQ(uri.camera.packet_bytes, 9000);
   EXPECT_EQ(uri.camera.buffers, 8);
+  EXPECT_EQ(uri.board.bits, 12);
   EXPECT_EQ(uri.board.mode, model::Mode::grey);
   EXPECT_EQ(uri.board.select, model::Select::strongest);
   EXPECT_EQ(uri.board.window, (model::RowWindow{10, 80}));

@@ -235,14 +235,13 @@ TEST(V4l2Camera, PlaysARecordingWithDroppedAndDamagedImages) {
   }
 }
 
-// A rig that measures pixels of 12 bits: the moments are of all bits, and raw images of the upper eight.
+// Pixels of 12 bits: the moments are of all bits, and raw images of the upper eight.
 TEST(V4l2Camera, MomentsOfTwelveBits) {
   Player player;
   player.formats = {V4L2_PIX_FMT_YUYV, V4L2_PIX_FMT_Y12};
   player.images = {{.sequence = 0, .grey = 0x0A}, {.sequence = 1, .grey = 0x03}};  // both bytes of a pixel
-  camera::CameraUri uri = camera::parse_camera_uri("camera:/dev/video9?region=320x8&format=Mono12");
-  uri.camera.bits = 12;
-  uri.board.bits = 12;
+  camera::CameraUri uri = camera::parse_camera_uri("camera:/dev/video9?region=320x8&format=Mono12&bits=12");
+  camera::fill_from(uri, {});
   uri.board.mode = model::Mode::grey;
   uri.board.threshold = 0x0303;
   uri.board.image = true;
