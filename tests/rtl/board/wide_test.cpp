@@ -77,6 +77,35 @@ TEST(WideBoard, FramesCloseTogether) {
   }
 }
 
+// Lines of raw images that come `gap` clocks after each other, and a bus that never stalls: how many are lost.
+template <class Board>
+std::uint64_t lost_lines(int lanes, int columns, std::uint32_t gap) {
+  constexpr int kRows = 40;
+  Scoreboard<Board> board({.bus_period_ps = 3000, .lanes = lanes});
+  board.write({.image = true, .columns = columns, .rows = kRows, .threshold = 100});
+  Random random(1);
+  for (const auto& line : lines_of(random_image(random, kRows, columns), lanes)) {
+    for (const model::VideoBeat& beat : line) {
+      board.device().send(beat);
+    }
+    board.device().gap(gap);
+  }
+  board.play();
+  board.finish();
+  EXPECT_EQ(board.delivered(spec::kKindImage) + board.lost(spec::kKindImage), static_cast<std::uint64_t>(kRows));
+  return board.lost(spec::kKindImage);
+}
+
+// As sp_image_path states it
+TEST(WideBoard, LinesCloseTogether) {
+  EXPECT_EQ(lost_lines<Vboard_eight>(8, 176, 0), 0U);
+  EXPECT_EQ(lost_lines<Vboard_eight>(8, 512, 0), 0U);
+  EXPECT_GT(lost_lines<Vboard_eight>(8, 168, 0), 0U);
+  EXPECT_EQ(lost_lines<Vboard_sixteen>(16, 176, 11), 0U);
+  EXPECT_EQ(lost_lines<Vboard_sixteen>(16, 512, 11), 0U);
+  EXPECT_GT(lost_lines<Vboard_sixteen>(16, 512, 10), 0U);
+}
+
 // Columns that beats cannot have are refused; `status` says how many pixels a beat has.
 TEST(WideBoard, RegistersOfMoreLanes) {
   Scoreboard<Vboard_eight> eight({.lanes = 8});
