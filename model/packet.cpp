@@ -162,11 +162,11 @@ bool lines_in_frame(const PacketHeader& header) {
   return header.lines >= 1 && header.first_line >= 1 && header.first_line + header.lines - 1 <= header.rows;
 }
 
-// Whether the bits of a pixel are possible, and the threshold with them. Words of more than 8 bits are whole ones.
+// Whether the bits of a pixel are possible, and the threshold with them. Verdicts are of 8 bits.
 bool pixels_are_right(const PacketHeader& header) {
   const int bits = header.pixel_bits;
-  const bool words_exist = bits == spec::kPixelBits || !one_for_a_frame(header.kind) ||
-                           (header.kind == spec::kKindMoments && !has_verdict(header));
+  const bool words_exist =
+      bits == spec::kPixelBits || !one_for_a_frame(header.kind) || (has_columns(header.kind) && !has_verdict(header));
   return bits <= kMaxPixelBits && header.threshold < 1 << bits && words_exist;
 }
 
@@ -346,7 +346,7 @@ std::size_t frame_payload_bytes(const PacketHeader& header) {
 void pack_columns(const PacketHeader& header, const RunsView& runs, std::uint8_t* payload) {
   const auto select = static_cast<Select>(header.select);
   if (header.kind == spec::kKindCompact) {
-    pack_compact(select, header.columns, runs, payload);
+    pack_compact(select, header.columns, runs, payload, header.pixel_bits);
   } else if (header.pixel_bits > spec::kPixelBits) {
     if (select == Select::strongest) {
       pack_wide_runs(static_cast<Mode>(header.mode), header.columns, runs, payload);

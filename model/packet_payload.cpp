@@ -226,14 +226,15 @@ void unpack_columns(Select select, Mode mode, int columns, const std::uint8_t* p
 }
 
 std::uint32_t compact_word(Select select, std::uint32_t m0, std::uint32_t m1, std::uint32_t n, std::uint8_t runs,
-                           std::uint8_t second) {
+                           std::uint8_t second, int bits) {
   if (n == 0 || m0 == 0) {
     return 0;
   }
   constexpr std::uint32_t kMostSecond = 15;
   const auto centroid = static_cast<std::uint32_t>((std::uint64_t{kCompactM0} * m1 + m0 / 2) / m0);
-  const std::uint32_t quality =
-      select == Select::strongest ? 16U * runs + std::min<std::uint32_t>(second, kMostSecond) : m0 / (4 * n);
+  const std::uint32_t told = bits == spec::kPixelBits ? runs : second != 0 ? 2 : 1;
+  const std::uint32_t quality = select == Select::strongest ? 16U * told + std::min<std::uint32_t>(second, kMostSecond)
+                                                            : (m0 >> (bits - spec::kCompactQualityBits)) / n;
   return (centroid & ones32(spec::kCompactCentroidBits)) << spec::kCompactCentroidLsb |
          std::min<std::uint32_t>(n, spec::kCompactNMax) << spec::kCompactNLsb |
          (quality & ones32(spec::kCompactQualityBits)) << spec::kCompactQualityLsb;
@@ -241,14 +242,14 @@ std::uint32_t compact_word(Select select, std::uint32_t m0, std::uint32_t m1, st
 
 std::size_t compact_payload_bytes(int columns) { return whole_beats(checked(columns) * kCompactBytes); }
 
-void pack_compact(Select select, int columns, const RunsView& runs, std::uint8_t* payload) {
+void pack_compact(Select select, int columns, const RunsView& runs, std::uint8_t* payload, int bits) {
   const bool strongest = select == Select::strongest;
   const MomentsView& of = runs.moments;
   std::uint8_t* word = payload;
   for (std::size_t i = 0; i < checked(columns); ++i) {
     store_little_endian(word,
                         compact_word(select, of.m0[i], of.m1[i], of.n[i], strongest ? runs.runs[i] : std::uint8_t{0},
-                                     strongest ? runs.second[i] : std::uint8_t{0}));
+                                     strongest ? runs.second[i] : std::uint8_t{0}, bits));
     word += kCompactBytes;
   }
   std::fill(word, payload + compact_payload_bytes(columns), std::uint8_t{0});

@@ -52,9 +52,6 @@ SoftwareBoard make_board(const Camera& camera, const CameraBoardSettings& given)
     throw UserError(camera.uri(),
                     fmt::format("threshold: {} is given, and pixels have {} bits", *given.threshold, bits));
   }
-  if (bits > spec::kPixelBits && given.compact) {
-    throw UserError(camera.uri(), fmt::format("pixels of {} bits have no compact columns", bits));
-  }
   try {
     return SoftwareBoard(board_settings(camera, given), bits);
   } catch (const std::invalid_argument&) {

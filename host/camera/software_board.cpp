@@ -28,8 +28,7 @@ void check_settings(const model::BoardSettings& settings, int pixel_bits) {
                     settings.columns % spec::kPixelsPerBeat == 0 && within(settings.rows, 1, spec::kMaxRows) &&
                     model::is_known(settings.mode) && model::is_known(settings.select) &&
                     within(pixel_bits, spec::kPixelBits, model::kMaxPixelBits) &&
-                    within(settings.threshold, 0, (1 << pixel_bits) - 1) &&
-                    (pixel_bits == spec::kPixelBits || !settings.compact) && within(settings.gap, 0, model::kMaxGap) &&
+                    within(settings.threshold, 0, (1 << pixel_bits) - 1) && within(settings.gap, 0, model::kMaxGap) &&
                     within(settings.stream, 0, UINT8_MAX) && within(settings.window.first, 0, spec::kMaxRows) &&
                     within(settings.window.last, 0, spec::kMaxRows) && within(settings.region_row, 0, UINT16_MAX) &&
                     within(settings.region_column, 0, UINT16_MAX);

@@ -132,8 +132,9 @@ local format = {
       {"centroid", 0, 20, "M1 / M0 in 1/512 rows, rounded to the nearest, halves up; 0: no light"},
       {"n", 20, 6, "number of lit pixels; 63: as many or more"},
       {"quality", 26, 6,
-        "select strongest: runs in 5..4, second in 3..0, 15 there for 15 or 16; select all: floor(M0 / (4 N)), " ..
-        "the mean weight of a lit pixel in 1/64 of 256"},
+        "select strongest: runs in 5..4, second in 3..0, 15 there for 15 or 16; select all: floor(64 M0 / (256 " ..
+        "N)), the mean weight of a lit pixel in 1/64 of 256; pixels of more bits: 2^bits for 256, and runs 1, or " ..
+        "2 where second is not 0"},
     }},
     verdict = {bits = 128, fields = {
       {"first_column", 0, 12, "first column of the leftmost defect, from 1; 0 without one"},

@@ -285,11 +285,8 @@ void check_sections(const Rig& rig, const std::string& source) {
     }
   }
   if (rig.measure.bits() > spec::kPixelBits) {
-    const char* const other = rig.kind != RigKind::light_section ? "kind scanner"
-                              : rig.measure.sends_compact()      ? "measure.words compact"
-                                                                 : nullptr;
-    if (other != nullptr) {
-      throw UserError(source, fmt::format("measure.pixel_bits is {}; without {} only", rig.measure.bits(), other));
+    if (rig.kind != RigKind::light_section) {
+      throw UserError(source, fmt::format("measure.pixel_bits is {}; without kind scanner only", rig.measure.bits()));
     }
   }
   if (rig.light_plane) {

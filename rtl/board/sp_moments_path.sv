@@ -13,7 +13,7 @@
 module sp_moments_path #(
   parameter int MaxColumns = sp_spec_pkg::MaxColumns,  // a multiple of 4, 8..2048; of Lanes
   parameter int MaxRows = sp_spec_pkg::MaxRows,  // 2..1023
-  parameter int PixelBits = sp_spec_pkg::PixelBits,  // 8..12, more than 8 without Compact, Verdict
+  parameter int PixelBits = sp_spec_pkg::PixelBits,  // 8..12, more than 8 without Verdict
   parameter int Lanes = sp_spec_pkg::PixelsPerBeat,  // pixels in a beat: 4, 8 or 16
   parameter bit Grey = 1'b1,
   parameter bit Runs = 1'b0,    // the strongest run of a column
@@ -78,11 +78,8 @@ module sp_moments_path #(
   if (Compact && !Grey) begin : gen_compact_needs_grey
     compact_needs_grey u_error ();
   end
-  if (PixelBits > 8 && (Compact || Verdict)) begin : gen_wide_moments_only
-    more_than_8_pixel_bits_exclude_compact_and_verdict u_error ();
-  end
-  if (Lanes > 4 && (Compact || Verdict)) begin : gen_wide_beats_only
-    more_than_4_lanes_exclude_compact_and_verdict u_error ();
+  if (Verdict && (PixelBits > 8 || Lanes > 4)) begin : gen_no_wide_verdict
+    verdicts_take_4_pixels_of_8_bits u_error ();
   end
 
   localparam int StatusBits = sp_spec_pkg::StatusBits;
@@ -244,8 +241,8 @@ module sp_moments_path #(
   end
 
   // --- Divided columns ---
-  logic         payload_valid, payload_break;
-  logic [127:0] payload_data;
+  logic                columns_valid, columns_break;
+  logic [32*Lanes-1:0] columns_data;
   if (Compact) begin : gen_compact
     // What a packet is made of is known at its start and counts from its acceptance on, four clocks
     // later. The packet before has left by then, and the first words come later still.
@@ -263,7 +260,9 @@ module sp_moments_path #(
       else if (started_q[Decided] && accept) {compact_q, strongest_q} <= asked_q[2*Decided-2+:2];
     end
     sp_compact_words #(
-      .MaxRows(MaxRows)
+      .MaxRows  (MaxRows),
+      .PixelBits(PixelBits),
+      .Lanes    (Lanes)
     ) u_compact (
       .clk_i        (clk_i),
       .rst_i        (rst_i),
@@ -272,32 +271,39 @@ module sp_moments_path #(
       .words_valid_i(words_valid),
       .words_data_i (words_data),
       .words_break_i(words_break),
-      .valid_o      (payload_valid),
-      .data_o       (payload_data),
-      .break_o      (payload_break)
+      .valid_o      (columns_valid),
+      .data_o       (columns_data),
+      .break_o      (columns_break)
     );
-  end else if (Lanes > 4) begin : gen_wide
+  end else begin : gen_exact
     logic unused_compact;
     assign unused_compact = compact_i;
+    assign columns_valid  = words_valid;
+    assign columns_data   = words_data;
+    assign columns_break  = words_break;
+  end
+
+  // --- Payload beats ---
+  logic         payload_valid, payload_break;
+  logic [127:0] payload_data;
+  if (Lanes > 4) begin : gen_wide
     sp_payload_split #(
       .Lanes   (Lanes),
       .LogDepth(Grey ? GroupBits + 1 : GroupBits)
     ) u_split (
       .clk_i        (clk_i),
       .rst_i        (rst_i),
-      .words_valid_i(words_valid),
-      .words_data_i (words_data),
-      .words_break_i(words_break),
+      .words_valid_i(columns_valid),
+      .words_data_i (columns_data),
+      .words_break_i(columns_break),
       .valid_o      (payload_valid),
       .data_o       (payload_data),
       .break_o      (payload_break)
     );
-  end else begin : gen_exact
-    logic unused_compact;
-    assign unused_compact = compact_i;
-    assign payload_valid  = words_valid;
-    assign payload_data   = words_data;
-    assign payload_break  = words_break;
+  end else begin : gen_four
+    assign payload_valid = columns_valid;
+    assign payload_data  = columns_data;
+    assign payload_break = columns_break;
   end
 
   sp_packet_output #(

@@ -3,7 +3,8 @@
 //   centroid = floor(512 M1 / M0 + 1/2)     in 1/512 rows; 0 where no pixel is lit
 //   n        = min(N, 63)
 //   quality  = {runs, min(second, 15)}      strongest_i
-//              floor(M0 / (4 N))            else: the mean weight of a lit pixel, in 1/64 of 256
+//              floor(64 M0 / (2^PixelBits N))   else: the mean weight of a lit pixel, in 1/64 of
+//                                           the largest and 1
 //
 // Both quotients take a stage for each bit, the highest first: the rest, doubled and with the next
 // bit of the dividend, less the divisor, if it is not smaller. A stage more of the centroid tells
@@ -11,8 +12,8 @@
 //
 // Guarantees: one column in every clock; word_o follows RowBits + 12 clocks after the inputs, and
 // is 0 where n_i is 0. The centroid is within half of 1/512 row of M1 / M0. Nothing overflows: M1
-// is at most MaxRows M0, so the centroid is at most 512 MaxRows; M0 is at most 255 N, so the mean
-// weight is below 256. Only n and second are limited.
+// is at most MaxRows M0, so the centroid is at most 512 MaxRows; M0 is below 2^PixelBits N, so the
+// mean weight is below 64 / 64. Only n and second are limited.
 //
 //   clock        0   1   2 ... RowBits + 12
 //   m0_i ...    -< A >< B >- ... -----------
@@ -21,10 +22,12 @@
 
 module sp_compact_column #(
   parameter int MaxRows = 1023,  // 2..1023
+  parameter int PixelBits = sp_spec_pkg::PixelBits,  // 8..12
   // derived, do not set
   parameter int RowBits = $clog2(MaxRows + 1),
-  parameter int M0Bits = $clog2(255 * MaxRows + 1),
-  parameter int M1Bits = $clog2(255 * MaxRows * (MaxRows + 1) / 2 + 1)
+  parameter int MaxWeight = 2 ** PixelBits - 1,
+  parameter int M0Bits = $clog2(MaxWeight * MaxRows + 1),
+  parameter int M1Bits = $clog2(MaxWeight * (MaxRows * (MaxRows + 1) / 2) + 1)
 ) (
   input  wire logic               clk_i,
   input  wire logic               strongest_i,  // stands still while columns are on their way
@@ -40,12 +43,15 @@ module sp_compact_column #(
   if (MaxRows < 2 || MaxRows > sp_spec_pkg::MaxRows) begin : gen_max_rows
     max_rows_is_not_in_2_to_1023 u_error ();
   end
+  if (PixelBits < 8 || PixelBits > 12) begin : gen_pixel_bits
+    pixel_bits_is_not_in_8_to_12 u_error ();
+  end
 
   localparam int Fraction = 9;  // bits of the centroid behind the point
   localparam int Bits = RowBits + Fraction;
   localparam int NBits = sp_spec_pkg::CompactNBits;
   localparam int QualityBits = sp_spec_pkg::CompactQualityBits;
-  localparam int Tail = 8 - QualityBits;  // bits of the mean weight that the quality has not
+  localparam int Tail = PixelBits - QualityBits;  // bits of the mean weight that the quality has not
 
   // --- The centroid. rest[k], of M0Bits, and bits[k] are of stage k + 1: in bits the quotient
   // grows from below while M1 leaves above. Before the first step the rest is M1 / 2^RowBits, below
@@ -89,8 +95,8 @@ module sp_compact_column #(
   always_ff @(posedge clk_i) begin
     n_q                     <= {n_q[RowBits*(QualityBits-1)-1:0], n_i};
     told_q                  <= {told_q[6*QualityBits-1:0], runs_i, second_i[3:0] | {4{second_i[4]}}};
-    mean_rest_q[0+:RowBits] <= RowBits'(m0_i >> 8);
-    mean_q[0+:QualityBits]  <= m0_i[7:Tail];
+    mean_rest_q[0+:RowBits] <= RowBits'(m0_i >> PixelBits);
+    mean_q[0+:QualityBits]  <= m0_i[PixelBits-1:Tail];
   end
   for (genvar s = 0; s < QualityBits; s++) begin : gen_mean
     logic [RowBits:0]   rest;
@@ -181,8 +187,8 @@ module sp_compact_column #(
       assert (word_o[sp_spec_pkg::CompactNLsb+:NBits] == (f_n > 63 ? NBits'(63) : NBits'(f_n)));
       if (f_strongest_q) assert (f_quality == {f_runs, f_second[4] ? 4'd15 : f_second[3:0]});
       else begin
-        assert (FBits'(f_quality) * (FBits'(f_n) << 2) <= FBits'(f_m0));
-        assert (FBits'(f_m0) < (FBits'(f_quality) + FBits'(1)) * (FBits'(f_n) << 2));
+        assert (FBits'(f_quality) * (FBits'(f_n) << Tail) <= FBits'(f_m0));
+        assert (FBits'(f_m0) < (FBits'(f_quality) + FBits'(1)) * (FBits'(f_n) << Tail));
       end
     end
     cover (f_n != '0 && f_m0 == M0Bits'(3) && f_centroid[0] && !f_strongest_q);

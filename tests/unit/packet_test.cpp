@@ -243,8 +243,8 @@ TEST(Packet, NamesWhatIsWrong) {
   EXPECT_EQ(verdict(bad_check), model::PacketError::check);
 }
 
-// Byte 59 has what pixels of more than 8 bits need, and words are then wide_grey or wide_grey_run. Compact
-// columns and verdicts have no words for them.
+// Byte 59 has what pixels of more than 8 bits need, and words are then wide_grey or wide_grey_run. Verdicts
+// are of 8 bits.
 TEST(Packet, PixelsOfMoreThanEightBits) {
   model::PacketHeader header = header_of(spec::kKindMoments, model::Mode::grey, 4);
   header.select = spec::kSelectAll;
@@ -273,7 +273,6 @@ TEST(Packet, PixelsOfMoreThanEightBits) {
   EXPECT_EQ(verdict(forged(packet, 59, 1, 0x37)), model::PacketError::none);
   EXPECT_EQ(verdict(forged(packet, 59, 1, 0x59)), model::PacketError::geometry);  // 13 bits
   EXPECT_EQ(verdict(forged(packet, spec::kHeaderSelect, 1, spec::kSelectStrongest)), model::PacketError::none);
-  EXPECT_EQ(verdict(forged(packet, spec::kHeaderKind, 1, spec::kKindCompact)), model::PacketError::geometry);
   EXPECT_EQ(verdict(forged(packet, spec::kHeaderKind, 1, spec::kKindVerdict)), model::PacketError::geometry);
   EXPECT_EQ(verdict(forged(packet, spec::kHeaderFlags, 1, spec::kFlagVerdict)), model::PacketError::geometry);
   Bytes image = packet_of(header_of(spec::kKindImage, model::Mode::grey, 16));

@@ -58,12 +58,13 @@ void unpack_columns(Select select, Mode mode, int columns, const std::uint8_t* p
 //
 //     centroid = floor(512 M1 / M0 + 1/2)   n = min(N, 63)
 //     quality  = 16 runs + min(second, 15)  with Select::strongest
-//                floor(M0 / (4 N))          with Select::all: the mean weight of a lit pixel, in 1/64 of 256
+//                floor(64 M0 / (2^bits N))  with Select::all: the mean weight of a lit pixel, in 1/64
 //
-// 0 where N is 0. With M1 <= 1023 M0 and M0 <= 255 N no field overflows. The centroid is within 1/1024 row of M1 / M0,
-// because it is the nearest multiple of 1/512; halves are rounded up.
+// 0 where N is 0. With pixels of more than 8 bits `runs` counts as 1, or as 2 where `second` is not 0, because the
+// circuit's words tell no more (wide_grey_run). With M1 <= 1023 M0 and M0 < 2^bits N no field overflows. The centroid
+// is within 1/1024 row of M1 / M0, because it is the nearest multiple of 1/512; halves are rounded up.
 std::uint32_t compact_word(Select select, std::uint32_t m0, std::uint32_t m1, std::uint32_t n, std::uint8_t runs,
-                           std::uint8_t second);
+                           std::uint8_t second, int bits = spec::kPixelBits);
 
 // What unpack_compact gives as M0 of a column with light.
 inline constexpr std::uint32_t kCompactM0 = 512;
@@ -72,7 +73,7 @@ inline constexpr std::uint32_t kCompactM0 = 512;
 std::size_t compact_payload_bytes(int columns);
 
 // Writes compact_word of each column, compact_payload_bytes(columns) bytes.
-void pack_compact(Select select, int columns, const RunsView& runs, std::uint8_t* payload);
+void pack_compact(Select select, int columns, const RunsView& runs, std::uint8_t* payload, int bits = spec::kPixelBits);
 
 // Reads compact columns back: M0 is kCompactM0 or 0, M1 the centroid in 1/512 rows, so that M1 / M0 is the centroid;
 // n, runs and `second` are as the word has them, at most 63, 3 and 15. With Select::all it does not touch `runs` and

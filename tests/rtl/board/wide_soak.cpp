@@ -21,19 +21,20 @@ TEST(WideSoak, EveryPacketEqualsTheModelOrIsCountedAsLost) {
     const int faults = seed % 10 < 5 ? 0 : 20;
     switch (seed % 5) {
       case 0:
-        return play_random_frames<Vboard_twelve>(seed, {.pixel_bits = 12, .runs = true, .fault_percent = faults},
-                                                 counts);
+        return play_random_frames<Vboard_twelve>(
+            seed, {.pixel_bits = 12, .runs = true, .compact = true, .fault_percent = faults}, counts);
       case 1:
         return play_random_frames<Vboard_ten>(
             seed, {.pixel_bits = 10, .image = false, .runs = true, .region = false, .fault_percent = faults}, counts);
       case 2:
-        return play_random_frames<Vboard_eight>(seed, {.lanes = 8, .runs = true, .fault_percent = faults}, counts);
+        return play_random_frames<Vboard_eight>(
+            seed, {.lanes = 8, .runs = true, .compact = true, .fault_percent = faults}, counts);
       case 3:
         return play_random_frames<Vboard_eight_of_twelve>(
             seed, {.pixel_bits = 12, .lanes = 8, .runs = true, .fault_percent = faults}, counts);
       default:
         return play_random_frames<Vboard_sixteen>(
-            seed, {.lanes = 16, .runs = true, .region = false, .fault_percent = faults}, counts);
+            seed, {.lanes = 16, .runs = true, .region = false, .compact = true, .fault_percent = faults}, counts);
     }
   });
   report_soak("wide_soak",

@@ -20,11 +20,11 @@ namespace selfproj::test {
 namespace {
 
 TEST(WideBoard, RandomFramesOfTwelveBitsEqualTheModel) {
-  play_all_random_frames<Vboard_twelve>(40, {.pixel_bits = 12, .runs = true});
+  play_all_random_frames<Vboard_twelve>(40, {.pixel_bits = 12, .runs = true, .compact = true});
 }
 TEST(WideBoard, RandomFaultsOfTwelveBitsEqualTheModel) {
   play_all_random_frames<Vboard_twelve>(
-      30, {.max_columns = 40, .max_rows = 12, .pixel_bits = 12, .runs = true, .fault_percent = 40});
+      30, {.max_columns = 40, .max_rows = 12, .pixel_bits = 12, .runs = true, .compact = true, .fault_percent = 40});
 }
 TEST(WideBoard, RandomFramesOfTenBitsEqualTheModel) {
   play_all_random_frames<Vboard_ten>(
@@ -32,18 +32,18 @@ TEST(WideBoard, RandomFramesOfTenBitsEqualTheModel) {
 }
 
 TEST(WideBoard, RandomFramesOfEightLanesEqualTheModel) {
-  play_all_random_frames<Vboard_eight>(60, {.lanes = 8, .runs = true});
+  play_all_random_frames<Vboard_eight>(60, {.lanes = 8, .runs = true, .compact = true});
 }
 TEST(WideBoard, RandomFaultsOfEightLanesEqualTheModel) {
   play_all_random_frames<Vboard_eight>(
-      40, {.max_columns = 512, .max_rows = 12, .lanes = 8, .runs = true, .fault_percent = 40});
+      40, {.max_columns = 512, .max_rows = 12, .lanes = 8, .runs = true, .compact = true, .fault_percent = 40});
 }
 TEST(WideBoard, RandomFramesOfEightLanesOfTwelveBitsEqualTheModel) {
   play_all_random_frames<Vboard_eight_of_twelve>(40, {.pixel_bits = 12, .lanes = 8, .runs = true, .fault_percent = 10});
 }
 TEST(WideBoard, RandomFramesOfSixteenLanesEqualTheModel) {
   play_all_random_frames<Vboard_sixteen>(
-      60, {.max_columns = 512, .lanes = 16, .runs = true, .region = false, .fault_percent = 20});
+      60, {.max_columns = 512, .lanes = 16, .runs = true, .region = false, .compact = true, .fault_percent = 20});
 }
 
 // Frames without a gap between them, and a bus that never stalls: 40 clocks more than a packet has payload beats are
