@@ -57,7 +57,7 @@ constexpr double kExposed = 0.9;
 // What a shorter exposure leaves: light falls with it, and the threshold may follow down to five standard deviations
 // above what is there without the line.
 struct Shot {
-  int threshold = 0;
+  int threshold = 0;  // a value of the rig's pixels
   double noise_rows = 0;
 };
 Shot shot_of(const rig::Rig& rig, double exposure_s, double lit_rows) {
@@ -65,15 +65,16 @@ Shot shot_of(const rig::Rig& rig, double exposure_s, double lit_rows) {
   const double share = rig.camera.exposure_s > 0 ? std::min(exposure_s / rig.camera.exposure_s, 1.0) : 1;
   const double without = imaging.dark + imaging.ambient * share;
   const double noise = std::hypot(imaging.read_noise, std::sqrt(without / imaging.electrons_per_grey));
-  Shot shot{.threshold = std::min(rig.measure.threshold, static_cast<int>(std::ceil(without + 5 * noise)))};
+  const int per_grey = 1 << (rig.measure.bits() - spec::kPixelBits);  // values of pixels in a grey value of 8 bits
+  Shot shot{.threshold =
+                std::min(rig.measure.threshold, static_cast<int>(std::ceil(per_grey * (without + 5 * noise))))};
   shot.noise_rows = light_section::centroid_noise(imaging, light_section::kPeakOfWhite * imaging.white * share,
-                                                  lit_rows, shot.threshold);
+                                                  lit_rows, static_cast<double>(shot.threshold) / per_grey);
   return shot;
 }
 
 void run_rows(const RowsOptions& options) {
   const rig::Rig rig = options.section.load_rig();
-  rig::need_eight_bits(rig, "this command");
   if (options.rows && *options.rows > rig.camera.rows) {
     throw UserError("--rows", fmt::format("is {}; the camera has {}", *options.rows, rig.camera.rows));
   }

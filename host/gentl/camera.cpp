@@ -85,7 +85,7 @@ std::vector<NamedCount> counts_of_source() {
   for (const driver::CounterName& counter : driver::kCounterNames) {
     names.push_back({camel_case(counter.key), counter.label});
   }
-  names.push_back({"OtherSize", "frames of another size than the rig's camera"});
+  names.push_back({"OtherSize", "frames of another size, or of pixels of other bits, than the rig's camera"});
   names.push_back({"NotMoments", "packets of images and codes"});
   return names;
 }
@@ -306,7 +306,9 @@ void Camera::describe_measurement(FeatureSet& features) {
        .tip = "What a lit pixel weighs.",
        .entries = {{"Binary", spec::kModeBinary}, {"Grey", spec::kModeGrey}, {"GreyOver", spec::kModeGreyOver}}},
       "measure.mode", [](const model::Measure& measure) { return static_cast<std::int64_t>(measure.mode); });
-  add_setting(features, {.name = "Threshold", .tip = "A pixel is lit where its grey value is greater.", .max = 255},
+  const std::int64_t brightest = (std::int64_t{1} << source_.rig().measure.bits()) - 1;
+  add_setting(features,
+              {.name = "Threshold", .tip = "A pixel is lit where its grey value is greater.", .max = brightest},
               "measure.threshold", [](const model::Measure& measure) { return std::int64_t{measure.threshold}; });
   add_setting(features,
               {.kind = FeatureKind::choice,

@@ -30,7 +30,6 @@ rig::Rig rig_of(const DeviceEntry& entry) {
   if (rig.kind != rig::RigKind::light_section) {
     throw UserError(entry.rig, "is not a rig of kind light-section");
   }
-  rig::need_eight_bits(rig, "GenTL");
   rig::expect_measured(rig, entry.rig);
   if (const std::optional<double> clock = board_of(entry).pixel_clock_hz) {
     rig.board = rig::RigBoard{.pixel_clock_hz = *clock};
@@ -46,7 +45,8 @@ model::Measure measure_of(const DeviceEntry& entry, const rig::Rig& rig) {
           .threshold = board.threshold.value_or(measure.threshold),
           .select = board.select.value_or(measure.select),
           .gap = board.gap.value_or(measure.gap),
-          .window = board.window.value_or(measure.window)};
+          .window = board.window.value_or(measure.window),
+          .bits = measure.bits};
 }
 
 light_section::ReferenceProfile reference_of(const DeviceEntry& entry, const rig::Rig& rig) {
@@ -96,6 +96,14 @@ bool LineSource::usable(const model::PacketView& packet) {
     if (!any_) {
       throw UserError(device_->uri(), fmt::format("its frames are {} x {} pixels, those of the rig {} x {}",
                                                   header.columns, header.rows, rig_.camera.columns, rig_.camera.rows));
+    }
+    ++work_.other_size;
+    return false;
+  }
+  if (const int bits = rig_.measure.bits(); header.pixel_bits != bits) {
+    if (!any_) {
+      throw UserError(device_->uri(), fmt::format("its pixels have {} bits; measure.pixel_bits of the rig is {}",
+                                                  header.pixel_bits, bits));
     }
     ++work_.other_size;
     return false;

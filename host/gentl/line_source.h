@@ -24,7 +24,7 @@ namespace selfproj::gentl {
 // What the driver counts, and what the source itself counts.
 struct SourceCounts {
   driver::Counters driver;
-  std::uint64_t other_size = 0;   // frames of another size than the rig's camera
+  std::uint64_t other_size = 0;   // frames of another size, or of pixels of other bits, than the rig's camera
   std::uint64_t not_moments = 0;  // packets of images and codes
 };
 

@@ -130,7 +130,7 @@ double RowTable::mm_per_row() const {
 
 double usual_lit_rows(const rig::Rig& rig) { return 0.5 * (rig.measure.min_lit_px + rig.measure.max_lit_px / 2.0); }
 
-double centroid_noise(const rig::RigImaging& imaging, double peak, double lit_rows, int threshold) {
+double centroid_noise(const rig::RigImaging& imaging, double peak, double lit_rows, double threshold) {
   constexpr int kPlaces = 8;  // of the line within a row
   const double line_sigma = lit_rows / 4;
   const int reach = static_cast<int>(std::ceil(lit_rows)) + 1;

@@ -60,8 +60,9 @@ double usual_lit_rows(const rig::Rig& rig);
 // whose lit rows are four standard deviations, of a peak of `peak` grey values over the dark, each pixel with shot and
 // read noise. With weights w = max(g - threshold, 0) (mode grey-over), at which pixels near the threshold come and go:
 //     sigma² = sum_r (r - C)² var(w_r) / M0²,  M0 = sum_r mean(w_r),
-// the mean over all places of the line within a row. Infinite where nothing is lit.
-double centroid_noise(const rig::RigImaging& imaging, double peak, double lit_rows, int threshold);
+// the mean over all places of the line within a row. Grey values are those of 8 bits, as in RigImaging. Infinite where
+// nothing is lit.
+double centroid_noise(const rig::RigImaging& imaging, double peak, double lit_rows, double threshold);
 
 // The frames a second that the board's circuit takes: a frame takes rows times columns / 4 clocks, and no fewer than
 // its packet needs (docs/using-the-circuits.md).

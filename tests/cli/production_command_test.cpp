@@ -309,9 +309,15 @@ TEST_F(ProductionCommand, ImagesOfTwelveBits) {
   EXPECT_NE(refused({"inspect", "--rig", "twelve.yaml", "--images", "eight/frame_00300.png"})
                 .find("has values up to 255; pixels of 12 bits are expected, up to 4095"),
             std::string::npos);
-  EXPECT_NE(refused({"rows", "--rig", "twelve.yaml", "--rows", "24", "--out", "few.yaml"})
-                .find("measure.pixel_bits is 12; this command takes pixels of 8 bits"),
-            std::string::npos);
+  // The same region, and 16 times the threshold, up to its rounding.
+  const auto few = [&](const std::string& bits) {
+    EXPECT_EQ(host({"rows", "--rig", bits + ".yaml", "--rows", "24", "--out", "few-" + bits + ".yaml"}).status, 0);
+    return rig::load_any_rig((folder_ / ("few-" + bits + ".yaml")).string());
+  };
+  const rig::Rig few_eight = few("eight");
+  const rig::Rig few_twelve = few("twelve");
+  EXPECT_EQ(few_twelve.camera.region->row_offset, few_eight.camera.region->row_offset);
+  EXPECT_NEAR(few_twelve.measure.threshold, 16 * few_eight.measure.threshold, 16);
   // One run in each column: the strongest run is all there is.
   ASSERT_EQ(host({"inspect", "--rig", "twelve.yaml", "--images", "twelve/frame_00300.png", "--select", "strongest",
                   "--out", "strongest-out"})

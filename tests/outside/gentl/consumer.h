@@ -139,18 +139,29 @@ struct OpenCamera {
   std::string xml;
 };
 
+// The rig of the packets.
+inline rig::Rig rig_of_bits(int bits) {
+  rig::Rig rig = rig::load_rig("light-section");
+  if (bits > spec::kPixelBits) {
+    rig.measure.pixel_bits = bits;
+    rig.measure.threshold = measure_of_bits(bits).threshold;
+  }
+  return rig;
+}
+
 // What every frame must become, by the C++ library.
 class Expected {
  public:
   // `counts`: how many counts of 0.01 mm each frame moves the encoder.
-  explicit Expected(int counts = kCountsOfFrame)
-      : counts_(counts), profiler_(rig_, light_section::reference_of_plane(rig_)) {
+  // `bits`: of a pixel.
+  explicit Expected(int counts = kCountsOfFrame, int bits = spec::kPixelBits)
+      : counts_(counts), rig_(rig_of_bits(bits)), profiler_(rig_, light_section::reference_of_plane(rig_)) {
     profile_.resize(kColumns);
   }
 
   const light_section::Profile& of(std::uint64_t frame) {
     model::PacketView packet;
-    bytes_ = packet_of_frame(frame);
+    bytes_ = packet_of_frame(frame, kColumns, rig_.measure.bits());
     EXPECT_EQ(model::parse_packet(bytes_, packet), model::PacketError::none);
     EXPECT_TRUE(profiler_.profile(packet, profile_.view()));
     // The belt carries x back.
@@ -161,15 +172,14 @@ class Expected {
     for (float& x : profile_.x) {
       x = static_cast<float>(static_cast<double>(x) - travel);
     }
-    model::unpack_columns(model::Select::all, kMeasure.mode, kColumns, packet.payload.data(),
-                          {lit_.view(), nullptr, nullptr});
+    model::unpack_columns(packet.header, packet.payload.data(), {lit_.view(), nullptr, nullptr});
     return profile_;
   }
   [[nodiscard]] std::uint32_t lit(int column) const { return lit_.n[static_cast<std::size_t>(column)]; }
 
  private:
   int counts_;
-  rig::Rig rig_ = rig::load_rig("light-section");
+  rig::Rig rig_;
   light_section::DifferentialProfiler profiler_;
   light_section::Profile profile_;
   model::Moments lit_ = [] {

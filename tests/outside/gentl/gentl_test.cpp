@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <map>
 #include <memory>
 #include <string>
@@ -90,6 +92,32 @@ TEST(GenTL, LinesOfAFile) {
   expect_failure(camera.next(buffer), GC_ERR_IO, "gentl_lines.slfp: the recording has ended");
   EXPECT_FALSE(camera.stream_info<bool8_t>(STREAM_INFO_IS_GRABBING));
   EXPECT_EQ(GC(DSStopAcquisition)(camera.stream, ACQ_STOP_FLAGS_DEFAULT), GC_ERR_SUCCESS);
+}
+
+// Pixels of 12 bits. A rig of other bits is refused.
+TEST(GenTL, LinesOfTwelveBits) {
+  const std::filesystem::path rig = std::filesystem::temp_directory_path() / "gentl_twelve.yaml";
+  std::ofstream(rig) << rig::to_yaml(rig_of_bits(12));
+  const PacketFile file("gentl_twelve", 10, kColumns, 12);
+  {
+    const OpenSystem system(file.uri() + "?rig=" + rig.string());
+    OpenCamera camera(system, file.uri());
+    EXPECT_EQ(camera.get("Threshold"), 960);
+    EXPECT_EQ(camera.set("Height", 10), GC_ERR_SUCCESS);
+    EXPECT_EQ(camera.set("ComponentSelector", 1), GC_ERR_SUCCESS);
+    EXPECT_EQ(camera.set("ComponentEnable", 1), GC_ERR_SUCCESS);
+    camera.announce(2);
+    camera.start();
+    Expected expected(kCountsOfFrame, 12);
+    BUFFER_HANDLE buffer = nullptr;
+    ASSERT_EQ(camera.next(buffer), GC_ERR_SUCCESS);
+    EXPECT_EQ(check_parts(camera, buffer, 0, expected), 10U);
+  }
+  const OpenSystem system(file.uri());
+  DEV_HANDLE device = nullptr;
+  expect_failure(system.open(file.uri(), device), GC_ERR_IO,
+                 "its pixels have 12 bits; measure.pixel_bits of the rig is 8");
+  std::filesystem::remove(rig);
 }
 
 TEST(GenTL, DepthAloneIsAnImage) {

@@ -127,17 +127,35 @@ inline std::vector<std::uint8_t> pixels_of_frame(std::uint64_t number, int colum
   return pixels;
 }
 
+// What is measured of pixels of so many bits, whose upper 8 bits are those of pixels_of_frame.
+constexpr model::Measure measure_of_bits(int bits) {
+  model::Measure measure = kMeasure;
+  measure.bits = bits;
+  measure.threshold <<= bits - spec::kPixelBits;
+  return measure;
+}
+
 // Its packet.
-inline std::vector<std::uint8_t> packet_of_frame(std::uint64_t number, int columns = kColumns) {
+inline std::vector<std::uint8_t> packet_of_frame(std::uint64_t number, int columns = kColumns,
+                                                 int bits = spec::kPixelBits) {
   const std::vector<std::uint8_t> pixels = pixels_of_frame(number, columns);
+  const model::Measure measure = measure_of_bits(bits);
   model::Runs runs;
   runs.resize(model::Select::all, columns);
-  model::measure_columns({pixels.data(), kRows, columns, columns}, kMeasure, runs.view());
+  if (bits > spec::kPixelBits) {
+    std::vector<std::uint16_t> wide(pixels.begin(), pixels.end());
+    for (std::size_t i = 0; i < wide.size(); ++i) {
+      wide[i] = static_cast<std::uint16_t>(wide[i] << (bits - spec::kPixelBits) | (wide[i] == 0 ? 0 : i % 4));
+    }
+    model::measure_columns({wide.data(), kRows, columns, columns}, measure, runs.view());
+  } else {
+    model::measure_columns({pixels.data(), kRows, columns, columns}, measure, runs.view());
+  }
   std::vector<std::uint8_t> payload(model::moments_payload_bytes(kMeasure.mode, columns));
-  model::pack_columns(model::Select::all, kMeasure.mode, columns, runs.view(), payload.data());
   model::PacketHeader header;
   header.kind = spec::kKindMoments;
-  model::describe_frame(header, kRows, columns, kMeasure);
+  model::describe_frame(header, kRows, columns, measure);
+  model::pack_columns(header, runs.view(), payload.data());
   header.sequence = number;
   header.time_stamp = 15120 * number;
   header.encoder = static_cast<std::uint32_t>(kCountsOfFrame * number);
@@ -150,11 +168,11 @@ inline std::vector<std::uint8_t> packet_of_frame(std::uint64_t number, int colum
 struct PacketFile {
   std::filesystem::path path;
 
-  PacketFile(const std::string& name, int frames, int columns = kColumns)
+  PacketFile(const std::string& name, int frames, int columns = kColumns, int bits = spec::kPixelBits)
       : path(std::filesystem::temp_directory_path() / (name + ".slfp")) {
     std::ofstream file(path, std::ios::binary);
     for (int frame = 0; frame < frames; ++frame) {
-      const std::vector<std::uint8_t> packet = packet_of_frame(static_cast<std::uint64_t>(frame), columns);
+      const std::vector<std::uint8_t> packet = packet_of_frame(static_cast<std::uint64_t>(frame), columns, bits);
       file.write(reinterpret_cast<const char*>(packet.data()), static_cast<std::streamsize>(packet.size()));
     }
   }
