@@ -86,7 +86,7 @@ std::vector<report::Fact> facts_of(const SectionCounts& work, const std::optiona
       {"delay_max_us", "delay, longest", microseconds(work.delay.longest_ns()), "µs"},
       {"broken_frames", "frames flagged by the board", number(work.broken)},
       {"other_size", "frames of another size", number(work.other_size)},
-      {"other_select", "frames of another select", number(work.other_select)},
+      {"other_select", "frames of another select or of other bits", number(work.other_select)},
       {"other_packets", "packets of images, codes and verdicts alone", number(work.not_moments)}};
   if (counters) {
     const std::vector<report::Fact> driver = report::counter_facts(*counters);

@@ -49,8 +49,7 @@ model::BoardSettings board_settings(const Camera& camera, const CameraBoardSetti
 SoftwareBoard make_board(const Camera& camera, const CameraBoardSettings& given) {
   const int bits = given.bits.value_or(spec::kPixelBits);
   if (given.threshold.value_or(0) >= 1 << bits) {
-    throw UserError(camera.uri(),
-                    fmt::format("threshold: {} is given, and pixels have {} bits", *given.threshold, bits));
+    throw UserError(camera.uri(), fmt::format("the threshold is {}, and pixels have {} bits", *given.threshold, bits));
   }
   try {
     return SoftwareBoard(board_settings(camera, given), bits);
@@ -158,7 +157,12 @@ void fill_from(CameraUri& camera, const CameraDefaults& defaults) {
   fill(board.bits, defaults.board.bits);
   if (const int bits = board.bits.value_or(spec::kPixelBits); bits > spec::kPixelBits) {
     std::string& format = camera.camera.format;
-    format = format.empty() ? fmt::format("Mono{}", bits) : format;
+    if (const bool asked = format.empty(); asked) {
+      format = fmt::format("Mono{}", bits);
+      if (!pixel_format(format)) {
+        throw UserError(camera.uri, fmt::format("{} {}; cameras have pixels of 8, 10 or 12", said_by, bits));
+      }
+    }
     const std::optional<PixelFormat> known = pixel_format(format);
     if (!known || !has_words(*known) || known->bits != bits) {
       throw UserError(camera.uri, fmt::format("format: {} is given; {} {}", format, said_by, bits));
@@ -188,7 +192,7 @@ std::unique_ptr<driver::Device> open_any_device(const std::string& uri, const dr
   } catch (const UserError& error) {
     const int bits = camera.camera.bits;
     if (bits == spec::kPixelBits || has_format ||
-        std::string_view(error.what()).find("format") == std::string_view::npos) {
+        std::string_view(error.what()).find(": format") == std::string_view::npos) {
       throw;
     }
     throw UserError(error.what(), fmt::format("pixels of {0} bits (measure.pixel_bits of the rig, or bits of the URI) "

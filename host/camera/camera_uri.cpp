@@ -109,7 +109,7 @@ constexpr std::array<Key, 22> kKeys = {{
      }},
     {"buffers", "N", "images that wait in memory until they are taken",
      [](CameraUri& uri, const std::string& text) { uri.camera.buffers = number_in(text, 2, kMaxBuffers); }},
-    {"bits", "N", "bits of the pixels that moments are of, 8 to 12; of a rig measure.pixel_bits",
+    {"bits", "N", "bits of the pixels that moments are of: 8, 10 or 12; of a rig measure.pixel_bits",
      [](CameraUri& uri, const std::string& text) {
        uri.board.bits = number_in(text, spec::kPixelBits, model::kMaxPixelBits);
      }},

@@ -13,6 +13,11 @@
 namespace selfproj::light_section {
 namespace {
 
+// Whether packets of such a rig say no more than 63 lit pixels.
+bool ends_n(const rig::RigMeasure& measure) {
+  return measure.sends_compact() || (measure.bits() > spec::kPixelBits && measure.runs);
+}
+
 // The end of "... % of the columns".
 std::string reason_of(Validity validity, const rig::RigMeasure& measure) {
   switch (validity) {
@@ -27,8 +32,10 @@ std::string reason_of(Validity validity, const rig::RigMeasure& measure) {
     case Validity::too_wide:
       return fmt::format(
           "have more than {} lit pixels: lower the exposure, raise the threshold or max_lit_px, or keep "
-          "other light out",
-          measure.max_lit_px);
+          "other light out{}",
+          measure.max_lit_px,
+          ends_n(measure) ? "; where packets say 63 lit pixels there may be more, so such columns are counted here"
+                          : "");
     case Validity::cut_off:
       return measure.window ? "have the line at the border of the rows that count: move or widen measure.window"
                             : "have the line at the border of the image: the part is higher or lower than the camera "

@@ -286,7 +286,8 @@ void check_sections(const Rig& rig, const std::string& source) {
   }
   if (rig.measure.bits() > spec::kPixelBits) {
     if (rig.kind != RigKind::light_section) {
-      throw UserError(source, fmt::format("measure.pixel_bits is {}; without kind scanner only", rig.measure.bits()));
+      throw UserError(source, fmt::format("measure.pixel_bits is {}; a rig of kind scanner takes pixels of 8 bits",
+                                          rig.measure.bits()));
     }
   }
   if (rig.light_plane) {

@@ -30,7 +30,7 @@
 `default_nettype none
 
 module sp_frame_tracker #(
-  parameter int MaxColumns = sp_spec_pkg::MaxColumns,  // a multiple of 4, 12..2048; of Lanes
+  parameter int MaxColumns = sp_spec_pkg::MaxColumns,  // a multiple of 4, 12..2048; with more lanes of Lanes, from 3 Lanes on
   parameter int MaxRows = sp_spec_pkg::MaxRows,  // 2..1023
   parameter int PixelBits = sp_spec_pkg::PixelBits,  // 8..12
   parameter int Lanes = sp_spec_pkg::PixelsPerBeat,  // pixels in a beat: 4, 8 or 16

@@ -11,7 +11,7 @@
 `default_nettype none
 
 module sp_moments_path #(
-  parameter int MaxColumns = sp_spec_pkg::MaxColumns,  // a multiple of 4, 8..2048; of Lanes
+  parameter int MaxColumns = sp_spec_pkg::MaxColumns,  // a multiple of 4, 8..2048; with more lanes of Lanes, from 2 Lanes on
   parameter int MaxRows = sp_spec_pkg::MaxRows,  // 2..1023
   parameter int PixelBits = sp_spec_pkg::PixelBits,  // 8..12, more than 8 without Verdict
   parameter int Lanes = sp_spec_pkg::PixelsPerBeat,  // pixels in a beat: 4, 8 or 16
@@ -289,7 +289,7 @@ module sp_moments_path #(
   if (Lanes > 4) begin : gen_wide
     sp_payload_split #(
       .Lanes   (Lanes),
-      .LogDepth(Grey ? GroupBits + 1 : GroupBits)
+      .LogDepth(Grey || GroupBits < 2 ? GroupBits + 1 : GroupBits)
     ) u_split (
       .clk_i        (clk_i),
       .rst_i        (rst_i),

@@ -12,7 +12,8 @@
 // Overflow: the FIFO holds the words of one frame, and sp_packetizer takes no packet before that of
 // the frame before is complete. So from the beginning of a last row to that of the next one whose
 // packet is wanted, too, there must be a clock for each payload beat and 40 more: with C columns
-// C / 2 + 40 in the grey modes, C / 4 + 40 in mode binary. What comes sooner is counted as lost.
+// C / 2 + 40 in the grey modes, C / 4 + 40 in mode binary, and in compact packets as many more as
+// MaxRows has bits. What comes sooner is counted as lost.
 //
 // Eight lanes:
 //

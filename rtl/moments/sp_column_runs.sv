@@ -19,7 +19,7 @@
 `default_nettype none
 
 module sp_column_runs #(
-  parameter int MaxColumns = sp_spec_pkg::MaxColumns,  // image width: a multiple of 4, 8..2048; of Lanes
+  parameter int MaxColumns = sp_spec_pkg::MaxColumns,  // image width: a multiple of 4, 8..2048; with more lanes of Lanes, from 2 Lanes on
   parameter int MaxRows = sp_spec_pkg::MaxRows,  // image height: 2..1023
   parameter bit Grey = 1'b1,  // modes grey and grey_over
   parameter int PixelBits = sp_spec_pkg::PixelBits,  // 8..12

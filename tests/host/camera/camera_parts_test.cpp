@@ -238,7 +238,8 @@ TEST(CameraUri, BitsOfPixels) {
             "camera:Maker-1: format: Mono10 is given; bits of the URI are 12");
   EXPECT_EQ(error_of([&] { filled("?format=Mono10", 12); }),
             "camera:Maker-1: format: Mono10 is given; measure.pixel_bits of the rig is 12");
-  EXPECT_EQ(error_of([&] { filled("?bits=9", {}); }), "camera:Maker-1: format: Mono9 is given; bits of the URI are 9");
+  EXPECT_EQ(error_of([&] { filled("?bits=9", {}); }),
+            "camera:Maker-1: bits of the URI are 9; cameras have pixels of 8, 10 or 12");
 }
 
 TEST(CameraUri, EverySetting) {

@@ -271,7 +271,7 @@ TEST(V4l2Camera, MomentsOfTwelveBits) {
     camera::make_camera_device(camera::open_v4l2_camera(uri, std::make_unique<PlayerPort>(player)), uri.board, {});
     FAIL() << "a threshold above all pixels";
   } catch (const UserError& error) {
-    EXPECT_EQ(std::string(error.what()), "camera:/dev/video9: threshold: 4096 is given, and pixels have 12 bits");
+    EXPECT_EQ(std::string(error.what()), "camera:/dev/video9: the threshold is 4096, and pixels have 12 bits");
   }
 }
 

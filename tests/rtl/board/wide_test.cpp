@@ -47,16 +47,21 @@ TEST(WideBoard, RandomFramesOfSixteenLanesEqualTheModel) {
 }
 
 // Frames without a gap between them, and a bus that never stalls: 40 clocks more than a packet has payload beats are
-// enough for every packet (sp_payload_split), and fewer clocks than beats are not.
+// enough for every packet (sp_payload_split), and no more clocks than beats are not.
 template <class Board>
-void frames_close_together(int lanes, model::Mode mode) {
-  for (const int columns : {8 * lanes, 256, 512}) {
+void frames_close_together(int lanes, model::Mode mode, bool compact = false) {
+  for (const int columns : {lanes, 2 * lanes, 8 * lanes, 256, 512}) {
     const int groups = columns / lanes;
-    const int beats = columns / (mode == model::Mode::binary ? 4 : 2);
+    const int beats = columns / (mode == model::Mode::binary || compact ? 4 : 2);
+    const int more = compact ? 40 + 7 : 40;  // MaxRows has 7 bits
     const auto lost_of = [&](int rows) {
       Scoreboard<Board> board({.bus_period_ps = 4000, .lanes = lanes});
-      board.write(
-          {.columns = columns, .rows = rows, .mode = mode, .threshold = 100, .select = model::Select::strongest});
+      board.write({.columns = columns,
+                   .rows = rows,
+                   .mode = mode,
+                   .threshold = 100,
+                   .select = model::Select::strongest,
+                   .compact = compact});
       Random random(1);
       for (int frame = 0; frame < 40; ++frame) {
         board.send(random, random_image(random, rows, columns), 0);
@@ -66,7 +71,7 @@ void frames_close_together(int lanes, model::Mode mode) {
       return board.lost(spec::kKindMoments);
     };
     SCOPED_TRACE(::testing::Message() << lanes << " lanes, " << columns << " columns");
-    EXPECT_EQ(lost_of((beats + 40 + groups - 1) / groups), 0U);
+    EXPECT_EQ(lost_of((beats + more + groups - 1) / groups), 0U);
     EXPECT_GT(lost_of(beats / groups), 0U);
   }
 }
@@ -75,6 +80,8 @@ TEST(WideBoard, FramesCloseTogether) {
     frames_close_together<Vboard_eight>(8, mode);
     frames_close_together<Vboard_sixteen>(16, mode);
   }
+  frames_close_together<Vboard_eight>(8, model::Mode::grey, true);
+  frames_close_together<Vboard_sixteen>(16, model::Mode::grey_over, true);
 }
 
 // Lines of raw images that come `gap` clocks after each other, and a bus that never stalls: how many are lost.
