@@ -37,6 +37,7 @@ model::BoardSettings random_settings(Random& random, int pixel_bits) {
   if (random.chance(30)) {
     settings.window = {random.between(0, settings.rows), random.between(0, settings.rows + 3)};
   }
+  settings.compact = random.chance(30);
   settings.stream = random.between(0, 255);
   settings.codes = random.chance(60);
   settings.median = random.chance(50);
@@ -108,7 +109,7 @@ TEST(SoftwareBoard, GivesThePacketsOfTheModel) {
         got[packet.header.kind].emplace_back(packet.bytes().begin(), packet.bytes().end());
       }
     }
-    for (const int kind : {spec::kKindMoments, spec::kKindImage, spec::kKindCodes}) {
+    for (const int kind : {spec::kKindMoments, spec::kKindCompact, spec::kKindImage, spec::kKindCodes}) {
       ASSERT_EQ(got[kind].size(), expected[kind].size()) << "packets of kind " << kind;
       for (std::size_t i = 0; i < got[kind].size(); ++i) {
         const auto differs =
@@ -128,7 +129,6 @@ TEST(SoftwareBoard, RefusesWhatNoBoardHas) {
   EXPECT_NO_THROW(camera::SoftwareBoard({.threshold = 256}, 10));
   EXPECT_THROW(camera::SoftwareBoard({.threshold = 1024}, 10), std::invalid_argument);
   EXPECT_THROW(camera::SoftwareBoard({}, 13), std::invalid_argument);
-  EXPECT_THROW(camera::SoftwareBoard({.compact = true}, 12), std::invalid_argument);
   EXPECT_THROW(camera::SoftwareBoard({.codes = true, .code_bits = 13}), std::invalid_argument);
   camera::SoftwareBoard board({.columns = 8, .rows = 2});
   const Bytes pixels(16);
