@@ -61,6 +61,10 @@ CONFIGURATIONS = [
                   SMALL | {"Verdict": "1'b1", "VerdictLogSections": "0"}),
     Configuration("12 bits", "moments with the grey modes, pixels of 12 bits; 512 columns, 127 rows",
                   SMALL | {"Grey": "1'b1", "PixelBits": "12"}),
+    Configuration("8 pixels a clock", "moments with the strongest runs and the grey modes, 8 pixels a clock; 512 columns, "
+                  "127 rows", SMALL | {"Grey": "1'b1", "Runs": "1'b1", "Lanes": "8"}),
+    Configuration("16 pixels a clock", "moments with the grey modes, 16 pixels a clock; 512 columns, 127 rows",
+                  SMALL | {"Grey": "1'b1", "Lanes": "16"}),
 ]
 
 # Only in the table of the clocks
@@ -125,7 +129,7 @@ ROUTE_SECONDS = 1200  # a seed that takes longer counts as not routed
 PLACES = [("iCE40 HX8K", CONFIGURATIONS[0]), ("iCE40 HX8K", CONFIGURATIONS[1]), ("LFE5U-85F-8", CONFIGURATIONS[0]),
           ("LFE5U-85F-8", CONFIGURATIONS[1]), ("LFE5U-85F-8", SCANNER), ("iCE40 HX8K", CONFIGURATIONS[4]),
           ("LFE5U-85F-8", GREY_RUNS), ("LFE5U-85F-8", CONFIGURATIONS[5]),
-          ("LFE5U-85F-8", CONFIGURATIONS[6])]
+          ("LFE5U-85F-8", CONFIGURATIONS[6]), ("LFE5U-85F-8", CONFIGURATIONS[7])]
 GOAL = 151.2  # MHz, the original's pixel clock
 
 # Descriptions in the files of results/
