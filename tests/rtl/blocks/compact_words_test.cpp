@@ -49,10 +49,10 @@ Column random_column(Random& random, int max_rows, bool strongest, int largest) 
   return column;
 }
 
-template <class Dut, int kLanes = 4>
+template <class Dut, int Lanes = 4>
 void play(Random& random, int max_rows, int bits = 8) {
-  constexpr std::size_t kHalf = kLanes / 2;  // columns at once
-  using Words = std::array<std::uint32_t, kLanes>;
+  constexpr std::size_t kHalf = Lanes / 2;  // columns at once
+  using Words = std::array<std::uint32_t, Lanes>;
   model::PacketHeader header;
   header.kind = spec::kKindMoments;
   header.mode = static_cast<std::uint8_t>(model::Mode::grey);
@@ -73,7 +73,7 @@ void play(Random& random, int max_rows, int bits = 8) {
     if (words->valid_o) {
       ASSERT_FALSE(expected.empty());
       Words found;
-      for (std::size_t i = 0; i < kLanes; ++i) {
+      for (std::size_t i = 0; i < Lanes; ++i) {
         found[i] = words->data_o[i];
       }
       EXPECT_EQ(found, expected.front());
@@ -120,7 +120,7 @@ void play(Random& random, int max_rows, int bits = 8) {
         } else if (half == 1) {
           expected.push_back(beat);
         }
-        for (std::size_t i = 0; i < kLanes; ++i) {
+        for (std::size_t i = 0; i < Lanes; ++i) {
           words->words_data_i[i] = exact[i];
         }
         words->words_valid_i = 1;

@@ -27,9 +27,9 @@ struct Part {
 
 // Payloads of any length with any gaps, which end or break with their last word or behind it. Every beat is compared in
 // the clock in which it leaves.
-template <typename Dut, int kLanes>
+template <typename Dut, int Lanes>
 void split_payloads(Random& random) {
-  constexpr int kParts = kLanes / 4;
+  constexpr int kParts = Lanes / 4;
   Clocked<Dut> split;
   split.valid_when({"data_o"}, [&] { return split->valid_o != 0; });
   split->words_valid_i = 0;
