@@ -69,11 +69,7 @@ void write_setup(driver::Control& control, const BoardSetup& setup) {
                                                control.build().pixel_bits, measure.bits));
   }
   const rig::RigRegion sent = camera.sent();
-  if (const int lanes = control.build().lanes; sent.columns % lanes != 0) {
-    throw UserError(control.uri(), fmt::format("this board takes {} pixels a clock; {} columns (camera of the rig) are "
-                                               "no multiple of them",
-                                               lanes, sent.columns));
-  }
+  control.need_columns(sent.columns);
   if (control.build().region) {
     control.write_together({{driver::register_part("region.row"), number(camera.region_row())},
                             {driver::register_part("region.column"), number(camera.region_column())}});

@@ -157,7 +157,7 @@ void fill_from(CameraUri& camera, const CameraDefaults& defaults) {
   fill(board.bits, defaults.board.bits);
   if (const int bits = board.bits.value_or(spec::kPixelBits); bits > spec::kPixelBits) {
     std::string& format = camera.camera.format;
-    if (const bool asked = format.empty(); asked) {
+    if (format.empty()) {
       format = fmt::format("Mono{}", bits);
       if (!pixel_format(format)) {
         throw UserError(camera.uri, fmt::format("{} {}; cameras have pixels of 8, 10 or 12", said_by, bits));

@@ -213,19 +213,24 @@ void Control::write_together(std::vector<std::pair<RegisterPart, std::uint32_t>>
   }
 }
 
+void Control::need_columns(int columns) const {
+  if (columns % build_.lanes != 0) {
+    throw UserError(uri(), "this board takes " + std::to_string(build_.lanes) +
+                               " pixels a clock: " + std::to_string(columns) + " columns are no multiple of them");
+  }
+}
+
 void Control::set(const model::BoardSettings& settings) {
   const auto bit = [](bool set, int lsb) { return static_cast<std::uint32_t>(set ? 1U : 0U) << lsb; };
-  const auto need_in_build = [&](bool wanted, bool there, const std::string& what) {
+  const auto need_in_build = [&](bool wanted, bool there, const char* what) {
     if (wanted && !there) {
-      throw UserError(uri(), "this board " + what);
+      throw UserError(uri(), std::string("this board ") + what);
     }
   };
   need_in_build(settings.codes, build_.codes, "has no Gray-code decoder");
   need_in_build(settings.region_row != 0 || settings.region_column != 0, build_.region,
                 "has no register for the region of the sensor");
-  need_in_build(settings.columns % build_.lanes != 0, false,
-                "takes " + std::to_string(build_.lanes) + " pixels a clock: " + std::to_string(settings.columns) +
-                    " columns are no multiple of them");
+  need_columns(settings.columns);
   need_in_build(settings.threshold >> build_.pixel_bits != 0, false, "has no pixels as bright as the threshold");
   need_in_build(settings.compact, build_.compact, "has no compact columns");
   need_in_build(settings.verdict, build_.verdict_log_sections >= 0, "gives no verdicts");

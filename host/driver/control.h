@@ -39,6 +39,9 @@ class Control {
   explicit Control(std::unique_ptr<RegisterPort> port);
 
   [[nodiscard]] const model::BoardBuild& build() const { return build_; }
+
+  // Throws UserError if the board's beats cannot have so many columns.
+  void need_columns(int columns) const;
   [[nodiscard]] const std::string& uri() const { return port_->uri(); }
 
   // The value of a register or field.
