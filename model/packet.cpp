@@ -162,14 +162,6 @@ bool lines_in_frame(const PacketHeader& header) {
   return header.lines >= 1 && header.first_line >= 1 && header.first_line + header.lines - 1 <= header.rows;
 }
 
-// Whether the bits of a pixel are possible, and the threshold with them. Verdicts are of 8 bits.
-bool pixels_are_right(const PacketHeader& header) {
-  const int bits = header.pixel_bits;
-  const bool words_exist =
-      bits == spec::kPixelBits || !one_for_a_frame(header.kind) || (has_columns(header.kind) && !has_verdict(header));
-  return bits <= kMaxPixelBits && header.threshold < 1 << bits && words_exist;
-}
-
 // Whether mode, select, gap, columns, rows, lines and pixels are possible. Lines matter only if the payload has lines.
 bool geometry_is_right(const PacketHeader& header) {
   if (!is_known(static_cast<Mode>(header.mode)) || !is_known(static_cast<Select>(header.select)) ||
@@ -180,7 +172,7 @@ bool geometry_is_right(const PacketHeader& header) {
       header.rows < 1 || header.rows > spec::kMaxRows) {
     return false;
   }
-  if (!pixels_are_right(header)) {
+  if (header.pixel_bits > kMaxPixelBits || header.threshold >= 1 << header.pixel_bits) {
     return false;
   }
   if (header.kind == spec::kKindCompact && static_cast<Mode>(header.mode) == Mode::binary) {

@@ -65,7 +65,7 @@ Shot shot_of(const rig::Rig& rig, double exposure_s, double lit_rows) {
   const double share = rig.camera.exposure_s > 0 ? std::min(exposure_s / rig.camera.exposure_s, 1.0) : 1;
   const double without = imaging.dark + imaging.ambient * share;
   const double noise = std::hypot(imaging.read_noise, std::sqrt(without / imaging.electrons_per_grey));
-  const int per_grey = 1 << (rig.measure.bits() - spec::kPixelBits);  // values of pixels in a grey value of 8 bits
+  const int per_grey = rig.measure.values_per_grey();
   Shot shot{.threshold =
                 std::min(rig.measure.threshold, static_cast<int>(std::ceil(per_grey * (without + 5 * noise))))};
   shot.noise_rows = light_section::centroid_noise(imaging, light_section::kPeakOfWhite * imaging.white * share,

@@ -85,7 +85,6 @@ void print_table(const production::VerdictTable& table) {
 
 void run_table(TableOptions options) {
   const rig::Rig rig = options.section.load_rig();
-  rig::need_eight_bits(rig, "a board that judges");
   if (!options.defect.empty()) {
     read_defect(options.defect, options.verdict);
   }

@@ -730,7 +730,8 @@ std::uint32_t VerdictTables::length_counts() const {
 double VerdictTables::noise_rows() const {
   const double share = rig_.camera.exposure_s > 0 ? std::min(sent_.exposure_s / rig_.camera.exposure_s, 1.0) : 1;
   return light_section::centroid_noise(rig_.imaging, light_section::kPeakOfWhite * rig_.imaging.white * share,
-                                       lit_rows_, rig_.measure.threshold);
+                                       lit_rows_,
+                                       static_cast<double>(rig_.measure.threshold) / rig_.measure.values_per_grey());
 }
 
 // The mean number of places in a good part where noise alone makes a defect: at each the hits of `width` columns are

@@ -14,11 +14,10 @@
 module sp_board #(
   parameter int MaxColumns = sp_spec_pkg::MaxColumns,  // image width: a multiple of 4, 12..2048; with more lanes of Lanes, from 3 Lanes on
   parameter int MaxRows = sp_spec_pkg::MaxRows,  // image height: 2..1023
-  // Bits of a pixel: 8..12. With more than 8, images and codes are of the upper eight, and Verdict
-  // cannot be built.
+  // Bits of a pixel: 8..12. With more than 8, images and codes are of the upper eight.
   parameter int PixelBits = sp_spec_pkg::PixelBits,  // 8..12
-  // Pixels in a beat. With more than 4, Verdict cannot be built, with 16 neither can Codes, and frames
-  // need more rows to follow each other without a gap: see sp_payload_split.
+  // Pixels in a beat. With more than 4, frames need more rows to follow each other without a gap: see
+  // sp_payload_split. With 16, Codes cannot be built.
   parameter int Lanes = sp_spec_pkg::PixelsPerBeat,  // 4, 8 or 16
   parameter bit Grey = 1'b1,   // modes grey and grey_over
   parameter bit Runs = 1'b0,   // the strongest run of a column
@@ -412,6 +411,7 @@ module sp_board #(
     sp_verdict_unit #(
       .MaxColumns (MaxColumns),
       .MaxRows    (MaxRows),
+      .PixelBits  (PixelBits),
       .Grey       (Grey),
       .LogSections(VerdictLogSections)
     ) u_verdict (

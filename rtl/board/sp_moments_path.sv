@@ -5,15 +5,15 @@
 // This module only connects sp_column_moments, or sp_column_runs, perhaps sp_compact_words or
 // sp_payload_split, and sp_packet_output, which have the latency, the formats and the overflow rule.
 //
-// With Verdict the sums of a frame that is to be judged come out of words_valid_o whether its packet
-// finds room or not, if judge_ready_i is high at decision_o; else they do not come, and the packet
-// is lost. judge_i says from the next clock on how that was decided.
+// With Verdict the sums of a frame that is to be judged come out of words_valid_o, 16 bytes a clock,
+// whether its packet finds room or not, if judge_ready_i is high at decision_o; else they do not
+// come, and the packet is lost. judge_i says from the next clock on how that was decided.
 `default_nettype none
 
 module sp_moments_path #(
   parameter int MaxColumns = sp_spec_pkg::MaxColumns,  // a multiple of 4, 8..2048; with more lanes of Lanes, from 2 Lanes on
   parameter int MaxRows = sp_spec_pkg::MaxRows,  // 2..1023
-  parameter int PixelBits = sp_spec_pkg::PixelBits,  // 8..12, more than 8 without Verdict
+  parameter int PixelBits = sp_spec_pkg::PixelBits,  // 8..12
   parameter int Lanes = sp_spec_pkg::PixelsPerBeat,  // pixels in a beat: 4, 8 or 16
   parameter bit Grey = 1'b1,
   parameter bit Runs = 1'b0,    // the strongest run of a column
@@ -77,9 +77,6 @@ module sp_moments_path #(
 
   if (Compact && !Grey) begin : gen_compact_needs_grey
     compact_needs_grey u_error ();
-  end
-  if (Verdict && (PixelBits > 8 || Lanes > 4)) begin : gen_no_wide_verdict
-    verdicts_take_4_pixels_of_8_bits u_error ();
   end
 
   localparam int StatusBits = sp_spec_pkg::StatusBits;
@@ -191,28 +188,29 @@ module sp_moments_path #(
       128'({sp_spec_pkg::VerdictSectionBits{1'b1}}) << sp_spec_pkg::VerdictSectionLsb |
       128'({sp_spec_pkg::VerdictPartBits{1'b1}}) << sp_spec_pkg::VerdictPartLsb;
   logic       tail_valid, columns_leave;
-  assign words_valid_o = words_valid;
-  assign words_data_o  = words_data[127:0];
-  assign words_break_o = words_break;
   assign spoiled_o     = spoiled;
   logic       active;         // at the decision: the frame is to be judged
   if (Verdict) begin : gen_verdict
-    logic [2:1]      decided_q;  // last_row_start_q, one and two clocks ago
-    logic [8:0]      asked_q;    // verdict_i; the oldest, of the frame whose packet is decided on
+    logic [3:1]      decided_q;  // last_row_start_q, one to three clocks ago
+    // verdict_i, packets later than on: of the frame whose packet is decided on, and was in the clock before
+    logic [8:0]      asked_q;
+    logic [1:0]      asked_packets_q;
     logic            active_q;   // of the frame decided on last
     logic [1:0]      packets_q;  // of the one that was wanted last
     always_ff @(posedge clk_i) begin
       if (rst_i) decided_q <= '0;
-      else decided_q <= {decided_q[1], last_row_start_q};
+      else decided_q <= {decided_q[2:1], last_row_start_q};
     end
     always_ff @(posedge clk_i) begin
-      asked_q <= {asked_q[5:0], verdict_i};
+      asked_q         <= {asked_q[5:0], verdict_i};
+      asked_packets_q <= asked_q[7:6];
       if (rst_i) begin
         active_q  <= 1'b0;
         packets_q <= 2'b00;
-      end else if (decided_q[2]) begin
-        active_q <= active;
-        if (!active || judge_ready_i) packets_q <= asked_q[7:6];
+      end else begin
+        if (decided_q[2]) active_q <= active;
+        // Words of the packet before may still leave, which one that is not wanted does not end.
+        if (decided_q[3] && wanted) packets_q <= asked_packets_q;
       end
     end
     assign active        = asked_q[8];
@@ -283,13 +281,37 @@ module sp_moments_path #(
     assign columns_break  = words_break;
   end
 
-  // --- Payload beats ---
+  // --- Payload beats, and those for the verdict, which are never divided ---
   logic         payload_valid, payload_break;
   logic [127:0] payload_data;
+  localparam int LogWords = Grey || GroupBits < 2 ? GroupBits + 1 : GroupBits;  // that wait
+  if (Lanes > 4 && Verdict && Compact) begin : gen_split_for_verdict
+    sp_payload_split #(
+      .Lanes   (Lanes),
+      .LogDepth(LogWords)
+    ) u_split (
+      .clk_i        (clk_i),
+      .rst_i        (rst_i),
+      .words_valid_i(words_valid),
+      .words_data_i (words_data),
+      .words_break_i(words_break),
+      .valid_o      (words_valid_o),
+      .data_o       (words_data_o),
+      .break_o      (words_break_o)
+    );
+  end else if (Lanes > 4) begin : gen_payload_for_verdict
+    assign words_valid_o = payload_valid;
+    assign words_data_o  = payload_data;
+    assign words_break_o = payload_break;
+  end else begin : gen_words_for_verdict
+    assign words_valid_o = words_valid;
+    assign words_data_o  = words_data;
+    assign words_break_o = words_break;
+  end
   if (Lanes > 4) begin : gen_wide
     sp_payload_split #(
       .Lanes   (Lanes),
-      .LogDepth(Grey || GroupBits < 2 ? GroupBits + 1 : GroupBits)
+      .LogDepth(LogWords)
     ) u_split (
       .clk_i        (clk_i),
       .rst_i        (rst_i),

@@ -39,6 +39,7 @@
 module sp_verdict_columns #(
   parameter int MaxColumns = sp_spec_pkg::MaxColumns,  // a multiple of 4, 8..2048
   parameter int MaxRows = sp_spec_pkg::MaxRows,  // 2..1023
+  parameter int PixelBits = sp_spec_pkg::PixelBits,  // 8..12
   parameter bit Grey = 1'b1,  // modes grey and grey_over
   parameter int LogSections = 1,  // log2 of the sections of a bank: 0..6
   // derived, do not set
@@ -88,12 +89,16 @@ module sp_verdict_columns #(
   if (MaxRows < 2 || MaxRows > sp_spec_pkg::MaxRows) begin : gen_max_rows
     max_rows_is_not_in_2_to_1023 u_error ();
   end
+  if (PixelBits < 8 || PixelBits > 12) begin : gen_pixel_bits
+    pixel_bits_is_not_in_8_to_12 u_error ();
+  end
   if (LogSections < 0 || LogSections > 6) begin : gen_log_sections
     log_sections_is_not_in_0_to_6 u_error ();
   end
 
-  localparam int M0Bits = $clog2((Grey ? 255 : 1) * MaxRows + 1);
-  localparam int M1Bits = $clog2((Grey ? 255 : 1) * MaxRows * (MaxRows + 1) / 2 + 1);
+  localparam int MaxWeight = Grey ? 2 ** PixelBits - 1 : 1;
+  localparam int M0Bits = $clog2(MaxWeight * MaxRows + 1);
+  localparam int M1Bits = $clog2(MaxWeight * (MaxRows * (MaxRows + 1) / 2) + 1);
   localparam int ProductBits = M0Bits + LimitBits;
   localparam int WordBits = 2 * LimitBits + 1;
   // Of a column of the table, or of one as far beside it as columns may be shifted, which is beyond
@@ -253,13 +258,15 @@ module sp_verdict_columns #(
     logic [M0Bits-1:0] s0_m0;
     logic [M1Bits-1:0] s0_m1;
     if (Grey) begin : gen_grey
-      localparam int Wide = 64 * (lane % 2);
+      localparam int Word = 64 * (lane % 2);
+      localparam int M0Lsb = Word + (PixelBits > 8 ? sp_spec_pkg::WideGreyM0Lsb : sp_spec_pkg::GreyM0Lsb);
+      localparam int M1Lsb = Word + (PixelBits > 8 ? sp_spec_pkg::WideGreyM1Lsb : sp_spec_pkg::GreyM1Lsb);
       assign s0_came = !grey || half_q == (lane > 1);
       assign s0_m0   = grey ?
-          M0Bits'(beat_data_i[Wide+sp_spec_pkg::GreyM0Lsb+:sp_spec_pkg::GreyM0Bits]) :
+          beat_data_i[M0Lsb+:M0Bits] :
           M0Bits'(beat_data_i[32*lane+sp_spec_pkg::BinaryRunM0Lsb+:sp_spec_pkg::BinaryRunM0Bits]);
       assign s0_m1   = grey ?
-          M1Bits'(beat_data_i[Wide+sp_spec_pkg::GreyM1Lsb+:sp_spec_pkg::GreyM1Bits]) :
+          beat_data_i[M1Lsb+:M1Bits] :
           M1Bits'(beat_data_i[32*lane+sp_spec_pkg::BinaryRunM1Lsb+:sp_spec_pkg::BinaryRunM1Bits]);
     end else begin : gen_binary
       assign s0_came = 1'b1;

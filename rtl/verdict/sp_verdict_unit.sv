@@ -12,6 +12,7 @@
 module sp_verdict_unit #(
   parameter int MaxColumns = sp_spec_pkg::MaxColumns,  // a multiple of 4, 8..2048
   parameter int MaxRows = sp_spec_pkg::MaxRows,  // 2..1023
+  parameter int PixelBits = sp_spec_pkg::PixelBits,  // 8..12
   parameter bit Grey = 1'b1,  // modes grey and grey_over
   parameter int LogSections = 1,  // log2 of the sections of a bank: 0..6
   // derived, do not set
@@ -129,6 +130,7 @@ module sp_verdict_unit #(
   sp_verdict #(
     .MaxColumns (MaxColumns),
     .MaxRows    (MaxRows),
+    .PixelBits  (PixelBits),
     .Grey       (Grey),
     .LogSections(LogSections)
   ) u_verdict (

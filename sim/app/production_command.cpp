@@ -130,7 +130,7 @@ class Enlarged final : public Scene {
 class Line {
  public:
   using Done = std::function<void()>;
-  using TakeImage = std::function<void(std::size_t frame, const images::Image& image)>;
+  using TakeImage = std::function<void(std::size_t frame, const std::string& png)>;
 
   explicit Line(rig::Rig rig) : rig_(std::move(rig)) {}
   Line(const Line&) = delete;
@@ -278,6 +278,7 @@ class MovingLine final : public Line {
     if (!rig().light_plane) {
       return;
     }
+    rig::need_eight_bits(rig(), "--images of a laser's calibration");
     CaptureSettings settings;
     const auto draw_noise = [seed = rig().imaging.seed](rig::Rig of, int target) {
       constexpr std::int64_t kTargets = 10;
@@ -312,6 +313,25 @@ class MovingLine final : public Line {
 
   [[nodiscard]] PacketRecording packets(const std::vector<LinePart>& parts, const Done& done,
                                         const TakeImage& take_image) const override {
+    return rig().measure.bits() > spec::kPixelBits ? packets_of<std::uint16_t>(parts, done, take_image)
+                                                   : packets_of<std::uint8_t>(parts, done, take_image);
+  }
+
+  [[nodiscard]] Place place(const PlantedDefect& defect) const override {
+    Place place = Line::place(defect);
+    place.across -= foot_;
+    return place;
+  }
+
+ private:
+  static std::string png_of(const images::Image& image) { return images::encode_png(image); }
+  static std::string png_of(const images::WideImage& image) {
+    return images::encode_png16(image.rows, image.columns, image.pixels);
+  }
+
+  template <typename Pixel>
+  [[nodiscard]] PacketRecording packets_of(const std::vector<LinePart>& parts, const Done& done,
+                                           const TakeImage& take_image) const {
     const auto first = static_cast<int>(std::floor((ConveyedScene::kLead - kBefore + light_.first) / kStep));
     const auto count =
         static_cast<int>(std::ceil((PlantedPart::kLength + kBefore + kBehind + light_.last - light_.first) / kStep));
@@ -319,6 +339,11 @@ class MovingLine final : public Line {
     const rig::RigRegion sent = camera.sent();
     const model::Measure measure = rig().measure.of_board();
     const double counts_per_frame = kStep / rig().conveyor.encoder_mm_per_count;
+    model::PacketHeader header;
+    header.kind = model::kind_of_columns(rig().measure.sends_compact(), measure.mode);
+    model::describe_frame(header, sent.rows, sent.columns, measure);
+    header.region_row = static_cast<std::uint16_t>(camera.region_row());
+    header.region_column = static_cast<std::uint16_t>(camera.region_column());
     std::vector<std::vector<std::vector<std::uint8_t>>> payloads(parts.size());
     std::mutex mutex;
     parallel_for(static_cast<int>(parts.size()), 0, [&](int i) {
@@ -329,21 +354,21 @@ class MovingLine final : public Line {
       actual.rig.camera.frame_rate_hz = sent.frame_rate_hz;
       const PlantedPart scene(actual.rig, parts[at].pose, parts[at].defects);
       const LineRenderer renderer(actual, scene, pattern_);
-      std::vector<std::uint8_t> sensor(camera.pixels());
-      images::Image image{sent.rows, sent.columns,
-                          std::vector<std::uint8_t>(static_cast<std::size_t>(sent.rows * sent.columns))};
+      std::vector<Pixel> sensor(camera.pixels());
+      images::ImageOf<Pixel> image{sent.rows, sent.columns,
+                                   std::vector<Pixel>(static_cast<std::size_t>(sent.rows * sent.columns))};
       model::Runs runs;
       runs.resize(measure.select, sent.columns);
       for (int frame = 0; frame < count; ++frame) {
         renderer.render(first + frame, std::span(sensor));
-        crop_as_sent<std::uint8_t>(camera, sensor, image.pixels);
+        crop_as_sent<Pixel>(camera, sensor, image.pixels);
         light_section::fast_measure_columns(image.view(), measure, runs.view());
-        std::vector<std::uint8_t>& payload =
-            payloads[at].emplace_back(model::moments_payload_bytes(measure.mode, sent.columns));
-        model::pack_columns(measure.select, measure.mode, sent.columns, runs.view(), payload.data());
+        std::vector<std::uint8_t>& payload = payloads[at].emplace_back(model::columns_payload_bytes(header));
+        model::pack_columns(header, runs.view(), payload.data());
         if (take_image) {
+          const std::string png = png_of(image);
           const std::lock_guard lock(mutex);
-          take_image(at * static_cast<std::size_t>(count) + static_cast<std::size_t>(frame), image);
+          take_image(at * static_cast<std::size_t>(count) + static_cast<std::size_t>(frame), png);
         }
       }
       const std::lock_guard lock(mutex);
@@ -351,11 +376,6 @@ class MovingLine final : public Line {
     });
     PacketRecording recording;
     std::vector<std::uint8_t> packet;
-    model::PacketHeader header;
-    header.kind = spec::kKindMoments;
-    model::describe_frame(header, sent.rows, sent.columns, measure);
-    header.region_row = static_cast<std::uint16_t>(camera.region_row());
-    header.region_column = static_cast<std::uint16_t>(camera.region_column());
     for (const auto& of_part : payloads) {
       for (const std::vector<std::uint8_t>& payload : of_part) {
         header.encoder =
@@ -369,13 +389,6 @@ class MovingLine final : public Line {
     return recording;
   }
 
-  [[nodiscard]] Place place(const PlantedDefect& defect) const override {
-    Place place = Line::place(defect);
-    place.across -= foot_;
-    return place;
-  }
-
- private:
   LightOnPart light_;
   double foot_;  // y of the camera, above the middle of the parts' way
   images::FloatImage pattern_;
@@ -452,7 +465,7 @@ class StillLine final : public Line {
         renderer->render(static_cast<int>(pattern), patterns_[pattern], std::span(image.pixels));
       }
       if (take_image) {
-        take_image(i, image);
+        take_image(i, images::encode_png(image));
       }
       return image.view();
     });
@@ -473,8 +486,8 @@ class StillLine final : public Line {
 
 std::unique_ptr<Line> line_of(const ProductionOptions& options) {
   const rig::Rig rig = rig::load_any_rig(options.rig);
-  rig::need_eight_bits(rig, "the simulated line");
   if (rig.kind == rig::RigKind::scanner) {
+    rig::need_eight_bits(rig, "a line of parts that stand still");
     return std::make_unique<StillLine>(options);
   }
   return std::make_unique<MovingLine>(options);
@@ -523,8 +536,8 @@ void run_production(const ProductionOptions& options) {
   const auto play = [&](const std::string& name, const std::vector<LinePart>& series) {
     Line::TakeImage take_image;
     if (options.images) {
-      take_image = [&](std::size_t frame, const images::Image& image) {
-        folder.append(fmt::format("{}/frame_{:05}.png", name, frame + 1), images::encode_png(image));
+      take_image = [&](std::size_t frame, const std::string& png) {
+        folder.append(fmt::format("{}/frame_{:05}.png", name, frame + 1), png);
       };
     }
     folder.append(name + ".packets", stream_of(line->packets(

@@ -288,10 +288,8 @@ void render(const SceneOptions& options) {
         values = std::move(part);
       }
       if (quantized && rig.measure.bits() > spec::kPixelBits) {
-        const auto steps = static_cast<float>(1 << (rig.measure.bits() - spec::kPixelBits));
         std::vector<std::uint16_t> pixels(values.values.size());
-        std::ranges::transform(values.values, pixels.begin(),
-                               [&](float value) { return static_cast<std::uint16_t>(std::lround(steps * value)); });
+        quantize(rig.measure.bits(), values.values, pixels);
         bytes = images::encode_png16(values.rows, values.columns, pixels);
       } else if (quantized) {
         images::Image image{values.rows, values.columns, std::vector<std::uint8_t>(values.values.size())};

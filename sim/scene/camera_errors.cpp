@@ -20,6 +20,12 @@ namespace {
 
 constexpr float kWhite = 255;  // of an 8-bit image
 
+// Steps in a grey value, and the pixel of `bits` for a grey value.
+float steps_of(int bits) { return static_cast<float>(1 << (bits - spec::kPixelBits)); }
+float pixel_of(int bits, float value) {
+  return std::clamp(std::nearbyint(steps_of(bits) * value), 0.0F, static_cast<float>((1 << bits) - 1));
+}
+
 }  // namespace
 
 // Shot noise: the variance is the number of electrons, as in Poisson's distribution, for the light above the dark
@@ -45,10 +51,12 @@ void add_noise(const rig::RigImaging& imaging, const RenderOptions& options, int
 }
 
 void quantize(int bits, std::span<float> pixels) {
-  const auto steps = static_cast<float>(1 << (bits - spec::kPixelBits));  // of a grey value
-  const auto largest = static_cast<float>((1 << bits) - 1);
-  std::transform(pixels.begin(), pixels.end(), pixels.begin(),
-                 [&](float value) { return std::clamp(std::nearbyint(steps * value), 0.0F, largest) / steps; });
+  std::ranges::transform(pixels, pixels.begin(), [&](float value) { return pixel_of(bits, value) / steps_of(bits); });
+}
+
+void quantize(int bits, std::span<const float> from, std::span<std::uint16_t> to) {
+  std::ranges::transform(from, to.begin(),
+                         [&](float value) { return static_cast<std::uint16_t>(pixel_of(bits, value)); });
 }
 
 void quantize(std::span<const float> from, std::span<std::uint8_t> to) {

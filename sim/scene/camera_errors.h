@@ -27,8 +27,9 @@ void add_noise(const rig::RigImaging& imaging, const RenderOptions& options, int
 // (2^bits - 1) 2^(8 - bits), which is 255 with 8 bits.
 void quantize(int bits, std::span<float> pixels);
 
-// Rounds grey values and limits them to 0..255.
+// The pixels of 8 bits, or of 8..12, that grey values are rounded and limited to.
 void quantize(std::span<const float> from, std::span<std::uint8_t> to);
+void quantize(int bits, std::span<const float> from, std::span<std::uint16_t> to);
 
 // The same offsets and gains in every frame of a camera.
 class FixedPatternMap {

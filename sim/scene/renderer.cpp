@@ -69,6 +69,12 @@ void Renderer::render(int frame, const ProjectedLight& light, std::span<std::uin
   quantize(values, pixels);
 }
 
+void Renderer::render(int frame, const ProjectedLight& light, std::span<std::uint16_t> pixels) const {
+  std::vector<float> values(pixels.size());
+  render(frame, light, values);
+  quantize(rig_.measure.bits(), values, pixels);
+}
+
 LineRenderer::LineRenderer(const PerturbedRig& actual, const Scene& scene, const images::FloatImage& pattern,
                            const RenderOptions& options)
     : Renderer(actual, scene, options),

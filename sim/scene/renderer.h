@@ -38,7 +38,9 @@ class Renderer {
   // rendered before. Several threads may call this at once.
   void render(int frame, const ProjectedLight& light, std::span<std::uint8_t> pixels) const;
 
-  // Does the same with floating-point grey values. Without quantization they are neither rounded nor limited.
+  // Does the same with pixels of the rig's bits, and with floating-point grey values. Without quantization these are
+  // neither rounded nor limited.
+  void render(int frame, const ProjectedLight& light, std::span<std::uint16_t> pixels) const;
   void render(int frame, const ProjectedLight& light, std::span<float> pixels) const;
 
   // Times of a frame's middle in s, as planned and with its jitter; and how long it is exposed: 0 without motion blur.
@@ -80,6 +82,7 @@ class LineRenderer final : public Renderer {
 
   // The images of Renderer.
   void render(int frame, std::span<std::uint8_t> pixels) const { Renderer::render(frame, light_, pixels); }
+  void render(int frame, std::span<std::uint16_t> pixels) const { Renderer::render(frame, light_, pixels); }
   void render(int frame, std::span<float> pixels) const { Renderer::render(frame, light_, pixels); }
 
   // Computes what a light section without any error would measure. For each camera column, this is the height (mm) of

@@ -367,6 +367,51 @@ TEST_F(ProductionCommand, FewRowsAreJudged) {
   EXPECT_NE(run.out.find("as by heights 4, more 0, less 0"), std::string::npos) << run.out;
 }
 
+// The same line in pixels of 8 and of 12 bits, in exact and in compact columns: one path, the same verdicts.
+TEST_F(ProductionCommand, PartsOfTwelveBitsAreJudged) {
+  rig::Rig rig = rig::load_rig("light-section");
+  rig.measure.pixel_bits = 12;
+  rig.measure.threshold *= rig.measure.values_per_grey();
+  write_text(folder_ / "twelve.yaml", rig::to_yaml(rig));
+  ASSERT_EQ(sim({"production", "--rig", "twelve.yaml", "--parts", "4", "--bad-every", "2", "--seed", "12", "--images",
+                 "--out", "line"})
+                .status,
+            0);
+  const Words of = {"--rig", "line/rig.yaml", "--reference", "line/part"};
+  const Outcome learned =
+      host(with({"tolerance", "learn", "--device", "file:line/good.packets", "--out", "tolerance.yaml"}, of));
+  ASSERT_EQ(learned.status, 0) << learned.err;
+  const Outcome table =
+      host(with({"verdict", "table", "--tolerance", "tolerance.yaml", "--defect", "2x2", "--out", "verdict.yaml"}, of));
+  ASSERT_EQ(table.status, 0) << table.err;
+  EXPECT_EQ(table.err, "");  // noise makes no defects
+  const Outcome run = host(with({"inspect", "--device", "file:line/run.packets", "--tolerance", "tolerance.yaml",
+                                 "--verdict", "verdict.yaml", "--check", "--parts", "judged"},
+                                of));
+  ASSERT_EQ(run.status, 0) << run.err;
+  EXPECT_EQ(agrees("line", "judged", 1, 0.1), 2);
+  EXPECT_NE(run.out.find("as by heights 4, more 0, less 0"), std::string::npos) << run.out;
+  const Outcome images = host(with({"inspect", "--images", "line/run/frame_*.png", "--tolerance", "tolerance.yaml",
+                                    "--check", "--parts", "of-images"},
+                                   of));
+  ASSERT_EQ(images.status, 0) << images.err;
+  EXPECT_EQ(agrees("line", "of-images", 1, 0.1), 2);
+
+  rig.measure.compact = true;
+  write_text(folder_ / "compact.yaml", rig::to_yaml(rig));
+  ASSERT_EQ(sim({"production", "--rig", "compact.yaml", "--parts", "4", "--bad-every", "2", "--seed", "12", "--out",
+                 "compact"})
+                .status,
+            0);
+  EXPECT_LT(std::filesystem::file_size(folder_ / "compact/run.packets"),
+            0.6 * static_cast<double>(std::filesystem::file_size(folder_ / "line/run.packets")));
+  const Outcome compact =
+      host({"inspect", "--rig", "compact/rig.yaml", "--reference", "compact/part", "--device",
+            "file:compact/run.packets", "--tolerance", "tolerance.yaml", "--check", "--parts", "of-compact"});
+  ASSERT_EQ(compact.status, 0) << compact.err;
+  EXPECT_EQ(agrees("compact", "of-compact", 1, 0.1), 2);
+}
+
 // The rig that `production` writes is one for its own parts, also where a laser's columns are wide.
 TEST_F(ProductionCommand, ALaserLineLearnsAndJudges) {
   ASSERT_EQ(

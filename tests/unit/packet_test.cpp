@@ -243,8 +243,7 @@ TEST(Packet, NamesWhatIsWrong) {
   EXPECT_EQ(verdict(bad_check), model::PacketError::check);
 }
 
-// Byte 59 has what pixels of more than 8 bits need, and words are then wide_grey or wide_grey_run. Verdicts
-// are of 8 bits.
+// Byte 59 has what pixels of more than 8 bits need, and words are then wide_grey or wide_grey_run.
 TEST(Packet, PixelsOfMoreThanEightBits) {
   model::PacketHeader header = header_of(spec::kKindMoments, model::Mode::grey, 4);
   header.select = spec::kSelectAll;
@@ -273,8 +272,14 @@ TEST(Packet, PixelsOfMoreThanEightBits) {
   EXPECT_EQ(verdict(forged(packet, 59, 1, 0x37)), model::PacketError::none);
   EXPECT_EQ(verdict(forged(packet, 59, 1, 0x59)), model::PacketError::geometry);  // 13 bits
   EXPECT_EQ(verdict(forged(packet, spec::kHeaderSelect, 1, spec::kSelectStrongest)), model::PacketError::none);
-  EXPECT_EQ(verdict(forged(packet, spec::kHeaderKind, 1, spec::kKindVerdict)), model::PacketError::geometry);
-  EXPECT_EQ(verdict(forged(packet, spec::kHeaderFlags, 1, spec::kFlagVerdict)), model::PacketError::geometry);
+  // The payload has no word of a verdict.
+  EXPECT_EQ(verdict(forged(packet, spec::kHeaderKind, 1, spec::kKindVerdict)), model::PacketError::size);
+  EXPECT_EQ(verdict(forged(packet, spec::kHeaderFlags, 1, spec::kFlagVerdict)), model::PacketError::size);
+  header.flags = spec::kFlagVerdict;
+  const Bytes judged = packet_of(header);
+  ASSERT_EQ(model::parse_packet(judged, view), model::PacketError::none);
+  EXPECT_EQ(view.header.pixel_bits, 12);
+  EXPECT_EQ(view.payload.size(), 4 * 8 + 16);
   Bytes image = packet_of(header_of(spec::kKindImage, model::Mode::grey, 16));
   image = forged(image, spec::kHeaderSelect, 1, spec::kSelectStrongest);
   EXPECT_EQ(verdict(forged(image, 59, 1, 0x49)), model::PacketError::none);  // its upper eight bits

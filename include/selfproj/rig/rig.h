@@ -116,6 +116,9 @@ struct RigMeasure {
 
   [[nodiscard]] bool sends_compact() const { return compact.value_or(false); }
   [[nodiscard]] int bits() const { return pixel_bits.value_or(spec::kPixelBits); }
+  [[nodiscard]] int values_per_grey() const {
+    return 1 << (bits() - spec::kPixelBits);
+  }  // of pixels, in a grey of 8 bits
 
   // What the board measures, as its registers say.
   [[nodiscard]] model::Measure of_board() const {

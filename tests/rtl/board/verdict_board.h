@@ -1,4 +1,4 @@
-// The board with verdicts beside the models of its packets and of its registers, and random frames for both.
+// Boards with verdicts beside the models of its packets and of its registers, and random frames for both.
 #ifndef SELFPROJ_TESTS_RTL_BOARD_VERDICT_BOARD_H
 #define SELFPROJ_TESTS_RTL_BOARD_VERDICT_BOARD_H
 
@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cstdint>
 
-#include "Vboard_verdict.h"
 #include "model/register_file.h"
 #include "selfproj/model/verdict.h"
 #include "tests/rtl/board/frames.h"
@@ -15,18 +14,43 @@
 #include "tests/rtl/board/scoreboard.h"
 #include "tests/support/random_cases.h"
 
+// The boards; their sources include those that they use.
+class Vboard_verdict;
+class Vboard_verdict_binary;
+class Vboard_verdict_eight_of_twelve;
+class Vboard_verdict_sixteen_of_ten;
+
 namespace selfproj::test {
 
 template <class Model>
-constexpr model::BoardBuild kBuild = {
+inline constexpr model::BoardBuild kBuild = {};
+template <>
+inline constexpr model::BoardBuild kBuild<Vboard_verdict> = {
     .max_columns = 64, .max_rows = 40, .runs = true, .region = true, .compact = true, .verdict_log_sections = 1};
+template <>
+inline constexpr model::BoardBuild kBuild<Vboard_verdict_binary> = {
+    .max_columns = 512, .max_rows = 127, .grey = false, .image = false, .verdict_log_sections = 0};
+template <>
+inline constexpr model::BoardBuild kBuild<Vboard_verdict_eight_of_twelve> = {.max_columns = 64,
+                                                                             .max_rows = 80,
+                                                                             .pixel_bits = 12,
+                                                                             .lanes = 8,
+                                                                             .runs = true,
+                                                                             .region = true,
+                                                                             .compact = true,
+                                                                             .verdict_log_sections = 1};
+template <>
+inline constexpr model::BoardBuild kBuild<Vboard_verdict_sixteen_of_ten> = {
+    .max_columns = 64, .max_rows = 127, .pixel_bits = 10, .lanes = 16, .region = true, .verdict_log_sections = 1};
 constexpr int kApart = 200;  // clocks between frames, more than the verdict of a frame takes
 
 // The board, the model of its packets, and the model of its registers.
 template <class Model>
 class VerdictBoard {
  public:
-  explicit VerdictBoard(const sim::BoardDeviceOptions& options = {}) : board_(options) {
+  explicit VerdictBoard(const sim::BoardDeviceOptions& options = {.pixel_bits = kBuild<Model>.pixel_bits,
+                                                                  .lanes = kBuild<Model>.lanes})
+      : board_(options) {
     board_.model().judge_with(verdict_);
     registers_.judge_with(verdict_);
   }
@@ -85,7 +109,8 @@ class VerdictBoard {
 
 // Half of the limits lie where centroids of few lit rows do, M1 / M0, or 1/128 beside them.
 inline model::ColumnLimits random_limits(Random& random, int rows) {
-  const int middle = model::kRowParts * random.between(1, rows);
+  constexpr int kHighest = model::kRowParts * 40;
+  const int middle = model::kRowParts * random.between(1, std::min(rows, 36));
   const int band = random.between(0, 3 * model::kRowParts);
   int low = middle - band, high = middle + band;
   if (random.chance(50)) {
@@ -97,27 +122,28 @@ inline model::ColumnLimits random_limits(Random& random, int rows) {
     high = std::max(low, centroid(high));
   }
   return {.low = static_cast<std::uint32_t>(std::max(0, low)),
-          .high = static_cast<std::uint32_t>(std::clamp(high, 0, model::kRowParts * 40)),
+          .high = static_cast<std::uint32_t>(std::clamp(high, 0, kHighest)),
           .judged = random.chance(90)};
 }
 
-// Frames of fewer rows than 8 may end too soon, of fewer than 17 come too soon behind one that broke.
 // All frames of a part have the same columns.
-inline model::BoardSettings random_settings(Random& random, int columns, std::uint32_t encoder, int least_rows) {
+inline model::BoardSettings random_settings(Random& random, const model::BoardBuild& build, int columns,
+                                            std::uint32_t encoder, int least_rows) {
   const int history = random.between(1, model::kMaxHistory);
   const auto length = static_cast<std::uint32_t>(random.between(1, 60));
   const int rows = random.between(least_rows, least_rows + 9);
-  const bool strongest = random.chance(40);
+  const bool strongest = build.runs && random.chance(40);
+  const int more_bits = build.pixel_bits - spec::kPixelBits;
   return {.hold = random.chance(15),
           .image = random.chance(20),
           .columns = columns,
           .rows = rows,
           .mode = static_cast<model::Mode>(random.between(0, 2)),
-          .threshold = random.between(50, 200),
+          .threshold = random.between(50 << more_bits, 200 << more_bits),
           .select = strongest ? model::Select::strongest : model::Select::all,
-          .gap = random.between(0, 3),
+          .gap = build.runs ? random.between(0, 3) : 0,
           .stream = random.between(0, 255),
-          .compact = random.chance(40),
+          .compact = build.compact && random.chance(40),
           .verdict = random.chance(90),
           .verdict_packets = random.between(0, 2),
           .verdict_hold = random.chance(15),
@@ -142,13 +168,18 @@ struct VerdictCounts {
   std::uint64_t frames = 0, delivered = 0, lost = 0, parts = 0, bad = 0, refused = 0;
 };
 
-// Frames of `changes` settings, each with limits and words written before it, packets lost by stalls, and faults.
-inline void play_verdicts(std::uint64_t seed, int fault_percent, int changes, VerdictCounts& seen) {
+// Frames of `changes` settings, each with limits and words written before it, packets lost by stalls, and faults. With
+// 4 lanes frames of fewer rows than 8 may end too soon, of fewer than 17 come too soon behind one that broke; with more
+// lanes those of as many times more.
+template <class Model>
+void play_verdicts(std::uint64_t seed, int fault_percent, int changes, VerdictCounts& seen) {
   Random random(seed);
   constexpr int kSections = 2;
-  VerdictBoard<Vboard_verdict> bench(random_board_clocks(random, seed));
-  const int columns = 4 * random.between(8, 16);
-  Scoreboard<Vboard_verdict>& board = bench.board();
+  constexpr int kLanes = kBuild<Model>.lanes;
+  constexpr int kSlower = kLanes / spec::kPixelsPerBeat;
+  VerdictBoard<Model> bench(random_board_clocks(random, seed, kBuild<Model>.pixel_bits, kLanes));
+  const int columns = kLanes * random.between(32 / kLanes, 64 / kLanes);
+  Scoreboard<Model>& board = bench.board();
   bench.access(false, spec::kRegVerdictControl);
   EXPECT_FALSE(bench.write(spec::kRegVerdictControl, 1U << spec::kRegVerdictControlOnLsb)) << "nothing is written yet";
   bench.write(spec::kRegEjectorDelay, 0);
@@ -166,7 +197,8 @@ inline void play_verdicts(std::uint64_t seed, int fault_percent, int changes, Ve
   for (int change = 0; change < changes && !::testing::Test::HasFailure(); ++change) {
     board.device().drain(kApart);
     model::BoardSettings settings =
-        random_settings(random, columns, board.device().read(spec::kRegEncoder), fault_percent == 0 ? 8 : 17);
+        random_settings(random, kBuild<Model>, columns, board.device().read(spec::kRegEncoder),
+                        kSlower * (fault_percent == 0 ? 8 : 17));
     // What `hold` keeps is the size of frames too, but not what belongs to verdicts.
     settings.hold = settings.hold && rows > 0;
     settings.rows = settings.hold ? rows : settings.rows;
@@ -217,6 +249,60 @@ inline void play_verdicts(std::uint64_t seed, int fault_percent, int changes, Ve
     bench.access(false, spec::kRegVerdictParts);
     bench.access(false, spec::kRegVerdictState);
   }
+}
+
+// From the last pixels of the frame that has the first defect to the pin.
+template <class Model>
+int clocks_to_the_pin(int columns, model::Mode mode) {
+  constexpr int kRows = 2 * kBuild<Model>.lanes;
+  VerdictBoard<Model> bench;
+  bench.write(spec::kRegEjectorDelay, 0);
+  bench.write(spec::kRegEjectorLength, 1);
+  for (int column = 0; column < columns; ++column) {
+    bench.write_limits(0, 0, column, {.low = 3 * model::kRowParts, .high = 5 * model::kRowParts, .judged = true});
+  }
+  if (kBuild<Model>.verdict_log_sections > 0) {
+    bench.begin_section(0, 1, model::kCountMask);  // never
+  }
+  bench.write({.columns = columns,
+               .rows = kRows,
+               .mode = mode,
+               .threshold = 100,
+               .verdict = true,
+               .verdict_packets = 1,
+               .verdict_settings = {.width = 16, .history = 2, .hits = 2},
+               .part_rule = {.by_encoder = true, .length = 1000, .pitch = 2000}});
+  int clocks = -1;
+  for (const int row : {4, 7, 7}) {  // good, the first hit, the second
+    EXPECT_FALSE(bench.device().ejector());
+    TestImage image = constant_image(kRows, columns, 0);
+    std::fill_n(image.pixels.begin() + static_cast<std::ptrdiff_t>(row - 1) * columns, columns, std::uint8_t{200});
+    bench.device().send(image.view());
+    bench.board().play();
+    for (clocks = 0; clocks < 300 && !bench.device().ejector(); ++clocks) {
+      bench.device().run(1);
+    }
+  }
+  bench.board().finish();
+  EXPECT_EQ(bench.verdict().bad_parts(), 1U);
+  return clocks;
+}
+
+// How many frames are missed, of so many without a pause between pixels or frames.
+template <class Model>
+std::uint32_t missed_frames(int columns, int rows, model::Mode mode, int frames) {
+  VerdictBoard<Model> bench;
+  bench.write(spec::kRegEjectorDelay, 0);
+  bench.write(spec::kRegEjectorLength, 1);
+  bench.write(
+      {.columns = columns, .rows = rows, .mode = mode, .threshold = 100, .verdict = true, .verdict_packets = 2});
+  const TestImage image = constant_image(rows, columns, 200);
+  for (int i = 0; i < frames; ++i) {
+    bench.device().send(image.view());
+  }
+  bench.device().drain(1000);
+  const std::uint32_t state = bench.device().read(spec::kRegVerdictState);
+  return state >> spec::kRegVerdictStateMissedLsb & ((1U << spec::kRegVerdictStateMissedBits) - 1);
 }
 
 }  // namespace selfproj::test

@@ -1,9 +1,13 @@
-// Soak: random frames through the whole board with verdicts, settings, limits and banks written between them, stalls
-// and faults: every packet, every register and every loss compared with the models.
+// Soak: random frames through whole boards with verdicts, of 8, 10 and 12 bits, with 4, 8 and 16 lanes, settings,
+// limits and banks written between them, stalls and faults: every packet, every register and every loss compared with
+// the models.
 //
 //     verdict_soak [FRAMES] [FIRST_SEED]      1,000,000 frames from seed 1 on by default
 #include <cstdint>
 
+#include "Vboard_verdict.h"
+#include "Vboard_verdict_eight_of_twelve.h"
+#include "Vboard_verdict_sixteen_of_ten.h"
 #include "tests/rtl/board/verdict_board.h"
 #include "tests/support/soak.h"
 
@@ -12,7 +16,17 @@ namespace {
 
 TEST(Soak, EveryVerdictEqualsTheModel) {
   VerdictCounts counts;
-  soak(counts.frames, 1'000'000, [&](std::uint64_t seed) { play_verdicts(seed, seed % 2 == 0 ? 0 : 30, 40, counts); });
+  soak(counts.frames, 1'000'000, [&](std::uint64_t seed) {
+    const int faults = seed % 2 == 0 ? 0 : 30;
+    switch (seed / 2 % 3) {
+      case 0:
+        return play_verdicts<Vboard_verdict_eight_of_twelve>(seed, faults, 40, counts);
+      case 1:
+        return play_verdicts<Vboard_verdict_sixteen_of_ten>(seed, faults, 40, counts);
+      default:
+        return play_verdicts<Vboard_verdict>(seed, faults, 40, counts);
+    }
+  });
   report_soak(
       "verdict_soak",
       "The board's RTL with verdicts against the models, random frames with stalls and faults, every packet byte",

@@ -6,21 +6,18 @@
 #include <optional>
 #include <utility>
 
+#include "Vboard_verdict.h"
 #include "Vboard_verdict_binary.h"
 #include "tests/rtl/board/verdict_board.h"
 
 namespace selfproj::test {
-
-template <>
-constexpr model::BoardBuild kBuild<Vboard_verdict_binary> = {
-    .max_columns = 512, .max_rows = 127, .grey = false, .image = false, .verdict_log_sections = 0};
 
 namespace {
 
 TEST(VerdictBoard, RandomFramesEqualTheModel) {
   constexpr int kCases = 4;
   VerdictCounts seen;
-  for_cases(kCases, [&](std::uint64_t seed) { play_verdicts(seed, 0, 40, seen); });
+  for_cases(kCases, [&](std::uint64_t seed) { play_verdicts<Vboard_verdict>(seed, 0, 40, seen); });
   if (runs_all_cases()) {
     EXPECT_GT(seen.delivered, seen.frames / 2);
     EXPECT_GT(seen.lost, 0U);
@@ -32,7 +29,7 @@ TEST(VerdictBoard, RandomFramesEqualTheModel) {
 
 TEST(VerdictBoard, RandomFaultsEqualTheModel) {
   VerdictCounts seen;
-  for_cases(3, [&](std::uint64_t seed) { play_verdicts(seed, 30, 40, seen); });
+  for_cases(3, [&](std::uint64_t seed) { play_verdicts<Vboard_verdict>(seed, 30, 40, seen); });
   if (runs_all_cases()) {
     EXPECT_GT(seen.delivered, seen.frames / 2);
     EXPECT_GT(seen.bad, 3U);
@@ -88,57 +85,37 @@ TEST(VerdictBoard, LimitsCountToTheLastBit) {
   EXPECT_GT(good, 50U);
 }
 
-// From the last pixels of the frame that has the first defect to the pin.
-template <class Model>
-int clocks_to_the_pin(int columns, model::Mode mode) {
-  VerdictBoard<Model> bench;
+// The columns of a frame of which only the verdict is sent have not left when a frame of one row follows, which is not
+// judged and for which there is no room.
+TEST(VerdictBoard, AFrameThatIsNotWantedChangesNoPacket) {
+  constexpr int kColumns = 64;
+  VerdictBoard<Vboard_verdict> bench;
   bench.write(spec::kRegEjectorDelay, 0);
   bench.write(spec::kRegEjectorLength, 1);
-  for (int column = 0; column < columns; ++column) {
-    bench.write_limits(0, 0, column, {.low = 3 * model::kRowParts, .high = 5 * model::kRowParts, .judged = true});
-  }
-  if (kBuild<Model>.verdict_log_sections > 0) {
-    bench.begin_section(0, 1, model::kCountMask);  // never
-  }
-  bench.write({.columns = columns,
-               .rows = 8,
-               .mode = mode,
-               .threshold = 100,
-               .verdict = true,
-               .verdict_packets = 1,
-               .verdict_settings = {.width = 16, .history = 2, .hits = 2},
-               .part_rule = {.by_encoder = true, .length = 1000, .pitch = 2000}});
-  int clocks = -1;
-  for (const int row : {4, 7, 7}) {  // good, the first hit, the second
-    EXPECT_FALSE(bench.device().ejector());
-    TestImage image = constant_image(8, columns, 0);
-    std::fill_n(image.pixels.begin() + static_cast<std::ptrdiff_t>(row - 1) * columns, columns, std::uint8_t{200});
-    bench.device().send(image.view());
+  model::BoardSettings settings = {.columns = kColumns,
+                                   .rows = 40,
+                                   .mode = model::Mode::grey,
+                                   .threshold = 100,
+                                   .verdict = true,
+                                   .verdict_packets = 2,
+                                   .verdict_settings = {.width = 1, .history = 1, .hits = 1},
+                                   .part_rule = {.by_encoder = true, .length = 1000, .pitch = 2000}};
+  for (int i = 0; i < 10; ++i) {
+    settings.rows = 40;
+    settings.verdict = true;
+    bench.write(settings);
+    bench.device().send(constant_image(settings.rows, kColumns, 200).view());
+    bench.device().send(constant_image(1, kColumns, 200).view());
+    bench.device().run(20 + static_cast<std::uint64_t>(i));
+    settings.rows = 1;
+    settings.verdict = false;
+    bench.write(settings);
     bench.board().play();
-    for (clocks = 0; clocks < 300 && !bench.device().ejector(); ++clocks) {
-      bench.device().run(1);
-    }
+    bench.device().drain(kApart);
   }
   bench.board().finish();
-  EXPECT_EQ(bench.verdict().bad_parts(), 1U);
-  return clocks;
-}
-
-// How many frames are missed, of so many without a pause between pixels or frames.
-template <class Model>
-std::uint32_t missed_frames(int columns, int rows, model::Mode mode, int frames) {
-  VerdictBoard<Model> bench;
-  bench.write(spec::kRegEjectorDelay, 0);
-  bench.write(spec::kRegEjectorLength, 1);
-  bench.write(
-      {.columns = columns, .rows = rows, .mode = mode, .threshold = 100, .verdict = true, .verdict_packets = 2});
-  const TestImage image = constant_image(rows, columns, 200);
-  for (int i = 0; i < frames; ++i) {
-    bench.device().send(image.view());
-  }
-  bench.device().drain(1000);
-  const std::uint32_t state = bench.device().read(spec::kRegVerdictState);
-  return state >> spec::kRegVerdictStateMissedLsb & ((1U << spec::kRegVerdictStateMissedBits) - 1);
+  EXPECT_EQ(bench.board().delivered(spec::kKindMoments), 10U);
+  EXPECT_EQ(bench.board().lost(spec::kKindMoments), 10U);
 }
 
 TEST(VerdictBoard, FramesOfSoManyRowsAreJudgedAtFullRate) {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdint>
+#include <tuple>
 #include <vector>
 
 #include "Vboard_eight.h"
@@ -10,10 +11,13 @@
 #include "Vboard_sixteen.h"
 #include "Vboard_ten.h"
 #include "Vboard_twelve.h"
+#include "Vboard_verdict_eight_of_twelve.h"
+#include "Vboard_verdict_sixteen_of_ten.h"
 #include "tests/rtl/board/frames.h"
 #include "tests/rtl/board/random_codes.h"
 #include "tests/rtl/board/random_frames.h"
 #include "tests/rtl/board/scoreboard.h"
+#include "tests/rtl/board/verdict_board.h"
 #include "tests/support/random_cases.h"
 
 namespace selfproj::test {
@@ -44,6 +48,44 @@ TEST(WideBoard, RandomFramesOfEightLanesOfTwelveBitsEqualTheModel) {
 TEST(WideBoard, RandomFramesOfSixteenLanesEqualTheModel) {
   play_all_random_frames<Vboard_sixteen>(
       60, {.max_columns = 512, .lanes = 16, .runs = true, .region = false, .compact = true, .fault_percent = 20});
+}
+
+// Verdicts, which take 16 bytes a clock.
+template <class Board>
+void play_all_verdicts(int fault_percent) {
+  constexpr int kCases = 4;
+  VerdictCounts seen;
+  for_cases(kCases, [&](std::uint64_t seed) { play_verdicts<Board>(seed, fault_percent, 40, seen); });
+  if (runs_all_cases()) {
+    EXPECT_GT(seen.delivered, seen.frames / 2);
+    EXPECT_GT(seen.lost, 0U);
+    EXPECT_GT(seen.parts, 10U * kCases);
+    EXPECT_GT(seen.bad, kCases);
+  }
+}
+TEST(WideBoard, VerdictsOfEightLanesOfTwelveBitsEqualTheModel) {
+  play_all_verdicts<Vboard_verdict_eight_of_twelve>(0);
+  play_all_verdicts<Vboard_verdict_eight_of_twelve>(30);
+}
+TEST(WideBoard, VerdictsOfSixteenLanesOfTenBitsEqualTheModel) {
+  play_all_verdicts<Vboard_verdict_sixteen_of_ten>(0);
+  play_all_verdicts<Vboard_verdict_sixteen_of_ten>(30);
+}
+
+TEST(WideBoard, VerdictsTakeSoLong) {
+  using Eight = Vboard_verdict_eight_of_twelve;
+  using Sixteen = Vboard_verdict_sixteen_of_ten;
+  constexpr int kColumns = 64, kFrames = 10;
+  for (const auto& [mode, eight, sixteen] : {std::tuple{model::Mode::binary, 17, 32}, {model::Mode::grey, 19, 37}}) {
+    EXPECT_EQ(missed_frames<Eight>(kColumns, eight, mode, kFrames), 0U);
+    EXPECT_GT(missed_frames<Eight>(kColumns, eight - 1, mode, kFrames), 0U);
+    EXPECT_EQ(missed_frames<Sixteen>(kColumns, sixteen, mode, kFrames), 0U);
+    EXPECT_GT(missed_frames<Sixteen>(kColumns, sixteen - 1, mode, kFrames), 0U);
+  }
+  EXPECT_EQ(clocks_to_the_pin<Eight>(kColumns, model::Mode::binary), 52);
+  EXPECT_EQ(clocks_to_the_pin<Eight>(kColumns, model::Mode::grey), 67);
+  EXPECT_EQ(clocks_to_the_pin<Sixteen>(kColumns, model::Mode::binary), 46);
+  EXPECT_EQ(clocks_to_the_pin<Sixteen>(kColumns, model::Mode::grey), 68);
 }
 
 // Frames without a gap between them, and a bus that never stalls: 40 clocks more than a packet has payload beats are
