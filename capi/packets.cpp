@@ -143,8 +143,8 @@ std::int32_t selfproj_moments_packet(const selfproj_image* image, const selfproj
     require(written != nullptr, "null pointer");
     const model::Measure how = measure_of(measure);
     const model::ImageView view = image_of(image);
-    require(view.columns % spec::kPixelsPerBeat == 0 && view.columns <= spec::kMaxColumns,
-            "image: columns are not a multiple of 4 up to 2048");
+    require(view.columns % spec::kPixelsPerBeat == 0 && view.columns <= spec::kColumnLimit,
+            "image: columns are not a multiple of 4 up to 4096");
     std::vector<std::uint8_t> packet;
     model::append_moments_packet(view, how, header_of(header), packet);
     write_bytes(packet, out, capacity, written);

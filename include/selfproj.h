@@ -48,7 +48,7 @@ const char* selfproj_last_error(void);
 #define SELFPROJ_GREY_OVER 2 /* p - T */
 
 /* An image: pixel (row r, column c), both from 0, is pixels[r * stride + c]. Rows 1..1023, columns 1 or more (a board
- * takes multiples of 4 up to 2048). |stride| is at least columns; negative for an image that is upside down. */
+ * takes multiples of 4 up to 4096). |stride| is at least columns; negative for an image that is upside down. */
 typedef struct selfproj_image {
   const uint8_t* pixels;
   int32_t rows;

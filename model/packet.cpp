@@ -168,7 +168,7 @@ bool geometry_is_right(const PacketHeader& header) {
       header.gap > kMaxGap || header.first_row > spec::kMaxRows || header.last_row > spec::kMaxRows) {
     return false;
   }
-  if (header.columns < 1 || header.columns > spec::kMaxColumns || header.columns % spec::kPixelsPerBeat != 0 ||
+  if (header.columns < 1 || header.columns > spec::kColumnLimit || header.columns % spec::kPixelsPerBeat != 0 ||
       header.rows < 1 || header.rows > spec::kMaxRows) {
     return false;
   }

@@ -73,7 +73,8 @@ RegisterFile::RegisterFile(const BoardBuild& build) : build_(build) {
 
 std::uint32_t RegisterFile::capability() const {
   const auto bit = [](bool set, int lsb) { return static_cast<std::uint32_t>(set ? 1U : 0U) << lsb; };
-  return static_cast<std::uint32_t>(build_.max_columns) << spec::kRegCapabilityMaxColumnsLsb |
+  constexpr int kColumns = 1 << spec::kRegCapabilityMaxColumnsBits;  // as 0
+  return static_cast<std::uint32_t>(build_.max_columns % kColumns) << spec::kRegCapabilityMaxColumnsLsb |
          static_cast<std::uint32_t>(build_.max_rows) << spec::kRegCapabilityMaxRowsLsb |
          bit(build_.grey, spec::kRegCapabilityGreyLsb) | bit(build_.image, spec::kRegCapabilityImageLsb) |
          bit(build_.codes, spec::kRegCapabilityCodesLsb) |

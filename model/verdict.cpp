@@ -28,7 +28,7 @@ void check_settings(const VerdictSettings& s) {
   check(s.width >= 1 && s.width <= 255, "verdict: width is not in 1 to 255");
   check(s.history >= 1 && s.history <= kMaxHistory, "verdict: history is not in 1 to 8");
   check(s.hits >= 1 && s.hits <= 15, "verdict: hits is not in 1 to 15");
-  check(s.most_unlit >= 0 && s.most_unlit <= 4095, "verdict: most_unlit is not in 0 to 4095");
+  check(s.most_unlit >= 0 && s.most_unlit <= kUnlitNotJudged, "verdict: most_unlit is not in 0 to 4095");
   check(std::abs(s.shift_columns) <= kMaxShiftColumns, "verdict: shift_columns is not in -127 to 127");
   check(std::abs(s.shift_rows) <= kMaxShiftRows, "verdict: shift_rows is not in -8191 to 8191");
   check(s.bank == 0 || s.bank == 1, "verdict: bank is not 0 or 1");
@@ -254,7 +254,7 @@ void Verdict::judge(std::span<const std::uint32_t> m0, std::span<const std::uint
       found.columns = run;
     }
   }
-  found.lacks_light = found.unlit > settings_.most_unlit;
+  found.lacks_light = settings_.most_unlit < kUnlitNotJudged && found.unlit > settings_.most_unlit;
 }
 
 // Looks at the light of the frame before. Returns whether a part begins.

@@ -43,6 +43,7 @@ board_configurations=(
   "MaxColumns=512 MaxRows=127 PixelBits=10 Grey=1'b0 Image=1'b0"
   "MaxColumns=512 MaxRows=127 Lanes=8 Runs=1'b1"
   "MaxColumns=64 MaxRows=40 Lanes=8 PixelBits=12"
+  "MaxColumns=64 MaxRows=40 Lanes=8 PixelBits=12 Runs=1'b1 Compact=1'b1 Verdict=1'b1"
   "MaxColumns=64 MaxRows=40 Lanes=16 Grey=1'b0"
 )
 

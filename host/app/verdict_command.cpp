@@ -66,7 +66,7 @@ void print_table(const production::VerdictTable& table) {
              : low       ? "too low"
                          : "neither too high nor too low",
              table.row_mm > 0 ? "below" : "above");
-  if (settings.most_unlit < 4095) {
+  if (settings.most_unlit < model::kUnlitNotJudged) {
     fmt::print("a frame lacks light if more than {} judged columns have none\n", settings.most_unlit);
   }
   if (table.rule.by_encoder) {

@@ -24,7 +24,7 @@ model::PacketHeader header_of(const model::BoardSettings& settings, const model:
 bool within(int value, int min, int max) { return value >= min && value <= max; }
 
 void check_settings(const model::BoardSettings& settings, int pixel_bits) {
-  const bool good = within(settings.columns, spec::kPixelsPerBeat, spec::kMaxColumns) &&
+  const bool good = within(settings.columns, spec::kPixelsPerBeat, spec::kColumnLimit) &&
                     settings.columns % spec::kPixelsPerBeat == 0 && within(settings.rows, 1, spec::kMaxRows) &&
                     model::is_known(settings.mode) && model::is_known(settings.select) &&
                     within(pixel_bits, spec::kPixelBits, model::kMaxPixelBits) &&

@@ -81,9 +81,10 @@ Control::Control(std::unique_ptr<RegisterPort> port) : port_(std::move(port)) {
                                hex(spec::kHash));
   }
   const std::uint32_t can = words[3];
+  const auto max_columns =
+      static_cast<int>(field_of(can, spec::kRegCapabilityMaxColumnsLsb, spec::kRegCapabilityMaxColumnsBits));
   build_ = {
-      .max_columns =
-          static_cast<int>(field_of(can, spec::kRegCapabilityMaxColumnsLsb, spec::kRegCapabilityMaxColumnsBits)),
+      .max_columns = max_columns == 0 ? spec::kColumnLimit : max_columns,
       .max_rows = static_cast<int>(field_of(can, spec::kRegCapabilityMaxRowsLsb, spec::kRegCapabilityMaxRowsBits)),
       .pixel_bits = spec::kPixelBits +
                     static_cast<int>(field_of(words[4], spec::kRegStatusMoreBitsLsb, spec::kRegStatusMoreBitsBits)),

@@ -137,9 +137,9 @@ local format = {
         "2 where second is not 0"},
     }},
     verdict = {bits = 128, fields = {
-      {"first_column", 0, 12, "first column of the leftmost defect, from 1; 0 without one"},
-      {"columns", 16, 12, "columns of that defect"},
-      {"unlit", 32, 12, "judged columns without light"},
+      {"first_column", 0, 13, "first column of the leftmost defect, from 1; 0 without one"},
+      {"columns", 16, 13, "columns of that defect"},
+      {"unlit", 32, 13, "judged columns without light"},
       {"judged", 72, 1, "1: this is a verdict"},
       {"in_part", 73, 1,
         "1: the frame lies in a part; else section, part and bank are those of the part before, 0 before the " ..

@@ -21,7 +21,7 @@ namespace selfproj::production {
 namespace {
 
 constexpr int kMaxCount = (1 << 23) - 1;                   // half of the encoder's counts: further on is before
-constexpr std::size_t kMostBytes = std::size_t{1} << 22U;  // 64 sections of 2048 columns take less
+constexpr std::size_t kMostBytes = std::size_t{1} << 23U;  // 64 sections of 4096 columns take less
 const std::vector<std::pair<const char*, bool>> kYesNo = {{"yes", true}, {"no", false}};
 const std::vector<std::pair<const char*, bool>> kBegins = {{"light", false}, {"encoder", true}};
 
@@ -29,9 +29,9 @@ template <class TableT, class Visitor>
 void visit_frames(TableT& table, Visitor& v) {
   v.text("rig", table.rig);
   v.begin("frames");
-  v.integer("columns", table.columns, 4, spec::kMaxColumns);
+  v.integer("columns", table.columns, 4, spec::kColumnLimit);
   v.integer("rows", table.rows, 1, spec::kMaxRows);
-  v.integer("column_offset", table.column_offset, 0, spec::kMaxColumns);
+  v.integer("column_offset", table.column_offset, 0, spec::kColumnLimit);
   v.integer("row_offset", table.row_offset, 0, spec::kMaxRows);
   v.number("column_mm", table.column_mm, 1, rig::kNotZero);
   v.number("row_mm", table.row_mm, 1, rig::kNotZero);
@@ -69,7 +69,7 @@ void visit_settings(TableT& table, Visitor& v) {
   v.integer("hits", settings.hits, 1, model::kMaxHistory);
   v.choice("above", settings.above, kYesNo);
   v.choice("below", settings.below, kYesNo);
-  v.integer("most_unlit", settings.most_unlit, 0, 4095);
+  v.integer("most_unlit", settings.most_unlit, 0, model::kUnlitNotJudged);
   v.integer("shift_columns", settings.shift_columns, -model::kMaxShiftColumns, model::kMaxShiftColumns);
   v.integer("shift_rows", settings.shift_rows, -model::kMaxShiftRows, model::kMaxShiftRows);
   v.integer("max_shift_columns", table.max_shift_columns, 0, model::kMaxShiftColumns);

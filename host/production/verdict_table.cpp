@@ -205,7 +205,6 @@ model::VerdictSettings shifted_settings(const VerdictTable& table, double across
 std::vector<std::string> never(const VerdictTable& table) {
   std::vector<std::string> found;
   const model::VerdictSettings& settings = table.settings;
-  constexpr int kNotJudged = 4095;
   const int judged = table.judged();
   int longest = 0;  // stretch of neighbouring columns that are judged
   for (const VerdictTable::Section& section : table.sections) {
@@ -224,7 +223,7 @@ std::vector<std::string> never(const VerdictTable& table) {
   } else if (!settings.above && !settings.below) {
     found.emplace_back("there is never a defect: neither above nor below is asked for");
   }
-  if (settings.most_unlit < kNotJudged && settings.most_unlit >= judged) {
+  if (settings.most_unlit < model::kUnlitNotJudged && settings.most_unlit >= judged) {
     found.push_back(fmt::format("a frame never lacks light: {} columns are judged, and {} of them may be unlit", judged,
                                 settings.most_unlit));
   }

@@ -17,7 +17,7 @@ def bit_range(lsb, bits):
 
 
 def formats(spec):
-    out = [f"Largest image: {spec.sizes['max_columns']} columns, {spec.sizes['max_rows']} rows; pixels 0..255 where "
+    out = [f"Largest image: {spec.sizes['column_limit']} columns, {spec.sizes['max_rows']} rows; pixels 0..255 where "
            "nothing else is said.",
            "", "| word | bits | field | meaning | largest value | it fits |", "|---|---|---|---|---|---|"]
     for fmt in spec.raw["formats"]:

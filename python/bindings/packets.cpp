@@ -61,8 +61,8 @@ Out<std::uint8_t> build(const model::PacketHeader& header, const Bytes& payload,
 Out<std::uint8_t> moments_packet(const In<std::uint8_t>& image, int threshold, model::Mode mode, model::Select select,
                                  int gap, int first_row, int last_row, const model::PacketHeader& header) {
   const model::ImageView view = image_of(image);
-  require(view.columns % spec::kPixelsPerBeat == 0 && view.columns <= spec::kMaxColumns,
-          "image: a board takes multiples of 4 columns up to 2048");
+  require(view.columns % spec::kPixelsPerBeat == 0 && view.columns <= spec::kColumnLimit,
+          "image: a board takes multiples of 4 columns up to 4096");
   require(first_row >= 0 && first_row <= spec::kMaxRows && last_row >= 0 && last_row <= spec::kMaxRows,
           "first_row, last_row: must be in 0..1023");
   const model::Measure measure{.mode = mode,

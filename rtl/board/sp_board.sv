@@ -12,7 +12,7 @@
 `default_nettype none
 
 module sp_board #(
-  parameter int MaxColumns = sp_spec_pkg::MaxColumns,  // image width: a multiple of 4, 12..2048; with more lanes of Lanes, from 3 Lanes on
+  parameter int MaxColumns = sp_spec_pkg::MaxColumns,  // image width: a multiple of 4, 12..4096; with more lanes of Lanes, from 3 Lanes on
   parameter int MaxRows = sp_spec_pkg::MaxRows,  // image height: 2..1023
   // Bits of a pixel: 8..12. With more than 8, images and codes are of the upper eight.
   parameter int PixelBits = sp_spec_pkg::PixelBits,  // 8..12

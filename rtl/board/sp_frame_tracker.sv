@@ -30,7 +30,7 @@
 `default_nettype none
 
 module sp_frame_tracker #(
-  parameter int MaxColumns = sp_spec_pkg::MaxColumns,  // a multiple of 4, 12..2048; with more lanes of Lanes, from 3 Lanes on
+  parameter int MaxColumns = sp_spec_pkg::MaxColumns,  // a multiple of 4, 12..4096; with more lanes of Lanes, from 3 Lanes on
   parameter int MaxRows = sp_spec_pkg::MaxRows,  // 2..1023
   parameter int PixelBits = sp_spec_pkg::PixelBits,  // 8..12
   parameter int Lanes = sp_spec_pkg::PixelsPerBeat,  // pixels in a beat: 4, 8 or 16
@@ -107,9 +107,9 @@ module sp_frame_tracker #(
   output logic      [31:0]           stray_o    // beats discarded while running
 );
 
-  if (MaxColumns < 3 * Lanes || MaxColumns > sp_spec_pkg::MaxColumns || MaxColumns % Lanes != 0)
+  if (MaxColumns < 3 * Lanes || MaxColumns > sp_spec_pkg::ColumnLimit || MaxColumns % Lanes != 0)
   begin : gen_max_columns
-    max_columns_is_not_a_multiple_of_lanes_in_3_lanes_to_2048 u_error ();
+    max_columns_is_not_a_multiple_of_lanes_in_3_lanes_to_4096 u_error ();
   end
   if (Lanes != 4 && Lanes != 8 && Lanes != 16) begin : gen_lanes
     lanes_is_not_4_or_8_or_16 u_error ();

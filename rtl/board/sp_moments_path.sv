@@ -11,7 +11,7 @@
 `default_nettype none
 
 module sp_moments_path #(
-  parameter int MaxColumns = sp_spec_pkg::MaxColumns,  // a multiple of 4, 8..2048; with more lanes of Lanes, from 2 Lanes on
+  parameter int MaxColumns = sp_spec_pkg::MaxColumns,  // a multiple of 4, 8..4096; with more lanes of Lanes, from 2 Lanes on
   parameter int MaxRows = sp_spec_pkg::MaxRows,  // 2..1023
   parameter int PixelBits = sp_spec_pkg::PixelBits,  // 8..12
   parameter int Lanes = sp_spec_pkg::PixelsPerBeat,  // pixels in a beat: 4, 8 or 16

@@ -21,7 +21,7 @@
 `default_nettype none
 
 module sp_registers #(
-  parameter int MaxColumns = sp_spec_pkg::MaxColumns,  // a multiple of 4, 4..2048; of Lanes
+  parameter int MaxColumns = sp_spec_pkg::MaxColumns,  // a multiple of 4, 4..4096; of Lanes
   parameter int MaxRows = sp_spec_pkg::MaxRows,  // 1..1023
   parameter int PixelBits = sp_spec_pkg::PixelBits,  // 8..12
   parameter int Lanes = sp_spec_pkg::PixelsPerBeat,  // pixels in a beat: 4, 8 or 16
@@ -90,9 +90,9 @@ module sp_registers #(
   input  wire logic [15:0]            encoder_errors_i
 );
 
-  if (MaxColumns < Lanes || MaxColumns > sp_spec_pkg::MaxColumns || MaxColumns % Lanes != 0)
+  if (MaxColumns < Lanes || MaxColumns > sp_spec_pkg::ColumnLimit || MaxColumns % Lanes != 0)
   begin : gen_max_columns
-    max_columns_is_not_a_multiple_of_lanes_up_to_2048 u_error ();
+    max_columns_is_not_a_multiple_of_lanes_up_to_4096 u_error ();
   end
   if (Lanes != 4 && Lanes != 8 && Lanes != 16) begin : gen_lanes
     lanes_is_not_4_or_8_or_16 u_error ();
@@ -162,7 +162,8 @@ module sp_registers #(
   logic             rst_q;      // one clock ago
 
   // What this build can do
-  localparam logic [31:0] Capability = 32'(MaxColumns) << sp_spec_pkg::RegCapabilityMaxColumnsLsb |
+  localparam int Columns12 = MaxColumns % 4096;  // 0: 4,096
+  localparam logic [31:0] Capability = 32'(Columns12) << sp_spec_pkg::RegCapabilityMaxColumnsLsb |
                                        32'(MaxRows) << sp_spec_pkg::RegCapabilityMaxRowsLsb |
                                        32'(Grey) << sp_spec_pkg::RegCapabilityGreyLsb |
                                        32'(Runs) << sp_spec_pkg::RegCapabilityRunsLsb |

@@ -10,6 +10,7 @@ package sp_spec_pkg is
   constant PixelBits : natural := 8;
   constant PixelsPerBeat : natural := 4;
   constant MaxColumns : natural := 2048;
+  constant ColumnLimit : natural := 4096;
   constant MaxRows : natural := 1023;
   constant PacketBeatBytes : natural := 16;
   constant ModeBinary : std_ulogic_vector(1 downto 0) := "00";
@@ -91,11 +92,11 @@ package sp_spec_pkg is
   constant CompactQualityBits : natural := 6;
   constant VerdictWordBits : natural := 128;
   constant VerdictFirstColumnLsb : natural := 0;
-  constant VerdictFirstColumnBits : natural := 12;
+  constant VerdictFirstColumnBits : natural := 13;
   constant VerdictColumnsLsb : natural := 16;
-  constant VerdictColumnsBits : natural := 12;
+  constant VerdictColumnsBits : natural := 13;
   constant VerdictUnlitLsb : natural := 32;
-  constant VerdictUnlitBits : natural := 12;
+  constant VerdictUnlitBits : natural := 13;
   constant VerdictJudgedLsb : natural := 72;
   constant VerdictJudgedBits : natural := 1;
   constant VerdictInPartLsb : natural := 73;
@@ -235,7 +236,7 @@ package sp_spec_pkg is
   constant RegSize : std_ulogic_vector(7 downto 0) := "00010100";
   constant RegSizeReset : std_ulogic_vector(31 downto 0) := "00000000011000000000001000000000";
   constant RegSizeColumnsLsb : natural := 0;
-  constant RegSizeColumnsBits : natural := 12;
+  constant RegSizeColumnsBits : natural := 13;
   constant RegSizeRowsLsb : natural := 16;
   constant RegSizeRowsBits : natural := 10;
   constant RegMeasure : std_ulogic_vector(7 downto 0) := "00011000";
@@ -409,7 +410,7 @@ package sp_spec_pkg is
   constant RegVerdictTable : std_ulogic_vector(7 downto 0) := "10101000";
   constant RegVerdictTableReset : std_ulogic_vector(31 downto 0) := "00000000000000000000000000000000";
   constant RegVerdictTableColumnLsb : natural := 0;
-  constant RegVerdictTableColumnBits : natural := 11;
+  constant RegVerdictTableColumnBits : natural := 12;
   constant RegVerdictTableSectionLsb : natural := 16;
   constant RegVerdictTableSectionBits : natural := 6;
   constant RegVerdictTableBankLsb : natural := 24;

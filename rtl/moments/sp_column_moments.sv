@@ -23,7 +23,7 @@
 `default_nettype none
 
 module sp_column_moments #(
-  parameter int MaxColumns = sp_spec_pkg::MaxColumns,  // image width: a multiple of 4, 8..2048; with more lanes of Lanes, from 2 Lanes on
+  parameter int MaxColumns = sp_spec_pkg::MaxColumns,  // image width: a multiple of 4, 8..4096; with more lanes of Lanes, from 2 Lanes on
   parameter int MaxRows = sp_spec_pkg::MaxRows,  // image height: 2..1023
   parameter bit Grey = 1'b1,  // modes grey and grey_over
   parameter int PixelBits = sp_spec_pkg::PixelBits,  // 8..12
@@ -58,9 +58,9 @@ module sp_column_moments #(
   output logic                      spoiled_o          // the sums of the frame are void: see above
 );
 
-  if (MaxColumns < 2 * Lanes || MaxColumns > sp_spec_pkg::MaxColumns || MaxColumns % Lanes != 0)
+  if (MaxColumns < 2 * Lanes || MaxColumns > sp_spec_pkg::ColumnLimit || MaxColumns % Lanes != 0)
   begin : gen_max_columns
-    max_columns_is_not_a_multiple_of_lanes_in_2_lanes_to_2048 u_error ();
+    max_columns_is_not_a_multiple_of_lanes_in_2_lanes_to_4096 u_error ();
   end
   if (PixelBits < 8 || PixelBits > 12) begin : gen_pixel_bits
     pixel_bits_is_not_in_8_to_12 u_error ();

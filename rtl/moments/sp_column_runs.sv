@@ -19,7 +19,7 @@
 `default_nettype none
 
 module sp_column_runs #(
-  parameter int MaxColumns = sp_spec_pkg::MaxColumns,  // image width: a multiple of 4, 8..2048; with more lanes of Lanes, from 2 Lanes on
+  parameter int MaxColumns = sp_spec_pkg::MaxColumns,  // image width: a multiple of 4, 8..4096; with more lanes of Lanes, from 2 Lanes on
   parameter int MaxRows = sp_spec_pkg::MaxRows,  // image height: 2..1023
   parameter bit Grey = 1'b1,  // modes grey and grey_over
   parameter int PixelBits = sp_spec_pkg::PixelBits,  // 8..12
@@ -54,9 +54,9 @@ module sp_column_runs #(
   output logic                      spoiled_o          // the sums of the frame are void
 );
 
-  if (MaxColumns < 2 * Lanes || MaxColumns > sp_spec_pkg::MaxColumns || MaxColumns % Lanes != 0)
+  if (MaxColumns < 2 * Lanes || MaxColumns > sp_spec_pkg::ColumnLimit || MaxColumns % Lanes != 0)
   begin : gen_max_columns
-    max_columns_is_not_a_multiple_of_lanes_in_2_lanes_to_2048 u_error ();
+    max_columns_is_not_a_multiple_of_lanes_in_2_lanes_to_4096 u_error ();
   end
   if (Lanes != 4 && Lanes != 8 && Lanes != 16) begin : gen_lanes
     lanes_is_not_4_or_8_or_16 u_error ();

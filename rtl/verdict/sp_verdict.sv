@@ -27,7 +27,7 @@
 `default_nettype none
 
 module sp_verdict #(
-  parameter int MaxColumns = sp_spec_pkg::MaxColumns,  // a multiple of 4, 8..2048
+  parameter int MaxColumns = sp_spec_pkg::MaxColumns,  // a multiple of 4, 8..4096
   parameter int MaxRows = sp_spec_pkg::MaxRows,  // 2..1023
   parameter int PixelBits = sp_spec_pkg::PixelBits,  // 8..12
   parameter bit Grey = 1'b1,  // modes grey and grey_over
@@ -96,6 +96,11 @@ module sp_verdict #(
   logic [11:0]           most_unlit;
   logic                  above, below;
 
+  // 4,096 columns count as 4,095: no register asks for more.
+  function automatic logic [11:0] in_12_bits(input logic [ColumnBits-1:0] count);
+    in_12_bits = 12'(count) | {12{ColumnBits > 12 && count[ColumnBits-1]}};
+  endfunction
+
   assign width      = settings[sp_spec_pkg::RegVerdictDefectWidthLsb+:8];
   assign history    = settings[sp_spec_pkg::RegVerdictDefectHistoryLsb+:3];
   assign hits       = settings[sp_spec_pkg::RegVerdictDefectHitsLsb+:4];
@@ -122,7 +127,7 @@ module sp_verdict #(
     .encoder_i    (encoder_i),
     .found_i      (found),
     .found_whole_i(found_whole_q),
-    .found_lit_i  (12'(lit)),
+    .found_lit_i  (in_12_bits(lit)),
     .start_o      (start_o),
     .in_part_o    (in_part),
     .first_o      (first),
@@ -208,7 +213,7 @@ module sp_verdict #(
     if (rst_i) found_whole_q <= 1'b0;
   end
 
-  assign lacks_light = in_part && 12'(unlit_o) > most_unlit;
+  assign lacks_light = in_part && in_12_bits(unlit_o) > most_unlit;
   assign bad         = in_part && found_defect || lacks_light;
 
   always_ff @(posedge clk_i) begin

@@ -37,7 +37,7 @@
 `default_nettype none
 
 module sp_verdict_columns #(
-  parameter int MaxColumns = sp_spec_pkg::MaxColumns,  // a multiple of 4, 8..2048
+  parameter int MaxColumns = sp_spec_pkg::MaxColumns,  // a multiple of 4, 8..4096
   parameter int MaxRows = sp_spec_pkg::MaxRows,  // 2..1023
   parameter int PixelBits = sp_spec_pkg::PixelBits,  // 8..12
   parameter bit Grey = 1'b1,  // modes grey and grey_over
@@ -82,9 +82,9 @@ module sp_verdict_columns #(
   output logic                        whole_o    // and all of it came
 );
 
-  if (MaxColumns < 8 || MaxColumns > sp_spec_pkg::MaxColumns || MaxColumns % 4 != 0)
+  if (MaxColumns < 8 || MaxColumns > sp_spec_pkg::ColumnLimit || MaxColumns % 4 != 0)
   begin : gen_max_columns
-    max_columns_is_not_a_multiple_of_4_in_8_to_2048 u_error ();
+    max_columns_is_not_a_multiple_of_4_in_8_to_4096 u_error ();
   end
   if (MaxRows < 2 || MaxRows > sp_spec_pkg::MaxRows) begin : gen_max_rows
     max_rows_is_not_in_2_to_1023 u_error ();

@@ -17,7 +17,7 @@
 `default_nettype none
 
 module sp_verdict_defects #(
-  parameter int MaxColumns = sp_spec_pkg::MaxColumns,  // a multiple of 4, 8..2048
+  parameter int MaxColumns = sp_spec_pkg::MaxColumns,  // a multiple of 4, 8..4096
   // derived, do not set
   parameter int GroupBits = $clog2(MaxColumns / 4),
   parameter int ColumnBits = $clog2(MaxColumns + 1)
@@ -50,9 +50,9 @@ module sp_verdict_defects #(
   output logic      [ColumnBits-1:0] lit_o
 );
 
-  if (MaxColumns < 8 || MaxColumns > sp_spec_pkg::MaxColumns || MaxColumns % 4 != 0)
+  if (MaxColumns < 8 || MaxColumns > sp_spec_pkg::ColumnLimit || MaxColumns % 4 != 0)
   begin : gen_max_columns
-    max_columns_is_not_a_multiple_of_4_in_8_to_2048 u_error ();
+    max_columns_is_not_a_multiple_of_4_in_8_to_4096 u_error ();
   end
 
   // --- Stages 1 to 5: hits of the last frames, and which columns have enough ---

@@ -18,7 +18,7 @@
 `default_nettype none
 
 module sp_verdict_registers #(
-  parameter int MaxColumns = sp_spec_pkg::MaxColumns,  // a multiple of 4, 8..2048
+  parameter int MaxColumns = sp_spec_pkg::MaxColumns,  // a multiple of 4, 8..4096
   parameter int MaxRows = sp_spec_pkg::MaxRows,  // 2..1023
   parameter int LogSections = 1,  // log2 of the sections of a bank: 0..6
   // derived, do not set
@@ -62,9 +62,9 @@ module sp_verdict_registers #(
   input  wire logic                   lost_i      // a pulse of the ejector
 );
 
-  if (MaxColumns < 8 || MaxColumns > sp_spec_pkg::MaxColumns || MaxColumns % 4 != 0)
+  if (MaxColumns < 8 || MaxColumns > sp_spec_pkg::ColumnLimit || MaxColumns % 4 != 0)
   begin : gen_max_columns
-    max_columns_is_not_a_multiple_of_4_in_8_to_2048 u_error ();
+    max_columns_is_not_a_multiple_of_4_in_8_to_4096 u_error ();
   end
   if (MaxRows < 2 || MaxRows > sp_spec_pkg::MaxRows) begin : gen_max_rows
     max_rows_is_not_in_2_to_1023 u_error ();

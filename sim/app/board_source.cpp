@@ -37,11 +37,11 @@ model::Measure measure_of(const BoardSource& options) {
 
 PacketRecording make_line(const BoardSource& options) {
   const auto [rows, columns] =
-      images::size_of_text("--line", options.line, std::max(spec::kMaxColumns, spec::kMaxRows));
-  if (columns > spec::kMaxColumns || columns % spec::kPixelsPerBeat != 0 || rows > spec::kMaxRows) {
+      images::size_of_text("--line", options.line, std::max(spec::kColumnLimit, spec::kMaxRows));
+  if (columns > spec::kColumnLimit || columns % spec::kPixelsPerBeat != 0 || rows > spec::kMaxRows) {
     throw UserError("--line " + options.line,
                     fmt::format("is not an image size such as 512x96: columns a multiple of {} up to {}, rows up to {}",
-                                spec::kPixelsPerBeat, spec::kMaxColumns, spec::kMaxRows));
+                                spec::kPixelsPerBeat, spec::kColumnLimit, spec::kMaxRows));
   }
   return moving_line(rows, columns, options.line_frames, measure_of(options));
 }
@@ -57,11 +57,11 @@ PacketRecording make_images(const BoardSource& options, std::uint64_t frames) {
                                             images.count(), patterns, options.bits));
   }
   const auto [rows, columns] = std::pair(images.first().rows, images.first().columns);
-  if (rows > spec::kMaxRows || columns > spec::kMaxColumns || columns % spec::kPixelsPerBeat != 0) {
+  if (rows > spec::kMaxRows || columns > spec::kColumnLimit || columns % spec::kPixelsPerBeat != 0) {
     throw UserError(images.files().front(), fmt::format("is {}; the board takes columns that are a multiple of {}, up "
                                                         "to {}, and up to {} rows",
                                                         images::size_text(rows, columns), spec::kPixelsPerBeat,
-                                                        spec::kMaxColumns, spec::kMaxRows));
+                                                        spec::kColumnLimit, spec::kMaxRows));
   }
   const model::Measure measure = measure_of(options);
   const model::BoardSettings settings{.image = !codes,

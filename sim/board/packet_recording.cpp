@@ -84,7 +84,7 @@ PacketRecording moving_line(int rows, int columns, int frames, const model::Meas
   constexpr double kBackground = 10;
   constexpr double kSigma = 2;
   constexpr std::uint32_t kEncoderPerFrame = 10;
-  if (rows < 1 || rows > spec::kMaxRows || columns < spec::kPixelsPerBeat || columns > spec::kMaxColumns ||
+  if (rows < 1 || rows > spec::kMaxRows || columns < spec::kPixelsPerBeat || columns > spec::kColumnLimit ||
       columns % spec::kPixelsPerBeat != 0 || frames < 1) {
     throw std::invalid_argument("moving line: the size is out of range");
   }

@@ -65,7 +65,7 @@ void UdpSender::finish() {
 }
 
 void UdpSender::flush() {
-  constexpr std::size_t kMost = 16;
+  constexpr std::size_t kMost = 32;
   static_assert(model::datagrams_of(model::kLargestPacketBytes, model::datagram_piece(model::kDatagramBytes)) <= kMost);
   std::array<iovec, kMost> pieces{};
   std::array<mmsghdr, kMost> messages{};

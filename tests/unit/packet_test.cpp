@@ -29,7 +29,7 @@ Bytes forged(Bytes packet, std::size_t offset, std::size_t bytes, std::uint64_t 
 }
 
 TEST(Packet, RoundTrip) {
-  for (const int columns : {4, 8, 12, 16, 20, 508, 512, spec::kMaxColumns}) {
+  for (const int columns : {4, 8, 12, 16, 20, 508, 512, spec::kMaxColumns, spec::kColumnLimit}) {
     for (const model::Mode mode : {model::Mode::binary, model::Mode::grey, model::Mode::grey_over}) {
       for (const std::uint8_t kind :
            {spec::kKindMoments, spec::kKindCodes, spec::kKindImage, spec::kKindCompact, spec::kKindVerdict}) {
@@ -210,7 +210,7 @@ TEST(Packet, NamesWhatIsWrong) {
   EXPECT_EQ(verdict(forged(moments, spec::kHeaderPixel, 1, 0x80)), model::PacketError::geometry);
   for (const Bytes& packet : {moments, image}) {
     EXPECT_EQ(verdict(forged(packet, spec::kHeaderMode, 1, 3)), model::PacketError::geometry);
-    for (const std::uint64_t columns : {0, 2, 33, spec::kMaxColumns + 4, 65532}) {
+    for (const std::uint64_t columns : {0, 2, 33, spec::kColumnLimit + 4, 65532}) {
       EXPECT_EQ(verdict(forged(packet, spec::kHeaderColumns, 2, columns)), model::PacketError::geometry);
     }
     for (const std::uint64_t rows : {0, spec::kMaxRows + 1, 65535}) {

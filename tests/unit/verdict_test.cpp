@@ -220,7 +220,7 @@ TEST(VerdictByHand, WordsOfRegistersAndPackets) {
                                 .section = 5,
                                 .bank = 1,
                                 .part = 0x1234,
-                                .first_column = 2048,
+                                .first_column = 4096,
                                 .columns = 3,
                                 .unlit = 700};
   std::vector<std::uint8_t> bytes(16);

@@ -83,7 +83,7 @@ struct Moments {
 
 // Writes the moments of every column of `image`, over the rows that count in `window`, to the first image.columns
 // entries of the arrays of `out`, which must not overlap each other or the image. Rows 1..spec::kMaxRows; columns 1 or
-// more (the circuit takes only multiples of 4 up to spec::kMaxColumns); threshold 0..255. If one of these is out of
+// more (the circuit takes only multiples of 4 up to spec::kColumnLimit); threshold 0..255. If one of these is out of
 // range, the mode is unknown, or a pointer is null, throws std::invalid_argument and writes nothing. Allocates nothing
 // and keeps no state; any number of threads may call it at once.
 //

@@ -38,7 +38,7 @@ constexpr bool is_measurable(std::uint16_t word) { return (word & kCodeMeasurabl
 // A change of any of these makes the decoder wait for plane 0.
 struct GraySettings {
   int rows = 512;     // 1 or more (on the board at most spec::kMaxRows)
-  int columns = 512;  // 1 or more (on the board a multiple of 4, and at most spec::kMaxColumns)
+  int columns = 512;  // 1 or more (on the board a multiple of 4, and at most spec::kColumnLimit)
   int bits = 8;       // m: pairs in a cycle, 1..kMaxBits
   int threshold = 5;  // T, 0..255
 

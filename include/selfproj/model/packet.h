@@ -74,8 +74,8 @@ constexpr std::size_t packet_bytes(std::size_t payload_bytes) {
 // codes hold one line and are smaller. The format could announce many lines, but readers refuse such a packet, so that
 // they notice a damaged length within this many bytes.
 inline constexpr std::size_t kLargestPacketBytes =
-    packet_bytes(std::max(std::size_t{spec::kMaxColumns} * spec::kGreyWordBits,
-                          std::size_t{spec::kMaxColumns} * spec::kCodeWordBits) /
+    packet_bytes(std::max(std::size_t{spec::kColumnLimit} * spec::kGreyWordBits,
+                          std::size_t{spec::kColumnLimit} * spec::kCodeWordBits) /
                      8 +
                  spec::kVerdictWordBits / 8);
 static_assert(kLargestPacketBytes % spec::kPacketBeatBytes == 0);

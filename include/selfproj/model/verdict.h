@@ -54,6 +54,7 @@ inline constexpr int kRowParts = 128;
 inline constexpr std::uint32_t kMaxLimit = (1U << 17) - 1;   // rows to 1023
 inline constexpr std::uint32_t kMaxBand = (1U << 14) - 1;    // between the two limits, in the board's registers
 inline constexpr int kMaxShiftColumns = 127;                 // both ways
+inline constexpr int kUnlitNotJudged = 4095;                 // for most_unlit, which is less where light is judged
 inline constexpr int kMaxShiftRows = 8191;                   // both ways, in 1/kRowParts rows
 inline constexpr int kMaxHistory = 8;                        // frames
 inline constexpr std::uint32_t kCountMask = (1U << 24) - 1;  // of the encoder, as far as parts need it
@@ -87,10 +88,10 @@ struct VerdictSettings {
   int hits = 1;       // m, 1..15; more than h: there are no defects
   bool above = true;  // defects above are asked for
   bool below = true;
-  int most_unlit = 4095;  // u, 0..4095 columns; 4095: light is not judged
-  int shift_columns = 0;  // s, -kMaxShiftColumns..kMaxShiftColumns
-  int shift_rows = 0;     // d, -kMaxShiftRows..kMaxShiftRows
-  int bank = 0;           // 0 or 1
+  int most_unlit = kUnlitNotJudged;  // u, in columns
+  int shift_columns = 0;             // s, -kMaxShiftColumns..kMaxShiftColumns
+  int shift_rows = 0;                // d, -kMaxShiftRows..kMaxShiftRows
+  int bank = 0;                      // 0 or 1
 
   bool operator==(const VerdictSettings&) const = default;
 };

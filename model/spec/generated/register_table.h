@@ -50,7 +50,7 @@ inline constexpr std::array<RegisterField, 1> kFieldsOfSpecHash{{
     {"hash", 0, 32, "its hash, the same as in every packet header"},
 }};
 inline constexpr std::array<RegisterField, 9> kFieldsOfCapability{{
-    {"max_columns", 0, 12, "largest image width"},
+    {"max_columns", 0, 12, "largest image width; 0: 4,096"},
     {"max_rows", 12, 10, "largest image height"},
     {"grey", 22, 1, "1: modes grey and grey_over are built in"},
     {"image", 23, 1, "1: raw-image packets are built in"},
@@ -66,7 +66,7 @@ inline constexpr std::array<RegisterField, 3> kFieldsOfControl{{
     {"image", 2, 1, "1: send raw-image packets too; refused in a build without them"},
 }};
 inline constexpr std::array<RegisterField, 2> kFieldsOfSize{{
-    {"columns", 0, 12, "a multiple of the pixels in a beat, up to the build's maximum"},
+    {"columns", 0, 13, "a multiple of the pixels in a beat, up to the build's maximum"},
     {"rows", 16, 10, "from 1 to the build's maximum"},
 }};
 inline constexpr std::array<RegisterField, 6> kFieldsOfMeasure{{
@@ -191,7 +191,7 @@ inline constexpr std::array<RegisterField, 1> kFieldsOfEjectorLength{{
     {"counts", 0, 16, "counts of the encoder; 0: no pulses"},
 }};
 inline constexpr std::array<RegisterField, 3> kFieldsOfVerdictTable{{
-    {"column", 0, 11, "column, from 0"},
+    {"column", 0, 12, "column, from 0"},
     {"section", 16, 6, "section of a part"},
     {"bank", 24, 1, "bank of limits"},
 }};

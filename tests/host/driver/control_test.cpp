@@ -267,6 +267,7 @@ TEST(Control, WhatTheBoardIs) {
   };
   for (const model::BoardBuild& build :
        {model::BoardBuild{}, kEverything, model::BoardBuild{.max_columns = 512, .max_rows = 100, .grey = false},
+        model::BoardBuild{.max_columns = spec::kColumnLimit}, model::BoardBuild{.max_columns = spec::kColumnLimit - 4},
         model::BoardBuild{.image = false}, model::BoardBuild{.codes = true, .code_bits = 9},
         model::BoardBuild{.codes = true, .median = true, .code_bits = 1}, model::BoardBuild{.runs = true},
         model::BoardBuild{.region = true}, model::BoardBuild{.compact = true},

@@ -126,7 +126,7 @@ class Scoreboard {
   // Runs until everything is out. Packets that did not come were lost, and the counters of the board must say so.
   void finish() {
     turn_encoder(0);
-    device_.drain();
+    device_.drain(spec::kColumnLimit);  // longer than the words of a frame wait
     scoreboard_.finish();
     EXPECT_EQ(device_.read(spec::kRegLostMoments), scoreboard_.lost_in_all(spec::kKindMoments));
     EXPECT_EQ(device_.read(spec::kRegLostImage), scoreboard_.lost_in_all(spec::kKindImage));

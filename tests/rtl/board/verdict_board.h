@@ -19,6 +19,7 @@ class Vboard_verdict;
 class Vboard_verdict_binary;
 class Vboard_verdict_eight_of_twelve;
 class Vboard_verdict_sixteen_of_ten;
+class Vboard_widest;
 
 namespace selfproj::test {
 
@@ -42,6 +43,16 @@ inline constexpr model::BoardBuild kBuild<Vboard_verdict_eight_of_twelve> = {.ma
 template <>
 inline constexpr model::BoardBuild kBuild<Vboard_verdict_sixteen_of_ten> = {
     .max_columns = 64, .max_rows = 127, .pixel_bits = 10, .lanes = 16, .region = true, .verdict_log_sections = 1};
+template <>
+inline constexpr model::BoardBuild kBuild<Vboard_widest> = {.max_columns = 4096,
+                                                            .max_rows = 15,
+                                                            .codes = true,
+                                                            .median = true,
+                                                            .runs = true,
+                                                            .region = true,
+                                                            .compact = true,
+                                                            .verdict_log_sections = 0,
+                                                            .code_bits = 8};
 constexpr int kApart = 200;  // clocks between frames, more than the verdict of a frame takes
 
 // The board, the model of its packets, and the model of its registers.

@@ -1,5 +1,5 @@
-// Soak: random small frames of 12 and 10 bits, and of 8 and 16 pixels a clock, with stalls and faults, every packet
-// compared with the model, every loss counted.
+// Soak: random small frames of 12 and 10 bits, and of 8 and 16 pixels a clock, and some of up to 4,096 columns, with
+// stalls and faults, every packet compared with the model, every loss counted.
 //
 //     wide_soak [FRAMES] [FIRST_SEED]      1,000,000 frames from seed 1 on by default
 #include <cstdint>
@@ -9,6 +9,7 @@
 #include "Vboard_sixteen.h"
 #include "Vboard_ten.h"
 #include "Vboard_twelve.h"
+#include "Vboard_widest.h"
 #include "tests/rtl/board/random_frames.h"
 #include "tests/support/soak.h"
 
@@ -19,6 +20,10 @@ TEST(WideSoak, EveryPacketEqualsTheModelOrIsCountedAsLost) {
   FrameCounts counts;
   soak(counts.frames, 1'000'000, [&](std::uint64_t seed) {
     const int faults = seed % 10 < 5 ? 0 : 20;
+    if (seed % 25 == 0) {
+      return play_random_frames<Vboard_widest>(
+          seed, {.max_columns = 4096, .max_rows = 15, .runs = true, .compact = true, .fault_percent = faults}, counts);
+    }
     switch (seed % 5) {
       case 0:
         return play_random_frames<Vboard_twelve>(

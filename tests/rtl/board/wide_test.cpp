@@ -13,6 +13,7 @@
 #include "Vboard_twelve.h"
 #include "Vboard_verdict_eight_of_twelve.h"
 #include "Vboard_verdict_sixteen_of_ten.h"
+#include "Vboard_widest.h"
 #include "tests/rtl/board/frames.h"
 #include "tests/rtl/board/random_codes.h"
 #include "tests/rtl/board/random_frames.h"
@@ -48,6 +49,89 @@ TEST(WideBoard, RandomFramesOfEightLanesOfTwelveBitsEqualTheModel) {
 TEST(WideBoard, RandomFramesOfSixteenLanesEqualTheModel) {
   play_all_random_frames<Vboard_sixteen>(
       60, {.max_columns = 512, .lanes = 16, .runs = true, .region = false, .compact = true, .fault_percent = 20});
+}
+
+TEST(WideBoard, RandomFramesOfManyColumnsEqualTheModel) {
+  play_all_random_frames<Vboard_sixteen>(4, {.max_columns = 4096,
+                                             .max_rows = 12,
+                                             .lanes = 16,
+                                             .runs = true,
+                                             .region = false,
+                                             .compact = true,
+                                             .changes = 40});
+  play_all_random_frames<Vboard_widest>(
+      12, {.max_columns = 4096, .max_rows = 15, .runs = true, .compact = true, .fault_percent = 10, .changes = 40});
+}
+
+// The widest frame: its size in the registers, every packet of it, and its codes.
+TEST(WideBoard, FourThousandColumns) {
+  constexpr int kColumns = spec::kColumnLimit, kRows = 6;
+  Scoreboard<Vboard_widest> board;
+  EXPECT_EQ(board.device().read(spec::kRegCapability) & 0xFFFU, 0U);
+  const auto size = [&](unsigned columns) {
+    return board.device()
+        .access(true, spec::kRegSize, columns << spec::kRegSizeColumnsLsb | 8U << spec::kRegSizeRowsLsb)
+        .error;
+  };
+  EXPECT_TRUE(size(kColumns + 4));
+  EXPECT_TRUE(size(0x2000));
+  EXPECT_FALSE(size(kColumns));
+  board.count_patterns_on_frames(3);
+  Random random(1);
+  for (const bool compact : {false, true}) {
+    board.write({.image = true,
+                 .columns = kColumns,
+                 .rows = kRows,
+                 .mode = model::Mode::grey,
+                 .threshold = 100,
+                 .select = model::Select::strongest,
+                 .compact = compact,
+                 .codes = true,
+                 .median = true,
+                 .code_bits = 2,
+                 .code_threshold = 5});
+    for (int frame = 0; frame < 8; ++frame) {
+      board.send(random, random_image(random, kRows, kColumns), 0);
+      board.device().gap(8 * kColumns);
+    }
+    board.play();
+  }
+  board.finish();
+  EXPECT_EQ(board.delivered(spec::kKindMoments), 16U);  // compact ones among them
+  EXPECT_EQ(board.delivered(spec::kKindImage), 16U * kRows);
+  EXPECT_GE(board.delivered(spec::kKindCodes), 2U * kRows);
+}
+
+// Counts of all columns, where registers have 12 bits.
+TEST(WideBoard, VerdictsOfFourThousandColumns) {
+  constexpr int kColumns = spec::kColumnLimit, kRows = 12;
+  VerdictBoard<Vboard_widest> bench;
+  bench.write(spec::kRegEjectorDelay, 0);
+  bench.write(spec::kRegEjectorLength, 1);
+  for (int column = 0; column < kColumns; ++column) {
+    ASSERT_TRUE(bench.write_limits(0, 0, column, {.low = 0, .high = model::kRowParts * 12, .judged = true}));
+  }
+  int lacking = 0;
+  for (const int most_unlit : {model::kUnlitNotJudged - 1, model::kUnlitNotJudged}) {
+    bench.write({.columns = kColumns,
+                 .rows = kRows,
+                 .mode = model::Mode::binary,
+                 .threshold = 100,
+                 .verdict = true,
+                 .verdict_packets = 1,
+                 .verdict_settings = {.width = 200, .history = 1, .hits = 1, .most_unlit = most_unlit},
+                 .part_rule = {.lit = 4095, .dark_frames = 3}});
+    for (const int value : {200, 0, 200, 0, 0, 0, 0}) {  // the part begins behind its first frame, and ends
+      bench.device().send(constant_image(kRows, kColumns, static_cast<std::uint8_t>(value)).view());
+      bench.device().gap(3 * kColumns);
+    }
+    bench.board().play();
+    bench.device().drain(kApart);
+    EXPECT_EQ(bench.verdict().parts(), static_cast<std::uint64_t>(++lacking));
+    EXPECT_EQ(bench.verdict().bad_parts(), 1U);  // where light is judged
+  }
+  bench.board().finish();
+  EXPECT_EQ(bench.board().delivered(spec::kKindMoments), 14U);
 }
 
 // Verdicts, which take 16 bytes a clock.

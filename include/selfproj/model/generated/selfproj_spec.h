@@ -28,7 +28,8 @@ constexpr std::array<EarlierVersion, 2> kEarlierVersions{{
 // Sizes
 constexpr int kPixelBits = 8;  // bits of a pixel
 constexpr int kPixelsPerBeat = 4;  // pixels that come in one clock; the number of columns is a multiple of it
-constexpr int kMaxColumns = 2048;  // largest image width; a build may have a smaller one
+constexpr int kMaxColumns = 2048;  // largest image width of a build, unless it is given another
+constexpr int kColumnLimit = 4096;  // largest image width that a build can have
 constexpr int kMaxRows = 1023;  // largest image height; a build may have a smaller one
 constexpr int kPacketBeatBytes = 16;  // width of the packet stream; the length of every packet is a multiple of it
 
@@ -172,16 +173,16 @@ constexpr std::uint64_t kCompactQualityMax = 63;  // 63
 static_assert(kCompactQualityMax >> kCompactQualityBits == 0, "compact.quality does not fit");
 constexpr int kVerdictWordBits = 128;
 constexpr int kVerdictFirstColumnLsb = 0;
-constexpr int kVerdictFirstColumnBits = 12;
-constexpr std::uint64_t kVerdictFirstColumnMax = 2048;  // 2048
+constexpr int kVerdictFirstColumnBits = 13;
+constexpr std::uint64_t kVerdictFirstColumnMax = 4096;  // 4096
 static_assert(kVerdictFirstColumnMax >> kVerdictFirstColumnBits == 0, "verdict.first_column does not fit");
 constexpr int kVerdictColumnsLsb = 16;
-constexpr int kVerdictColumnsBits = 12;
-constexpr std::uint64_t kVerdictColumnsMax = 2048;  // 2048
+constexpr int kVerdictColumnsBits = 13;
+constexpr std::uint64_t kVerdictColumnsMax = 4096;  // 4096
 static_assert(kVerdictColumnsMax >> kVerdictColumnsBits == 0, "verdict.columns does not fit");
 constexpr int kVerdictUnlitLsb = 32;
-constexpr int kVerdictUnlitBits = 12;
-constexpr std::uint64_t kVerdictUnlitMax = 2048;  // 2048
+constexpr int kVerdictUnlitBits = 13;
+constexpr std::uint64_t kVerdictUnlitMax = 4096;  // 4096
 static_assert(kVerdictUnlitMax >> kVerdictUnlitBits == 0, "verdict.unlit does not fit");
 constexpr int kVerdictJudgedLsb = 72;
 constexpr int kVerdictJudgedBits = 1;
@@ -302,7 +303,7 @@ constexpr int kRegControlImageBits = 1;
 constexpr std::uint32_t kRegSize = 0x14;  // rw
 constexpr std::uint32_t kRegSizeReset = 0x00600200U;
 constexpr int kRegSizeColumnsLsb = 0;
-constexpr int kRegSizeColumnsBits = 12;
+constexpr int kRegSizeColumnsBits = 13;
 constexpr int kRegSizeRowsLsb = 16;
 constexpr int kRegSizeRowsBits = 10;
 constexpr std::uint32_t kRegMeasure = 0x18;  // rw
@@ -488,7 +489,7 @@ constexpr int kRegEjectorLengthCountsBits = 16;
 constexpr std::uint32_t kRegVerdictTable = 0xA8;  // rw
 constexpr std::uint32_t kRegVerdictTableReset = 0x00000000U;
 constexpr int kRegVerdictTableColumnLsb = 0;
-constexpr int kRegVerdictTableColumnBits = 11;
+constexpr int kRegVerdictTableColumnBits = 12;
 constexpr int kRegVerdictTableSectionLsb = 16;
 constexpr int kRegVerdictTableSectionBits = 6;
 constexpr int kRegVerdictTableBankLsb = 24;
