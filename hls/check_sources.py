@@ -9,7 +9,7 @@ compiler ICSC does not take. ICSC 1.6.8 refuses some calls in arguments of other
 from a call and are passed on. Here all of them are findings, in the functions outside of classes in other headers too,
 because the shells call those. It refuses arrays of records that give their members initial values or have a
 constructor, wherever these are defined. A constant that keeps the value of a register, which then gets a literal one,
-it takes for that literal.
+it takes for that literal; and a register that only functions with references read may become none.
 
 It prints one line a finding, and its exit status is then 1.
 """
@@ -21,6 +21,8 @@ import sys
 FOLDER = pathlib.Path(__file__).resolve().parent
 
 HEADERS = re.compile(r'"(hls/[\w/]+\.h|selfproj/model/generated/selfproj_spec\.h)"|<(cstdint|cstddef|systemc)>')
+# A number of a shell
+NUMBER = r"(?:typename\s+F::\w+|(?:Wide|Any)?Uint<[^<>]*>|Pixels?|Row|Sum[01])"
 WORDS = [
     ("dynamic allocation", r"\b(new|delete|malloc|calloc|realloc|free|alloca)\b"),
     ("virtual function", r"\b(virtual|override|dynamic_cast|typeid)\b"),
@@ -29,6 +31,8 @@ WORDS = [
     ("floating point", r"\b(float|double)\b|\bhalf\s+\w|\b\d+\.\d*|\.\d+\b|\b\d+[eE][-+]?\d+\b"),
     ("goto", r"\bgoto\b"),
 ]
+# In the pure functions, which a shell may call with a register
+PURE_WORDS = [("a number by reference", rf"\bconst\s+{NUMBER}\s*&")]
 SHELL_WORDS = [
     (
         "not for ICSC",
@@ -82,7 +86,7 @@ class Source:
         for include in re.finditer(r'^\s*#\s*include\s+(\S+)', self.text, flags=re.M):
             if not HEADERS.fullmatch(include.group(1)):
                 self.find(include.start(1), f"header {include.group(1)}")
-        for what, pattern in WORDS + (SHELL_WORDS if self.shell else []):
+        for what, pattern in WORDS + (SHELL_WORDS if self.shell else PURE_WORDS):
             for word in re.finditer(pattern, self.code):
                 self.find(word.start(), f"{what}: {' '.join(word.group().split())}")
         self.check_loops()
@@ -92,7 +96,7 @@ class Source:
     # --- Loops ---
 
     def check_loops(self):
-        constant = r"[\s\d()+\-*/]*(?:\bk[A-Z]\w*\b[\s\d()+\-*/]*)*"
+        constant = r"[\s\d()+\-*/]*(?:\b(?:F::)?k[A-Z]\w*\b[\s\d()+\-*/]*)*"
         counted = re.compile(rf"\(\s*int (\w+) = {constant};\s*\1 (?:<|<=|>|>=|!=) {constant};\s*(?:\+\+|--)\1\s*\)")
         for loop in re.finditer(r"\b(for|while|do)\b", self.code):
             if loop.group() == "for":
@@ -135,7 +139,7 @@ class Source:
             loop = code.find("while")
             if loop < 0 or not self.waits(code[:loop]):
                 self.find(body.start(), f"thread {process.group(1)} without a reset section that ends in wait()")
-        for process in re.finditer(r"\bSC_CTHREAD\b(?!\(\s*\w+\s*,\s*\w+\.pos\(\)\s*\)\s*;)", self.code):
+        for process in re.finditer(r"\bSC_CTHREAD\b(?!\(\s*\w+\s*,\s*(?:this->)?\w+\.pos\(\)\s*\)\s*;)", self.code):
             self.find(process.start(), "thread whose clock edge is not a port's pos()")
         for process in re.finditer(r"\bSC_METHOD\(\s*(\w+)\s*\)", self.code):
             body = re.search(rf"\bvoid {process.group(1)}\(\)\s*\{{", self.code)

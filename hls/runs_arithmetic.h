@@ -19,11 +19,12 @@ namespace hls {
 
 // The open run of a column. (Its members have no initial values, nor has it a constructor: ICSC takes no array of such
 // records.)
+template <typename F>
 struct OpenRun {
   bool open;
   Uint<2> dark;  // dark rows since the last lit one
-  Sum0 m0;
-  Sum1 a;  // of the rows before the present one
+  typename F::Sum0 m0;
+  typename F::Sum1 a;  // of the rows before the present one
   Row n;
 
   // No run is open.
@@ -37,11 +38,12 @@ struct OpenRun {
 };
 
 // The runs of a column that have ended.
+template <typename F>
 struct EndedRuns {
-  Uint<2> runs;  // 3: three or more
-  Sum0 second;   // M0 of the second
-  Sum0 m0;       // the strongest, and so on
-  Sum1 a;
+  Uint<2> runs;             // 3: three or more
+  typename F::Sum0 second;  // M0 of the second
+  typename F::Sum0 m0;      // the strongest, and so on
+  typename F::Sum1 a;
   Row n;
   Row row;  // the row in which it ended
 
@@ -57,8 +59,9 @@ struct EndedRuns {
 };
 
 // A row is added to the open run; `ends`: the row, which is dark, ended it.
-inline OpenRun next_run(const OpenRun& old, Pixel weight, bool strongest, Uint<2> gap, bool& ends) {
-  OpenRun next;
+template <typename F>
+inline OpenRun<F> next_run(const OpenRun<F>& old, typename F::Pixel weight, bool strongest, Uint<2> gap, bool& ends) {
+  OpenRun<F> next;
   next.clear();
   ends = false;
   if (old.open) {
@@ -68,8 +71,8 @@ inline OpenRun next_run(const OpenRun& old, Pixel weight, bool strongest, Uint<2
   if (weight != 0) {
     next.open = true;
     next.dark = 0;
-    next.m0 = next_m0(next.m0, weight);
-    next.n = next_n(next.n, weight);
+    next.m0 = next_m0<F>(next.m0, weight);
+    next.n = next_n<F>(next.n, weight);
   } else if (old.open) {
     ends = strongest && old.dark == gap;
     next.dark = old.dark + 1;
@@ -79,8 +82,9 @@ inline OpenRun next_run(const OpenRun& old, Pixel weight, bool strongest, Uint<2
 }
 
 // `run` meets the strongest of the runs that ended before it, and the second.
-inline EndedRuns next_ended(const EndedRuns& old, const OpenRun& run, Row row) {
-  EndedRuns next = old;
+template <typename F>
+inline EndedRuns<F> next_ended(const EndedRuns<F>& old, const OpenRun<F>& run, Row row) {
+  EndedRuns<F> next = old;
   if (old.runs != 3) {
     next.runs = old.runs + 1;
   }
@@ -97,9 +101,10 @@ inline EndedRuns next_ended(const EndedRuns& old, const OpenRun& run, Row row) {
 }
 
 // floor(16 second / m0) of second <= m0; 0 where both are 0.
-inline Uint<5> ratio_of(Sum0 second, Sum0 m0) {
+template <typename F>
+inline Uint<5> ratio_of(typename F::Sum0 second, typename F::Sum0 m0) {
   Uint<5> ratio = 0;
-  Uint<spec::kGreyM0Bits + 1> rest = second;
+  Uint<F::kM0Bits + 1> rest = second;
   for (int bit = 4; bit >= 0; --bit) {
     ratio = ratio << 1;
     if (m0 != 0 && rest >= m0) {

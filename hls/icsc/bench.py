@@ -13,7 +13,7 @@ import re
 import sys
 
 SHELLS = pathlib.Path(__file__).resolve().parents[1] / "shells"
-PORT = re.compile(r"sc_core::sc_(?:in|out)<(\w+(?:<\w+>)?)> (\w+)\{")
+PORT = re.compile(r"sc_core::sc_(?:in|out)<\w+(?:<\w+>)?> (\w+)\{")
 
 
 def source(name):
@@ -27,8 +27,9 @@ def bench(name, text, instance):
     """Returns the module around a shell, and its name, from the text of the shell's header."""
     shell = re.search(r"class (\w+Shell) : public ", text)[1]
     ports = PORT.findall(text)
-    signals = "\n".join(f'  sc_core::sc_signal<{kind}> {port}{{"{port}"}};' for kind, port in ports)
-    binds = "\n".join(f"    shell.{port}({port});" for _, port in ports)
+    signals = "\n".join(f'  sc_core::sc_signal<decltype({shell}::{port})::data_type> {port}{{"{port}"}};'
+                        for port in ports)
+    binds = "\n".join(f"    shell.{port}({port});" for port in ports)
     return f"""
 namespace selfproj {{
 namespace hls {{

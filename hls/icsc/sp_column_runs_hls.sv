@@ -26,9 +26,9 @@ module sp_column_runs_hls (
 
   logic        rd_en, wr_en, line_rd_en, line_wr_en;
   logic [8:0]  rd_addr, wr_addr, line_rd_addr, line_wr_addr;
-  logic [57:0] open_rd[0:3], open_wr[0:3];
-  logic [37:0] best_rd[0:3], best_wr[0:3];
-  logic [46:0] rest_rd[0:3], rest_wr[0:3];
+  logic [231:0] open_rd, open_wr;  // of four lanes
+  logic [151:0] best_rd, best_wr;
+  logic [187:0] rest_rd, rest_wr;
   logic [31:0] line_rd_data, line_wr_data;
 
   hls_ColumnRunsShell u_shell (
@@ -55,30 +55,12 @@ module sp_column_runs_hls (
     .rd_addr_o       (rd_addr),
     .wr_en_o         (wr_en),
     .wr_addr_o       (wr_addr),
-    .open_rd0_i      (open_rd[0]),
-    .open_rd1_i      (open_rd[1]),
-    .open_rd2_i      (open_rd[2]),
-    .open_rd3_i      (open_rd[3]),
-    .open_wr0_o      (open_wr[0]),
-    .open_wr1_o      (open_wr[1]),
-    .open_wr2_o      (open_wr[2]),
-    .open_wr3_o      (open_wr[3]),
-    .best_rd0_i      (best_rd[0]),
-    .best_rd1_i      (best_rd[1]),
-    .best_rd2_i      (best_rd[2]),
-    .best_rd3_i      (best_rd[3]),
-    .best_wr0_o      (best_wr[0]),
-    .best_wr1_o      (best_wr[1]),
-    .best_wr2_o      (best_wr[2]),
-    .best_wr3_o      (best_wr[3]),
-    .rest_rd0_i      (rest_rd[0]),
-    .rest_rd1_i      (rest_rd[1]),
-    .rest_rd2_i      (rest_rd[2]),
-    .rest_rd3_i      (rest_rd[3]),
-    .rest_wr0_o      (rest_wr[0]),
-    .rest_wr1_o      (rest_wr[1]),
-    .rest_wr2_o      (rest_wr[2]),
-    .rest_wr3_o      (rest_wr[3]),
+    .open_rd_i       (open_rd),
+    .open_wr_o       (open_wr),
+    .best_rd_i       (best_rd),
+    .best_wr_o       (best_wr),
+    .rest_rd_i       (rest_rd),
+    .rest_wr_o       (rest_wr),
     .line_rd_en_o    (line_rd_en),
     .line_rd_addr_o  (line_rd_addr),
     .line_rd_data_i  (line_rd_data),
@@ -87,20 +69,18 @@ module sp_column_runs_hls (
     .line_wr_data_o  (line_wr_data)
   );
 
-  for (genvar lane = 0; lane < 4; lane++) begin : gen_lane
-    sp_ram #(.Width(58), .LogDepth(9)) u_open (
-      .wr_clk_i(clk_i), .wr_en_i(wr_en), .wr_addr_i(wr_addr), .wr_data_i(open_wr[lane]),
-      .rd_clk_i(clk_i), .rd_en_i(rd_en), .rd_addr_i(rd_addr), .rd_data_o(open_rd[lane])
-    );
-    sp_ram #(.Width(38), .LogDepth(9)) u_best (
-      .wr_clk_i(clk_i), .wr_en_i(wr_en), .wr_addr_i(wr_addr), .wr_data_i(best_wr[lane]),
-      .rd_clk_i(clk_i), .rd_en_i(rd_en), .rd_addr_i(rd_addr), .rd_data_o(best_rd[lane])
-    );
-    sp_ram #(.Width(47), .LogDepth(9)) u_rest (
-      .wr_clk_i(clk_i), .wr_en_i(wr_en), .wr_addr_i(wr_addr), .wr_data_i(rest_wr[lane]),
-      .rd_clk_i(clk_i), .rd_en_i(rd_en), .rd_addr_i(rd_addr), .rd_data_o(rest_rd[lane])
-    );
-  end
+  sp_ram #(.Width(232), .LogDepth(9)) u_open (
+    .wr_clk_i(clk_i), .wr_en_i(wr_en), .wr_addr_i(wr_addr), .wr_data_i(open_wr),
+    .rd_clk_i(clk_i), .rd_en_i(rd_en), .rd_addr_i(rd_addr), .rd_data_o(open_rd)
+  );
+  sp_ram #(.Width(152), .LogDepth(9)) u_best (
+    .wr_clk_i(clk_i), .wr_en_i(wr_en), .wr_addr_i(wr_addr), .wr_data_i(best_wr),
+    .rd_clk_i(clk_i), .rd_en_i(rd_en), .rd_addr_i(rd_addr), .rd_data_o(best_rd)
+  );
+  sp_ram #(.Width(188), .LogDepth(9)) u_rest (
+    .wr_clk_i(clk_i), .wr_en_i(wr_en), .wr_addr_i(wr_addr), .wr_data_i(rest_wr),
+    .rd_clk_i(clk_i), .rd_en_i(rd_en), .rd_addr_i(rd_addr), .rd_data_o(rest_rd)
+  );
   sp_ram #(.Width(32), .LogDepth(9)) u_line (
     .wr_clk_i(clk_i), .wr_en_i(line_wr_en), .wr_addr_i(line_wr_addr), .wr_data_i(line_wr_data),
     .rd_clk_i(clk_i), .rd_en_i(line_rd_en), .rd_addr_i(line_rd_addr), .rd_data_o(line_rd_data)

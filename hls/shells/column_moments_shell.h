@@ -1,5 +1,5 @@
 // The column moments as a SystemC module with the ports of rtl/moments/sp_column_moments.sv, for compilers that
-// translate clocked threads.
+// translate clocked threads; F is a MomentsFormats.
 //
 // With the same inputs in every clock the outputs equal those of the RTL in every clock: one beat a clock, no bubble.
 // The tests compare both clock by clock. The timing in docs/using-the-circuits.md thus holds for this module, too.
@@ -22,63 +22,80 @@
 namespace selfproj {
 namespace hls {
 
-class ColumnMomentsShell : public MomentsPorts {
+template <typename F>
+class ColumnMomentsShellOf : public MomentsPorts<F> {
+  using Base = MomentsPorts<F>;
+  using Words = MomentsWords<F>;
+
  public:
-  // The frame has 4 columns, or 8
+  using Group = typename F::Group;
+  using Payload = typename F::Payload;
+  using MWord = typename Words::M;
+  using AWord = typename Words::A;
+
+  // The frame has the columns of one beat, or of two
   sc_core::sc_in<bool> one_group_i{"one_group_i"};
   sc_core::sc_in<bool> two_groups_i{"two_groups_i"};
 
-  // Memory of M0 and N: one word for lanes 0 and 1, one for lanes 2 and 3
+  // Memory of M0 and N: one word for the first half of the lanes, one for the second
   sc_core::sc_out<bool> m_rd_en_o{"m_rd_en_o"};
   sc_core::sc_out<Group> m_rd_addr_o{"m_rd_addr_o"};
-  sc_core::sc_in<Uint<kMBits>> m_rd_low_i{"m_rd_low_i"};
-  sc_core::sc_in<Uint<kMBits>> m_rd_high_i{"m_rd_high_i"};
+  sc_core::sc_in<MWord> m_rd_low_i{"m_rd_low_i"};
+  sc_core::sc_in<MWord> m_rd_high_i{"m_rd_high_i"};
   sc_core::sc_out<bool> m_wr_en_o{"m_wr_en_o"};
   sc_core::sc_out<Group> m_wr_addr_o{"m_wr_addr_o"};
-  sc_core::sc_out<Uint<kMBits>> m_wr_low_o{"m_wr_low_o"};
-  sc_core::sc_out<Uint<kMBits>> m_wr_high_o{"m_wr_high_o"};
+  sc_core::sc_out<MWord> m_wr_low_o{"m_wr_low_o"};
+  sc_core::sc_out<MWord> m_wr_high_o{"m_wr_high_o"};
   // Memory of A, in the same way
   sc_core::sc_out<bool> a_rd_en_o{"a_rd_en_o"};
   sc_core::sc_out<Group> a_rd_addr_o{"a_rd_addr_o"};
-  sc_core::sc_in<Uint<kABits>> a_rd_low_i{"a_rd_low_i"};
-  sc_core::sc_in<Uint<kABits>> a_rd_high_i{"a_rd_high_i"};
+  sc_core::sc_in<AWord> a_rd_low_i{"a_rd_low_i"};
+  sc_core::sc_in<AWord> a_rd_high_i{"a_rd_high_i"};
   sc_core::sc_out<bool> a_wr_en_o{"a_wr_en_o"};
   sc_core::sc_out<Group> a_wr_addr_o{"a_wr_addr_o"};
-  sc_core::sc_out<Uint<kABits>> a_wr_low_o{"a_wr_low_o"};
-  sc_core::sc_out<Uint<kABits>> a_wr_high_o{"a_wr_high_o"};
+  sc_core::sc_out<AWord> a_wr_low_o{"a_wr_low_o"};
+  sc_core::sc_out<AWord> a_wr_high_o{"a_wr_high_o"};
 
-  SC_HAS_PROCESS(ColumnMomentsShell);
-  explicit ColumnMomentsShell(const sc_core::sc_module_name& name) : MomentsPorts(name) {
-    SC_CTHREAD(clocked, clk_i.pos());
-    reset_signal_is(rst_i, true);
+  SC_HAS_PROCESS(ColumnMomentsShellOf);
+  explicit ColumnMomentsShellOf(const sc_core::sc_module_name& name) : Base(name) {
+    SC_CTHREAD(clocked, this->clk_i.pos());
+    this->reset_signal_is(this->rst_i, true);
   }
 
  private:
+  using Base::add_;
+  using Base::break_;
+  using Base::drain_;
+  using Base::wait;
+
   // --- Registers ---
   // Stages 1 to 4: beats and breaks on their way
-  MomentsBeat beat_[4];
+  MomentsBeat<F> beat_[4];
   bool drain_grey_;  // the last row that passes now or passed last goes to the drain
-  MomentsSums sums_;
-  MomentsDrain draining_;
+  MomentsSums<F> sums_;
+  MomentsDrain<F> draining_;
   // Mode binary, stages 5 to 10
   bool direct_[6];
   bool direct_break_[6];
-  Sum0 direct_m0_[kLanes];
-  Uint<64> direct_word_[2][2];  // stages 9 and 10
+  typename F::Sum0 direct_m0_[F::kLanes];
+  Uint<64> direct_word_[2][F::kHalf];  // stages 9 and 10
 
   void reset() {
     for (int i = 0; i < 4; ++i) {
       beat_[i].reset();
-      direct_m0_[i] = 0;
     }
-    reset_common();
+    for (int lane = 0; lane < F::kLanes; ++lane) {
+      direct_m0_[lane] = 0;
+    }
+    this->reset_common();
     for (int i = 0; i < 6; ++i) {
       direct_[i] = false;
       direct_break_[i] = false;
     }
     for (int i = 0; i < 2; ++i) {
-      direct_word_[i][0] = 0;
-      direct_word_[i][1] = 0;
+      for (int pair = 0; pair < F::kHalf; ++pair) {
+        direct_word_[i][pair] = 0;
+      }
     }
     drain_grey_ = false;
     sums_.reset();
@@ -97,20 +114,20 @@ class ColumnMomentsShell : public MomentsPorts {
       if (valid && beat_[3].last_row) {
         break_drains = beat_[3].grey;
       }
-      bool accept = accept_i.read();
-      Uint<kMBits> m_low = m_rd_low_i.read();
-      Uint<kMBits> m_high = m_rd_high_i.read();
-      Uint<kABits> a_low = a_rd_low_i.read();
-      Uint<kABits> a_high = a_rd_high_i.read();
-      MomentsRead read;
+      bool accept = this->accept_i.read();
+      MWord m_low = m_rd_low_i.read();
+      MWord m_high = m_rd_high_i.read();
+      AWord a_low = a_rd_low_i.read();
+      AWord a_high = a_rd_high_i.read();
+      MomentsRead<F> read;
       read.take(m_low, m_high, a_low, a_high);
-      Pixels line = line_rd_data_i.read();
+      typename F::Pixels line = this->line_rd_data_i.read();
       draining_.finish_words(read, sums_, line);
       direct(accept, break_drains);
       bool push = s4_drain_row && accept;
       bool broken = break_[2] && accept && break_drains;
       draining_.step(drain_, push, broken, beat_[3]);
-      spoil(beat_[3], draining_.order.was_active);
+      this->spoil(beat_[3], draining_.order.was_active);
       if (valid && beat_[3].last_row) {
         drain_grey_ = beat_[3].grey;
       }
@@ -124,18 +141,19 @@ class ColumnMomentsShell : public MomentsPorts {
   // Mode binary, stages 10 to 5.
   void direct(bool accept, bool break_drains) {
     if (direct_[4]) {
-      direct_word_[1][0] = direct_word_[0][0];
-      direct_word_[1][1] = direct_word_[0][1];
+      for (int pair = 0; pair < F::kHalf; ++pair) {
+        direct_word_[1][pair] = direct_word_[0][pair];
+      }
     }
     if (direct_[3]) {
-      for (int pair = 0; pair < 2; ++pair) {
-        Uint<64> upper = binary_word(direct_m0_[2 * pair + 1], sums_.sum_a[2 * pair + 1]);
-        Uint<64> lower = binary_word(direct_m0_[2 * pair], sums_.sum_a[2 * pair]);
+      for (int pair = 0; pair < F::kHalf; ++pair) {
+        Uint<64> upper = binary_word<F>(direct_m0_[2 * pair + 1], sums_.sum_a[2 * pair + 1]);
+        Uint<64> lower = binary_word<F>(direct_m0_[2 * pair], sums_.sum_a[2 * pair]);
         direct_word_[0][pair] = (upper << spec::kBinaryWordBits) | lower;
       }
     }
     if (direct_[2]) {
-      for (int lane = 0; lane < kLanes; ++lane) {
+      for (int lane = 0; lane < F::kLanes; ++lane) {
         direct_m0_[lane] = sums_.sum_m0[lane];
       }
     }
@@ -152,14 +170,14 @@ class ColumnMomentsShell : public MomentsPorts {
     for (int i = 3; i > 0; --i) {
       beat_[i] = beat_[i - 1];
     }
-    enter_beat(beat_[0]);
+    this->enter_beat(beat_[0]);
     beat_[0].one_group = one_group_i.read();
     beat_[0].two_groups = two_groups_i.read();
   }
 
   // The outputs of a reset: see show_reset_common().
   void show_reset() {
-    show_reset_common();
+    this->show_reset_common();
     m_rd_en_o.write(false);
     m_rd_addr_o.write(0);
     m_wr_en_o.write(false);
@@ -176,7 +194,7 @@ class ColumnMomentsShell : public MomentsPorts {
 
   // The outputs of the clock that begins.
   void show() {
-    show_requests(beat_[3], draining_.order);
+    this->show_requests(beat_[3], draining_.order);
     Group m_address = beat_[3].group;
     if (drain_) {
       m_address = draining_.order.group;
@@ -191,17 +209,17 @@ class ColumnMomentsShell : public MomentsPorts {
     a_rd_addr_o.write(a_address);
 
     sums_.add();
-    Uint<kMBits> m_low = 0;
-    Uint<kMBits> m_high = 0;
-    Uint<kABits> a_low = 0;
-    Uint<kABits> a_high = 0;
-    for (int lane = 1; lane >= 0; --lane) {
-      Uint<kMBits / 2> m_of_low = sums_.word_m(lane);
-      Uint<kMBits / 2> m_of_high = sums_.word_m(lane + 2);
-      m_low = (m_low << (kMBits / 2)) | m_of_low;
-      m_high = (m_high << (kMBits / 2)) | m_of_high;
-      a_low = (a_low << (kABits / 2)) | sums_.added_a[lane];
-      a_high = (a_high << (kABits / 2)) | sums_.added_a[lane + 2];
+    MWord m_low = 0;
+    MWord m_high = 0;
+    AWord a_low = 0;
+    AWord a_high = 0;
+    for (int lane = F::kHalf - 1; lane >= 0; --lane) {
+      Uint<Words::kMBits> m_of_low = sums_.word_m(lane);
+      Uint<Words::kMBits> m_of_high = sums_.word_m(lane + F::kHalf);
+      m_low = (m_low << Words::kMBits) | MWord(m_of_low);
+      m_high = (m_high << Words::kMBits) | MWord(m_of_high);
+      a_low = (a_low << F::kM1Bits) | AWord(sums_.added_a[lane]);
+      a_high = (a_high << F::kM1Bits) | AWord(sums_.added_a[lane + F::kHalf]);
     }
     m_wr_en_o.write(sums_.s2_add);
     m_wr_addr_o.write(sums_.s2_group);
@@ -212,17 +230,24 @@ class ColumnMomentsShell : public MomentsPorts {
     a_wr_low_o.write(a_low);
     a_wr_high_o.write(a_high);
 
-    Uint<64> low = 0;
-    Uint<64> high = 0;
-    if (direct_[5]) {
-      low = direct_word_[1][0];
-      high = direct_word_[1][1];
-    } else if (draining_.d_valid[8]) {
-      low = draining_.d_word[7][0];
-      high = draining_.d_word[7][1];
+    Payload data = 0;
+    for (int i = F::kHalf - 1; i >= 0; --i) {
+      Uint<64> word = 0;
+      if (direct_[5]) {
+        word = direct_word_[1][i];
+      } else if (draining_.d_valid[8]) {
+        word = draining_.d_word[7][i];
+      }
+      data = (data << 64) | Payload(word);
     }
-    show_payload(direct_[5] || draining_.d_valid[8], low, high, direct_break_[5] || draining_.d_break[8]);
+    this->show_payload(direct_[5] || draining_.d_valid[8], data, direct_break_[5] || draining_.d_break[8]);
   }
+};
+
+// That of the default maxima
+class ColumnMomentsShell : public ColumnMomentsShellOf<FourOfEight> {
+ public:
+  explicit ColumnMomentsShell(const sc_core::sc_module_name& name) : ColumnMomentsShellOf<FourOfEight>(name) {}
 };
 
 }  // namespace hls

@@ -1,5 +1,5 @@
 // The strongest run of every column as a SystemC module with the ports of rtl/moments/sp_column_runs.sv, for compilers
-// that translate clocked threads.
+// that translate clocked threads; F is a MomentsFormats.
 //
 // With the same inputs in every clock the outputs equal those of the RTL, in a grey build, in every clock: one beat a
 // clock, no bubble. The tests compare both clock by clock. The timing in docs/using-the-circuits.md thus holds for this
@@ -23,8 +23,17 @@
 namespace selfproj {
 namespace hls {
 
-class ColumnRunsShell : public MomentsPorts {
+template <typename F>
+class ColumnRunsShellOf : public MomentsPorts<F> {
+  using Base = MomentsPorts<F>;
+
  public:
+  using Group = typename F::Group;
+  using Payload = typename F::Payload;
+  using OpenWords = typename RunsWords<F>::Open;
+  using BestWords = typename RunsWords<F>::Best;
+  using RestWords = typename RunsWords<F>::Rest;
+
   sc_core::sc_in<bool> strongest_i{"strongest_i"};
   sc_core::sc_in<Uint<2>> gap_i{"gap_i"};
 
@@ -33,52 +42,39 @@ class ColumnRunsShell : public MomentsPorts {
   sc_core::sc_out<Group> rd_addr_o{"rd_addr_o"};
   sc_core::sc_out<bool> wr_en_o{"wr_en_o"};
   sc_core::sc_out<Group> wr_addr_o{"wr_addr_o"};
-  // Memory of the open runs, a word for each lane
-  sc_core::sc_in<Uint<kOpenBits>> open_rd0_i{"open_rd0_i"};
-  sc_core::sc_in<Uint<kOpenBits>> open_rd1_i{"open_rd1_i"};
-  sc_core::sc_in<Uint<kOpenBits>> open_rd2_i{"open_rd2_i"};
-  sc_core::sc_in<Uint<kOpenBits>> open_rd3_i{"open_rd3_i"};
-  sc_core::sc_out<Uint<kOpenBits>> open_wr0_o{"open_wr0_o"};
-  sc_core::sc_out<Uint<kOpenBits>> open_wr1_o{"open_wr1_o"};
-  sc_core::sc_out<Uint<kOpenBits>> open_wr2_o{"open_wr2_o"};
-  sc_core::sc_out<Uint<kOpenBits>> open_wr3_o{"open_wr3_o"};
+  // Memory of the open runs
+  sc_core::sc_in<OpenWords> open_rd_i{"open_rd_i"};
+  sc_core::sc_out<OpenWords> open_wr_o{"open_wr_o"};
   // Memory of the ended runs: M0 of the strongest and of the second, their number
-  sc_core::sc_in<Uint<kBestBits>> best_rd0_i{"best_rd0_i"};
-  sc_core::sc_in<Uint<kBestBits>> best_rd1_i{"best_rd1_i"};
-  sc_core::sc_in<Uint<kBestBits>> best_rd2_i{"best_rd2_i"};
-  sc_core::sc_in<Uint<kBestBits>> best_rd3_i{"best_rd3_i"};
-  sc_core::sc_out<Uint<kBestBits>> best_wr0_o{"best_wr0_o"};
-  sc_core::sc_out<Uint<kBestBits>> best_wr1_o{"best_wr1_o"};
-  sc_core::sc_out<Uint<kBestBits>> best_wr2_o{"best_wr2_o"};
-  sc_core::sc_out<Uint<kBestBits>> best_wr3_o{"best_wr3_o"};
+  sc_core::sc_in<BestWords> best_rd_i{"best_rd_i"};
+  sc_core::sc_out<BestWords> best_wr_o{"best_wr_o"};
   // and what else the strongest has
-  sc_core::sc_in<Uint<kRestBits>> rest_rd0_i{"rest_rd0_i"};
-  sc_core::sc_in<Uint<kRestBits>> rest_rd1_i{"rest_rd1_i"};
-  sc_core::sc_in<Uint<kRestBits>> rest_rd2_i{"rest_rd2_i"};
-  sc_core::sc_in<Uint<kRestBits>> rest_rd3_i{"rest_rd3_i"};
-  sc_core::sc_out<Uint<kRestBits>> rest_wr0_o{"rest_wr0_o"};
-  sc_core::sc_out<Uint<kRestBits>> rest_wr1_o{"rest_wr1_o"};
-  sc_core::sc_out<Uint<kRestBits>> rest_wr2_o{"rest_wr2_o"};
-  sc_core::sc_out<Uint<kRestBits>> rest_wr3_o{"rest_wr3_o"};
+  sc_core::sc_in<RestWords> rest_rd_i{"rest_rd_i"};
+  sc_core::sc_out<RestWords> rest_wr_o{"rest_wr_o"};
 
-  SC_HAS_PROCESS(ColumnRunsShell);
-  explicit ColumnRunsShell(const sc_core::sc_module_name& name) : MomentsPorts(name) {
-    SC_CTHREAD(clocked, clk_i.pos());
-    reset_signal_is(rst_i, true);
+  SC_HAS_PROCESS(ColumnRunsShellOf);
+  explicit ColumnRunsShellOf(const sc_core::sc_module_name& name) : Base(name) {
+    SC_CTHREAD(clocked, this->clk_i.pos());
+    this->reset_signal_is(this->rst_i, true);
   }
 
  private:
+  using Base::add_;
+  using Base::break_;
+  using Base::drain_;
+  using Base::wait;
+
   // --- Registers ---
   // Stages 1 to 4: beats and breaks on their way
-  RunsBeat beat_[4];
-  RunsSums sums_;
-  RunsDrain draining_;
+  RunsBeat<F> beat_[4];
+  RunsSums<F> sums_;
+  RunsDrain<F> draining_;
 
   void reset() {
     for (int i = 0; i < 4; ++i) {
       beat_[i].reset();
     }
-    reset_common();
+    this->reset_common();
     sums_.reset();
     draining_.reset();
   }
@@ -89,16 +85,19 @@ class ColumnRunsShell : public MomentsPorts {
     wait();
     while (true) {
       // From the exit to the entry, so that each step sees the registers before it as they were in the clock that ends.
-      bool accept = accept_i.read();
+      bool accept = this->accept_i.read();
       bool s4_drain_row = beat_[3].drains();
-      RunsRead read;
-      read_memories(read);
-      Pixels line = line_rd_data_i.read();
+      OpenWords open = open_rd_i.read();
+      BestWords best = best_rd_i.read();
+      RestWords rest = rest_rd_i.read();
+      RunsRead<F> read;
+      read.take(open, best, rest);
+      typename F::Pixels line = this->line_rd_data_i.read();
       draining_.finish_words(read, sums_, line);
       bool push = s4_drain_row && accept;
       bool broken = break_[2] && accept;
       draining_.step(drain_, push, broken, beat_[3]);
-      spoil(beat_[3], draining_.order.was_active);
+      this->spoil(beat_[3], draining_.order.was_active);
       sums_.step(add_, beat_[3], read);
       enter();
       show();
@@ -106,59 +105,31 @@ class ColumnRunsShell : public MomentsPorts {
     }
   }
 
-  void read_memories(RunsRead& read) {
-    Uint<kOpenBits> open0 = open_rd0_i.read();
-    Uint<kBestBits> best0 = best_rd0_i.read();
-    Uint<kRestBits> rest0 = rest_rd0_i.read();
-    read.take(0, open0, best0, rest0);
-    Uint<kOpenBits> open1 = open_rd1_i.read();
-    Uint<kBestBits> best1 = best_rd1_i.read();
-    Uint<kRestBits> rest1 = rest_rd1_i.read();
-    read.take(1, open1, best1, rest1);
-    Uint<kOpenBits> open2 = open_rd2_i.read();
-    Uint<kBestBits> best2 = best_rd2_i.read();
-    Uint<kRestBits> rest2 = rest_rd2_i.read();
-    read.take(2, open2, best2, rest2);
-    Uint<kOpenBits> open3 = open_rd3_i.read();
-    Uint<kBestBits> best3 = best_rd3_i.read();
-    Uint<kRestBits> rest3 = rest_rd3_i.read();
-    read.take(3, open3, best3, rest3);
-  }
-
   // Stages 4 to 1.
   void enter() {
     for (int i = 3; i > 0; --i) {
       beat_[i] = beat_[i - 1];
     }
-    enter_beat(beat_[0]);
+    this->enter_beat(beat_[0]);
     beat_[0].strongest = strongest_i.read();
     beat_[0].gap = gap_i.read();
   }
 
   // The outputs of a reset: see show_reset_common().
   void show_reset() {
-    show_reset_common();
+    this->show_reset_common();
     rd_en_o.write(false);
     rd_addr_o.write(0);
     wr_en_o.write(false);
     wr_addr_o.write(0);
-    open_wr0_o.write(0);
-    open_wr1_o.write(0);
-    open_wr2_o.write(0);
-    open_wr3_o.write(0);
-    best_wr0_o.write(0);
-    best_wr1_o.write(0);
-    best_wr2_o.write(0);
-    best_wr3_o.write(0);
-    rest_wr0_o.write(0);
-    rest_wr1_o.write(0);
-    rest_wr2_o.write(0);
-    rest_wr3_o.write(0);
+    open_wr_o.write(0);
+    best_wr_o.write(0);
+    rest_wr_o.write(0);
   }
 
   // The outputs of the clock that begins.
   void show() {
-    show_requests(beat_[3], draining_.order);
+    this->show_requests(beat_[3], draining_.order);
     Group address = beat_[3].group;
     if (drain_) {
       address = draining_.order.group;
@@ -167,40 +138,27 @@ class ColumnRunsShell : public MomentsPorts {
     rd_addr_o.write(address);
     wr_en_o.write(sums_.s2_add);
     wr_addr_o.write(sums_.s2_group);
-    write_memories();
+    OpenWords open = sums_.open_words();
+    BestWords best = sums_.best_words();
+    RestWords rest = sums_.rest_words();
+    open_wr_o.write(open);
+    best_wr_o.write(best);
+    rest_wr_o.write(rest);
 
-    Uint<64> low = draining_.out_low();
-    Uint<64> high = draining_.out_high();
+    Payload data = 0;
+    for (int i = F::kHalf - 1; i >= 0; --i) {
+      Uint<64> word = draining_.out(i);
+      data = (data << 64) | Payload(word);
+    }
     bool valid = draining_.out_valid();
-    show_payload(valid, low, high, draining_.d_break[RunsDrain::kStages]);
+    this->show_payload(valid, data, draining_.d_break[RunsDrain<F>::kStages]);
   }
+};
 
-  void write_memories() {
-    Uint<kOpenBits> open0 = open_word(sums_.s2_open[0]);
-    Uint<kBestBits> best0 = best_word(sums_.s2_ended[0]);
-    Uint<kRestBits> rest0 = rest_word(sums_.s2_ended[0]);
-    open_wr0_o.write(open0);
-    best_wr0_o.write(best0);
-    rest_wr0_o.write(rest0);
-    Uint<kOpenBits> open1 = open_word(sums_.s2_open[1]);
-    Uint<kBestBits> best1 = best_word(sums_.s2_ended[1]);
-    Uint<kRestBits> rest1 = rest_word(sums_.s2_ended[1]);
-    open_wr1_o.write(open1);
-    best_wr1_o.write(best1);
-    rest_wr1_o.write(rest1);
-    Uint<kOpenBits> open2 = open_word(sums_.s2_open[2]);
-    Uint<kBestBits> best2 = best_word(sums_.s2_ended[2]);
-    Uint<kRestBits> rest2 = rest_word(sums_.s2_ended[2]);
-    open_wr2_o.write(open2);
-    best_wr2_o.write(best2);
-    rest_wr2_o.write(rest2);
-    Uint<kOpenBits> open3 = open_word(sums_.s2_open[3]);
-    Uint<kBestBits> best3 = best_word(sums_.s2_ended[3]);
-    Uint<kRestBits> rest3 = rest_word(sums_.s2_ended[3]);
-    open_wr3_o.write(open3);
-    best_wr3_o.write(best3);
-    rest_wr3_o.write(rest3);
-  }
+// That of the default maxima
+class ColumnRunsShell : public ColumnRunsShellOf<FourOfEight> {
+ public:
+  explicit ColumnRunsShell(const sc_core::sc_module_name& name) : ColumnRunsShellOf<FourOfEight>(name) {}
 };
 
 }  // namespace hls

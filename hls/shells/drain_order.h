@@ -8,14 +8,15 @@
 namespace selfproj {
 namespace hls {
 
+template <typename F>
 struct DrainOrder {
-  Uint<bits_for(spec::kMaxColumns / kLanes)> waiting;  // groups in the line buffer
+  typename F::GroupCount waiting;  // groups in the line buffer
   bool ended, break_wait;
-  bool odd;                 // a group was requested one clock ago
-  bool active, was_active;  // in this clock, and in the previous one
-  bool broke;               // nothing is left before the break: reported one clock ago
-  Group group;              // the next to request
-  Group s1_group;           // the one that was requested last
+  bool odd;                    // a group was requested one clock ago
+  bool active, was_active;     // in this clock, and in the previous one
+  bool broke;                  // nothing is left before the break: reported one clock ago
+  typename F::Group group;     // the next to request
+  typename F::Group s1_group;  // the one that was requested last
 
   void reset() {
     waiting = 0;

@@ -206,7 +206,7 @@ class GrayDecoderShell : public sc_core::sc_module {
     end6_ = line_end_[4] && !lost5_;
     lost6_ = lost5_;
     for (int lane = 0; lane < kCodeLanes; ++lane) {
-      GrayPixel pixel = lane_of(pixels_[4], lane);
+      GrayPixel pixel = lane_of<FourOfEight>(pixels_[4], lane);
       state6_[lane] = next_state(pixel, state_[1][lane], threshold5_, negative_, weight_, above_, mask_);
     }
   }

@@ -1,5 +1,5 @@
 // The drain of ColumnMomentsShell. In the grey modes the last row of a frame waits in a line buffer. The drain reads it
-// group by group, and completes and sends two columns in each clock.
+// group by group, and completes and sends half of its columns in each clock.
 #ifndef SELFPROJ_HLS_SHELLS_MOMENTS_DRAIN_H
 #define SELFPROJ_HLS_SHELLS_MOMENTS_DRAIN_H
 
@@ -12,23 +12,24 @@
 namespace selfproj {
 namespace hls {
 
+template <typename F>
 struct MomentsDrain {
-  DrainOrder order;
+  DrainOrder<F> order;
   Row rows;
   bool one_row, one_group;
   // Stages 2 and 3
   bool d2_break, d2_first, d2_valid, d3_pick;
-  Sum0 d2_m0[kLanes];
-  Row d2_n[kLanes];
-  Pixels d2_weights;
-  Sum1 d3_a[kLanes];
-  Sum0 d3_old_m0[2];
-  Sum0 d3_m0[2];
-  Row d3_n[2];
+  typename F::Sum0 d2_m0[F::kLanes];
+  Row d2_n[F::kLanes];
+  typename F::Pixels d2_weights;
+  typename F::Sum1 d3_a[F::kLanes];
+  typename F::Sum0 d3_old_m0[F::kHalf];
+  typename F::Sum0 d3_m0[F::kHalf];
+  Row d3_n[F::kHalf];
   // Stages 3 to 11, and 4 to 11
   bool d_valid[9];
   bool d_break[9];
-  Uint<64> d_word[8][2];
+  Uint<64> d_word[8][F::kHalf];
 
   void reset() {
     order.reset();
@@ -40,12 +41,12 @@ struct MomentsDrain {
     d2_valid = false;
     d3_pick = false;
     d2_weights = 0;
-    for (int lane = 0; lane < kLanes; ++lane) {
+    for (int lane = 0; lane < F::kLanes; ++lane) {
       d2_m0[lane] = 0;
       d2_n[lane] = 0;
       d3_a[lane] = 0;
     }
-    for (int i = 0; i < 2; ++i) {
+    for (int i = 0; i < F::kHalf; ++i) {
       d3_old_m0[i] = 0;
       d3_m0[i] = 0;
       d3_n[i] = 0;
@@ -55,40 +56,42 @@ struct MomentsDrain {
       d_break[i] = false;
     }
     for (int i = 0; i < 8; ++i) {
-      d_word[i][0] = 0;
-      d_word[i][1] = 0;
+      for (int k = 0; k < F::kHalf; ++k) {
+        d_word[i][k] = 0;
+      }
     }
   }
 
-  // Updates stages 11 to 3 at the end of a clock, two columns at a time. `line` is the output of the line buffer.
-  void finish_words(const MomentsRead& read, const MomentsSums& sums, Pixels line) {
+  // Updates stages 11 to 3 at the end of a clock, half of a group at a time. `line` is the output of the line buffer.
+  void finish_words(const MomentsRead<F>& read, const MomentsSums<F>& sums, typename F::Pixels line) {
     for (int i = 7; i > 0; --i) {
       if (d_valid[i]) {
-        d_word[i][0] = d_word[i - 1][0];
-        d_word[i][1] = d_word[i - 1][1];
+        for (int k = 0; k < F::kHalf; ++k) {
+          d_word[i][k] = d_word[i - 1][k];
+        }
       }
     }
-    for (int i = 0; i < 2; ++i) {
+    for (int i = 0; i < F::kHalf; ++i) {
       if (d_valid[0]) {
-        Sum1 a = d3_a[i + 2];
+        typename F::Sum1 a = d3_a[i + F::kHalf];
         if (d3_pick) {
           a = d3_a[i];
         }
-        Sum1 m1 = finished_m1(rows, d3_m0[i], d3_old_m0[i], a);
-        d_word[0][i] = grey_word(d3_m0[i], m1, d3_n[i]);
+        typename F::Sum1 m1 = finished_m1<F>(rows, d3_m0[i], d3_old_m0[i], a);
+        d_word[0][i] = grey_word<F>(d3_m0[i], m1, d3_n[i]);
       }
       if (d2_valid) {
-        Sum0 m0 = d2_m0[i + 2];
-        Row n = d2_n[i + 2];
-        Pixel weight = lane_of(d2_weights, i + 2);
+        typename F::Sum0 m0 = d2_m0[i + F::kHalf];
+        Row n = d2_n[i + F::kHalf];
+        typename F::Pixel weight = lane_of<F>(d2_weights, i + F::kHalf);
         if (d2_first) {
           m0 = d2_m0[i];
           n = d2_n[i];
-          weight = lane_of(d2_weights, i);
+          weight = lane_of<F>(d2_weights, i);
         }
         d3_old_m0[i] = m0;
-        d3_m0[i] = next_m0(m0, weight);
-        d3_n[i] = next_n(n, weight);
+        d3_m0[i] = next_m0<F>(m0, weight);
+        d3_n[i] = next_n<F>(n, weight);
       }
     }
     for (int i = 8; i > 0; --i) {
@@ -99,7 +102,7 @@ struct MomentsDrain {
     d_break[0] = d2_break;
     d2_break = order.broke;
     d3_pick = d2_first;
-    for (int lane = 0; lane < kLanes; ++lane) {
+    for (int lane = 0; lane < F::kLanes; ++lane) {
       if (d2_first) {
         d3_a[lane] = read.a[lane];
         if (one_row) {
@@ -129,7 +132,7 @@ struct MomentsDrain {
 
   // Updates the line buffer and its reads at the end of a clock, after finish_words. `drain`: a group was requested.
   // `push`: `beat` goes into the line buffer. `broken`: the frame of `beat` breaks.
-  void step(bool drain, bool push, bool broken, const MomentsBeat& beat) {
+  void step(bool drain, bool push, bool broken, const MomentsBeat<F>& beat) {
     order.step(drain, push, beat.line_end, broken);
     if (push) {
       rows = beat.row;

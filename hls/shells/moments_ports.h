@@ -10,8 +10,14 @@
 namespace selfproj {
 namespace hls {
 
+template <typename F>
 class MomentsPorts : public sc_core::sc_module {
  public:
+  using Pixel = typename F::Pixel;
+  using Pixels = typename F::Pixels;
+  using Group = typename F::Group;
+  using Payload = typename F::Payload;
+
   sc_core::sc_in<bool> clk_i{"clk_i"};
   sc_core::sc_in<bool> rst_i{"rst_i"};
 
@@ -30,7 +36,7 @@ class MomentsPorts : public sc_core::sc_module {
 
   // Payload
   sc_core::sc_out<bool> moments_valid_o{"moments_valid_o"};
-  sc_core::sc_out<WideUint<128>> moments_data_o{"moments_data_o"};
+  sc_core::sc_out<Payload> moments_data_o{"moments_data_o"};
   sc_core::sc_out<bool> moments_break_o{"moments_break_o"};
   sc_core::sc_out<bool> spoiled_o{"spoiled_o"};
 
@@ -45,7 +51,7 @@ class MomentsPorts : public sc_core::sc_module {
   SC_HAS_PROCESS(MomentsPorts);
   explicit MomentsPorts(const sc_core::sc_module_name& name) : sc_module(name) {
     SC_METHOD(write_line);
-    sensitive << s4_drain_row_ << accept_i;
+    this->sensitive << s4_drain_row_ << accept_i;
   }
 
  protected:
@@ -95,7 +101,7 @@ class MomentsPorts : public sc_core::sc_module {
     Pixels pixels = beat_pixels_i.read();
     Pixel threshold = threshold_i.read();
     ModeBits mode = mode_i.read();
-    beat.weights = weights_of(pixels, threshold, mode);
+    beat.weights = weights_of<F>(pixels, threshold, mode);
   }
 
   // The outputs of a reset: what show() would give, as constants, because ICSC lets it see the registers as they were
@@ -126,10 +132,7 @@ class MomentsPorts : public sc_core::sc_module {
     line_rd_addr_o.write(order.group);
   }
 
-  void show_payload(bool valid, const Uint<64>& low, const Uint<64>& high, bool broke) {
-    WideUint<128> data(high);
-    data = data << 64;
-    data = data | WideUint<128>(low);
+  void show_payload(bool valid, const Payload& data, bool broke) {
     moments_valid_o.write(valid);
     moments_data_o.write(data);
     moments_break_o.write(broke);

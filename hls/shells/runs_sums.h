@@ -1,4 +1,4 @@
-// The runs of ColumnRunsShell: beats on their way, the memories' words of four columns, and the registers in which a
+// The runs of ColumnRunsShell: beats on their way, the memories' words of its columns, and the registers in which a
 // beat is added to them.
 #ifndef SELFPROJ_HLS_SHELLS_RUNS_SUMS_H
 #define SELFPROJ_HLS_SHELLS_RUNS_SUMS_H
@@ -11,67 +11,53 @@
 namespace selfproj {
 namespace hls {
 
-// The words of a column
-constexpr int kOpenBits = 3 + spec::kGreyNBits + spec::kGreyM0Bits + spec::kGreyM1Bits;  // {N, M0, A, dark, open}
-constexpr int kBestBits = 2 + 2 * spec::kGreyM0Bits;                                     // {M0 of the second, M0, runs}
-constexpr int kRestBits = 2 * spec::kGreyNBits + spec::kGreyM1Bits;                      // {N, row, A}
+// The memories' words: those of all columns of a beat, the first lowest
+template <typename F>
+struct RunsWords {
+  static constexpr int kNBits = spec::kGreyNBits;                         // of a number of rows
+  static constexpr int kOpenBits = 3 + kNBits + F::kM0Bits + F::kM1Bits;  // {N, M0, A, dark, open}
+  static constexpr int kBestBits = 2 + 2 * F::kM0Bits;                    // {M0 of the second, M0, runs}
+  static constexpr int kRestBits = 2 * kNBits + F::kM1Bits;               // {N, row, A}
+  using Open = WideUint<F::kLanes * kOpenBits>;
+  using Best = WideUint<F::kLanes * kBestBits>;
+  using Rest = WideUint<F::kLanes * kRestBits>;
+};
 
-inline Uint<kOpenBits> open_word(const OpenRun& run) {
-  Uint<kOpenBits> word = run.n;
-  word = (word << spec::kGreyM0Bits) | run.m0;
-  word = (word << spec::kGreyM1Bits) | run.a;
-  word = (word << 2) | run.dark;
-  word = word << 1;
-  if (run.open) {
-    word = word | 1;
-  }
-  return word;
-}
-
-inline Uint<kBestBits> best_word(const EndedRuns& ended) {
-  Uint<kBestBits> word = ended.second;
-  word = (word << spec::kGreyM0Bits) | ended.m0;
-  word = (word << 2) | ended.runs;
-  return word;
-}
-
-inline Uint<kRestBits> rest_word(const EndedRuns& ended) {
-  Uint<kRestBits> word = ended.n;
-  word = (word << spec::kGreyNBits) | ended.row;
-  word = (word << spec::kGreyM1Bits) | ended.a;
-  return word;
-}
-
-// The runs of four columns, from the words that the memories show.
+// The runs of a beat's columns, from the words that the memories show.
+template <typename F>
 struct RunsRead {
-  OpenRun open[kLanes];
-  EndedRuns ended[kLanes];
+  using Words = RunsWords<F>;
+  OpenRun<F> open[F::kLanes];
+  EndedRuns<F> ended[F::kLanes];
 
-  void take(int lane, Uint<kOpenBits> word, Uint<kBestBits> best, Uint<kRestBits> rest) {
-    Uint<1> is_open = word;
-    open[lane].open = is_open != 0;
-    open[lane].dark = word >> 1;
-    open[lane].a = word >> 3;
-    open[lane].m0 = word >> (3 + spec::kGreyM1Bits);
-    open[lane].n = word >> (3 + spec::kGreyM1Bits + spec::kGreyM0Bits);
-    ended[lane].runs = best;
-    ended[lane].m0 = best >> 2;
-    ended[lane].second = best >> (2 + spec::kGreyM0Bits);
-    ended[lane].a = rest;
-    ended[lane].row = rest >> spec::kGreyM1Bits;
-    ended[lane].n = rest >> (spec::kGreyM1Bits + spec::kGreyNBits);
+  void take(const typename Words::Open& runs, const typename Words::Best& best, const typename Words::Rest& rest) {
+    for (int lane = 0; lane < F::kLanes; ++lane) {
+      Uint<1> is_open = part_of<1>(runs, Words::kOpenBits * lane);
+      open[lane].open = is_open != 0;
+      open[lane].dark = part_of<2>(runs, Words::kOpenBits * lane + 1);
+      open[lane].a = part_of<F::kM1Bits>(runs, Words::kOpenBits * lane + 3);
+      open[lane].m0 = part_of<F::kM0Bits>(runs, Words::kOpenBits * lane + 3 + F::kM1Bits);
+      open[lane].n = part_of<Words::kNBits>(runs, Words::kOpenBits * lane + 3 + F::kM1Bits + F::kM0Bits);
+      ended[lane].runs = part_of<2>(best, Words::kBestBits * lane);
+      ended[lane].m0 = part_of<F::kM0Bits>(best, Words::kBestBits * lane + 2);
+      ended[lane].second = part_of<F::kM0Bits>(best, Words::kBestBits * lane + 2 + F::kM0Bits);
+      ended[lane].a = part_of<F::kM1Bits>(rest, Words::kRestBits * lane);
+      ended[lane].row = part_of<Words::kNBits>(rest, Words::kRestBits * lane + F::kM1Bits);
+      ended[lane].n = part_of<Words::kNBits>(rest, Words::kRestBits * lane + F::kM1Bits + Words::kNBits);
+    }
   }
 };
 
 // A beat with the weights of its pixels and its place, or none.
+template <typename F>
 struct RunsBeat {
   bool valid;
-  Group group;
+  typename F::Group group;
   Row row;
   bool first_row, last_row, line_end;
   bool grey, strongest;
   Uint<2> gap;
-  Pixels weights;
+  typename F::Pixels weights;
 
   void reset() {
     valid = false;
@@ -91,14 +77,15 @@ struct RunsBeat {
 };
 
 // Stages 1 (read), 2 (write) and 3 (the memories have it one clock later) of the additions.
+template <typename F>
 struct RunsSums {
   bool s1_add, s2_add, s3_add;
-  RunsBeat s1_beat;
-  Group s2_group, s3_group;
-  OpenRun s2_open[kLanes];
-  EndedRuns s2_ended[kLanes];
-  OpenRun s3_open[kLanes];
-  EndedRuns s3_ended[kLanes];
+  RunsBeat<F> s1_beat;
+  typename F::Group s2_group, s3_group;
+  OpenRun<F> s2_open[F::kLanes];
+  EndedRuns<F> s2_ended[F::kLanes];
+  OpenRun<F> s3_open[F::kLanes];
+  EndedRuns<F> s3_ended[F::kLanes];
 
   void reset() {
     s1_add = false;
@@ -107,7 +94,7 @@ struct RunsSums {
     s1_beat.reset();
     s2_group = 0;
     s3_group = 0;
-    for (int lane = 0; lane < kLanes; ++lane) {
+    for (int lane = 0; lane < F::kLanes; ++lane) {
       s2_open[lane].clear();
       s2_ended[lane].clear();
       s3_open[lane].clear();
@@ -117,8 +104,8 @@ struct RunsSums {
 
   // The runs of a column of the group that was read one clock ago. What the memories do not have yet is in stage 2 or
   // 3.
-  OpenRun open_of(int lane, Group group, const RunsRead& read) const {
-    OpenRun run = read.open[lane];
+  OpenRun<F> open_of(int lane, typename F::Group group, const RunsRead<F>& read) const {
+    OpenRun<F> run = read.open[lane];
     if (s2_add && s2_group == group) {
       run = s2_open[lane];
     } else if (s3_add && s3_group == group) {
@@ -126,8 +113,8 @@ struct RunsSums {
     }
     return run;
   }
-  EndedRuns ended_of(int lane, Group group, const RunsRead& read) const {
-    EndedRuns ended = read.ended[lane];
+  EndedRuns<F> ended_of(int lane, typename F::Group group, const RunsRead<F>& read) const {
+    EndedRuns<F> ended = read.ended[lane];
     if (s2_add && s2_group == group) {
       ended = s2_ended[lane];
     } else if (s3_add && s3_group == group) {
@@ -136,21 +123,59 @@ struct RunsSums {
     return ended;
   }
 
+  // The words to write: those of stage 2.
+  typename RunsWords<F>::Open open_words() const {
+    typename RunsWords<F>::Open words = 0;
+    for (int lane = F::kLanes - 1; lane >= 0; --lane) {
+      const OpenRun<F>& run = s2_open[lane];
+      words = (words << RunsWords<F>::kNBits) | typename RunsWords<F>::Open(run.n);
+      words = (words << F::kM0Bits) | typename RunsWords<F>::Open(run.m0);
+      words = (words << F::kM1Bits) | typename RunsWords<F>::Open(run.a);
+      Uint<3> state = run.dark;
+      state = state << 1;
+      if (run.open) {
+        state = state | 1;
+      }
+      words = (words << 3) | typename RunsWords<F>::Open(state);
+    }
+    return words;
+  }
+  typename RunsWords<F>::Best best_words() const {
+    typename RunsWords<F>::Best words = 0;
+    for (int lane = F::kLanes - 1; lane >= 0; --lane) {
+      const EndedRuns<F>& ended = s2_ended[lane];
+      words = (words << F::kM0Bits) | typename RunsWords<F>::Best(ended.second);
+      words = (words << F::kM0Bits) | typename RunsWords<F>::Best(ended.m0);
+      words = (words << 2) | typename RunsWords<F>::Best(ended.runs);
+    }
+    return words;
+  }
+  typename RunsWords<F>::Rest rest_words() const {
+    typename RunsWords<F>::Rest words = 0;
+    for (int lane = F::kLanes - 1; lane >= 0; --lane) {
+      const EndedRuns<F>& ended = s2_ended[lane];
+      words = (words << RunsWords<F>::kNBits) | typename RunsWords<F>::Rest(ended.n);
+      words = (words << RunsWords<F>::kNBits) | typename RunsWords<F>::Rest(ended.row);
+      words = (words << F::kM1Bits) | typename RunsWords<F>::Rest(ended.a);
+    }
+    return words;
+  }
+
   // The end of a clock. `add`: the addition of `beat` begins. `read`: what the memories show.
-  void step(bool add, const RunsBeat& beat, const RunsRead& read) {
-    for (int lane = 0; lane < kLanes; ++lane) {
-      OpenRun run;
-      EndedRuns ended;
+  void step(bool add, const RunsBeat<F>& beat, const RunsRead<F>& read) {
+    for (int lane = 0; lane < F::kLanes; ++lane) {
+      OpenRun<F> run;
+      EndedRuns<F> ended;
       run.clear();
       ended.clear();
       if (!s1_beat.first_row) {
         run = open_of(lane, s1_beat.group, read);
         ended = ended_of(lane, s1_beat.group, read);
       }
-      Pixel weight = lane_of(s1_beat.weights, lane);
+      typename F::Pixel weight = lane_of<F>(s1_beat.weights, lane);
       bool ends = false;
-      OpenRun next = next_run(run, weight, s1_beat.strongest, s1_beat.gap, ends);
-      EndedRuns next_all = next_ended(ended, next, s1_beat.row);
+      OpenRun<F> next = next_run<F>(run, weight, s1_beat.strongest, s1_beat.gap, ends);
+      EndedRuns<F> next_all = next_ended<F>(ended, next, s1_beat.row);
       if (!ends) {
         next_all = ended;
       }

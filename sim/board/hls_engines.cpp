@@ -11,6 +11,7 @@
 #include "selfproj/model/little_endian.h"
 #include "selfproj/model/packet.h"
 #include "sim/board/engines.h"
+#include "sim/board/moments_blocks.h"
 #include "sim/board/shell_blocks.h"
 
 namespace selfproj::sim {
@@ -30,18 +31,6 @@ Shells& shells() {
   return all;
 }
 
-constexpr int kRegisters = 40;  // more than any circuit has from its input to its output
-
-template <class Block, class Pins>
-void reset(Block& block, Pins& pins) {
-  constexpr int kClocks = 4;
-  pins.rst_i = 1;
-  for (int i = 0; i < kClocks; ++i) {
-    block.clock(pins);
-  }
-  pins.rst_i = 0;
-}
-
 class HlsEngine final : public MomentsEngine {
  public:
   [[nodiscard]] std::string name() const override { return "hls"; }
@@ -50,66 +39,25 @@ class HlsEngine final : public MomentsEngine {
                std::span<model::Runs> out) override {
     const model::Measure& measure = settings.measure;
     for (std::size_t i = 0; i < frames.size(); ++i) {
-      bytes_.clear();
+      std::vector<std::uint8_t> bytes;
       if (measure.select == model::Select::strongest) {
         ColumnRunsPins pins;
         pins.strongest_i = 1;
         pins.gap_i = static_cast<std::uint8_t>(measure.gap);
-        play(frames[i], settings, shells().runs, pins);
+        bytes = payload_of(shells().runs, pins, frames[i], measure);
       } else {
         ColumnMomentsPins pins;
         pins.one_group_i = settings.columns == spec::kPixelsPerBeat;
         pins.two_groups_i = settings.columns == 2 * spec::kPixelsPerBeat;
-        play(frames[i], settings, shells().moments, pins);
+        bytes = payload_of(shells().moments, pins, frames[i], measure);
       }
-      if (bytes_.size() != model::moments_payload_bytes(measure.mode, settings.columns)) {
+      if (bytes.size() != model::moments_payload_bytes(measure.mode, settings.columns)) {
         throw std::runtime_error("engine hls: frame " + std::to_string(i + 1) + " gave no whole payload");
       }
       out[i].resize(measure.select, settings.columns);
-      model::unpack_columns(measure.select, measure.mode, settings.columns, bytes_.data(), out[i].view());
+      model::unpack_columns(measure.select, measure.mode, settings.columns, bytes.data(), out[i].view());
     }
   }
-
- private:
-  // Gives the beats of a frame as the board does, with their places, and appends the payload to `bytes_`.
-  template <class Block, class Pins>
-  void play(const model::ImageView& frame, const MomentsSettings& settings, Block& block, Pins& pins) {
-    const model::Measure& measure = settings.measure;
-    reset(block, pins);
-    pins.accept_i = 1;
-    pins.mode_i = static_cast<std::uint8_t>(measure.mode);
-    pins.beat_valid_i = 1;
-    for (int row = 1; row <= frame.rows; ++row) {
-      const std::uint8_t* line = frame.pixels + (row - 1) * frame.stride;
-      pins.beat_row_i = static_cast<std::uint16_t>(row);
-      pins.beat_first_row_i = row == 1;
-      pins.beat_last_row_i = row == frame.rows;
-      pins.threshold_i = static_cast<std::uint8_t>(measure.window.counts(row) ? measure.threshold : 255);
-      for (int column = 0; column < frame.columns; column += spec::kPixelsPerBeat) {
-        pins.beat_pixels_i = model::load_little_endian<std::uint32_t>(line + column);
-        pins.beat_group_i = static_cast<std::uint16_t>(column / spec::kPixelsPerBeat);
-        pins.beat_line_end_i = column + spec::kPixelsPerBeat == frame.columns;
-        tick(block, pins);
-      }
-    }
-    pins.beat_valid_i = 0;
-    for (int i = 0; i < frame.columns / 2 + kRegisters; ++i) {  // two columns in a clock
-      tick(block, pins);
-    }
-  }
-
-  template <class Block, class Pins>
-  void tick(Block& block, Pins& pins) {
-    block.clock(pins);
-    if (pins.moments_valid_o != 0) {
-      for (const std::uint32_t word : pins.moments_data_o) {
-        bytes_.resize(bytes_.size() + sizeof word);
-        model::store_little_endian(bytes_.data() + bytes_.size() - sizeof word, word);
-      }
-    }
-  }
-
-  std::vector<std::uint8_t> bytes_;
 };
 
 // The decoder with its memory, and the median behind it, wired as in sp_gray_core.
@@ -123,8 +71,8 @@ class GrayHlsEngine final : public GrayEngine {
   void start(const model::GraySettings& settings, bool median) override {
     decoder_ = {};
     median_ = {};
-    reset(shells().decoder, decoder_);
-    reset(shells().median, median_);
+    reset_shell(shells().decoder, decoder_);
+    reset_shell(shells().median, median_);
     const auto pixels = static_cast<std::size_t>(settings.rows) * static_cast<std::size_t>(settings.columns);
     memory_.resize(pixels / spec::kPixelsPerBeat);
     decoder_.decode_i = 1;
@@ -157,7 +105,7 @@ class GrayHlsEngine final : public GrayEngine {
     decoder_.beat_valid_i = 0;
     decoder_.take_i = 0;
     decoder_.frame_start_i = 0;
-    for (int i = 0; i < image.columns / spec::kPixelsPerBeat + kRegisters; ++i) {  // the median's last line
+    for (int i = 0; i < image.columns / spec::kPixelsPerBeat + kShellRegisters; ++i) {  // the median's last line
       tick();
     }
     if (left_ != 0 && left_ != all) {

@@ -3,40 +3,6 @@
 #include <cstddef>
 
 namespace selfproj::sim {
-namespace {
-
-Wide128 words_of(const hls::WideUint<128>& wide) {
-  hls::WideUint<128> rest = wide;
-  Wide128 words{};
-  for (std::uint32_t& word : words) {
-    word = rest.to_uint();
-    rest = rest >> 32;
-  }
-  return words;
-}
-
-hls::WideUint<128> wide_of(const Wide128& words) {
-  hls::WideUint<128> wide = 0;
-  for (std::size_t i = words.size(); i-- > 0;) {
-    wide = (wide << 32) | hls::WideUint<128>(hls::Uint<32>(words[i]));
-  }
-  return wide;
-}
-
-template <class Ram, class Bit, class Address, class Word>
-void connect(Ram& ram, sc_core::sc_signal<bool>& clk, Bit& rd_en, Address& rd_addr, Word& rd_data, Bit& wr_en,
-             Address& wr_addr, Word& wr_data) {
-  ram.clk(clk);
-  ram.rd_en(rd_en);
-  ram.rd_addr(rd_addr);
-  ram.rd_data(rd_data);
-  ram.wr_en(wr_en);
-  ram.wr_addr(wr_addr);
-  ram.wr_data(wr_data);
-}
-
-}  // namespace
-
 // A change of a signal wakes threads and methods in the next delta cycle. Those on which others wait write in that
 // cycle, so three cycles are enough. Outside of threads SystemC warns of cycles in which nothing happens.
 void ShellBlock::settle() {
@@ -58,132 +24,6 @@ void ShellBlock::pass_clock(bool reset) {
   settle();
   clk_.write(true);
   settle();
-}
-
-template <class Shell>
-void MomentsBlock::connect_common(Shell& shell) {
-  shell.clk_i(clk_);
-  shell.rst_i(rst_);
-  shell.beat_valid_i(beat_valid_);
-  shell.beat_pixels_i(pixels_);
-  shell.beat_group_i(group_);
-  shell.beat_row_i(row_);
-  shell.beat_first_row_i(first_row_);
-  shell.beat_last_row_i(last_row_);
-  shell.beat_line_end_i(line_end_);
-  shell.mode_i(mode_);
-  shell.threshold_i(threshold_);
-  shell.break_i(break_);
-  shell.accept_i(accept_);
-  shell.moments_valid_o(valid_o_);
-  shell.moments_data_o(data_o_);
-  shell.moments_break_o(break_o_);
-  shell.spoiled_o(spoiled_o_);
-  shell.line_rd_en_o(line_rd_);
-  shell.line_rd_addr_o(line_rd_at_);
-  shell.line_rd_data_i(line_in_);
-  shell.line_wr_en_o(line_wr_);
-  shell.line_wr_addr_o(line_wr_at_);
-  shell.line_wr_data_o(line_out_);
-  connect(line_, clk_, line_rd_, line_rd_at_, line_in_, line_wr_, line_wr_at_, line_out_);
-}
-
-void MomentsBlock::pass_clock_with(MomentsPins& pins) {
-  beat_valid_.write(pins.beat_valid_i != 0);
-  pixels_.write(pins.beat_pixels_i);
-  group_.write(pins.beat_group_i);
-  row_.write(pins.beat_row_i);
-  first_row_.write(pins.beat_first_row_i != 0);
-  last_row_.write(pins.beat_last_row_i != 0);
-  line_end_.write(pins.beat_line_end_i != 0);
-  mode_.write(pins.mode_i);
-  threshold_.write(pins.threshold_i);
-  break_.write(pins.break_i != 0);
-  accept_.write(pins.accept_i != 0);
-  pass_clock(pins.rst_i != 0);
-  pins.moments_valid_o = valid_o_.read();
-  if (valid_o_.read()) {
-    pins.moments_data_o = words_of(data_o_.read());
-  }
-  pins.moments_break_o = break_o_.read();
-  pins.spoiled_o = spoiled_o_.read();
-}
-
-ColumnMomentsBlock::ColumnMomentsBlock(const sc_core::sc_module_name& name) : MomentsBlock(name) {
-  connect_common(shell_);
-  shell_.one_group_i(one_);
-  shell_.two_groups_i(two_);
-  shell_.m_rd_en_o(m_rd_);
-  shell_.m_rd_addr_o(m_rd_at_);
-  shell_.m_rd_low_i(m_low_in_);
-  shell_.m_rd_high_i(m_high_in_);
-  shell_.m_wr_en_o(m_wr_);
-  shell_.m_wr_addr_o(m_wr_at_);
-  shell_.m_wr_low_o(m_low_out_);
-  shell_.m_wr_high_o(m_high_out_);
-  shell_.a_rd_en_o(a_rd_);
-  shell_.a_rd_addr_o(a_rd_at_);
-  shell_.a_rd_low_i(a_low_in_);
-  shell_.a_rd_high_i(a_high_in_);
-  shell_.a_wr_en_o(a_wr_);
-  shell_.a_wr_addr_o(a_wr_at_);
-  shell_.a_wr_low_o(a_low_out_);
-  shell_.a_wr_high_o(a_high_out_);
-  connect(m_low_, clk_, m_rd_, m_rd_at_, m_low_in_, m_wr_, m_wr_at_, m_low_out_);
-  connect(m_high_, clk_, m_rd_, m_rd_at_, m_high_in_, m_wr_, m_wr_at_, m_high_out_);
-  connect(a_low_, clk_, a_rd_, a_rd_at_, a_low_in_, a_wr_, a_wr_at_, a_low_out_);
-  connect(a_high_, clk_, a_rd_, a_rd_at_, a_high_in_, a_wr_, a_wr_at_, a_high_out_);
-}
-
-void ColumnMomentsBlock::clock(ColumnMomentsPins& pins) {
-  one_.write(pins.one_group_i != 0);
-  two_.write(pins.two_groups_i != 0);
-  pass_clock_with(pins);
-}
-
-ColumnRunsBlock::ColumnRunsBlock(const sc_core::sc_module_name& name) : MomentsBlock(name) {
-  connect_common(shell_);
-  shell_.strongest_i(strongest_);
-  shell_.gap_i(gap_);
-  shell_.rd_en_o(rd_);
-  shell_.rd_addr_o(rd_at_);
-  shell_.wr_en_o(wr_);
-  shell_.wr_addr_o(wr_at_);
-  shell_.open_rd0_i(open_in_[0]);
-  shell_.open_rd1_i(open_in_[1]);
-  shell_.open_rd2_i(open_in_[2]);
-  shell_.open_rd3_i(open_in_[3]);
-  shell_.open_wr0_o(open_out_[0]);
-  shell_.open_wr1_o(open_out_[1]);
-  shell_.open_wr2_o(open_out_[2]);
-  shell_.open_wr3_o(open_out_[3]);
-  shell_.best_rd0_i(best_in_[0]);
-  shell_.best_rd1_i(best_in_[1]);
-  shell_.best_rd2_i(best_in_[2]);
-  shell_.best_rd3_i(best_in_[3]);
-  shell_.best_wr0_o(best_out_[0]);
-  shell_.best_wr1_o(best_out_[1]);
-  shell_.best_wr2_o(best_out_[2]);
-  shell_.best_wr3_o(best_out_[3]);
-  shell_.rest_rd0_i(rest_in_[0]);
-  shell_.rest_rd1_i(rest_in_[1]);
-  shell_.rest_rd2_i(rest_in_[2]);
-  shell_.rest_rd3_i(rest_in_[3]);
-  shell_.rest_wr0_o(rest_out_[0]);
-  shell_.rest_wr1_o(rest_out_[1]);
-  shell_.rest_wr2_o(rest_out_[2]);
-  shell_.rest_wr3_o(rest_out_[3]);
-  for (std::size_t lane = 0; lane < hls::kLanes; ++lane) {
-    connect(open_[lane], clk_, rd_, rd_at_, open_in_[lane], wr_, wr_at_, open_out_[lane]);
-    connect(best_[lane], clk_, rd_, rd_at_, best_in_[lane], wr_, wr_at_, best_out_[lane]);
-    connect(rest_[lane], clk_, rd_, rd_at_, rest_in_[lane], wr_, wr_at_, rest_out_[lane]);
-  }
-}
-
-void ColumnRunsBlock::clock(ColumnRunsPins& pins) {
-  strongest_.write(pins.strongest_i != 0);
-  gap_.write(pins.gap_i);
-  pass_clock_with(pins);
 }
 
 GrayDecoderBlock::GrayDecoderBlock(const sc_core::sc_module_name& name) : ShellBlock(name) {
@@ -240,7 +80,7 @@ void GrayDecoderBlock::clock(GrayDecoderPins& pins) {
   break_.write(pins.break_i != 0);
   status_.write(pins.break_status_i);
   pattern_.write(pins.pattern_i);
-  data_.write(wide_of(pins.mem_data_i));
+  data_.write(number_of<hls::WideUint<128>>(pins.mem_data_i));
   late_.write(pins.mem_late_i != 0);
   busy_.write(pins.busy_i != 0);
   pass_clock(pins.rst_i != 0);
@@ -248,7 +88,7 @@ void GrayDecoderBlock::clock(GrayDecoderPins& pins) {
   pins.mem_read_first_o = read_first_.read();
   pins.mem_write_o = write_.read();
   pins.mem_write_first_o = write_first_.read();
-  pins.mem_data_o = words_of(data_o_.read());
+  pins.mem_data_o = port_of(data_o_.read());
   pins.mem_end_o = end_.read();
   pins.codes_valid_o = codes_valid_.read();
   pins.codes_o = codes_.read();
@@ -395,7 +235,7 @@ void VerdictBlock::clock(VerdictPins& pins) {
   groups_.write(pins.groups_i);
   grey_.write(pins.grey_i != 0);
   valid_.write(pins.beat_valid_i != 0);
-  data_.write(wide_of(pins.beat_data_i));
+  data_.write(number_of<hls::WideUint<128>>(pins.beat_data_i));
   break_.write(pins.break_i != 0);
   pass_clock(pins.rst_i != 0);
   pins.start_o = start_o_.read();

@@ -9,6 +9,7 @@
 
 #include <optional>
 
+#include "sim/board/moments_blocks.h"
 #include "sim/board/shell_blocks.h"
 
 namespace selfproj::sim {

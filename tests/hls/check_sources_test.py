@@ -98,7 +98,10 @@ SHELL_FAULTS = [
     ("constant that keeps a register: now", "struct F {\n  void f() {\n    const Uint<4> now = at;  // HERE\n"
      "    at = 0;\n    if (now != 0) {\n      at = now + 1;\n    }\n  }\n};"),
 ]
-SHARED_CALLS = [("call in an argument: lane_of(", "inline Pixel f(Pixels p, Pixel t, ModeBits m) {\n"
+SHARED_CALLS = [("a number by reference",
+                 "template <typename F>\ninline int f(const typename F::Pixels& a);  // HERE"),
+                ("a number by reference", "inline int f(const Uint<8>& a);  // HERE"),
+                ("call in an argument: lane_of(", "inline Pixel f(Pixels p, Pixel t, ModeBits m) {\n"
                  "  Pixel w = weight_of(lane_of(p, 1), t, m);  // HERE\n  return w;\n}")]
 # Code that only looks like a fault.
 FINE = [

@@ -3,18 +3,15 @@
 #include <gtest/gtest.h>
 
 #include <cstdint>
-#include <stdexcept>
-#include <type_traits>
-#include <utility>
-#include <vector>
 
 #include "Vsp_column_moments_ports.h"
 #include "Vsp_column_runs_ports.h"
 #include "Vsp_gray_decoder_ports.h"
 #include "Vsp_median3x3_ports.h"
 #include "Vsp_verdict_whole_ports.h"
+#include "sim/board/moments_blocks.h"
 #include "sim/board/shell_blocks.h"
-#include "tests/rtl/blocks/column_moments_bench.h"
+#include "tests/hls/beside.h"
 #include "tests/rtl/blocks/gray_bench.h"
 #include "tests/rtl/blocks/median3x3_bench.h"
 #include "tests/rtl/blocks/verdict_bench.h"
@@ -38,102 +35,21 @@ Shells& shells() {
   return all;
 }
 
-template <typename To, typename From>
-void set(To& to, const From& from) {
-  if constexpr (std::is_integral_v<To>) {
-    to = static_cast<To>(from);
-  } else {
-    for (std::size_t i = 0; i < 4; ++i) {
-      to[i] = from[i];
-    }
-  }
+}  // namespace
+
+template <>
+sim::ColumnMomentsBlock& shell_of<sim::ColumnMomentsBlock>() {
+  return shells().moments;
+}
+template <>
+sim::ColumnRunsBlock& shell_of<sim::ColumnRunsBlock>() {
+  return shells().runs;
 }
 
-// Clocks compared, and how many outputs differed.
-std::uint64_t g_clocks = 0;
+namespace {
 
-// A bench takes the shell for a Verilated model; the real one runs beside it.
-template <typename Pins, typename Rtl, typename Derived>
-class Beside : public Pins {
- public:
-  explicit Beside(VerilatedContext* context) : rtl_(context) {}
-  Beside(const Beside&) = delete;
-  Beside& operator=(const Beside&) = delete;
-  ~Beside() = default;
-
-  std::uint8_t clk_i = 0;
-
-  void eval() {
-    rtl_.clk_i = clk_i;
-    static_cast<Derived*>(this)->inputs(rtl_);
-    rtl_.eval();
-    if (clk_i != 0 && !high_) {
-      Derived::block().clock(*this);
-      known_ = known_ || this->rst_i != 0;
-      if (known_) {
-        ++g_clocks;
-        static_cast<Derived*>(this)->compare(rtl_);
-      }
-    }
-    high_ = clk_i != 0;
-  }
-  void final() { rtl_.final(); }
-
- private:
-  Rtl rtl_;
-  bool high_ = false;
-  bool known_ = false;  // there has been a reset
-};
-
-// What both circuits of the moments have.
-template <typename Pins, typename Rtl, typename Derived>
-class MomentsBeside : public Beside<Pins, Rtl, Derived> {
- public:
-  using Beside<Pins, Rtl, Derived>::Beside;
-  void inputs(Rtl& rtl) const {
-    set(rtl.rst_i, this->rst_i);
-    set(rtl.beat_valid_i, this->beat_valid_i);
-    set(rtl.beat_pixels_i, this->beat_pixels_i);
-    set(rtl.beat_group_i, this->beat_group_i);
-    set(rtl.beat_row_i, this->beat_row_i);
-    set(rtl.beat_first_row_i, this->beat_first_row_i);
-    set(rtl.beat_last_row_i, this->beat_last_row_i);
-    set(rtl.beat_line_end_i, this->beat_line_end_i);
-    set(rtl.mode_i, this->mode_i);
-    set(rtl.threshold_i, this->threshold_i);
-    set(rtl.break_i, this->break_i);
-    set(rtl.accept_i, this->accept_i);
-    static_cast<const Derived*>(this)->own_inputs(rtl);
-  }
-  void compare(Rtl& rtl) const {
-    EXPECT_EQ(this->moments_valid_o, rtl.moments_valid_o);
-    if (rtl.moments_valid_o != 0) {
-      EXPECT_EQ(word128(this->moments_data_o), word128(rtl.moments_data_o));
-    }
-    EXPECT_EQ(this->moments_break_o, rtl.moments_break_o);
-    EXPECT_EQ(this->spoiled_o, rtl.spoiled_o);
-  }
-};
-
-class Moments final : public MomentsBeside<sim::ColumnMomentsPins, Vsp_column_moments, Moments> {
- public:
-  using MomentsBeside::MomentsBeside;
-  static sim::ColumnMomentsBlock& block() { return shells().moments; }
-  void own_inputs(Vsp_column_moments& rtl) const {
-    set(rtl.one_group_i, one_group_i);
-    set(rtl.two_groups_i, two_groups_i);
-  }
-};
-
-class StrongestRuns final : public MomentsBeside<sim::ColumnRunsPins, Vsp_column_runs, StrongestRuns> {
- public:
-  using MomentsBeside::MomentsBeside;
-  static sim::ColumnRunsBlock& block() { return shells().runs; }
-  void own_inputs(Vsp_column_runs& rtl) const {
-    set(rtl.strongest_i, strongest_i);
-    set(rtl.gap_i, gap_i);
-  }
-};
+using Moments = MomentsBeside<sim::ColumnMomentsBlock, Vsp_column_moments>;
+using StrongestRuns = MomentsBeside<sim::ColumnRunsBlock, Vsp_column_runs>;
 
 class Decoder final : public Beside<sim::GrayDecoderPins, Vsp_gray_decoder, Decoder> {
  public:
@@ -271,56 +187,6 @@ class Judge final : public Beside<sim::VerdictPins, Vsp_verdict_whole, Judge> {
  private:
   bool started_ = false;
 };
-
-template <typename Dut>
-void list_ports(const Dut& /*dut*/, const Recorder& /*recorder*/) {}  // records nothing of them
-
-void expect_clocks(std::uint64_t min) {
-  if (runs_all_cases()) {
-    EXPECT_GT(std::exchange(g_clocks, 0U), min) << "too little was compared";
-  }
-}
-
-}  // namespace
-
-// As in column_runs_test.cpp.
-template <>
-constexpr bool moments::kBinaryDrains<StrongestRuns> = true;
-
-namespace {
-
-template <typename Circuit>
-void small_sizes() {
-  moments::small_sizes<Circuit>(kModes);
-  expect_clocks(30'000);
-}
-
-// 255 in every pixel of the tallest image: every sum at its largest, one and two groups a line.
-template <typename Circuit>
-void tallest_images() {
-  for (const int columns : {4, 8}) {
-    moments::large_size<Circuit>(columns, 1023, kModes);
-  }
-  expect_clocks(15'000);
-}
-
-// The widest image, with as many rows as it takes for its packet to leave before the next one.
-template <typename Circuit>
-void widest_images() {
-  moments::large_size<Circuit>(spec::kMaxColumns, 4, kModes);
-  expect_clocks(12'000);
-}
-
-template <typename Circuit>
-void random_frames() {
-  for_cases(60, [&](std::uint64_t seed) {
-    Random one_size(seed);
-    moments::random_frames<Circuit>(one_size, kModes, 64, 9, false);
-    Random changing(seed);
-    moments::random_frames<Circuit>(changing, kModes, changing.chance(50) ? 64 : 400, 9, true);
-  });
-  expect_clocks(200'000);
-}
 
 TEST(ColumnMomentsShell, SmallSizes) { small_sizes<Moments>(); }
 TEST(ColumnMomentsShell, TallestImages) { tallest_images<Moments>(); }

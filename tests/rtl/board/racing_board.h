@@ -20,6 +20,7 @@
 #include <optional>
 #include <span>
 #include <utility>
+#include <vector>
 
 #include "selfproj/model/board.h"
 #include "sim/board/board_device.h"
@@ -30,17 +31,24 @@
 
 namespace selfproj::test {
 
-constexpr int kRaceColumns = 24;  // frames are small, so that they end soon after they started
+constexpr int kRaceBeats = 6;  // of a line: frames are small, so that they end soon after they started
 constexpr int kRaceRows = 5;
+
+// The pixels of a build with everything and 64 x 40 pixels.
+struct RacePixels {
+  int bits = spec::kPixelBits;  // or 12
+  int lanes = spec::kPixelsPerBeat;
+};
 
 // The registers as they stand, of those that matter here.
 struct RaceRegisters {
+  RacePixels pixels = {};
   model::BoardSettings settings = {.run = false, .timeout = 15'120'000};  // after reset
   bool on_frame = false;
   bool sequencer = false;
   int last_pattern = 0;
 
-  // What a write does; false if the board must refuse it. Of a build with everything and 64 x 40 pixels.
+  // What a write does; false if the board must refuse it.
   bool write(std::uint32_t address, std::uint32_t data);
   // Whether a write to this register asks for a take-over.
   static bool pends(std::uint32_t address) {
@@ -60,7 +68,7 @@ inline bool RaceRegisters::write(std::uint32_t address, std::uint32_t data) {
     case spec::kRegSize: {
       const int columns = bits(0, 16);
       const int rows = bits(16, 16);
-      if (columns < 4 || columns % 4 != 0 || columns > 64 || rows < 1 || rows > 40) {
+      if (columns < pixels.lanes || columns % pixels.lanes != 0 || columns > 64 || rows < 1 || rows > 40) {
         return false;
       }
       settings.columns = columns;
@@ -72,6 +80,9 @@ inline bool RaceRegisters::write(std::uint32_t address, std::uint32_t data) {
         return false;
       }
       settings.threshold = bits(spec::kRegMeasureThresholdLsb, 8);
+      if (pixels.bits > spec::kPixelBits) {
+        settings.threshold |= bits(spec::kRegMeasureThresholdHighLsb, spec::kRegMeasureThresholdHighBits) << 8;
+      }
       settings.mode = static_cast<model::Mode>(bits(spec::kRegMeasureModeLsb, 2));
       settings.stream = bits(spec::kRegMeasureStreamLsb, 8);
       return true;
@@ -127,10 +138,12 @@ struct RaceCounts {
 template <class Model>
 class RacingBoard {
  public:
-  explicit RacingBoard(std::uint64_t seed)
+  explicit RacingBoard(std::uint64_t seed, const RacePixels& pixels = {})
       : random_(seed),
-        device_(random_board_clocks(random_, seed)),
-        model_([this](model::BoardPacket&& packet) { scoreboard_.expect(std::move(packet)); }) {
+        device_(random_board_clocks(random_, seed, pixels.bits, pixels.lanes)),
+        model_([this](model::BoardPacket&& packet) { scoreboard_.expect(std::move(packet)); }, true, pixels.bits,
+               pixels.lanes),
+        registers_{.pixels = pixels} {
     Verilated::threadContextp(device_.model().contextp());
     request_.emplace("TOP.sp_board.u_bridge.request_o");
     device_.on_packet([this](std::span<const std::uint8_t> bytes) {
@@ -138,7 +151,8 @@ class RacingBoard {
     });
     device_.on_clock([this](std::uint64_t clock) { before_clock(clock); });
     device_.on_beat([this](std::uint64_t clock, const model::VideoBeat& beat) { at_beat(clock, beat); });
-    const std::uint32_t size = 4U << spec::kRegSizeColumnsLsb | 1U << spec::kRegSizeRowsLsb;
+    const std::uint32_t size =
+        static_cast<std::uint32_t>(pixels.lanes) << spec::kRegSizeColumnsLsb | 1U << spec::kRegSizeRowsLsb;
     write(spec::kRegSize, size);
     write(spec::kRegControl, 1U << spec::kRegControlRunLsb);
     camera_works_ = true;
@@ -353,9 +367,14 @@ class RacingBoard {
     const model::BoardSettings& settings = takes ? registers_.settings : in_force_;
     const bool fits = random_.chance(90);
     const int rows = fits ? settings.rows : random_.between(1, kRaceRows);
-    const int columns = fits ? settings.columns : 4 * random_.between(1, kRaceColumns / 4);
-    for (const model::VideoBeat& beat :
-         beats_with_faults(random_, random_image(random_, rows, columns), 4, spec::kPixelsPerBeat)) {
+    const RacePixels& pixels = registers_.pixels;
+    const int columns = fits ? settings.columns : pixels.lanes * random_.between(1, kRaceBeats);
+    std::vector<model::VideoBeat> beats =
+        beats_with_faults(random_, random_image(random_, rows, columns), 4, pixels.lanes);
+    if (pixels.bits > spec::kPixelBits) {
+      append_bits(random_, pixels.bits - spec::kPixelBits, beats);
+    }
+    for (const model::VideoBeat& beat : beats) {
       device_.send(beat);
     }
   }
@@ -383,8 +402,8 @@ class RacingBoard {
 
 // Writes of every register with values that are good or not, among frames that start beside them.
 template <class Model>
-void play_races(std::uint64_t seed, int writes, RaceCounts& counts) {
-  RacingBoard<Model> board(seed);
+void play_races(std::uint64_t seed, int writes, RaceCounts& counts, const RacePixels& pixels = {}) {
+  RacingBoard<Model> board(seed, pixels);
   Random& random = board.random();
   const auto number = [&](int low, int high) { return static_cast<std::uint32_t>(random.between(low, high)); };
   for (int i = 0; i < writes && !::testing::Test::HasFailure(); ++i) {
@@ -396,12 +415,14 @@ void play_races(std::uint64_t seed, int writes, RaceCounts& counts) {
     switch (random.between(0, 11)) {
       case 0:
       case 1:
-        board.write(spec::kRegSize, (4 * number(1, kRaceColumns / 4) + (spoil ? 1U : 0U)) |
+        board.write(spec::kRegSize, (static_cast<unsigned>(pixels.lanes) * number(1, kRaceBeats) + (spoil ? 1U : 0U)) |
                                         number(1, kRaceRows) << spec::kRegSizeRowsLsb);
         break;
       case 2:
       case 3:
         board.write(spec::kRegMeasure, number(0, 255) << spec::kRegMeasureThresholdLsb |
+                                           number(0, (1 << (pixels.bits - spec::kPixelBits)) - 1)
+                                               << spec::kRegMeasureThresholdHighLsb |
                                            (spoil ? 3U : number(0, 2)) << spec::kRegMeasureModeLsb |
                                            number(0, 255) << spec::kRegMeasureStreamLsb);
         break;

@@ -15,6 +15,7 @@
 #include "Vboard_verdict_sixteen_of_ten.h"
 #include "Vboard_widest.h"
 #include "tests/rtl/board/frames.h"
+#include "tests/rtl/board/racing_board.h"
 #include "tests/rtl/board/random_codes.h"
 #include "tests/rtl/board/random_frames.h"
 #include "tests/rtl/board/scoreboard.h"
@@ -258,6 +259,16 @@ TEST(WideBoard, RegistersOfMoreLanes) {
   EXPECT_TRUE(refused(eight, 12));
   EXPECT_FALSE(refused(sixteen, 48));
   EXPECT_TRUE(refused(sixteen, 40));
+}
+
+TEST(WideBoard, WritesThatRaceFrameStarts) {
+  RaceCounts counts;
+  for_cases(
+      10, [&](std::uint64_t seed) { play_races<Vboard_eight_of_twelve>(seed, 250, counts, {.bits = 12, .lanes = 8}); });
+  if (runs_all_cases()) {
+    EXPECT_GT(counts.racing, 500U);
+    EXPECT_GT(counts.frames - counts.broken, counts.frames / 2);
+  }
 }
 
 // Images and codes are of the upper eight bits.
