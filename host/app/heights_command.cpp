@@ -9,6 +9,8 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <utility>
+#include <variant>
 #include <vector>
 
 #include "host/app/commands.h"
@@ -55,18 +57,20 @@ light_section::HeightPosition read_position(const HeightsOptions& options, const
   }
   light_section::LineFinder finder(rig);
   light_section::SweepCheck check(rig);
+  images::PixelRule rule = options.pixels.rule();
+  rule.bits = rig.measure.bits();
   for (std::size_t i = 0; i < files.size(); ++i) {
-    const images::Image image = images::read_image(files[i], options.pixels.rule());
-    if (image.rows != rig.camera.rows || image.columns != rig.camera.columns) {
-      throw UserError(files[i],
-                      fmt::format("is {}; the rig's camera has {}", images::size_text(image.rows, image.columns),
-                                  images::size_text(rig.camera.rows, rig.camera.columns)));
+    const images::SensorImage image = images::read_sensor_image(files[i], rule);
+    const light_section::SensorView view = light_section::view_of(image);
+    const auto [rows, columns] = std::visit([](const auto& one) { return std::pair(one.rows, one.columns); }, view);
+    if (rows != rig.camera.rows || columns != rig.camera.columns) {
+      throw UserError(files[i], fmt::format("is {}; the rig's camera has {}", images::size_text(rows, columns),
+                                            images::size_text(rig.camera.rows, rig.camera.columns)));
     }
     // A laser has but one line; its images only have to differ.
-    light_section::add_sightings(finder, rig.light_plane ? static_cast<double>(i) : lines[i], image.view(),
-                                 position.seen);
+    light_section::add_sightings(finder, rig.light_plane ? static_cast<double>(i) : lines[i], view, position.seen);
     if (!rig.light_plane) {
-      check.add(lines[i], image.view(), files[i]);
+      check.add(lines[i], view, files[i]);
     }
   }
   cli::refuse_contradiction(folder, check.contradiction(), options.unchecked);
@@ -164,7 +168,6 @@ void run_heights(HeightsOptions options) {
     throw UserError("--out, --check", "exactly one of them is needed");
   }
   rig::Rig rig = rig::load_any_rig(options.rig);
-  rig::need_eight_bits(rig, "this command");
   model::Measure measure = rig.measure.of_board();
   options.select.apply(measure);
   rig.measure.apply(measure);

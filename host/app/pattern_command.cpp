@@ -12,6 +12,7 @@
 #include <string>
 #include <system_error>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "host/app/commands.h"
@@ -20,6 +21,7 @@
 #include "host/files/output_folder.h"
 #include "host/images/frame_options.h"
 #include "host/images/image_files.h"
+#include "host/light_section/line_finder.h"
 #include "host/light_section/pattern.h"
 #include "host/light_section/scan.h"
 #include "host/structured_light/self_reference.h"
@@ -56,19 +58,20 @@ struct PatternOptions {
   bool unchecked = false;
 };
 
-// Passes on the images one after another, each of the camera's size.
-void for_each_image(const rig::Rig& rig, const std::vector<std::string>& files, const images::PixelRule& rule,
-                    const std::function<void(std::size_t index, const images::Image& image)>& take) {
+// Passes on the images one after another, each of the camera's size and bits.
+void for_each_image(const rig::Rig& rig, const std::vector<std::string>& files, images::PixelRule rule,
+                    const std::function<void(std::size_t index, const light_section::SensorView& image)>& take) {
   cli::Progress progress("image", files.size());
+  rule.bits = rig.measure.bits();
   for (std::size_t i = 0; i < files.size(); ++i) {
-    const images::Image image = images::read_image(files[i], rule);
+    const images::SensorImage image = images::read_sensor_image(files[i], rule);
+    const auto [rows, columns] = std::visit([](const auto& one) { return std::pair(one.rows, one.columns); }, image);
     const rig::RigRegion sent = rig.camera.sent();
-    if ((image.rows != rig.camera.rows || image.columns != rig.camera.columns) &&
-        (image.rows != sent.rows || image.columns != sent.columns)) {
-      throw UserError(files[i], fmt::format("has {} x {} pixels; the rig's camera has {} rows x {} columns", image.rows,
-                                            image.columns, rig.camera.rows, rig.camera.columns));
+    if ((rows != rig.camera.rows || columns != rig.camera.columns) && (rows != sent.rows || columns != sent.columns)) {
+      throw UserError(files[i], fmt::format("has {} x {} pixels; the rig's camera has {} rows x {} columns", rows,
+                                            columns, rig.camera.rows, rig.camera.columns));
     }
-    take(i, image);
+    take(i, light_section::view_of(image));
     progress.update(i + 1);
   }
 }
@@ -83,9 +86,9 @@ light_section::ReferenceProfile scanned(const rig::Rig& rig, const PatternOption
   }
   light_section::LineScan scan(rig, options.every);
   light_section::SweepCheck check(rig);
-  for_each_image(rig, files, options.pixels.rule(), [&](std::size_t i, const images::Image& image) {
-    scan.add(lines[i], image.view());
-    check.add(lines[i], image.view(), files[i]);
+  for_each_image(rig, files, options.pixels.rule(), [&](std::size_t i, const light_section::SensorView& image) {
+    scan.add(lines[i], image);
+    check.add(lines[i], image, files[i]);
   });
   cli::refuse_contradiction(options.scan, check.contradiction(), options.unchecked);
   return scan.reference();
@@ -95,7 +98,7 @@ light_section::ReferenceProfile with_residual_out(const rig::Rig& rig, const Pat
                                                   const light_section::ReferenceProfile& reference) {
   light_section::CentroidMean mean(rig);
   for_each_image(rig, images::files_of_folder(options.residual), options.pixels.rule(),
-                 [&](std::size_t, const images::Image& image) { mean.add(image.view()); });
+                 [&](std::size_t, const light_section::SensorView& image) { mean.add(image); });
   cli::refuse_contradiction(options.residual, mean.contradiction(), options.unchecked);
   return light_section::without_residual(rig, reference, mean.centroids());
 }
@@ -252,9 +255,6 @@ void run_pattern(const PatternOptions& options) {
   } else if (options.sweep) {
     make_sweep(rig, options);
   } else {
-    if (!options.scan.empty() || !options.residual.empty()) {
-      rig::need_eight_bits(rig, options.scan.empty() ? "--residual" : "--scan");
-    }
     make_reference(rig, options);
   }
 }

@@ -259,6 +259,12 @@ Image read_image(const std::string& file, const PixelRule& rule) {
   return by_rule(file, decode_image(file), rule);
 }
 
+SensorImage read_sensor_image(const std::string& file, const PixelRule& rule) {
+  check_image_file(file);
+  const DecodedImage decoded = decode_image(file);
+  return rule.bits > spec::kPixelBits ? SensorImage(wide_by_rule(file, decoded, rule)) : by_rule(file, decoded, rule);
+}
+
 ImagePages::ImagePages(std::vector<std::string> files) : files_(std::move(files)) {
   for (std::size_t i = 0; i < files_.size(); ++i) {
     check_image_file(files_[i]);

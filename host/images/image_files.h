@@ -11,6 +11,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "selfproj/model/column_moments.h"
@@ -88,7 +89,7 @@ inline constexpr const char* kReferenceFile = "reference.csv";
 struct PixelRule {
   std::optional<Channel> channel = std::nullopt;
   std::optional<int> shift = std::nullopt;  // values of more than 8 bits become floor(value / 2^shift); 0..kMaxShift
-  int bits = spec::kPixelBits;              // for read_wide
+  int bits = spec::kPixelBits;              // for read_wide and read_sensor_image
 
   PixelRule() = default;
   PixelRule(std::optional<Channel> of_colours, std::optional<int> of_bits = std::nullopt)  // NOLINT: converts
@@ -120,6 +121,10 @@ struct PixelOptions {
 // Throws UserError, naming the file, if it cannot be read, is not an image, has several, is damaged, or does not fit
 // the rule.
 Image read_image(const std::string& file, const PixelRule& rule);
+
+// The same of a sensor with pixels of rule.bits: with more than 8 all of them, which the file must have.
+using SensorImage = std::variant<Image, WideImage>;
+SensorImage read_sensor_image(const std::string& file, const PixelRule& rule);
 
 // The images of files, of which a TIFF may have several pages.
 class ImagePages {

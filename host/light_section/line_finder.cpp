@@ -3,6 +3,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <stdexcept>
+#include <utility>
+#include <variant>
 
 #include "selfproj/light_section/fast_moments.h"
 
@@ -17,24 +19,25 @@ LineFinder::LineFinder(const rig::Rig& rig)
   runs_.resize(measure_.select, camera_.columns);
 }
 
-void LineFinder::find(const model::ImageView& image) {
-  const bool whole = image.rows == camera_.rows && image.columns == camera_.columns;
+void LineFinder::find(const SensorView& image) {
+  const auto [rows, columns] = std::visit([](const auto& view) { return std::pair(view.rows, view.columns); }, image);
+  const bool whole = rows == camera_.rows && columns == camera_.columns;
   const rig::RigRegion sent = camera_.sent();
-  if (!whole && (image.rows != sent.rows || image.columns != sent.columns)) {
+  if (!whole && (rows != sent.rows || columns != sent.columns)) {
     throw std::invalid_argument("line finder: an image has another size than the camera's");
   }
   const int first = whole ? 0 : sent.column_offset;
   row_offset_ = whole ? 0 : sent.row_offset;
-  rules_ = line_rules(camera_, rig_measure_, row_offset_, image.rows);
+  rules_ = line_rules(camera_, rig_measure_, row_offset_, rows);
   if (!whole) {
     runs_ = {};
     runs_.resize(measure_.select, camera_.columns);
   }
   const model::RunsView all = runs_.view();
-  fast_measure_columns(image, measure_,
-                       {{all.moments.m0 + first, all.moments.m1 + first, all.moments.n + first},
-                        all.runs == nullptr ? nullptr : all.runs + first,
-                        all.second == nullptr ? nullptr : all.second + first});
+  const model::RunsView seen{{all.moments.m0 + first, all.moments.m1 + first, all.moments.n + first},
+                             all.runs == nullptr ? nullptr : all.runs + first,
+                             all.second == nullptr ? nullptr : all.second + first};
+  std::visit([&](const auto& view) { fast_measure_columns(view, measure_, seen); }, image);
 }
 
 Validity LineFinder::validity(std::size_t column) const {

@@ -4,13 +4,21 @@
 #define SELFPROJ_HOST_LIGHT_SECTION_LINE_FINDER_H
 
 #include <cstddef>
+#include <variant>
 
+#include "host/images/image_files.h"
 #include "selfproj/light_section/profile.h"
 #include "selfproj/light_section/strip_moments.h"
 #include "selfproj/model/column_runs.h"
 #include "selfproj/rig/rig.h"
 
 namespace selfproj::light_section {
+
+// An image of the rig's bits: its pixels have 8, or more.
+using SensorView = std::variant<model::ImageView, model::WideImageView>;
+inline SensorView view_of(const images::SensorImage& image) {
+  return std::visit([](const auto& one) { return SensorView(one.view()); }, image);
+}
 
 class LineFinder {
  public:
@@ -19,7 +27,7 @@ class LineFinder {
   // Measures the columns of an image as the board does with the rig's `measure`. Throws std::invalid_argument unless it
   // has the size of the camera's sensor, or of the region that it sends while it measures; columns outside the region
   // then have no line.
-  void find(const model::ImageView& image);
+  void find(const SensorView& image);
 
   // What a profile with a reference everywhere says of a column; valid if it has a line.
   [[nodiscard]] Validity validity(std::size_t column) const;

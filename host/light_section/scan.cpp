@@ -67,7 +67,7 @@ std::vector<int> sweep_lines(const rig::Rig& rig, int every) {
   return lines;
 }
 
-void add_sightings(LineFinder& finder, double line, const model::ImageView& image, std::vector<LineSighting>& seen) {
+void add_sightings(LineFinder& finder, double line, const SensorView& image, std::vector<LineSighting>& seen) {
   finder.find(image);
   for (std::size_t i = 0; i < finder.columns(); ++i) {
     if (finder.has_line(i)) {
@@ -92,7 +92,7 @@ SweepCheck::SweepCheck(const rig::Rig& rig)
       rows_per_line_(rows_per_line(rig)),
       most_light_(static_cast<std::size_t>(rig.camera.columns)) {}
 
-void SweepCheck::add(double line, const model::ImageView& image, const std::string& name) {
+void SweepCheck::add(double line, const SensorView& image, const std::string& name) {
   finder_.find(image);
   Image& added = images_.emplace_back(Image{line, name, std::vector<Seen>(most_light_.size()), 0});
   for (std::size_t i = 0; i < most_light_.size(); ++i) {
@@ -191,7 +191,7 @@ LineScan::LineScan(const rig::Rig& rig, int every)
   window_ = std::max(kRows, 1.5 * every * rows_per_line_);
 }
 
-void LineScan::add(double line, const model::ImageView& image) {
+void LineScan::add(double line, const SensorView& image) {
   finder_.find(image);
   for (std::size_t i = 0; i < sightings_.size(); ++i) {
     if (finder_.has_line(i)) {
@@ -310,7 +310,7 @@ CentroidMean::CentroidMean(const rig::Rig& rig)
       squares_(static_cast<std::size_t>(rig.camera.columns)),
       counts_(static_cast<std::size_t>(rig.camera.columns)) {}
 
-void CentroidMean::add(const model::ImageView& image) {
+void CentroidMean::add(const SensorView& image) {
   finder_.find(image);
   ++images_;
   for (std::size_t i = 0; i < sums_.size(); ++i) {

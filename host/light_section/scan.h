@@ -30,7 +30,7 @@ struct LineSighting {
 
 // Adds what an image under the straight line `line` shows, column by column: the lines that `finder` finds. Throws
 // std::invalid_argument if it has not the camera's size.
-void add_sightings(LineFinder& finder, double line, const model::ImageView& image, std::vector<LineSighting>& seen);
+void add_sightings(LineFinder& finder, double line, const SensorView& image, std::vector<LineSighting>& seen);
 
 // Leaves out of a whole sweep what has too little light in its column (LineFinder::least_light).
 void leave_out_reflections(const rig::Rig& rig, std::vector<LineSighting>& seen);
@@ -43,7 +43,7 @@ class SweepCheck {
 
   // The image of the next line of the sweep; `name` is for messages. Throws std::invalid_argument if it has not the
   // camera's size.
-  void add(double line, const model::ImageView& image, const std::string& name);
+  void add(double line, const SensorView& image, const std::string& name);
 
   // What the images contradict, as the end of a message; empty: nothing. They are in another order, or one of them is
   // late or exchanged with the next. Or a rig that sums all lit pixels of a column (no measure.runs) has summed a
@@ -80,7 +80,7 @@ class LineScan {
 
   // Adds the image that was seen under the straight line `line`. Throws std::invalid_argument if it has not the
   // camera's size.
-  void add(double line, const model::ImageView& image);
+  void add(double line, const SensorView& image);
 
   // The result of the sweep for each column: the line, with a fraction, at which the centroid crosses the middle row
   // (Xc = 0), and from it θ(β) and z_r(β) = x0 / tan θ(β) + z0 (3.8), or the same through the rig's lenses. A straight
@@ -122,7 +122,7 @@ class CentroidMean {
   explicit CentroidMean(const rig::Rig& rig);
 
   // Adds an image of the camera's size; throws std::invalid_argument for another size.
-  void add(const model::ImageView& image);
+  void add(const SensorView& image);
 
   // C, rows from 1, one for each column; NaN if more than half of the images had no line there.
   [[nodiscard]] std::vector<double> centroids() const;

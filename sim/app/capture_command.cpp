@@ -118,7 +118,9 @@ void run_capture(const CaptureOptions& options) {
     throw UserError(options.out, "exists already; poses need a new folder");
   }
   rig::Rig rig = rig::load_any_rig(options.rig);
-  rig::need_eight_bits(rig, "a capture");
+  if (!options.chessboard.empty()) {
+    rig::need_eight_bits(rig, "a capture of chessboards");
+  }
   const bool laser = rig.light_plane.has_value();
   if (laser != options.patterns.empty()) {
     throw UserError("--patterns", laser ? "is for a projector, and the rig has a laser" : "is required");

@@ -61,9 +61,17 @@ void capture(const PerturbedRig& actual, const Scene& scene, const std::vector<P
   const auto count = static_cast<int>(patterns.size());
   const int digits = count > 100 ? 3 : 2;
   parallel_for(count, settings.threads, [&](int i) {
-    images::Image image{rig.camera.rows, rig.camera.columns, std::vector<std::uint8_t>(rig.camera.pixels())};
-    renderer.render(first + i, patterns[static_cast<std::size_t>(i)], image.pixels);
-    const std::string bytes = images::encode_png(image);
+    const ProjectedLight& pattern = patterns[static_cast<std::size_t>(i)];
+    std::string bytes;
+    if (rig.measure.bits() > spec::kPixelBits) {
+      std::vector<std::uint16_t> pixels(rig.camera.pixels());
+      renderer.render(first + i, pattern, std::span(pixels));
+      bytes = images::encode_png16(rig.camera.rows, rig.camera.columns, pixels);
+    } else {
+      images::Image image{rig.camera.rows, rig.camera.columns, std::vector<std::uint8_t>(rig.camera.pixels())};
+      renderer.render(first + i, pattern, std::span(image.pixels));
+      bytes = images::encode_png(image);
+    }
     const std::lock_guard lock(mutex);
     out.append(fmt::format("{}{}image_{:0{}}.png", settings.prefix, prefix, i, digits), bytes);
     settings.done();
@@ -205,7 +213,7 @@ std::vector<std::vector<double>> scan_centroids(const rig::Rig& rig, const Pertu
     measured.measure.mode = mode;
     light_section::CentroidMean mean(measured);
     for (const auto& image : images) {
-      mean.add({image.data(), rig.camera.rows, rig.camera.columns, rig.camera.columns});
+      mean.add(model::ImageView{image.data(), rig.camera.rows, rig.camera.columns, rig.camera.columns});
     }
     result.push_back(mean.centroids());
   }

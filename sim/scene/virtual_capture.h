@@ -45,8 +45,8 @@ struct CaptureSettings {
   std::function<void()> done = [] {};  // called after each image, never by two threads at once
 };
 
-// The images of a scene under each pattern, frames 0, 1, ..., in files image_00.png and so on, with three digits for
-// more than 100 patterns. Throws as PatternRenderer does.
+// The images of a scene under each pattern, in pixels of the rig's bits, frames 0, 1, ..., in files image_00.png and so
+// on, with three digits for more than 100 patterns. Throws as PatternRenderer does.
 void capture_scene(const PerturbedRig& actual, const Scene& scene, const std::vector<ProjectedLight>& patterns,
                    const CaptureSettings& settings, files::OutputFolder& out);
 

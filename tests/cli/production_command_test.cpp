@@ -327,13 +327,60 @@ TEST_F(ProductionCommand, ImagesOfTwelveBits) {
   const std::vector<float> all = images::read_float_tiff(folder_ / "twelve-out/height.tiff").values;
   EXPECT_TRUE(
       std::ranges::equal(strongest, all, [](float a, float b) { return a == b || (std::isnan(a) && std::isnan(b)); }));
-  EXPECT_NE(refused({"pattern", "--rig", "twelve.yaml", "--scan", "eight", "--out", "scanned"})
-                .find("measure.pixel_bits is 12; --scan takes pixels of 8 bits"),
-            std::string::npos);
-  EXPECT_NE(refused({"calibrate", "heights", "--rig", "twelve.yaml", "--heights", "10", "--check", "eight"})
-                .find("measure.pixel_bits is 12; this command takes pixels of 8 bits"),
-            std::string::npos);
   EXPECT_NE(sim({"cosim", "--rig", "twelve.yaml", "--count", "1"}).err.find("co-simulation takes pixels of 8 bits"),
+            std::string::npos);
+}
+
+// The sweep of a part in images of 12 bits: its pattern, without its residual; and plates at known heights.
+TEST_F(ProductionCommand, SweepsOfTwelveBits) {
+  rig::Rig rig = rig::load_rig("light-section");
+  rig.measure.pixel_bits = 12;
+  rig.measure.threshold *= rig.measure.values_per_grey();
+  write_text(folder_ / "twelve.yaml", rig::to_yaml(rig));
+  const Words of = {"--rig", "twelve.yaml"};
+  ASSERT_EQ(host(with({"pattern", "--sweep", "--every", "8", "--out", "lines"}, of)).status, 0);
+  ASSERT_EQ(
+      sim(with({"capture", "--patterns", "lines", "--scene", "stairs", "--stopped", "--out", "swept"}, of)).status, 0);
+  const Outcome scanned = host(with({"pattern", "--scan", "swept", "--every", "8", "--out", "part"}, of));
+  ASSERT_EQ(scanned.status, 0) << scanned.err;
+  ASSERT_EQ(sim(with({"scene", "render", "stairs", "--pattern", "part/pattern.tiff", "--first", "180", "--count", "8",
+                      "--out", "good"},
+                     of))
+                .status,
+            0);
+  const Outcome taken = host(with({"pattern", "--reference", "part", "--residual", "good", "--out", "exact"}, of));
+  ASSERT_EQ(taken.status, 0) << taken.err;
+  const Outcome inspected =
+      host(with({"inspect", "--reference", "exact", "--images", "good/frame_00183.png", "--out", "found"}, of));
+  ASSERT_EQ(inspected.status, 0) << inspected.err;
+  std::vector<float> off = images::read_float_tiff(folder_ / "found/difference.tiff").values;
+  std::erase_if(off, [](float value) { return std::isnan(value); });
+  ASSERT_GT(off.size(), 300U);
+  std::ranges::sort(off);
+  EXPECT_LT(std::max(std::abs(off[off.size() / 20]), std::abs(off[19 * off.size() / 20])), 0.05);  // mm
+
+  for (const std::string height : {"0", "10", "20"}) {
+    ASSERT_EQ(sim(with({"capture", "--patterns", "lines", "--plate", height, "--out", "at" + height}, of)).status, 0);
+  }
+  const Outcome fitted = host(with(
+      {"calibrate", "heights", "--every", "8", "--heights", "0,10,20", "--out", "fitted", "at0", "at10", "at20"}, of));
+  ASSERT_EQ(fitted.status, 0) << fitted.err;
+  const Outcome checked = host({"calibrate", "heights", "--rig", "fitted/rig.yaml", "--assume", "camera,light,belt",
+                                "--every", "8", "--heights", "10", "--check", "at10"});
+  EXPECT_EQ(checked.status, 0) << checked.err;
+
+  // Images of other bits are no images of this rig.
+  rig.measure = rig::load_rig("light-section").measure;
+  write_text(folder_ / "eight.yaml", rig::to_yaml(rig));
+  ASSERT_EQ(sim({"capture", "--rig", "eight.yaml", "--patterns", "lines", "--plate", "0", "--out", "eight"}).status, 0);
+  EXPECT_NE(host(with({"pattern", "--scan", "eight", "--every", "8", "--out", "no"}, of))
+                .err.find("pixels of 12 bits are expected"),
+            std::string::npos);
+  EXPECT_NE(host({"pattern", "--rig", "eight.yaml", "--scan", "swept", "--every", "8", "--out", "no"})
+                .err.find("--shift 4 takes values of 12 bits"),
+            std::string::npos);
+  EXPECT_NE(sim(with({"capture", "--patterns", "lines", "--chessboard", "9x7", "--square", "21", "--out", "no"}, of))
+                .err.find("a capture of chessboards takes pixels of 8 bits"),
             std::string::npos);
 }
 
