@@ -12,8 +12,8 @@
 namespace selfproj {
 namespace hls {
 
-// The formats of a circuit for pixels of `PixelBits` (8..12), `Lanes` of them in a beat (4 or 8). Sums hold the largest
-// values of the specification, so nothing ever wraps.
+// The formats of a circuit for pixels of `PixelBits` (8..12), `Lanes` of them in a beat (4, 8 or 16). Sums hold the
+// largest values of the specification, so nothing ever wraps.
 template <int PixelBits, int Lanes>
 struct MomentsFormats {
   static constexpr int kPixelBits = PixelBits;

@@ -244,7 +244,7 @@ class ColumnMomentsShellOf : public MomentsPorts<F> {
   }
 };
 
-// That of the default maxima
+// That of the default formats
 class ColumnMomentsShell : public ColumnMomentsShellOf<FourOfEight> {
  public:
   explicit ColumnMomentsShell(const sc_core::sc_module_name& name) : ColumnMomentsShellOf<FourOfEight>(name) {}

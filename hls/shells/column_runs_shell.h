@@ -155,7 +155,7 @@ class ColumnRunsShellOf : public MomentsPorts<F> {
   }
 };
 
-// That of the default maxima
+// That of the default formats
 class ColumnRunsShell : public ColumnRunsShellOf<FourOfEight> {
  public:
   explicit ColumnRunsShell(const sc_core::sc_module_name& name) : ColumnRunsShellOf<FourOfEight>(name) {}

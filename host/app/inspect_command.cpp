@@ -355,7 +355,9 @@ class Run {
     }
     const model::PacketHeader& header = packet.header;
     if (header.kind != spec::kKindMoments) {
-      throw UserError("--verdict", "needs exact moments; the device sends divided columns (words: compact)");
+      throw UserError(
+          "--verdict",
+          "needs exact moments (measure.words: exact, on the board too); these packets have divided columns");
     }
     slot_->board = model::has_verdict(header)
                        ? model::unpack_verdict(packet.payload.data() + model::columns_payload_bytes(header))
@@ -479,6 +481,9 @@ class Run {
 void run_inspect(const InspectOptions& options) {
   if (options.receive.device.empty() == options.images.images.empty()) {
     throw UserError("--device, --images", "one of them is required");
+  }
+  if (options.verdict_board && options.receive.device.empty()) {
+    throw UserError("--verdict-board", "needs a board: recorded images have none");
   }
   Run run(options);
   if (options.receive.device.empty()) {

@@ -26,7 +26,7 @@ class LineFinder {
 
   // Measures the columns of an image as the board does with the rig's `measure`. Throws std::invalid_argument unless it
   // has the size of the camera's sensor, or of the region that it sends while it measures; columns outside the region
-  // then have no line.
+  // then have no line. Pixels must be of the rig's bits: what is brighter gives wrong sums.
   void find(const SensorView& image);
 
   // What a profile with a reference everywhere says of a column; valid if it has a line.

@@ -284,11 +284,8 @@ void check_sections(const Rig& rig, const std::string& source) {
       throw UserError(source, "camera.region goes only with kind light-section");
     }
   }
-  if (rig.measure.bits() > spec::kPixelBits) {
-    if (rig.kind != RigKind::light_section) {
-      throw UserError(source, fmt::format("measure.pixel_bits is {}; a rig of kind scanner takes pixels of 8 bits",
-                                          rig.measure.bits()));
-    }
+  if (rig.kind != RigKind::light_section) {
+    need_eight_bits(rig, source, "a rig of kind scanner");
   }
   if (rig.light_plane) {
     expect_unit("light_plane.normal", rig.light_plane->normal);
@@ -406,9 +403,9 @@ Rig parse_rig(const std::string& yaml, const std::string& source) {
   return rig;
 }
 
-void need_eight_bits(const Rig& rig, const std::string& what) {
+void need_eight_bits(const Rig& rig, const std::string& source, const std::string& what) {
   if (rig.measure.bits() > spec::kPixelBits) {
-    throw UserError("rig " + rig.name,
+    throw UserError(source,
                     fmt::format("measure.pixel_bits is {}; {} takes pixels of 8 bits", rig.measure.bits(), what));
   }
 }

@@ -61,7 +61,7 @@ void check_camera(const rig::Rig& rig, const std::string& name, const images::Im
 }
 
 std::vector<int> lines_of_sweep(const rig::Rig& rig, int every) {
-  rig::need_eight_bits(rig, "a sweep");
+  rig::need_eight_bits(rig, "rig " + rig.name, "a sweep");
   require(every >= 1 && every <= 1024, "every: must be in 1..1024");
   std::vector<int> lines = light_section::sweep_lines(rig, every);
   require(!lines.empty(), "rig: its line is wider than the projector's image");
@@ -95,7 +95,7 @@ ReferenceProfile sweep_reference(const rig::Rig& rig, const ImagesArgument& imag
 
 ReferenceProfile residual_out(const rig::Rig& rig, const ReferenceProfile& reference, const ImagesArgument& images,
                               const std::string& channel, std::optional<int> shift, bool unchecked) {
-  rig::need_eight_bits(rig, "the residual");
+  rig::need_eight_bits(rig, "rig " + rig.name, "the residual");
   const GivenImages given(images, {channel, shift});
   return checked(without_gil([&] {
                    light_section::CentroidMean mean(rig);

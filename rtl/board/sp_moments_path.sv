@@ -192,9 +192,8 @@ module sp_moments_path #(
   logic       active;         // at the decision: the frame is to be judged
   if (Verdict) begin : gen_verdict
     logic [3:1]      decided_q;  // last_row_start_q, one to three clocks ago
-    // verdict_i, packets later than on: of the frame whose packet is decided on, and was in the clock before
-    logic [8:0]      asked_q;
-    logic [1:0]      asked_packets_q;
+    logic [8:0]      asked_q;          // verdict_i of three clocks, the oldest of the frame that is decided on
+    logic [1:0]      asked_packets_q;  // its packets, one clock later
     logic            active_q;   // of the frame decided on last
     logic [1:0]      packets_q;  // of the one that was wanted last
     always_ff @(posedge clk_i) begin

@@ -162,8 +162,8 @@ module sp_registers #(
   logic             rst_q;      // one clock ago
 
   // What this build can do
-  localparam int Columns12 = MaxColumns % 4096;  // 0: 4,096
-  localparam logic [31:0] Capability = 32'(Columns12) << sp_spec_pkg::RegCapabilityMaxColumnsLsb |
+  localparam int ColumnsShown = MaxColumns % 2 ** sp_spec_pkg::RegCapabilityMaxColumnsBits;
+  localparam logic [31:0] Capability = 32'(ColumnsShown) << sp_spec_pkg::RegCapabilityMaxColumnsLsb |
                                        32'(MaxRows) << sp_spec_pkg::RegCapabilityMaxRowsLsb |
                                        32'(Grey) << sp_spec_pkg::RegCapabilityGreyLsb |
                                        32'(Runs) << sp_spec_pkg::RegCapabilityRunsLsb |

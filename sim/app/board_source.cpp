@@ -91,7 +91,7 @@ double counts_per_image(const BoardSource& options) {
     return 0;
   }
   const rig::Rig rig = rig::load_rig(options.rig);
-  rig::need_eight_bits(rig, "the simulated board");
+  rig::need_eight_bits(rig, options.rig, "the simulated board");
   if (!(rig.conveyor.encoder_mm_per_count > 0)) {
     throw UserError("--rig " + options.rig, "the belt has no encoder (conveyor.encoder_mm_per_count)");
   }

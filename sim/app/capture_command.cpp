@@ -119,7 +119,7 @@ void run_capture(const CaptureOptions& options) {
   }
   rig::Rig rig = rig::load_any_rig(options.rig);
   if (!options.chessboard.empty()) {
-    rig::need_eight_bits(rig, "a capture of chessboards");
+    rig::need_eight_bits(rig, options.rig, "--chessboard");
   }
   const bool laser = rig.light_plane.has_value();
   if (laser != options.patterns.empty()) {

@@ -278,7 +278,6 @@ class MovingLine final : public Line {
     if (!rig().light_plane) {
       return;
     }
-    rig::need_eight_bits(rig(), "--images of a laser's calibration");
     CaptureSettings settings;
     const auto draw_noise = [seed = rig().imaging.seed](rig::Rig of, int target) {
       constexpr std::int64_t kTargets = 10;
@@ -486,8 +485,11 @@ class StillLine final : public Line {
 
 std::unique_ptr<Line> line_of(const ProductionOptions& options) {
   const rig::Rig rig = rig::load_any_rig(options.rig);
+  if (options.images && rig.light_plane) {
+    rig::need_eight_bits(rig, options.rig, "--images with a laser");  // chessboards are among them
+  }
   if (rig.kind == rig::RigKind::scanner) {
-    rig::need_eight_bits(rig, "a line of parts that stand still");
+    rig::need_eight_bits(rig, options.rig, "a line of parts that stand still");
     return std::make_unique<StillLine>(options);
   }
   return std::make_unique<MovingLine>(options);

@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <stdexcept>
 #include <systemc>
 #include <vector>
 
@@ -266,11 +267,15 @@ PortOf<F::kLanes * F::kPixelBits> pixels_of(const Pixel* pixels) {
 }
 
 // Gives a block of the moments the beats of a frame as the board does, with their places, and returns the payload of
-// its columns. `pins` are those that only this kind of block has.
+// its columns. `pins` are those that only this kind of block has. Throws std::invalid_argument unless its columns are a
+// multiple of the lanes, up to spec::kMaxColumns; threshold and pixels must have the format's bits.
 template <typename Block, typename Pixel>
 std::vector<std::uint8_t> payload_of(Block& block, typename Block::Pins pins, const model::PixelView<Pixel>& frame,
                                      const model::Measure& measure) {
   using Format = typename Block::Format;
+  if (frame.columns % Format::kLanes != 0 || frame.columns > spec::kMaxColumns) {
+    throw std::invalid_argument("shells: columns are no multiple of the lanes, or too many");
+  }
   std::vector<std::uint8_t> bytes;
   const auto tick = [&] {
     block.clock(pins);

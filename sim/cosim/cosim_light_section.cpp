@@ -57,7 +57,7 @@ rig::Rig light_section_rig(const std::string& name) {
   if (rig.kind != rig::RigKind::light_section) {
     throw UserError("--rig " + name, "is not a rig of kind light-section");
   }
-  rig::need_eight_bits(rig, "co-simulation");
+  rig::need_eight_bits(rig, name, "co-simulation");
   return rig;
 }
 
@@ -202,6 +202,7 @@ std::unique_ptr<RecordedFrames> recorded_frames(const CosimOptions& options) {
 
 Setup recorded_setup(const CosimOptions& options) {
   Setup setup;
+  setup.rig = rig_of(options);
   std::unique_ptr<RecordedFrames> frames = recorded_frames(options);
   setup.image_columns = frames->image_columns();
   setup.source = std::move(frames);
@@ -209,7 +210,6 @@ Setup recorded_setup(const CosimOptions& options) {
   if (!options.preparation.background.empty()) {
     setup.facts.push_back({"background", "subtracted from them", options.preparation.background.front()});
   }
-  setup.rig = rig_of(options);
   if (options.rig.empty()) {
     // Without a rig only the grey values of the images are known.
     if (!options.threshold) {

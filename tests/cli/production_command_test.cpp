@@ -380,7 +380,7 @@ TEST_F(ProductionCommand, SweepsOfTwelveBits) {
                 .err.find("--shift 4 takes values of 12 bits"),
             std::string::npos);
   EXPECT_NE(sim(with({"capture", "--patterns", "lines", "--chessboard", "9x7", "--square", "21", "--out", "no"}, of))
-                .err.find("a capture of chessboards takes pixels of 8 bits"),
+                .err.find("twelve.yaml: measure.pixel_bits is 12; --chessboard takes pixels of 8 bits"),
             std::string::npos);
 }
 

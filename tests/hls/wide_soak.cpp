@@ -1,6 +1,7 @@
 // Soak: random small frames of 12 and 10 bits, and of 8 and 16 pixels a clock, and some of up to 4,096 columns, through
 // the boards' RTL, with stalls and faults: every packet compared with the model, every loss counted. The images go
-// whole through the host's fast kernels and the SystemC shells, too, and every column is compared with the model.
+// whole through the host's fast kernels and the SystemC shells, too, and every column is compared with the model; of
+// the board for 4,096 columns only the packets are.
 //
 //     wide_soak [FRAMES] [FIRST_SEED]      1,000,000 frames from seed 1 on by default
 #include <algorithm>

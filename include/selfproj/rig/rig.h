@@ -281,8 +281,9 @@ Rig load_rig(const std::string& name_or_file);
 // The same, but a laser line is welcome.
 Rig load_any_rig(const std::string& name_or_file);
 
-// Throws UserError about the rig if its pixels have more than 8 bits, which `what` does not take.
-void need_eight_bits(const Rig& rig, const std::string& what);
+// Throws UserError about `source`, the rig's name or file, if its pixels have more than 8 bits, which `what` does not
+// take.
+void need_eight_bits(const Rig& rig, const std::string& source, const std::string& what);
 
 // The same from a text (with a laser line or without); errors name `source`.
 Rig parse_rig(const std::string& yaml, const std::string& source);

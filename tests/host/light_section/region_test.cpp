@@ -225,8 +225,8 @@ TEST(RegionOfARig, TheHostFindsLinesInItsImages) {
   light_section::LineFinder whole(rig);
   light_section::LineFinder few(rig);
   const int columns = rig.camera.columns;
-  whole.find({pixels.data(), rig.camera.rows, columns, columns});
-  few.find({pixels.data() + 38 * columns + 100, 20, 200, columns});
+  whole.find(model::ImageView{pixels.data(), rig.camera.rows, columns, columns});
+  few.find(model::ImageView{pixels.data() + 38 * columns + 100, 20, 200, columns});
   for (std::size_t c = 0; c < 512; ++c) {
     ASSERT_TRUE(whole.has_line(c));
     ASSERT_EQ(few.has_line(c), c >= 100 && c < 300) << c;

@@ -20,11 +20,14 @@ class Vboard_verdict_binary;
 class Vboard_verdict_eight_of_twelve;
 class Vboard_verdict_sixteen_of_ten;
 class Vboard_widest;
+class Vboard_twelve;
+class Vboard_eight;
+class Vboard_sixteen;
 
 namespace selfproj::test {
 
 template <class Model>
-inline constexpr model::BoardBuild kBuild = {};
+inline constexpr model::BoardBuild kBuild = {};  // of no board here: it has no verdict
 template <>
 inline constexpr model::BoardBuild kBuild<Vboard_verdict> = {
     .max_columns = 64, .max_rows = 40, .runs = true, .region = true, .compact = true, .verdict_log_sections = 1};
@@ -53,11 +56,35 @@ inline constexpr model::BoardBuild kBuild<Vboard_widest> = {.max_columns = 4096,
                                                             .compact = true,
                                                             .verdict_log_sections = 0,
                                                             .code_bits = 8};
+template <>
+inline constexpr model::BoardBuild kBuild<Vboard_twelve> = {.max_columns = 64,
+                                                            .max_rows = 40,
+                                                            .pixel_bits = 12,
+                                                            .codes = true,
+                                                            .median = true,
+                                                            .runs = true,
+                                                            .region = true,
+                                                            .compact = true,
+                                                            .verdict_log_sections = 1,
+                                                            .code_bits = 12};
+template <>
+inline constexpr model::BoardBuild kBuild<Vboard_eight> = {.max_columns = 512,
+                                                           .max_rows = 127,
+                                                           .lanes = 8,
+                                                           .runs = true,
+                                                           .region = true,
+                                                           .compact = true,
+                                                           .verdict_log_sections = 1};
+template <>
+inline constexpr model::BoardBuild kBuild<Vboard_sixteen> = {
+    .max_columns = 4096, .max_rows = 127, .lanes = 16, .runs = true, .compact = true, .verdict_log_sections = 1};
 constexpr int kApart = 200;  // clocks between frames, more than the verdict of a frame takes
 
 // The board, the model of its packets, and the model of its registers.
 template <class Model>
 class VerdictBoard {
+  static_assert(kBuild<Model>.verdict_log_sections >= 0);
+
  public:
   explicit VerdictBoard(const sim::BoardDeviceOptions& options = {.pixel_bits = kBuild<Model>.pixel_bits,
                                                                   .lanes = kBuild<Model>.lanes})
@@ -119,9 +146,9 @@ class VerdictBoard {
 };
 
 // Half of the limits lie where centroids of few lit rows do, M1 / M0, or 1/128 beside them.
-inline model::ColumnLimits random_limits(Random& random, int rows) {
-  constexpr int kHighest = model::kRowParts * 40;
-  const int middle = model::kRowParts * random.between(1, std::min(rows, 36));
+inline model::ColumnLimits random_limits(Random& random, const model::BoardBuild& build, int rows) {
+  const int highest = model::kRowParts * build.max_rows;
+  const int middle = model::kRowParts * random.between(1, std::min(rows, build.max_rows - 4));
   const int band = random.between(0, 3 * model::kRowParts);
   int low = middle - band, high = middle + band;
   if (random.chance(50)) {
@@ -133,7 +160,7 @@ inline model::ColumnLimits random_limits(Random& random, int rows) {
     high = std::max(low, centroid(high));
   }
   return {.low = static_cast<std::uint32_t>(std::max(0, low)),
-          .high = static_cast<std::uint32_t>(std::clamp(high, 0, kHighest)),
+          .high = static_cast<std::uint32_t>(std::clamp(high, 0, highest)),
           .judged = random.chance(90)};
 }
 
@@ -163,7 +190,7 @@ inline model::BoardSettings random_settings(Random& random, const model::BoardBu
                                .hits = random.between(1, history),
                                .above = random.chance(70),
                                .below = random.chance(70),
-                               .most_unlit = random.chance(50) ? 4095 : random.between(0, 40),
+                               .most_unlit = random.chance(50) ? model::kUnlitNotJudged : random.between(0, 40),
                                .shift_columns = random.chance(50) ? 0 : random.between(-12, 12),
                                .shift_rows = random.chance(50) ? 0 : random.between(-60, 60),
                                .bank = random.between(0, 1)},
@@ -186,6 +213,7 @@ template <class Model>
 void play_verdicts(std::uint64_t seed, int fault_percent, int changes, VerdictCounts& seen) {
   Random random(seed);
   constexpr int kSections = 2;
+  static_assert(1 << kBuild<Model>.verdict_log_sections == kSections && kBuild<Model>.max_columns >= 64);
   constexpr int kLanes = kBuild<Model>.lanes;
   constexpr int kSlower = kLanes / spec::kPixelsPerBeat;
   VerdictBoard<Model> bench(random_board_clocks(random, seed, kBuild<Model>.pixel_bits, kLanes));
@@ -198,7 +226,7 @@ void play_verdicts(std::uint64_t seed, int fault_percent, int changes, VerdictCo
   for (int bank = 0; bank < 2; ++bank) {
     for (int section = 0; section < kSections; ++section) {
       for (int column = 0; column < 64; ++column) {
-        bench.write_limits(bank, section, column, random_limits(random, 8));
+        bench.write_limits(bank, section, column, random_limits(random, kBuild<Model>, 8));
       }
       bench.begin_section(bank, section, static_cast<std::uint32_t>(random.between(0, 30)));
     }
@@ -225,10 +253,10 @@ void play_verdicts(std::uint64_t seed, int fault_percent, int changes, VerdictCo
     if (!board.model().frame_open()) {
       for (int i = random.between(0, 6); i > 0; --i) {
         const int bank = random.between(0, 1);
-        seen.refused +=
-            bench.write_limits(bank, random.between(0, 1), random.between(0, 63), random_limits(random, settings.rows))
-                ? 0
-                : 1;
+        seen.refused += bench.write_limits(bank, random.between(0, 1), random.between(0, 63),
+                                           random_limits(random, kBuild<Model>, settings.rows))
+                            ? 0
+                            : 1;
         seen.refused += bench.begin_section(bank, 1, static_cast<std::uint32_t>(random.between(0, 30))) ? 0 : 1;
       }
       bench.access(false, spec::kRegVerdictState);

@@ -1,10 +1,14 @@
-// Soak: random frames through whole boards with verdicts, of 8, 10 and 12 bits, with 4, 8 and 16 lanes, settings,
+// Soak: random frames through whole boards with verdicts, of 8 and 12 bits with 4 and 8 lanes, of 8 and 10 bits with
+// 16, settings,
 // limits and banks written between them, stalls and faults: every packet, every register and every loss compared with
 // the models.
 //
 //     verdict_soak [FRAMES] [FIRST_SEED]      1,000,000 frames from seed 1 on by default
 #include <cstdint>
 
+#include "Vboard_eight.h"
+#include "Vboard_sixteen.h"
+#include "Vboard_twelve.h"
 #include "Vboard_verdict.h"
 #include "Vboard_verdict_eight_of_twelve.h"
 #include "Vboard_verdict_sixteen_of_ten.h"
@@ -18,10 +22,16 @@ TEST(Soak, EveryVerdictEqualsTheModel) {
   VerdictCounts counts;
   soak(counts.frames, 1'000'000, [&](std::uint64_t seed) {
     const int faults = seed % 2 == 0 ? 0 : 30;
-    switch (seed / 2 % 3) {
+    switch (seed / 2 % 6) {
       case 0:
-        return play_verdicts<Vboard_verdict_eight_of_twelve>(seed, faults, 40, counts);
+        return play_verdicts<Vboard_twelve>(seed, faults, 40, counts);
       case 1:
+        return play_verdicts<Vboard_eight>(seed, faults, 40, counts);
+      case 2:
+        return play_verdicts<Vboard_sixteen>(seed, faults, 40, counts);
+      case 3:
+        return play_verdicts<Vboard_verdict_eight_of_twelve>(seed, faults, 40, counts);
+      case 4:
         return play_verdicts<Vboard_verdict_sixteen_of_ten>(seed, faults, 40, counts);
       default:
         return play_verdicts<Vboard_verdict>(seed, faults, 40, counts);
@@ -29,7 +39,8 @@ TEST(Soak, EveryVerdictEqualsTheModel) {
   });
   report_soak(
       "verdict_soak",
-      "The board's RTL with verdicts against the models, random frames with stalls and faults, every packet byte",
+      "Six boards with verdicts, of 8 to 12 bits and 4 to 16 pixels a clock, against the models, random frames with "
+      "stalls and faults, every packet byte",
       {{"frames", counts.frames},
        {"packets", counts.delivered},
        {"lost_counted", counts.lost},

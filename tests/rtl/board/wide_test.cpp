@@ -148,6 +148,15 @@ void play_all_verdicts(int fault_percent) {
     EXPECT_GT(seen.bad, kCases);
   }
 }
+TEST(WideBoard, VerdictsOfTwelveBitsEqualTheModel) {
+  play_all_verdicts<Vboard_twelve>(0);
+  play_all_verdicts<Vboard_twelve>(30);
+}
+TEST(WideBoard, VerdictsOfEightAndSixteenLanesEqualTheModel) {
+  play_all_verdicts<Vboard_eight>(0);
+  play_all_verdicts<Vboard_eight>(30);
+  play_all_verdicts<Vboard_sixteen>(0);
+}
 TEST(WideBoard, VerdictsOfEightLanesOfTwelveBitsEqualTheModel) {
   play_all_verdicts<Vboard_verdict_eight_of_twelve>(0);
   play_all_verdicts<Vboard_verdict_eight_of_twelve>(30);
