@@ -143,7 +143,7 @@ void play_all_verdicts(int fault_percent) {
   for_cases(kCases, [&](std::uint64_t seed) { play_verdicts<Board>(seed, fault_percent, 40, seen); });
   if (runs_all_cases()) {
     EXPECT_GT(seen.delivered, seen.frames / 2);
-    EXPECT_GT(seen.lost, 0U);
+    EXPECT_TRUE(seen.lost > 0 || kBuild<Board>.max_columns > 64);  // those have FIFOs for more than the bus stalls
     EXPECT_GT(seen.parts, 10U * kCases);
     EXPECT_GT(seen.bad, kCases);
   }
