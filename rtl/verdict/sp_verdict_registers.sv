@@ -289,7 +289,7 @@ module sp_verdict_registers #(
   logic        f_on_q, f_hold_q, f_by_encoder_q, f_table_bank_q;
   logic [1:0]  f_packets_q;
   logic [15:0] f_length_q;
-  logic [10:0] f_column_q;
+  logic [11:0] f_column_q;
   logic [5:0]  f_section_q;
   logic [9:1]  f_there_q;   // verdict_defect to verdict_table
   logic        f_any_there_q, f_free_q, f_good, f_takes, f_took_q;
@@ -303,7 +303,7 @@ module sp_verdict_registers #(
       8'h90: f_good = data_i[11:0] != '0 && data_i[23:16] != '0;
       8'h98, 8'h9C: f_good = data_i[23:0] != '0;
       8'h8C, 8'h94, 8'hA0, 8'hA4: f_good = 1'b1;
-      8'hA8: f_good = 32'(data_i[10:0]) < MaxColumns && 32'(data_i[21:16]) < 1 << LogSections;
+      8'hA8: f_good = 32'(data_i[11:0]) < MaxColumns && 32'(data_i[21:16]) < 1 << LogSections;
       8'hAC: f_good = f_free_q && f_high >> LimitBits == '0;
       8'hB0: f_good = f_free_q;
       default: f_good = 1'b0;
@@ -327,7 +327,7 @@ module sp_verdict_registers #(
       if (address_i == 8'h88) f_bank_named_q <= data_i[18];
       if (address_i == 8'hA4) f_length_q <= data_i[15:0];
       if (address_i == 8'hA8) begin
-        {f_table_bank_q, f_section_q, f_column_q} <= {data_i[24], data_i[21:16], data_i[10:0]};
+        {f_table_bank_q, f_section_q, f_column_q} <= {data_i[24], data_i[21:16], data_i[11:0]};
       end
       for (int word_of = 2; word_of <= 10; word_of++) begin
         if (32'(address_i) == 'h80 + 4 * word_of) f_there_q[word_of-1] <= 1'b1;
@@ -356,7 +356,7 @@ module sp_verdict_registers #(
     end
     if (write_limits_o) begin
       assert (write_section_o == SectionBits'(f_section_q));
-      assert (11'(write_column_o) == f_column_q && 32'(f_section_q) < 1 << LogSections);
+      assert (12'(write_column_o) == f_column_q && 32'(f_section_q) < 1 << LogSections);
       assert (write_limits_word_o[0+:LimitBits] == LimitBits'(data_i[16:0]));
       assert (18'(write_limits_word_o[LimitBits+:LimitBits]) == f_high);
     end
