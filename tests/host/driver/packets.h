@@ -38,7 +38,7 @@ inline Bytes moments_packet(std::uint64_t sequence, int columns = 16) {
 
 // The largest packet that there is.
 inline Bytes largest_packet(std::uint64_t sequence) {
-  model::PacketHeader header = moments_header(sequence, spec::kMaxColumns);
+  model::PacketHeader header = moments_header(sequence, spec::kColumnLimit);
   header.flags = spec::kFlagVerdict;
   return moments_packet(header);
 }

@@ -465,17 +465,17 @@ TEST_F(Ring, EachFieldOfTheLayoutCounts) {
 
 // A ring with as many slots as a ring of its own keeps them; the free memory is shared with the rest of the machine.
 TEST_F(Ring, TheDepthOfARing) {
-  for (const std::uint32_t there : {2048U, 4096U, 65536U}) {
+  for (const std::uint32_t there : {1024U, 4096U, 65536U}) {
     make_by_hand(name_, {.slots = there});
     EXPECT_EQ(driver::RingWriter::deep_slots(name_), there);
   }
   struct statvfs room {};
   ASSERT_EQ(statvfs("/dev/shm", &room), 0);
   std::uint32_t fits = 16384;
-  while (fits > 2048 && driver::ring::ring_bytes(fits) > room.f_bavail * room.f_frsize / 2) {
+  while (fits > 1024 && driver::ring::ring_bytes(fits) > room.f_bavail * room.f_frsize / 2) {
     fits /= 2;
   }
-  make_by_hand(name_, {.slots = 1024});
+  make_by_hand(name_, {.slots = 512});
   EXPECT_EQ(driver::RingWriter::deep_slots(name_), fits) << "a shallow one is replaced";
   driver::remove_ring(name_);
   EXPECT_EQ(driver::RingWriter::deep_slots(name_), fits);
