@@ -107,12 +107,12 @@ class MomentsBeside final : public Beside<typename Block::Pins, Rtl, MomentsBesi
 };
 
 template <typename Block, typename Rtl>
-constexpr int moments::kPixelBits<MomentsBeside<Block, Rtl>> = Block::Format::kPixelBits;
+inline constexpr int moments::kPixelBits<MomentsBeside<Block, Rtl>> = Block::Format::kPixelBits;
 template <typename Block, typename Rtl>
-constexpr int moments::kLanes<MomentsBeside<Block, Rtl>> = Block::Format::kLanes;
+inline constexpr int moments::kLanes<MomentsBeside<Block, Rtl>> = Block::Format::kLanes;
 // A grey build with the strongest runs, as in column_runs_test.cpp.
 template <typename Block, typename Rtl>
-constexpr bool moments::kBinaryDrains<MomentsBeside<Block, Rtl>> = moments::kRuns<Rtl>;
+inline constexpr bool moments::kBinaryDrains<MomentsBeside<Block, Rtl>> = moments::kRuns<Rtl>;
 
 template <typename Dut>
 void list_ports(const Dut& /*dut*/, const Recorder& /*recorder*/) {}  // records nothing of them
