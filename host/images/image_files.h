@@ -177,6 +177,7 @@ std::string encode_png(const Image& image);
 // Returns the bytes of a PNG file of rows x columns pixels of 16 bits, given row by row without gaps. Throws
 // std::invalid_argument if the image has no pixels or is too large.
 std::string encode_png16(int rows, int columns, std::span<const std::uint16_t> pixels);
+inline std::string encode_png(const WideImage& image) { return encode_png16(image.rows, image.columns, image.pixels); }
 
 }  // namespace selfproj::images
 

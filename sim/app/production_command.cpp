@@ -323,11 +323,6 @@ class MovingLine final : public Line {
   }
 
  private:
-  static std::string png_of(const images::Image& image) { return images::encode_png(image); }
-  static std::string png_of(const images::WideImage& image) {
-    return images::encode_png16(image.rows, image.columns, image.pixels);
-  }
-
   template <typename Pixel>
   [[nodiscard]] PacketRecording packets_of(const std::vector<LinePart>& parts, const Done& done,
                                            const TakeImage& take_image) const {
@@ -365,7 +360,7 @@ class MovingLine final : public Line {
         std::vector<std::uint8_t>& payload = payloads[at].emplace_back(model::columns_payload_bytes(header));
         model::pack_columns(header, runs.view(), payload.data());
         if (take_image) {
-          const std::string png = png_of(image);
+          const std::string png = images::encode_png(image);
           const std::lock_guard lock(mutex);
           take_image(at * static_cast<std::size_t>(count) + static_cast<std::size_t>(frame), png);
         }

@@ -288,9 +288,9 @@ void render(const SceneOptions& options) {
         values = std::move(part);
       }
       if (quantized && rig.measure.bits() > spec::kPixelBits) {
-        std::vector<std::uint16_t> pixels(values.values.size());
-        quantize(rig.measure.bits(), values.values, pixels);
-        bytes = images::encode_png16(values.rows, values.columns, pixels);
+        images::WideImage image{values.rows, values.columns, std::vector<std::uint16_t>(values.values.size())};
+        quantize(rig.measure.bits(), values.values, image.pixels);
+        bytes = images::encode_png(image);
       } else if (quantized) {
         images::Image image{values.rows, values.columns, std::vector<std::uint8_t>(values.values.size())};
         quantize(values.values, image.pixels);

@@ -62,16 +62,14 @@ void capture(const PerturbedRig& actual, const Scene& scene, const std::vector<P
   const int digits = count > 100 ? 3 : 2;
   parallel_for(count, settings.threads, [&](int i) {
     const ProjectedLight& pattern = patterns[static_cast<std::size_t>(i)];
-    std::string bytes;
-    if (rig.measure.bits() > spec::kPixelBits) {
-      std::vector<std::uint16_t> pixels(rig.camera.pixels());
-      renderer.render(first + i, pattern, std::span(pixels));
-      bytes = images::encode_png16(rig.camera.rows, rig.camera.columns, pixels);
-    } else {
-      images::Image image{rig.camera.rows, rig.camera.columns, std::vector<std::uint8_t>(rig.camera.pixels())};
+    const auto take = [&]<typename Pixel>(images::ImageOf<Pixel> image) {
+      image.pixels.resize(rig.camera.pixels());
       renderer.render(first + i, pattern, std::span(image.pixels));
-      bytes = images::encode_png(image);
-    }
+      return images::encode_png(image);
+    };
+    const std::string bytes = rig.measure.bits() > spec::kPixelBits
+                                  ? take(images::WideImage{rig.camera.rows, rig.camera.columns, {}})
+                                  : take(images::Image{rig.camera.rows, rig.camera.columns, {}});
     const std::lock_guard lock(mutex);
     out.append(fmt::format("{}{}image_{:0{}}.png", settings.prefix, prefix, i, digits), bytes);
     settings.done();

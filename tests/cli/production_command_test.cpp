@@ -41,6 +41,19 @@ class ProductionCommand : public ::testing::Test {
     return words;
   }
 
+  // Learns the tolerance of the line's good parts, tolerance.yaml.
+  Outcome learn(const Words& of) {
+    return host(with({"tolerance", "learn", "--device", "file:line/good.packets", "--out", "tolerance.yaml"}, of));
+  }
+  // That, and the table of verdicts for it, verdict.yaml.
+  Outcome learn_and_make_table(const Words& of) {
+    if (Outcome learned = learn(of); learned.status != 0) {
+      return learned;
+    }
+    return host(
+        with({"verdict", "table", "--tolerance", "tolerance.yaml", "--defect", "2x2", "--out", "verdict.yaml"}, of));
+  }
+
   // Compares the results in the folder `parts` with the truth in `line`, and returns how many parts were bad. Defects
   // are searched for within `near` mm; their depths may be off by `off` mm.
   int agrees(const std::string& line, const std::string& parts, double near, double off) {
@@ -399,11 +412,7 @@ TEST_F(ProductionCommand, FewRowsAreJudged) {
   EXPECT_LT(rig.camera.sent().exposure_s, 0.3 * rig.camera.exposure_s);
 
   const Words of = {"--rig", "line/rig.yaml", "--reference", "line/part"};
-  const Outcome learned =
-      host(with({"tolerance", "learn", "--device", "file:line/good.packets", "--out", "tolerance.yaml"}, of));
-  ASSERT_EQ(learned.status, 0) << learned.err;
-  const Outcome table =
-      host(with({"verdict", "table", "--tolerance", "tolerance.yaml", "--defect", "2x2", "--out", "verdict.yaml"}, of));
+  const Outcome table = learn_and_make_table(of);
   ASSERT_EQ(table.status, 0) << table.err;
   const Outcome run = host(with({"inspect", "--device", "file:line/run.packets", "--tolerance", "tolerance.yaml",
                                  "--verdict", "verdict.yaml", "--verdict-placed", "--parts", "judged"},
@@ -425,11 +434,7 @@ TEST_F(ProductionCommand, PartsOfTwelveBitsAreJudged) {
                 .status,
             0);
   const Words of = {"--rig", "line/rig.yaml", "--reference", "line/part"};
-  const Outcome learned =
-      host(with({"tolerance", "learn", "--device", "file:line/good.packets", "--out", "tolerance.yaml"}, of));
-  ASSERT_EQ(learned.status, 0) << learned.err;
-  const Outcome table =
-      host(with({"verdict", "table", "--tolerance", "tolerance.yaml", "--defect", "2x2", "--out", "verdict.yaml"}, of));
+  const Outcome table = learn_and_make_table(of);
   ASSERT_EQ(table.status, 0) << table.err;
   EXPECT_EQ(table.err, "");  // noise makes no defects
   const Outcome run = host(with({"inspect", "--device", "file:line/run.packets", "--tolerance", "tolerance.yaml",
@@ -465,8 +470,7 @@ TEST_F(ProductionCommand, ALaserLineLearnsAndJudges) {
       sim({"production", "--rig", "laser", "--good", "5", "--parts", "2", "--bad-every", "2", "--out", "line"}).status,
       0);
   const Words of = {"--rig", "line/rig.yaml", "--reference", "line/part"};
-  const Outcome learned =
-      host(with({"tolerance", "learn", "--device", "file:line/good.packets", "--out", "tolerance.yaml"}, of));
+  const Outcome learned = learn(of);
   ASSERT_EQ(learned.status, 0) << learned.err;
   const Outcome run = host(
       with({"inspect", "--device", "file:line/run.packets", "--tolerance", "tolerance.yaml", "--parts", "judged"}, of));

@@ -14,9 +14,9 @@
 #include "Vboard_codes.h"
 #include "Vboard_codes_raw.h"
 #include "host/files/results_file.h"
-#include "selfproj/light_section/fast_moments.h"
 #include "selfproj/model/column_runs.h"
 #include "sim/board/engines.h"
+#include "tests/hls/model_and_kernel.h"
 #include "tests/rtl/board/random_frames.h"
 #include "tests/support/soak.h"
 
@@ -34,12 +34,7 @@ struct ImageCounts {
 // Compares the fast kernel with the model, and counts what the image has.
 void compare_fast(const TestImage& image, const model::Measure& measure, ImageCounts& images) {
   model::Runs right;
-  model::Runs found;
-  right.resize(measure.select, image.columns);
-  found.resize(measure.select, image.columns);
-  model::measure_columns(image.view(), measure, right.view());
-  light_section::fast_measure_columns(image.view(), measure, found.view());
-  ASSERT_TRUE(found == right) << "the fast kernel differs";
+  ASSERT_NO_FATAL_FAILURE(measure_by_both(image.view(), measure, right));
   images.columns += right.runs.size();
   images.several +=
       static_cast<std::uint64_t>(std::count_if(right.runs.begin(), right.runs.end(), [](auto n) { return n > 1; }));

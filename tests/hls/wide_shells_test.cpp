@@ -23,17 +23,14 @@ using MomentsOf = sim::ColumnMomentsBlockOf<hls::MomentsFormats<PixelBits, Lanes
 template <int PixelBits, int Lanes>
 using RunsOf = sim::ColumnRunsBlockOf<hls::MomentsFormats<PixelBits, Lanes>>;
 
-struct Shells {
-  MomentsOf<10, 4> ten{"ten"};
-  MomentsOf<12, 4> twelve{"twelve"};
-  MomentsOf<8, 8> eight{"eight"};
-  MomentsOf<12, 8> eight_of_twelve{"eight_of_twelve"};
-  MomentsOf<8, 16> sixteen{"sixteen"};
-  RunsOf<12, 4> runs_twelve{"runs_twelve"};
-  RunsOf<8, 8> runs_eight{"runs_eight"};
-  RunsOf<10, 8> runs_ten_of_eight{"runs_ten_of_eight"};
-  RunsOf<8, 16> runs_sixteen{"runs_sixteen"};
+template <typename Block>
+struct Held {
+  Block block{sc_core::sc_gen_unique_name("block")};
 };
+template <typename... Blocks>
+struct AllHeld : Held<Blocks>... {};
+using Shells = AllHeld<MomentsOf<10, 4>, MomentsOf<12, 4>, MomentsOf<8, 8>, MomentsOf<12, 8>, MomentsOf<8, 16>,
+                       RunsOf<12, 4>, RunsOf<8, 8>, RunsOf<10, 8>, RunsOf<8, 16>>;
 
 Shells& shells() {
   static Shells all;
@@ -42,41 +39,9 @@ Shells& shells() {
 
 }  // namespace
 
-template <>
-MomentsOf<10, 4>& shell_of() {
-  return shells().ten;
-}
-template <>
-MomentsOf<12, 4>& shell_of() {
-  return shells().twelve;
-}
-template <>
-MomentsOf<8, 8>& shell_of() {
-  return shells().eight;
-}
-template <>
-MomentsOf<12, 8>& shell_of() {
-  return shells().eight_of_twelve;
-}
-template <>
-MomentsOf<8, 16>& shell_of() {
-  return shells().sixteen;
-}
-template <>
-RunsOf<12, 4>& shell_of() {
-  return shells().runs_twelve;
-}
-template <>
-RunsOf<8, 8>& shell_of() {
-  return shells().runs_eight;
-}
-template <>
-RunsOf<10, 8>& shell_of() {
-  return shells().runs_ten_of_eight;
-}
-template <>
-RunsOf<8, 16>& shell_of() {
-  return shells().runs_sixteen;
+template <typename Block>
+Block& shell_of() {
+  return static_cast<Held<Block>&>(shells()).block;
 }
 
 namespace {

@@ -15,9 +15,9 @@
 #include "Vboard_ten.h"
 #include "Vboard_twelve.h"
 #include "Vboard_widest.h"
-#include "selfproj/light_section/fast_moments.h"
 #include "selfproj/model/packet.h"
 #include "sim/board/moments_blocks.h"
+#include "tests/hls/model_and_kernel.h"
 #include "tests/rtl/board/random_frames.h"
 #include "tests/support/soak.h"
 
@@ -66,12 +66,7 @@ void compare(const model::PixelView<Pixel>& image, const model::Measure& measure
   header.kind = spec::kKindMoments;
   model::describe_frame(header, image.rows, image.columns, measure);
   model::Runs right;
-  model::Runs found;
-  right.resize(measure.select, image.columns);
-  found.resize(measure.select, image.columns);
-  model::measure_columns(image, measure, right.view());
-  light_section::fast_measure_columns(image, measure, found.view());
-  ASSERT_TRUE(found == right) << "the fast kernel differs";
+  ASSERT_NO_FATAL_FAILURE(measure_by_both(image, measure, right));
   columns += static_cast<std::uint64_t>(image.columns);
   std::vector<std::uint8_t> payload(model::columns_payload_bytes(header));
   model::pack_columns(header, right.view(), payload.data());
