@@ -284,10 +284,7 @@ Method measure_self_projected(const Stage& stage, const structured_light::SelfRe
       stage.part, 0, bits, [&](int i) { return structured_light::self_projected_pattern(reference, i); },
       [&](int i, const model::ImageView& image) {
         if (i == finest) {
-          page.pictures.push_back(
-              {"Camera image, finest stripes",
-               images::encode_png({image.rows, image.columns, {image.pixels, image.pixels + rig.camera.pixels()}}),
-               ""});
+          page.pictures.push_back({"Camera image, finest stripes", images::encode_png(images::copy_of(image)), ""});
         }
         done();
       },
