@@ -137,7 +137,8 @@ void BoardModel::start_decoding(std::uint64_t clock) {
   }
   due_ = decoder_.begin(inputs_.pattern);
   const bool busy = median_built_ && due_ && last_codes_columns_ >= 0 &&
-                    clock <= last_codes_ + kMedianClocks + static_cast<std::uint64_t>(last_codes_columns_ / lanes_);
+                    clock <= last_codes_ + kMedianClocks + static_cast<std::uint64_t>(last_codes_columns_ / lanes_) +
+                                 median_pause(lanes_, last_codes_columns_);
   if (busy) {
     decoder_.end(false);
     due_ = false;

@@ -17,7 +17,7 @@ module sp_board #(
   // Bits of a pixel: 8..12. With more than 8, images and codes are of the upper eight.
   parameter int PixelBits = sp_spec_pkg::PixelBits,  // 8..12
   // Pixels in a beat. With more than 4, frames need more rows to follow each other without a gap: see
-  // sp_payload_split. With 16, Codes cannot be built.
+  // sp_payload_split, sp_image_path and sp_codes_path.
   parameter int Lanes = sp_spec_pkg::PixelsPerBeat,  // 4, 8 or 16
   parameter bit Grey = 1'b1,   // modes grey and grey_over
   parameter bit Runs = 1'b0,   // the strongest run of a column
@@ -77,10 +77,6 @@ module sp_board #(
 
   if (VerdictLogSections < 0 || VerdictLogSections > 6) begin : gen_verdict_log_sections
     verdict_log_sections_is_not_in_0_to_6 u_error ();
-  end
-
-  if (Lanes > 8 && Codes) begin : gen_no_wide_codes
-    more_than_8_lanes_exclude_codes u_error ();
   end
 
   localparam int GroupBits = $clog2(MaxColumns / Lanes);

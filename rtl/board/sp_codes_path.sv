@@ -3,7 +3,7 @@
 //
 // Guarantees: every line whose codes began gives a packet or is counted in lost_o; packets come out
 // whole. Lines of 88 columns and more may follow each other without a gap; with 8 lanes they need a
-// gap of 11 clocks.
+// gap of 11 clocks, with 16 lanes and C columns one of C / 16 + 11.
 //
 // Codes come seven clocks after their pixels, or one line later with the median. By then the header
 // fields of sp_frame_info may belong to a later frame. They are therefore held from the first codes
@@ -16,7 +16,7 @@ module sp_codes_path #(
   parameter int MaxColumns = sp_spec_pkg::MaxColumns,  // a multiple of 4; of Lanes
   parameter int MaxRows = sp_spec_pkg::MaxRows,  // 1 or more
   parameter int MaxBits = sp_spec_pkg::CodeCodeBits,  // 1..12
-  parameter int Lanes = sp_spec_pkg::PixelsPerBeat,  // pixels in a beat: 4 or 8
+  parameter int Lanes = sp_spec_pkg::PixelsPerBeat,  // pixels in a beat: 4, 8 or 16
   parameter bit Median = 1'b1,
   parameter bit Region = 1'b1,  // headers say where on the sensor frames begin
   parameter bit Wide = 1'b0,  // headers tell of pixels of more than 8 bits

@@ -4,7 +4,8 @@
 // The words of a line wait in a ring of at least two lines, so that lines may follow each other
 // without a gap. line_done_o asks for a packet when the line has ended or broken. After accept_i
 // the words leave, one per clock. A line that broke leaves with the words that it has, followed by
-// words_break_o.
+// words_break_o. A beat of 16 codes has two words: they lie in the ring as one, lower half first,
+// and a line takes twice as long to leave as to come in.
 //
 // Timing: line_done_o comes one clock after the last beat of the line, or in the clock of break_i.
 // accept_i is read three clocks later. The words leave from seven clocks after line_done_o on.
@@ -20,7 +21,7 @@ module sp_image_packer #(
   parameter int ColumnBits = $clog2(MaxColumns + 1),
   parameter int RowBits = $clog2(MaxRows + 1),
   parameter int WordBits = $clog2(MaxColumns * PixelBytes / 16 + 2),
-  parameter int LogDepth =
+  parameter int LogDepth =  // of the ring; of four lines where it is twice as wide
     MaxColumns * PixelBytes > 256 ? $clog2(MaxColumns / 8 * PixelBytes) : 5
 ) (
   input  wire logic                  clk_i,
@@ -62,9 +63,9 @@ module sp_image_packer #(
   if (PixelBytes != 1 && PixelBytes != 2) begin : gen_pixel_bytes
     pixel_bytes_is_not_1_or_2 u_error ();
   end
-  if (BeatBits > 128) begin : gen_beat_bits
-    a_beat_has_more_bytes_than_a_word u_error ();
-  end
+
+  localparam int RingBits = BeatBits > 128 ? BeatBits : 128;
+  localparam int Parts = RingBits / 128;  // words of an entry of the ring: 1 or 2
 
   logic                line_open_q;
   logic                line_ended_q;  // the last beat of a line was one clock ago
@@ -98,7 +99,7 @@ module sp_image_packer #(
   logic [95:0]         gathered_q;  // the beats of a word but the last, zeros above
   logic                partial_q;   // gathered_q holds beats not yet written
   logic                whole_q;     // word_q waits to be written
-  logic [127:0]        word_q;
+  logic [RingBits-1:0] word_q;
   logic                write, last_of_word;
   logic [LogDepth-1:0] wr_ptr_q, next_ptr;
   logic [LogDepth-1:0] line_ptr_q;  // where the line begins
@@ -165,13 +166,32 @@ module sp_image_packer #(
   logic [3:1]          broken_q;
   logic                go_q;
   logic                reading_q, read_q;
+  logic                part_q;     // of the entry that is read; the word that is read is part1_q of one
+  logic                part1_q;
+  logic                last_part;  // this is the last of its entry
   logic                last_word;
   logic [LogDepth-1:0] rd_ptr_q;
-  logic [WordBits-1:0] left_q;
+  logic [WordBits-1:0] left_q;  // entries
   logic                line_broken_q, break_read_q;
+  logic [RingBits-1:0] entry_read;
   logic [127:0]        word_read;
 
-  assign last_word = left_q == WordBits'(1);
+  if (Parts == 1) begin : gen_whole
+    assign {part_q, part1_q} = 2'b00;
+    assign last_part         = 1'b1;
+    assign word_read         = entry_read;
+    logic unused;
+    assign unused = part_q ^ part1_q;
+  end else begin : gen_halves
+    always_ff @(posedge clk_i) begin
+      part_q  <= reading_q && !part_q;
+      part1_q <= part_q;
+    end
+    assign last_part = part_q;
+    assign word_read = part1_q ? entry_read[128+:128] : entry_read[127:0];
+  end
+
+  assign last_word = left_q == WordBits'(1) && last_part;
 
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
@@ -204,7 +224,7 @@ module sp_image_packer #(
       rd_ptr_q      <= ptr3_q;
       left_q        <= count3_q;
       line_broken_q <= broken_q[3];
-    end else if (reading_q) begin
+    end else if (reading_q && last_part) begin
       rd_ptr_q <= rd_ptr_q + LogDepth'(1);
       left_q   <= left_q - WordBits'(1);
     end
@@ -213,17 +233,17 @@ module sp_image_packer #(
   // A line is read at once when it is accepted. At the earliest, the line after the next overwrites
   // it.
   sp_ram #(
-    .Width   (128),
+    .Width   (RingBits),
     .LogDepth(LogDepth)
   ) u_ring (
     .wr_clk_i (clk_i),
     .wr_en_i  (write),
     .wr_addr_i(wr_ptr_q),
-    .wr_data_i(whole_q ? word_q : {32'd0, gathered_q}),
+    .wr_data_i(whole_q ? word_q : RingBits'({32'd0, gathered_q})),
     .rd_clk_i (clk_i),
-    .rd_en_i  (reading_q),
+    .rd_en_i  (reading_q && !part_q),
     .rd_addr_i(rd_ptr_q),
-    .rd_data_o(word_read)
+    .rd_data_o(entry_read)
   );
 
 endmodule

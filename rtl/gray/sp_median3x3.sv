@@ -5,8 +5,10 @@
 //     └──────────┴──────────────┴▶ window of Lanes + 2 x 3 ─▶ Lanes × sp_median9
 //
 // A line leaves while the next one comes in. The last line of a frame follows at once, one beat per
-// clock. No other frame may begin during that time (busy_o) and three clocks after it;
-// sp_gray_decoder sees to this. Without s_median_i codes pass unchanged, with the same timing.
+// clock; with 8 lanes after a pause of 11 clocks, with 16 lanes of 11 and one for each beat of a
+// line, which the packet of the line before takes (sp_codes_path). No other frame may begin during
+// that time (busy_o) and three clocks after it; sp_gray_decoder sees to this. Without s_median_i
+// codes pass unchanged, with the same timing.
 //
 // When a frame breaks within a line, the line before it is cut too. It ends at the break, one beat
 // short, because that beat lacks its right-hand neighbour. The broken line itself does not leave. A
@@ -68,11 +70,15 @@ module sp_median3x3 #(
   logic [GroupBits-1:0] last_group_q;   // last group of the lines
   logic [GroupBits-1:0] pass_group_q;
   logic                 step, ends;
+  logic                 pass;           // the last line begins to leave in the next clock
+  logic                 left;           // its last beat has been read
+  logic                 settled;        // codes of another frame may come
 
   assign lines = s_start_i ? 2'd0 : lines_q;
   assign group = s_line_start_i ? '0 : group_q;
   assign ends  = s_valid_i && s_line_end_i && s_last_row_i;
   assign step  = s_valid_i && lines != 2'd0 || passing_q;
+  assign left  = passing_q && pass_group_q == last_group_q;
 
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
@@ -82,10 +88,10 @@ module sp_median3x3 #(
     end else begin
       if (s_valid_i) open_q <= !ends;
       else if (s_break_i) open_q <= 1'b0;
-      if (ends) passing_q <= 1'b1;
+      if (pass) passing_q <= 1'b1;
       else if (pass_group_q == last_group_q) passing_q <= 1'b0;
       if (s_valid_i) busy_o <= 1'b1;
-      else if (s_break_i && open_q || passing_q && pass_group_q == last_group_q) busy_o <= 1'b0;
+      else if (s_break_i && open_q || settled) busy_o <= 1'b0;
     end
     if (s_valid_i) begin
       group_q <= group + GroupBits'(1);
@@ -93,6 +99,22 @@ module sp_median3x3 #(
       if (s_line_end_i) last_group_q <= group;
     end
     pass_group_q <= passing_q ? pass_group_q + GroupBits'(1) : '0;
+  end
+
+  if (Lanes == 4) begin : gen_at_once
+    assign pass    = ends;
+    assign settled = left;
+  end else begin : gen_pause
+    logic [GroupBits+3:0] pause_q;  // clocks until then
+    always_ff @(posedge clk_i) begin
+      if (rst_i) pause_q <= '0;
+      else if (ends) pause_q <= (GroupBits + 4)'(11) + (Lanes == 16 ? (GroupBits + 4)'(group) + 1'b1 : '0);
+      else if (pause_q != '0) pause_q <= pause_q - 1'b1;
+    end
+    assign pass = pause_q == (GroupBits + 4)'(1);
+    // Three clocks later than with 4 lanes: sp_codes_path tells frames of one line apart by then.
+    logic [1:0] left_q;
+    always_ff @(posedge clk_i) {settled, left_q} <= {left_q, left};
   end
 
   // --- Line buffers: near holds the line before, far the line before that. They are written one

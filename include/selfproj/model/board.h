@@ -124,9 +124,12 @@ class BoardModel {
   // Two frames are not consecutive for the decoder if the later one starts less than kDecodeDistance clocks after the
   // last beat of one with fewer beats (docs/circuits/gray.md). If the median is built, the same holds for a frame whose
   // codes are due no later than kMedianClocks + columns / lanes clocks after the last beat of the previous frame with
-  // codes.
+  // codes; with 8 and 16 lanes median_pause clocks later, because the last line waits (sp_median3x3).
   static constexpr std::uint64_t kDecodeDistance = 6;
   static constexpr std::uint64_t kMedianClocks = 3;
+  static constexpr std::uint64_t median_pause(int lanes, int columns) {
+    return lanes == 4 ? 0U : 14U + (lanes == 16 ? static_cast<std::uint64_t>(columns / 16) : 0U);
+  }
 
  private:
   void start_frame(const BoardInputs& inputs);

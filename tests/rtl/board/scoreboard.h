@@ -128,7 +128,9 @@ class Scoreboard {
     turn_encoder(0);
     device_.drain(spec::kColumnLimit);  // longer than the words of a frame wait
     scoreboard_.finish();
-    EXPECT_EQ(device_.read(spec::kRegLostMoments), scoreboard_.lost_in_all(spec::kKindMoments));
+    // A frame that is still open may be lost already.
+    EXPECT_LE(device_.read(spec::kRegLostMoments) - scoreboard_.lost_in_all(spec::kKindMoments),
+              model_.frame_open() ? 1U : 0U);
     EXPECT_EQ(device_.read(spec::kRegLostImage), scoreboard_.lost_in_all(spec::kKindImage));
     if ((device_.read(spec::kRegCapability) >> spec::kRegCapabilityCodesLsb & 1U) != 0) {
       EXPECT_EQ(device_.read(spec::kRegLostCodes), scoreboard_.lost_in_all(spec::kKindCodes));

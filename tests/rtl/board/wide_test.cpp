@@ -4,8 +4,10 @@
 
 #include <cstdint>
 #include <tuple>
+#include <type_traits>
 #include <vector>
 
+#include "Vboard_codes_sixteen.h"
 #include "Vboard_eight.h"
 #include "Vboard_eight_of_twelve.h"
 #include "Vboard_sixteen.h"
@@ -220,26 +222,41 @@ TEST(WideBoard, FramesCloseTogether) {
   frames_close_together<Vboard_sixteen>(16, model::Mode::grey_over, true);
 }
 
-// Lines of raw images that come `gap` clocks after each other, and a bus that never stalls: how many are lost.
+// Lines of raw images, or of codes, that come `gap` clocks after each other, and a bus that never stalls: how many are
+// lost.
 template <class Board>
-std::uint64_t lost_lines(int lanes, int columns, std::uint32_t gap) {
+std::uint64_t lost_lines(int lanes, int columns, std::uint32_t gap, std::uint8_t kind = spec::kKindImage,
+                         bool median = false) {
   constexpr int kRows = 40;
-  Scoreboard<Board> board({.bus_period_ps = 3000, .lanes = lanes});
-  board.write({.image = true, .columns = columns, .rows = kRows, .threshold = 100});
+  const bool codes = kind == spec::kKindCodes;
+  constexpr int kBits = std::is_same_v<Board, Vboard_eight_of_twelve> ? 12 : spec::kPixelBits;
+  Scoreboard<Board> board({.bus_period_ps = 3000, .pixel_bits = kBits, .lanes = lanes});
+  if (codes) {
+    board.count_patterns_on_frames(1);
+  }
+  board.write({.image = !codes,
+               .columns = columns,
+               .rows = kRows,
+               .threshold = 100,
+               .codes = codes,
+               .median = median,
+               .code_bits = 1});
   Random random(1);
-  for (const auto& line : lines_of(random_image(random, kRows, columns), lanes)) {
-    for (const model::VideoBeat& beat : line) {
-      board.device().send(beat);
+  for (int frame = 0; frame < (codes ? 2 : 1); ++frame) {  // codes come with the second of a pair
+    for (const auto& line : lines_of(random_image(random, kRows, columns), lanes)) {
+      for (const model::VideoBeat& beat : line) {
+        board.device().send(beat);
+      }
+      board.device().gap(gap);
     }
-    board.device().gap(gap);
   }
   board.play();
   board.finish();
-  EXPECT_EQ(board.delivered(spec::kKindImage) + board.lost(spec::kKindImage), static_cast<std::uint64_t>(kRows));
-  return board.lost(spec::kKindImage);
+  EXPECT_EQ(board.delivered(kind) + board.lost(kind), static_cast<std::uint64_t>(kRows));
+  return board.lost(kind);
 }
 
-// As sp_image_path states it
+// As sp_image_path and sp_codes_path state it
 TEST(WideBoard, LinesCloseTogether) {
   EXPECT_EQ(lost_lines<Vboard_eight>(8, 176, 0), 0U);
   EXPECT_EQ(lost_lines<Vboard_eight>(8, 512, 0), 0U);
@@ -247,6 +264,21 @@ TEST(WideBoard, LinesCloseTogether) {
   EXPECT_EQ(lost_lines<Vboard_sixteen>(16, 176, 11), 0U);
   EXPECT_EQ(lost_lines<Vboard_sixteen>(16, 512, 11), 0U);
   EXPECT_GT(lost_lines<Vboard_sixteen>(16, 512, 10), 0U);
+  for (const bool median : {false, true}) {
+    const auto lost_codes = [&](int lanes, int columns, int gap) {
+      const auto clocks = static_cast<std::uint32_t>(gap);
+      return lanes == 16 ? lost_lines<Vboard_codes_sixteen>(16, columns, clocks, spec::kKindCodes, median)
+                         : lost_lines<Vboard_eight_of_twelve>(8, columns, clocks, spec::kKindCodes, median);
+    };
+    for (const int columns : {16, 64}) {
+      EXPECT_EQ(lost_codes(8, columns, 11), 0U);
+      EXPECT_GT(lost_codes(8, columns, 10), 0U);
+    }
+    for (const int columns : {16, 48, 256}) {
+      EXPECT_EQ(lost_codes(16, columns, columns / 16 + 11), 0U);
+      EXPECT_GT(lost_codes(16, columns, columns / 16 + 10), 0U);
+    }
+  }
 }
 
 // Columns that beats cannot have are refused; `status` says how many pixels a beat has.
@@ -293,6 +325,16 @@ TEST(WideBoard, CodesOfEightLanesEqualTheModel) {
   CodeCounts counts;
   for_cases(40, [&](std::uint64_t seed) {
     play_random_sequences<Vboard_eight_of_twelve>(seed, true, 10, counts, {}, {}, 12, 8);
+  });
+  if (runs_all_cases()) {
+    EXPECT_GT(counts.delivered, counts.frames / 8) << "too little of the decoder was seen";
+  }
+}
+
+TEST(WideBoard, CodesOfSixteenLanesEqualTheModel) {
+  CodeCounts counts;
+  for_cases(40, [&](std::uint64_t seed) {
+    play_random_sequences<Vboard_codes_sixteen>(seed, true, 10, counts, {}, {}, spec::kPixelBits, 16);
   });
   if (runs_all_cases()) {
     EXPECT_GT(counts.delivered, counts.frames / 8) << "too little of the decoder was seen";
