@@ -265,6 +265,19 @@ SensorImage read_sensor_image(const std::string& file, const PixelRule& rule) {
   return rule.bits > spec::kPixelBits ? SensorImage(wide_by_rule(file, decoded, rule)) : by_rule(file, decoded, rule);
 }
 
+Image upper_bits(const SensorImage& image, int bits) {
+  if (const auto* eight = std::get_if<Image>(&image)) {
+    return *eight;
+  }
+  const auto& wide = std::get<WideImage>(image);
+  Image upper{wide.rows, wide.columns, {}};
+  upper.pixels.reserve(wide.pixels.size());
+  for (const std::uint16_t pixel : wide.pixels) {
+    upper.pixels.push_back(static_cast<std::uint8_t>(pixel >> (bits - spec::kPixelBits)));
+  }
+  return upper;
+}
+
 ImagePages::ImagePages(std::vector<std::string> files) : files_(std::move(files)) {
   for (std::size_t i = 0; i < files_.size(); ++i) {
     check_image_file(files_[i]);

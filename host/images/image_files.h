@@ -126,6 +126,9 @@ Image read_image(const std::string& file, const PixelRule& rule);
 using SensorImage = std::variant<Image, WideImage>;
 SensorImage read_sensor_image(const std::string& file, const PixelRule& rule);
 
+// The upper eight bits of its pixels of `bits`, for a picture.
+Image upper_bits(const SensorImage& image, int bits);
+
 // The images of files, of which a TIFF may have several pages.
 class ImagePages {
  public:

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <string>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "host/files/notes.h"
@@ -62,8 +63,12 @@ ImageOf<Pixel> transposed(const ImageOf<Pixel>& image) {
   return result;
 }
 
-Image with_columns(const Image& image, int columns) {
-  Image result{image.rows, columns, {}};
+template <typename Pixel>
+ImageOf<Pixel> with_columns(ImageOf<Pixel> image, int columns) {
+  if (image.columns == columns) {
+    return image;
+  }
+  ImageOf<Pixel> result{image.rows, columns, {}};
   result.pixels.resize(static_cast<std::size_t>(image.rows) * static_cast<std::size_t>(columns), 0);
   const int kept = std::min(columns, image.columns);
   for (int row = 0; row < image.rows; ++row) {
@@ -71,6 +76,10 @@ Image with_columns(const Image& image, int columns) {
                 result.pixels.begin() + static_cast<std::ptrdiff_t>(row) * columns);
   }
   return result;
+}
+
+SensorImage with_columns(SensorImage image, int columns) {
+  return std::visit([&](auto& one) { return SensorImage(with_columns(std::move(one), columns)); }, image);
 }
 
 template <typename Pixel>
@@ -145,7 +154,38 @@ ImageOf<Pixel> PreparedImagesOf<Pixel>::prepared(ImagePages& from, std::size_t i
 }
 
 template ImageOf<std::uint8_t> transposed(const ImageOf<std::uint8_t>& image);
+template ImageOf<std::uint8_t> with_columns(ImageOf<std::uint8_t> image, int columns);
+template ImageOf<std::uint16_t> with_columns(ImageOf<std::uint16_t> image, int columns);
 template class PreparedImagesOf<std::uint8_t>;
 template class PreparedImagesOf<std::uint16_t>;
+
+PreparedSensorImages::PreparedSensorImages(const std::vector<std::string>& files, const Preparation& preparation)
+    : images_(preparation.bits > spec::kPixelBits
+                  ? decltype(images_)(std::in_place_type<WidePreparedImages>, files, preparation)
+                  : decltype(images_)(std::in_place_type<PreparedImages>, files, preparation)) {}
+
+std::size_t PreparedSensorImages::count() const { return files().size(); }
+const std::vector<std::string>& PreparedSensorImages::files() const {
+  return std::visit(
+      [](const auto& images) -> const auto& { return images.files(); }, images_);
+}
+int PreparedSensorImages::rows() const {
+  return std::visit([](const auto& images) { return images.rows(); }, images_);
+}
+int PreparedSensorImages::columns() const {
+  return std::visit([](const auto& images) { return images.columns(); }, images_);
+}
+SensorImage PreparedSensorImages::frame(std::size_t i, SensorImage* as_taken) {
+  return std::visit(
+      [&]<typename Pixel>(PreparedImagesOf<Pixel>& images) {
+        ImageOf<Pixel> taken;
+        SensorImage image = images.frame(i, as_taken == nullptr ? nullptr : &taken);
+        if (as_taken != nullptr) {
+          *as_taken = std::move(taken);
+        }
+        return image;
+      },
+      images_);
+}
 
 }  // namespace selfproj::images

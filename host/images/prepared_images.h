@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "host/images/image_files.h"
@@ -27,7 +28,9 @@ template <typename Pixel>
 ImageOf<Pixel> transposed(const ImageOf<Pixel>& image);
 
 // The image with this many columns: the first ones, or followed by dark ones.
-Image with_columns(const Image& image, int columns);
+template <typename Pixel>
+ImageOf<Pixel> with_columns(ImageOf<Pixel> image, int columns);
+SensorImage with_columns(SensorImage image, int columns);
 
 template <typename Pixel>
 class PreparedImagesOf {
@@ -59,6 +62,21 @@ class PreparedImagesOf {
 };
 using PreparedImages = PreparedImagesOf<std::uint8_t>;
 using WidePreparedImages = PreparedImagesOf<std::uint16_t>;
+
+// The same of a sensor whose pixels have the bits of the preparation.
+class PreparedSensorImages {
+ public:
+  PreparedSensorImages(const std::vector<std::string>& files, const Preparation& preparation);
+
+  [[nodiscard]] std::size_t count() const;
+  [[nodiscard]] const std::vector<std::string>& files() const;
+  [[nodiscard]] int rows() const;
+  [[nodiscard]] int columns() const;
+  SensorImage frame(std::size_t i, SensorImage* as_taken = nullptr);
+
+ private:
+  std::variant<PreparedImages, WidePreparedImages> images_;
+};
 
 }  // namespace selfproj::images
 

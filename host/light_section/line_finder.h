@@ -14,8 +14,7 @@
 
 namespace selfproj::light_section {
 
-// An image of the rig's bits: its pixels have 8, or more.
-using SensorView = std::variant<model::ImageView, model::WideImageView>;
+using model::SensorView;  // an image of the rig's bits
 inline SensorView view_of(const images::SensorImage& image) {
   return std::visit([](const auto& one) { return SensorView(one.view()); }, image);
 }

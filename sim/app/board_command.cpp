@@ -260,11 +260,11 @@ void run_board(const BoardOptions& options) {
         !options.record.empty()) {
       throw UserError("--sensor", "needs --images and --control, and goes neither with --bits nor with --record");
     }
-    const model::BoardBuild build{.max_rows = spec::kMaxRows, .runs = true, .region = true, .compact = true};
+    const int bits = pixel_bits_of(options.source);
+    const model::BoardBuild build{
+        .max_rows = spec::kMaxRows, .pixel_bits = bits, .runs = true, .region = true, .compact = true};
     PlayedRegisters registers(options.pixel_clock_hz, build);
-    SensorImages images = read_sensor_images(options.source);
-    SensorBoard source(std::move(images.pixels), images.rows, images.columns, counts_per_image(options.source),
-                       registers);
+    SensorBoard source(read_sensor_images(options.source), bits, counts_per_image(options.source), registers);
     play(options, source, registers);
     return;
   }
@@ -273,7 +273,7 @@ void run_board(const BoardOptions& options) {
     record(options, source);
     return;
   }
-  PlayedRegisters registers(options.pixel_clock_hz);
+  PlayedRegisters registers(options.pixel_clock_hz, {.pixel_bits = pixel_bits_of(options.source)});
   play(options, source, registers);
 }
 }  // namespace

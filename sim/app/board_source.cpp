@@ -16,7 +16,8 @@
 #include "host/files/notes.h"
 #include "host/images/frame_options.h"
 #include "host/images/image_files.h"
-#include "host/images/image_sequence.h"
+#include "host/images/prepared_images.h"
+#include "host/light_section/line_finder.h"
 #include "selfproj/driver/counters.h"
 #include "selfproj/files/user_error.h"
 #include "selfproj/light_section/reference_file.h"
@@ -29,10 +30,20 @@
 namespace selfproj::sim {
 namespace {
 
-model::Measure measure_of(const BoardSource& options) {
-  model::Measure measure{.mode = images::mode_of(options.mode), .threshold = options.threshold};
+// Of images of pixels of so many bits.
+model::Measure measure_of(const BoardSource& options, int bits = spec::kPixelBits) {
+  if (options.threshold >= 1 << bits) {
+    throw UserError(fmt::format("--threshold {}", options.threshold),
+                    fmt::format("pixels of {} bits are {} at most", bits, (1 << bits) - 1));
+  }
+  model::Measure measure{.mode = images::mode_of(options.mode), .threshold = options.threshold, .bits = bits};
   options.select.apply(measure);
   return measure;
+}
+
+images::PreparedSensorImages images_of(const BoardSource& options) {
+  return {images::files_of_patterns("--images", options.images),
+          {.pixels = options.pixels, .bits = pixel_bits_of(options)}};
 }
 
 PacketRecording make_line(const BoardSource& options) {
@@ -49,21 +60,22 @@ PacketRecording make_line(const BoardSource& options) {
 PacketRecording make_images(const BoardSource& options, std::uint64_t frames) {
   constexpr int kDefaultThreshold = 5;
   const bool codes = options.bits > 0;
-  images::ImageSequence images(options.images, options.pixels.rule());
+  images::PreparedSensorImages images = images_of(options);
   const int patterns = codes ? 2 * options.bits : 1;
   if (codes && frames > images.count() && images.count() % static_cast<std::size_t>(patterns) != 0) {
     throw UserError("--images", fmt::format("{} images are no whole number of the {} patterns of --bits {}, and cannot "
                                             "be repeated",
                                             images.count(), patterns, options.bits));
   }
-  const auto [rows, columns] = std::pair(images.first().rows, images.first().columns);
+  const int rows = images.rows();
+  const int columns = images.columns();
   if (rows > spec::kMaxRows || columns > spec::kColumnLimit || columns % spec::kPixelsPerBeat != 0) {
     throw UserError(images.files().front(), fmt::format("is {}; the board takes columns that are a multiple of {}, up "
                                                         "to {}, and up to {} rows",
                                                         images::size_text(rows, columns), spec::kPixelsPerBeat,
                                                         spec::kColumnLimit, spec::kMaxRows));
   }
-  const model::Measure measure = measure_of(options);
+  const model::Measure measure = measure_of(options, pixel_bits_of(options));
   const model::BoardSettings settings{.image = !codes,
                                       .columns = columns,
                                       .rows = rows,
@@ -75,42 +87,51 @@ PacketRecording make_images(const BoardSource& options, std::uint64_t frames) {
                                       .codes = codes,
                                       .code_bits = codes ? options.bits : 1,
                                       .code_threshold = options.code_threshold.value_or(kDefaultThreshold)};
-  images::Image image;
+  images::SensorImage image;
   cli::Progress progress("image", images.count());
-  return recording_of_images(settings, images.count(), patterns, [&](std::size_t i) {
-    image = images.read(i);
+  return recording_of_images(settings, measure.bits, images.count(), patterns, [&](std::size_t i) {
+    image = images.frame(i);
     progress.update(i + 1);
-    return image.view();
+    return light_section::view_of(image);
   });
 }
 
 }  // namespace
+
+int pixel_bits_of(const BoardSource& options) {
+  if (options.rig.empty()) {
+    return spec::kPixelBits;
+  }
+  const rig::Rig rig = rig::load_any_rig(options.rig);
+  if (options.bits > 0) {
+    rig::need_eight_bits(rig, options.rig, "--bits");
+  }
+  return rig.measure.bits();
+}
 
 double counts_per_image(const BoardSource& options) {
   if (options.rig.empty()) {
     return 0;
   }
   const rig::Rig rig = rig::load_rig(options.rig);
-  rig::need_eight_bits(rig, options.rig, "the simulated board");
   if (!(rig.conveyor.encoder_mm_per_count > 0)) {
     throw UserError("--rig " + options.rig, "the belt has no encoder (conveyor.encoder_mm_per_count)");
   }
   return rig.conveyor.speed_mm_per_s / rig.camera.sent().frame_rate_hz / rig.conveyor.encoder_mm_per_count;
 }
 
-SensorImages read_sensor_images(const BoardSource& options) {
+std::vector<images::SensorImage> read_sensor_images(const BoardSource& options) {
   constexpr std::size_t kMost = 4'000'000'000;  // bytes; they are held in memory
-  images::ImageSequence images(options.images, options.pixels.rule());
-  SensorImages all{.pixels = {}, .rows = images.first().rows, .columns = images.first().columns};
-  const auto size = static_cast<std::size_t>(all.rows) * static_cast<std::size_t>(all.columns);
-  if (size * images.count() > kMost) {
+  images::PreparedSensorImages images = images_of(options);
+  const std::size_t bytes = pixel_bits_of(options) > spec::kPixelBits ? 2 : 1;
+  if (bytes * static_cast<std::size_t>(images.rows()) * static_cast<std::size_t>(images.columns()) * images.count() >
+      kMost) {
     throw UserError("--images", "are more than 4 GB; they are held in memory");
   }
-  all.pixels.reserve(size * images.count());
+  std::vector<images::SensorImage> all;
   cli::Progress progress("image", images.count());
   for (std::size_t i = 0; i < images.count(); ++i) {
-    const images::Image image = images.read(i);
-    all.pixels.insert(all.pixels.end(), image.pixels.begin(), image.pixels.end());
+    all.push_back(images.frame(i));
     progress.update(i + 1);
   }
   return all;
@@ -156,9 +177,10 @@ void add_source_options(CLI::App& command, BoardSource& options) {
       .add_option("--replay", options.replay,
                   "Recorded packets, of --record or of `selfproj-sim cosim --packets`. Bad ones are left out.")
       ->type_name("FILE");
-  cli::add_files(command, "--images", options.images,
-                 "Recorded 8-bit images of one size. The model of the board sends their moments and "
-                 "the images themselves, line by line; with --bits the codes that it decodes.");
+  cli::add_files(
+      command, "--images", options.images,
+      "Recorded images of one size, of 8 bits or of the rig's. The model of the board sends their moments and "
+      "the images themselves, line by line; with --bits the codes that it decodes.");
   command.add_flag(
       "--sensor", options.sensor,
       "With --images and --control: they are images of the whole sensor, and the camera sends the part that "
@@ -167,7 +189,7 @@ void add_source_options(CLI::App& command, BoardSource& options) {
   command
       .add_option("--rig", options.rig,
                   "With --images: the rig that they are of. The encoder counts as its belt moves from image to image, "
-                  "at the rig's frame rate, whatever --rate says.")
+                  "at the rig's frame rate, whatever --rate says; pixels have its bits (measure.pixel_bits).")
       ->type_name("RIG")
       ->default_str("the encoder stands still");
   command
@@ -194,7 +216,7 @@ void add_source_options(CLI::App& command, BoardSource& options) {
   command
       .add_option("--threshold", options.threshold,
                   "With --line and --images: a pixel is lit where its grey value is greater.")
-      ->transform(cli::whole_number(0, 255))
+      ->transform(cli::whole_number(0, 4095))
       ->type_name("T")
       ->capture_default_str();
   cli::add_select_options(command, options.select);

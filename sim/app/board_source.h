@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "host/cli/command_line.h"
+#include "host/images/image_files.h"
 #include "sim/board/packet_recording.h"
 
 namespace selfproj::sim {
@@ -32,18 +33,14 @@ struct BoardSource {
 // Adds the group of --replay, --images, --line and what goes with them.
 void add_source_options(CLI::App& command, BoardSource& options);
 
-// Images of one size, one after the other.
-struct SensorImages {
-  std::vector<std::uint8_t> pixels;
-  int rows = 0;
-  int columns = 0;
-};
+// The bits of the images' pixels: the rig's, or 8 without one. Throws UserError.
+int pixel_bits_of(const BoardSource& options);
 
 // How much the encoder counts from image to image: as the rig's belt moves. Throws UserError.
 double counts_per_image(const BoardSource& options);
 
-// The images of --images. Throws UserError.
-SensorImages read_sensor_images(const BoardSource& options);
+// The images of --images, of one size. Throws UserError.
+std::vector<images::SensorImage> read_sensor_images(const BoardSource& options);
 
 // The packets, of which `frames` are to be played. Throws UserError about options and files.
 PacketRecording read_source(const BoardSource& options, std::uint64_t frames);

@@ -90,7 +90,7 @@ void add_measuring_options(CLI::App& command, OptionFamilies& families, CosimOpt
           "--threshold", options.threshold,
           "A pixel is lit where its grey value is greater than T. With a scanner, a pair of images that differs "
           "by at most T is ambiguous.")
-      ->transform(cli::whole_number(0, 255))
+      ->transform(cli::whole_number(0, 4095))
       ->type_name("T")
       ->default_str("the rig's");
   command
@@ -220,9 +220,8 @@ void add_cosim_command(CLI::App& app) {
            "With a scene of a scanner the projector shows Gray codes, and the board decodes them. From frame 2M on, "
            "every second frame completes a depth image. A cycle of frames of the scene's background is decoded "
            "beforehand.\n\n"
-           "Recorded images have 8 bits and one size. With --rig they are measured from the straight line on the "
-           "plane. "
-           "`selfproj lines` shows the line in recorded images without a simulated board.",
+           "Recorded images have one size, and pixels of 8 bits or of the rig's. With --rig they are measured from the "
+           "straight line on the plane. `selfproj lines` shows the line in recorded images without a simulated board.",
        .examples = R"(
 # 20 frames of the marked stairs, with all results in the folder part.
 selfproj-sim cosim --count 20 --out part

@@ -442,7 +442,7 @@ class StillLine final : public Line {
     std::unique_ptr<PatternRenderer> renderer;
     images::Image image{camera.rows, camera.columns, std::vector<std::uint8_t>(camera.pixels())};
     const auto frames = static_cast<std::size_t>(patterns) + 1;
-    return recording_of_images(settings, parts.size() * frames, patterns + 1, [&](std::size_t i) {
+    return recording_of_images(settings, spec::kPixelBits, parts.size() * frames, patterns + 1, [&](std::size_t i) {
       const auto pattern = i % frames;
       if (pattern == 0) {
         PerturbedRig actual(rig());

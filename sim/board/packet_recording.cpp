@@ -11,6 +11,7 @@
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "selfproj/driver/device.h"
@@ -119,8 +120,8 @@ PacketRecording moving_line(int rows, int columns, int frames, const model::Meas
   return recording;
 }
 
-PacketRecording recording_of_images(const model::BoardSettings& settings, std::size_t images, int patterns,
-                                    const std::function<model::ImageView(std::size_t)>& image) {
+PacketRecording recording_of_images(const model::BoardSettings& settings, int pixel_bits, std::size_t images,
+                                    int patterns, const std::function<model::SensorView(std::size_t)>& image) {
   constexpr std::uint64_t kPause = 100;  // clocks between two frames: enough for the decoder
   PacketRecording recording;
   std::vector<std::uint8_t> packet;
@@ -130,12 +131,12 @@ PacketRecording recording_of_images(const model::BoardSettings& settings, std::s
         model::append_packet(made.header, made.payload, made.status, packet);
         recording.add(made.header, packet);
       },
-      settings.median);
+      settings.median, pixel_bits);
   board.write(settings);
   model::BoardInputs inputs;
   model::VideoBeat beat;
   for (std::size_t i = 0; i < images; ++i) {
-    const model::ImageView view = image(i);
+    const model::SensorView view = image(i);
     inputs.clock += kPause;
     inputs.pattern = static_cast<std::uint16_t>(i % static_cast<std::size_t>(patterns));
     for (int row = 0; row < settings.rows; ++row) {
@@ -143,7 +144,11 @@ PacketRecording recording_of_images(const model::BoardSettings& settings, std::s
         ++inputs.clock;
         beat.start = row == 0 && column == 0;
         beat.line_end = column + spec::kPixelsPerBeat == settings.columns;
-        std::copy_n(view.pixels + row * view.stride + column, spec::kPixelsPerBeat, beat.pixels.begin());
+        std::visit(
+            [&](const auto& pixels) {
+              std::copy_n(pixels.pixels + row * pixels.stride + column, spec::kPixelsPerBeat, beat.pixels.begin());
+            },
+            view);
         board.beat(inputs, beat);
       }
     }

@@ -90,9 +90,9 @@ PacketRecording read_recording(const std::string& file, driver::Counters& counte
 PacketRecording moving_line(int rows, int columns, int frames, const model::Measure& measure);
 
 // The packets that the model of the board makes of `images` images, image i under pattern i % patterns. The settings
-// say their size and what is sent besides the moments. `image` is asked in order.
-PacketRecording recording_of_images(const model::BoardSettings& settings, std::size_t images, int patterns,
-                                    const std::function<model::ImageView(std::size_t)>& image);
+// say their size and what is sent besides the moments; pixels have `pixel_bits`. `image` is asked in order.
+PacketRecording recording_of_images(const model::BoardSettings& settings, int pixel_bits, std::size_t images,
+                                    int patterns, const std::function<model::SensorView(std::size_t)>& image);
 
 // The registers of a board that plays: settings are taken or refused as a board of that build does; frames and time go
 // on. One thread plays, another one accesses.

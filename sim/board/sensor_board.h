@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "host/images/image_files.h"
 #include "selfproj/model/board.h"
 #include "selfproj/model/column_runs.h"
 #include "sim/board/packet_recording.h"
@@ -20,19 +21,16 @@ namespace selfproj::sim {
 // Raw images are not sent. Without `run`, and with a part that the sensor has not, nothing is sent.
 class SensorBoard {
  public:
-  // `pixels`: images of rows x columns, image by image. The encoder counts so much from image to image. The registers
+  // Images of one size, whose pixels have so many bits. The encoder counts so much from image to image. The registers
   // must live as long.
-  SensorBoard(std::vector<std::uint8_t> pixels, int rows, int columns, double counts_per_frame,
+  SensorBoard(std::vector<images::SensorImage> images, int pixel_bits, double counts_per_frame,
               PlayedRegisters& registers)
-      : pixels_(std::move(pixels)),
-        rows_(rows),
-        columns_(columns),
+      : images_(std::move(images)),
+        pixel_bits_(pixel_bits),
         counts_per_frame_(counts_per_frame),
         registers_(registers) {}
 
-  [[nodiscard]] std::size_t frames() const {
-    return pixels_.size() / (static_cast<std::size_t>(rows_) * static_cast<std::size_t>(columns_));
-  }
+  [[nodiscard]] std::size_t frames() const { return images_.size(); }
 
   // As PacketRecording::play.
   template <typename Emit>
@@ -45,8 +43,8 @@ class SensorBoard {
  private:
   std::span<const std::uint8_t> packet_of(std::uint64_t frame, double clocks_per_frame);
 
-  std::vector<std::uint8_t> pixels_;
-  int rows_, columns_;
+  std::vector<images::SensorImage> images_;
+  int pixel_bits_;
   double counts_per_frame_;
   PlayedRegisters& registers_;
   model::BoardSettings taken_;  // in force

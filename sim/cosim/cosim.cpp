@@ -24,6 +24,7 @@
 #include "host/files/results_file.h"
 #include "host/files/temporary.h"
 #include "host/images/image_files.h"
+#include "host/light_section/line_finder.h"
 #include "host/report/facts.h"
 #include "host/report/report.h"
 #include "selfproj/files/user_error.h"
@@ -168,17 +169,17 @@ class Run {
     std::size_t given = 0;
     Platform platform(
         options,
-        [&]() -> std::optional<model::ImageView> {
-          const images::Image* image = source.next();
+        [&]() -> std::optional<model::SensorView> {
+          const images::SensorImage* image = source.next();
           if (image == nullptr) {
             return std::nullopt;
           }
           measurement_.frame(given++, source.picture());
           progress.update(given);
           if (vectors_ != nullptr) {
-            vectors_->frame(image->view());
+            vectors_->frame(light_section::view_of(*image));
           }
-          return image->view();
+          return light_section::view_of(*image);
         },
         [&](std::span<const std::uint8_t> bytes, std::uint64_t /*time_ps*/) { receive(bytes); },
         [&](model::BoardPacket&& packet) { scoreboard_.expect(std::move(packet)); });

@@ -57,7 +57,6 @@ rig::Rig light_section_rig(const std::string& name) {
   if (rig.kind != rig::RigKind::light_section) {
     throw UserError("--rig " + name, "is not a rig of kind light-section");
   }
-  rig::need_eight_bits(rig, name, "co-simulation");
   return rig;
 }
 
@@ -68,9 +67,23 @@ rig::Rig rig_of(const CosimOptions& options) {
     rig.measure.mode = images::mode_of(options.mode);
   }
   rig.measure.threshold = options.threshold.value_or(rig.measure.threshold);
+  if (rig.measure.threshold >= 1 << rig.measure.bits()) {
+    throw UserError(fmt::format("--threshold {}", rig.measure.threshold),
+                    fmt::format("pixels of {} bits are {} at most", rig.measure.bits(), (1 << rig.measure.bits()) - 1));
+  }
   model::Measure measure = rig.measure.of_board();
   options.select.apply(measure);
   rig.measure.apply(measure);
+  if (rig.measure.bits() > spec::kPixelBits) {
+    const std::string source = options.rig.empty() ? "--engine " + options.engine : "--rig " + options.rig;
+    const std::string has = fmt::format("has pixels of {} bits, ", rig.measure.bits());
+    if (options.engine == "hls" || !options.trace.empty()) {
+      throw UserError(source, has + "which go with --engine rtl and model, and without --trace");
+    }
+    if (options.engine == "rtl" && !has_rtl_of(rig.measure.bits())) {
+      throw UserError(source, has + "and the Verilated boards 8, 10 and 12; --engine model takes others");
+    }
+  }
   if (measure.select == model::Select::strongest && options.engine == "hls") {
     throw UserError("--select strongest",
                     "no board has the SystemC shell of the runs; --engine rtl and model have them");
@@ -130,6 +143,21 @@ std::vector<report::Fact> scene_facts(const CosimOptions& options, const SceneIn
   return facts;
 }
 
+// What the camera sends of the image of a frame.
+template <typename Pixel>
+images::ImageOf<Pixel> image_sent(const LineRenderer& renderer, const rig::RigCamera& camera, int frame) {
+  images::ImageOf<Pixel> sensor{camera.rows, camera.columns, std::vector<Pixel>(camera.pixels())};
+  renderer.render(frame, sensor.pixels);
+  if (!camera.region) {
+    return sensor;
+  }
+  const rig::RigRegion region = camera.sent();
+  images::ImageOf<Pixel> sent{region.rows, region.columns, {}};
+  sent.pixels.resize(static_cast<std::size_t>(region.rows) * static_cast<std::size_t>(region.columns));
+  crop_as_sent<Pixel>(camera, sensor.pixels, sent.pixels);
+  return sent;
+}
+
 Setup scene_setup(const CosimOptions& options, const SceneInfo& info) {
   Setup setup;
   setup.rig = rig_of(options);
@@ -155,23 +183,18 @@ Setup scene_setup(const CosimOptions& options, const SceneInfo& info) {
   const std::size_t count =
       frames_of_run(options, static_cast<std::size_t>(setup.scene->frames()), "scene " + options.scene);
   setup.source = std::make_unique<SceneFrames>(
-      [renderer = setup.renderer.get(), camera = rig.camera](int frame, std::span<std::uint8_t> pixels) {
-        if (!camera.region) {
-          renderer->render(frame, pixels);
-          return;
-        }
-        std::vector<std::uint8_t> sensor(camera.pixels());
-        renderer->render(frame, sensor);
-        crop_as_sent<std::uint8_t>(camera, sensor, pixels);
+      [renderer = setup.renderer.get(), camera = rig.camera, bits = rig.measure.bits()](int frame) {
+        return bits > spec::kPixelBits ? images::SensorImage(image_sent<std::uint16_t>(*renderer, camera, frame))
+                                       : image_sent<std::uint8_t>(*renderer, camera, frame);
       },
-      sent.rows, sent.columns, options.first - 1, count);
+      sent.rows, sent.columns, rig.measure.bits(), options.first - 1, count);
   setup.profiler = std::make_unique<light_section::DifferentialProfiler>(rig, reference);
   setup.reference = light_section::reference_csv(rig, reference);
   setup.facts = scene_facts(options, info, rig, reference);
   return setup;
 }
 
-std::unique_ptr<RecordedFrames> recorded_frames(const CosimOptions& options) {
+std::unique_ptr<RecordedFrames> recorded_frames(const CosimOptions& options, int bits) {
   std::vector<std::string> files = images::files_of_patterns("--frames", options.frames);
   const std::size_t count = frames_of_run(options, files.size(), "--frames " + options.frames.front());
   images::Preparation preparation = options.preparation;
@@ -188,7 +211,8 @@ std::unique_ptr<RecordedFrames> recorded_frames(const CosimOptions& options) {
       list->resize(count);
     }
   }
-  auto source = std::make_unique<RecordedFrames>(images::PreparedImages(files, preparation), 0, count);
+  preparation.bits = bits;
+  auto source = std::make_unique<RecordedFrames>(images::PreparedSensorImages(files, preparation), bits, 0, count);
   if (!options.rig.empty()) {
     const rig::RigRegion sent = light_section_rig(options.rig).camera.sent();
     if (source->rows() != sent.rows || source->image_columns() != sent.columns) {
@@ -203,7 +227,8 @@ std::unique_ptr<RecordedFrames> recorded_frames(const CosimOptions& options) {
 Setup recorded_setup(const CosimOptions& options) {
   Setup setup;
   setup.rig = rig_of(options);
-  std::unique_ptr<RecordedFrames> frames = recorded_frames(options);
+  std::unique_ptr<RecordedFrames> frames =
+      recorded_frames(options, options.rig.empty() ? spec::kPixelBits : setup.rig.measure.bits());
   setup.image_columns = frames->image_columns();
   setup.source = std::move(frames);
   setup.facts = {{"frames_from", "recorded images", options.frames.front()}};
@@ -254,6 +279,7 @@ class LightSectionCosim final : public CosimMeasurement {
     const rig::RigRegion sent = rig.camera.sent();
     PlatformOptions platform;
     platform.engine = engine_of(options_);
+    platform.pixel_bits = rig.measure.bits();
     platform.settings = {.columns = columns_,
                          .rows = setup_.source->rows(),
                          .mode = measure_.mode,

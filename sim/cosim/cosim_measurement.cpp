@@ -16,19 +16,14 @@
 
 namespace selfproj::sim {
 
-SceneFrames::SceneFrames(Render render, int rows, int columns, std::size_t first, std::size_t count)
-    : render_(std::move(render)), rows_(rows), columns_(columns), first_(first), count_(count) {}
+SceneFrames::SceneFrames(Render render, int rows, int columns, int bits, std::size_t first, std::size_t count)
+    : render_(std::move(render)), rows_(rows), columns_(columns), bits_(bits), first_(first), count_(count) {}
 
-const images::Image* SceneFrames::next() {
+const images::SensorImage* SceneFrames::next() {
   const std::size_t wanted = std::max(1U, std::thread::hardware_concurrency());
   while (ahead_.size() < wanted && asked_ < count_) {
     const auto frame = static_cast<int>(first_ + asked_++);
-    ahead_.push_back(std::async(std::launch::async, [this, frame] {
-      images::Image image{rows_, columns_, {}};
-      image.pixels.resize(static_cast<std::size_t>(rows_) * static_cast<std::size_t>(columns_));
-      render_(frame, image.pixels);
-      return image;
-    }));
+    ahead_.push_back(std::async(std::launch::async, render_, frame));
   }
   if (ahead_.empty()) {
     return nullptr;
@@ -38,8 +33,9 @@ const images::Image* SceneFrames::next() {
   return &image_;
 }
 
-RecordedFrames::RecordedFrames(images::PreparedImages images, std::size_t first, std::size_t count)
+RecordedFrames::RecordedFrames(images::PreparedSensorImages images, int bits, std::size_t first, std::size_t count)
     : images_(std::move(images)),
+      bits_(bits),
       first_(first),
       count_(count),
       columns_((images_.columns() + spec::kPixelsPerBeat - 1) / spec::kPixelsPerBeat * spec::kPixelsPerBeat) {
@@ -50,14 +46,11 @@ RecordedFrames::RecordedFrames(images::PreparedImages images, std::size_t first,
                            spec::kMaxRows, spec::kMaxColumns);
 }
 
-const images::Image* RecordedFrames::next() {
+const images::SensorImage* RecordedFrames::next() {
   if (given_ == count_) {
     return nullptr;
   }
-  image_ = images_.frame(first_ + given_++, &as_taken_);
-  if (columns_ != image_.columns) {
-    image_ = images::with_columns(image_, columns_);
-  }
+  image_ = images::with_columns(images_.frame(first_ + given_++, &as_taken_), columns_);
   return &image_;
 }
 

@@ -55,58 +55,59 @@ class FrameSource {
   [[nodiscard]] virtual int columns() const = 0;
 
   // The next frame, valid until the next call; null after the last one. Throws UserError about bad input.
-  virtual const images::Image* next() = 0;
+  virtual const images::SensorImage* next() = 0;
 
-  // The picture to show for the frame that next() gave last. It differs from the frame only if a background was
-  // subtracted.
-  [[nodiscard]] virtual const images::Image& picture() const = 0;
+  // The picture to show for the frame that next() gave last: its upper eight bits, before a background was subtracted.
+  [[nodiscard]] virtual images::Image picture() const = 0;
 };
 
 // Frames first..first + count - 1 (from 0) of a rendered scene. Several threads render some of them ahead.
 class SceneFrames final : public FrameSource {
  public:
-  // Renders the image of a frame; several threads may call it at once.
-  using Render = std::function<void(int frame, std::span<std::uint8_t> pixels)>;
-  SceneFrames(Render render, int rows, int columns, std::size_t first, std::size_t count);
+  // Renders the image of a frame, of rows x columns; several threads may call it at once.
+  using Render = std::function<images::SensorImage(int frame)>;
+  SceneFrames(Render render, int rows, int columns, int bits, std::size_t first, std::size_t count);
 
   [[nodiscard]] std::size_t total() const override { return count_; }
   [[nodiscard]] int rows() const override { return rows_; }
   [[nodiscard]] int columns() const override { return columns_; }
-  const images::Image* next() override;
-  [[nodiscard]] const images::Image& picture() const override { return image_; }
+  const images::SensorImage* next() override;
+  [[nodiscard]] images::Image picture() const override { return upper_bits(image_, bits_); }
 
  private:
   Render render_;
   int rows_;
   int columns_;
+  int bits_;
   std::size_t first_;
   std::size_t count_;
   std::size_t asked_ = 0;  // frames whose rendering has begun
-  std::deque<std::future<images::Image>> ahead_;
-  images::Image image_;
+  std::deque<std::future<images::SensorImage>> ahead_;
+  images::SensorImage image_;
 };
 
 // Images of one size, padded with dark columns to a size that fits the board.
 class RecordedFrames final : public FrameSource {
  public:
   // The images from `first`, from 0, on. Throws UserError as PreparedImages does, and if they do not fit the board.
-  RecordedFrames(images::PreparedImages images, std::size_t first, std::size_t count);
+  RecordedFrames(images::PreparedSensorImages images, int bits, std::size_t first, std::size_t count);
 
   [[nodiscard]] std::size_t total() const override { return count_; }
   [[nodiscard]] int rows() const override { return images_.rows(); }
   [[nodiscard]] int columns() const override { return columns_; }
   // Columns of the images, without the padding.
   [[nodiscard]] int image_columns() const { return images_.columns(); }
-  const images::Image* next() override;
-  [[nodiscard]] const images::Image& picture() const override { return as_taken_; }
+  const images::SensorImage* next() override;
+  [[nodiscard]] images::Image picture() const override { return upper_bits(as_taken_, bits_); }
 
  private:
-  images::PreparedImages images_;
+  images::PreparedSensorImages images_;
+  int bits_;
   std::size_t first_;
   std::size_t count_;
   int columns_;
-  images::Image as_taken_;
-  images::Image image_;
+  images::SensorImage as_taken_;
+  images::SensorImage image_;
   std::size_t given_ = 0;
 };
 

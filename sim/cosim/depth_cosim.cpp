@@ -213,6 +213,9 @@ rig::Rig scanner_rig(const CosimOptions& options) {
   }
   rig.imaging.seed = options.seed.value_or(rig.imaging.seed);
   rig.measure.code_threshold = options.threshold.value_or(rig.measure.code_threshold);
+  if (rig.measure.code_threshold > UINT8_MAX) {
+    throw UserError(fmt::format("--threshold {}", rig.measure.code_threshold), "pixels of a scanner are 255 at most");
+  }
   if (engine_of(options) != PlatformEngine::model) {
     constexpr int kMost = 512;  // size of the Verilated board with codes
     if (rig.camera.rows > kMost || rig.camera.columns > kMost) {
@@ -265,11 +268,14 @@ DepthCosim::DepthCosim(const CosimOptions& options, const SceneInfo& info, Depth
       patterns_(std::move(patterns)),
       renderer_(setup_.rig, *setup_.scene, options.render()),
       source_(
-          [this](int frame, std::span<std::uint8_t> pixels) {
+          [this](int frame) {
             const int of_run = frame - static_cast<int>(options_.first - 1);
-            renderer_.render(frame, patterns_.of_frame(of_run), pixels);
+            images::Image image{setup_.rig.camera.rows, setup_.rig.camera.columns, {}};
+            image.pixels.resize(setup_.rig.camera.pixels());
+            renderer_.render(frame, patterns_.of_frame(of_run), image.pixels);
+            return image;
           },
-          setup_.rig.camera.rows, setup_.rig.camera.columns, options.first - 1, setup_.frames),
+          setup_.rig.camera.rows, setup_.rig.camera.columns, spec::kPixelBits, options.first - 1, setup_.frames),
       assembler_(spec::kKindCodes, 0, setup_.rig.camera.rows, setup_.rig.camera.columns),
       truth_(setup_.rig.camera.rows, setup_.rig.camera.columns) {}
 

@@ -9,6 +9,7 @@
 #include <iterator>
 #include <limits>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "model/register_file.h"
@@ -58,6 +59,7 @@ VectorFiles::VectorFiles(const std::string& folder, const PlatformOptions& optio
     : folder_(folder),
       timing_(camera_timing(options.settings.rows, options.settings.columns, options.frame_rate_hz,
                             options.pixel_clock_hz)),
+      pixel_bits_(options.pixel_bits),
       clocks_a_step_(options.encoder_steps_per_s > 0 ? options.pixel_clock_hz / options.encoder_steps_per_s : 0),
       idle_(kAfterWrites) {
   std::string text = "// writes at the AXI4-Lite port: address, data\n";
@@ -71,19 +73,27 @@ VectorFiles::VectorFiles(const std::string& folder, const PlatformOptions& optio
   folder_.append(kColumns, "// columns: m0, m1\n");
 }
 
-void VectorFiles::frame(const model::ImageView& image) {
+void VectorFiles::frame(const model::SensorView& image) {
   std::string text;
   const std::uint64_t beats = timing_.beats_a_line();
-  for (int row = 0; row < image.rows; ++row) {
-    const std::uint8_t* pixels = image.pixels + row * image.stride;
+  const auto pixels_of = [&](const auto& view, int row, std::uint64_t beat) {
+    const auto* pixels = view.pixels + row * view.stride + static_cast<std::ptrdiff_t>(spec::kPixelsPerBeat * beat);
+    std::uint64_t word = 0;
+    for (int i = spec::kPixelsPerBeat; i-- > 0;) {
+      word = word << pixel_bits_ | pixels[i];
+    }
+    return word;
+  };
+  for (int row = 0; row < timing_.rows; ++row) {
     for (std::uint64_t beat = 0; beat < beats; ++beat) {
       const unsigned flags = (row == 0 && beat == 0 ? 1U : 0U) | (beat == beats - 1 ? 2U : 0U);
-      fmt::format_to(std::back_inserter(text), "{:08x}{:02x}{:08x}\n", beat == 0 ? idle_ : 0, flags,
-                     model::load_little_endian<std::uint32_t>(pixels + spec::kPixelsPerBeat * beat));
+      const std::uint64_t word = std::visit([&](const auto& view) { return pixels_of(view, row, beat); }, image);
+      fmt::format_to(std::back_inserter(text), "{:08x}{:02x}{:0{}x}\n", beat == 0 ? idle_ : 0, flags, word,
+                     spec::kPixelsPerBeat * pixel_bits_ / 4);
     }
     idle_ = timing_.line_clocks - beats;
   }
-  idle_ += timing_.frame_clocks - static_cast<std::uint64_t>(image.rows) * timing_.line_clocks;
+  idle_ += timing_.frame_clocks - static_cast<std::uint64_t>(timing_.rows) * timing_.line_clocks;
   // Where 32 bits do not hold a pause, a shorter one changes only time stamps.
   idle_ = std::min<std::uint64_t>(idle_, std::numeric_limits<std::uint32_t>::max());
   folder_.append(kCamera, text);
@@ -125,11 +135,7 @@ void VectorFiles::packet(const model::PacketView& packet) {
   const model::Measure measure = model::measure_of(header);
   model::Runs columns;
   columns.resize(measure.select, header.columns);
-  if (header.kind == spec::kKindCompact) {
-    model::unpack_compact(measure.select, header.columns, packet.payload.data(), columns.view());
-  } else {
-    model::unpack_columns(measure.select, measure.mode, header.columns, packet.payload.data(), columns.view());
-  }
+  model::unpack_columns(header, packet.payload.data(), columns.view());
   text.clear();
   for (std::size_t i = 0; i < header.columns; ++i) {
     fmt::format_to(std::back_inserter(text), "{:08x}{:08x}\n", columns.moments.m0[i], columns.moments.m1[i]);

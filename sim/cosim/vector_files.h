@@ -18,9 +18,9 @@ namespace selfproj::sim {
 // hexadecimal digits, as $readmemh takes it. The fields of a word, the most significant first, with their digits:
 //
 //     registers.hex  address (2), data (8)               writes at the AXI4-Lite port, in this order
-//     camera.hex     idle (8), flags (2), pixels (8)     beats of the camera. idle: pixel clocks without a beat before
+//     camera.hex     idle (8), flags (2), pixels (B)     beats of the camera. idle: pixel clocks without a beat before
 //                                                        it. flags: 1 for the first beat of a frame, and 2 for the
-//                                                        last of a line. pixels: four, the leftmost in the low byte
+//                                                        last of a line. pixels: four of B bits, the leftmost lowest
 //     encoder.hex    clock (8), levels (2)               changes of the encoder's pins. clock: pixel clocks after the
 //                                                        first beat of all. levels: a + 2 b. Both are low before
 //     packets.hex    last (2), data (32)                 beats of the packets. last: 1 for the last beat of a packet
@@ -36,7 +36,7 @@ class VectorFiles {
   VectorFiles(const std::string& folder, const PlatformOptions& options);
 
   // A frame as the camera sends it, and a packet as the board does.
-  void frame(const model::ImageView& image);
+  void frame(const model::SensorView& image);
   void packet(const model::PacketView& packet);
 
   // The folder is there from now on. Throws UserError.
@@ -45,6 +45,7 @@ class VectorFiles {
  private:
   files::OutputFolder folder_;
   CameraTiming timing_;
+  int pixel_bits_;
   double clocks_a_step_;  // of the encoder; 0: it stands still
   std::uint64_t idle_;    // before the next line
   std::uint64_t frames_ = 0;

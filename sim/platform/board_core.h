@@ -38,6 +38,8 @@ struct BoardCoreOptions {
   bool codes = false;      // build with the Gray-code decoder, for images up to 512 x 512; binary moments only
   // build with the strongest runs, compact columns and verdicts; not with codes, a trace file or SystemC shells
   bool runs = false;
+  // more than 8: a build with runs; the RTL has 10 and 12
+  int pixel_bits = spec::kPixelBits;
   std::string trace_file;  // FST file; empty: none; engine rtl only
   std::uint64_t trace_from_clock = 0;
 };
@@ -74,7 +76,7 @@ class BoardCore {
 
   // Inputs. None may be before clock(), and each must be at the clock of the last one or later. The clock of a line is
   // that of its first beat.
-  virtual void line(std::uint64_t clock, std::span<const std::uint8_t> pixels, bool frame_start) = 0;
+  virtual void line(std::uint64_t clock, std::span<const std::uint16_t> pixels, bool frame_start) = 0;
   virtual void encoder(std::uint64_t clock, bool a, bool b) = 0;
   virtual void stall(std::uint64_t clock, int percent) = 0;
 
@@ -106,8 +108,8 @@ std::unique_ptr<BoardCore> make_hls_core(const BoardCoreOptions& options);
 class ModelFeed {
  public:
   // Frame k has the pattern index k mod patterns.
-  explicit ModelFeed(model::BoardModel::Sink sink, int patterns = 1)
-      : model_(std::move(sink)), patterns_(static_cast<std::uint64_t>(patterns)) {}
+  explicit ModelFeed(model::BoardModel::Sink sink, int patterns = 1, int pixel_bits = spec::kPixelBits)
+      : model_(std::move(sink), true, pixel_bits), patterns_(static_cast<std::uint64_t>(patterns)) {}
 
   void write(const model::BoardSettings& settings, std::span<const model::SectionLimits> limits) {
     if (!limits.empty()) {
@@ -120,7 +122,7 @@ class ModelFeed {
   }
 
   // A line of beats from `clock` on. Packets that it completes go to the sink.
-  void line(std::uint64_t clock, std::span<const std::uint8_t> pixels, bool frame_start) {
+  void line(std::uint64_t clock, std::span<const std::uint16_t> pixels, bool frame_start) {
     model::VideoBeat beat;
     beat.start = frame_start;
     for (std::size_t at = 0; at < pixels.size(); at += spec::kPixelsPerBeat) {

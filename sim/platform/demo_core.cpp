@@ -23,6 +23,9 @@ std::unique_ptr<BoardCore> make_rtl_core(const BoardCoreOptions& options) {
   if (options.codes) {
     refuse("the board with the Gray-code decoder");
   }
+  if (options.pixel_bits > spec::kPixelBits) {
+    refuse("a board with pixels of more than 8 bits");
+  }
   if (options.runs) {
     refuse("the board with the strongest runs");
   }

@@ -23,7 +23,7 @@ class ModelCore final : public BoardCore {
       : clock_ps_(model::pixel_clock_period_ps(options.pixel_clock_hz)),
         bus_period_(static_cast<double>(options.bus.period_ps)),
         stall_percent_(options.bus.stall_percent),
-        feed_([this](model::BoardPacket&& packet) { take(packet); }, options.patterns) {}
+        feed_([this](model::BoardPacket&& packet) { take(packet); }, options.patterns, options.pixel_bits) {}
 
   void on_packet(PacketSink sink) override { sink_ = std::move(sink); }
 
@@ -34,7 +34,7 @@ class ModelCore final : public BoardCore {
 
   [[nodiscard]] std::uint64_t clock() const override { return clock_; }
 
-  void line(std::uint64_t clock, std::span<const std::uint8_t> pixels, bool frame_start) override {
+  void line(std::uint64_t clock, std::span<const std::uint16_t> pixels, bool frame_start) override {
     feed_.line(clock, pixels, frame_start);
   }
   void encoder(std::uint64_t /*clock*/, bool a, bool b) override { feed_.encoder(a, b); }

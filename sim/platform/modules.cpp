@@ -7,6 +7,8 @@
 #include <memory>
 #include <span>
 #include <utility>
+#include <variant>
+#include <vector>
 
 #include "selfproj/model/column_moments.h"
 
@@ -27,7 +29,7 @@ std::uint64_t clock_of_time(const sc_core::sc_time& time, const sc_core::sc_time
 }  // namespace
 
 void InputMerge::line(const VideoLine& line) {
-  std::vector<std::uint8_t> pixels;
+  std::vector<std::uint16_t> pixels;
   if (!spare_.empty()) {
     pixels = std::move(spare_.back());
     spare_.pop_back();
@@ -60,16 +62,18 @@ void Camera::expose() {
     const sc_core::sc_time line_time = time_of_clock(timing_.line_clocks, period_);
     const sc_core::sc_time blank =
         time_of_clock(timing_.frame_clocks - static_cast<std::uint64_t>(timing_.rows) * timing_.line_clocks, period_);
+    std::vector<std::uint16_t> pixels(static_cast<std::size_t>(timing_.columns));
     for (std::uint64_t start = first_clock_;; start += timing_.frame_clocks) {
-      const std::optional<model::ImageView> image = source_();
+      const std::optional<model::SensorView> image = source_();
       if (!image) {
         break;
       }
       for (int row = 0; row < timing_.rows; ++row) {
         const std::uint64_t clock = start + static_cast<std::uint64_t>(row) * timing_.line_clocks;
-        const VideoLine line{.clock = clock,
-                             .pixels = {image->pixels + row * image->stride, static_cast<std::size_t>(timing_.columns)},
-                             .frame_start = row == 0};
+        std::visit(
+            [&](const auto& view) { std::copy_n(view.pixels + row * view.stride, timing_.columns, pixels.begin()); },
+            *image);
+        const VideoLine line{.clock = clock, .pixels = pixels, .frame_start = row == 0};
         for (int i = 0; i < video.size(); ++i) {
           video[i]->line(line);
         }
@@ -224,8 +228,9 @@ void BusSink::hold_up() {
 }
 
 ReferenceModel::ReferenceModel(const sc_core::sc_module_name& name, const model::BoardSettings& settings,
-                               std::span<const model::SectionLimits> limits, int patterns, model::BoardModel::Sink sink)
-    : sc_module(name), feed_(std::move(sink), patterns) {
+                               std::span<const model::SectionLimits> limits, int patterns, int pixel_bits,
+                               model::BoardModel::Sink sink)
+    : sc_module(name), feed_(std::move(sink), patterns, pixel_bits) {
   feed_.write(settings, limits);
   video.bind(*this);
   encoder_pins.bind(*this);
@@ -244,7 +249,7 @@ void ReferenceModel::promise_encoder(std::uint64_t clock) {
 void ReferenceModel::feed() {
   struct To {
     ModelFeed& feed;
-    void line(std::uint64_t clock, std::span<const std::uint8_t> pixels, bool frame_start) const {
+    void line(std::uint64_t clock, std::span<const std::uint16_t> pixels, bool frame_start) const {
       feed.line(clock, pixels, frame_start);
     }
     void encoder(std::uint64_t /*clock*/, bool a, bool b) const { feed.encoder(a, b); }

@@ -34,8 +34,8 @@ inline constexpr std::uint64_t kForever = std::numeric_limits<std::uint64_t>::ma
 // One line of the camera: a beat of four pixels each clock, from `clock` on.
 struct VideoLine {
   std::uint64_t clock = 0;
-  std::span<const std::uint8_t> pixels;  // a multiple of 4 pixels; valid during the call
-  bool frame_start = false;              // tuser with the first beat
+  std::span<const std::uint16_t> pixels;  // a multiple of 4 pixels; valid during the call
+  bool frame_start = false;               // tuser with the first beat
 };
 
 // The board's AXI4-Stream video input. It cannot refuse, because the camera is never stalled.
@@ -111,7 +111,7 @@ class InputMerge {
   struct Line {
     std::uint64_t clock;
     bool frame_start;
-    std::vector<std::uint8_t> pixels;
+    std::vector<std::uint16_t> pixels;
   };
   struct Encoder {
     std::uint64_t clock;
@@ -123,7 +123,7 @@ class InputMerge {
   };
 
   std::deque<Line> lines_;
-  std::vector<std::vector<std::uint8_t>> spare_;  // kept for reuse
+  std::vector<std::vector<std::uint16_t>> spare_;  // kept for reuse
   std::deque<Encoder> encoder_;
   std::deque<Stall> stalls_;
 };
@@ -156,7 +156,7 @@ class GuardedModule : public sc_core::sc_module {
 class Camera : public GuardedModule {
  public:
   // The next frame, valid until the next call; nothing if there are no more.
-  using Source = std::function<std::optional<model::ImageView>()>;
+  using Source = std::function<std::optional<model::SensorView>()>;
 
   sc_core::sc_port<VideoInterface, 2> video{"video"};
   sc_core::sc_out<bool> finished{"finished"};  // after the last frame
@@ -273,7 +273,8 @@ class ReferenceModel : public sc_core::sc_module, public VideoInterface, public 
   sc_core::sc_export<EncoderInterface> encoder_pins{"encoder_pins"};
 
   ReferenceModel(const sc_core::sc_module_name& name, const model::BoardSettings& settings,
-                 std::span<const model::SectionLimits> limits, int patterns, model::BoardModel::Sink sink);
+                 std::span<const model::SectionLimits> limits, int patterns, int pixel_bits,
+                 model::BoardModel::Sink sink);
 
   void line(const VideoLine& line) override { inputs_.line(line); }
   void promise_video(std::uint64_t clock) override;

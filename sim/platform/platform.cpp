@@ -76,6 +76,7 @@ void check(const PlatformOptions& options) {
     throw std::invalid_argument("the options of the bus make no sense");
   }
   constexpr int kMaxPatterns = 256;
+  constexpr int kMostBits = 12;
   if (options.patterns < 1 || options.patterns > kMaxPatterns) {
     throw std::invalid_argument("patterns are 1..256");
   }
@@ -87,6 +88,12 @@ void check(const PlatformOptions& options) {
     throw std::invalid_argument(
         "there is no build with the strongest runs, compact columns or verdicts and codes, waveforms or SystemC "
         "shells");
+  }
+  const bool wide = options.pixel_bits > spec::kPixelBits;
+  if (options.pixel_bits < spec::kPixelBits || options.pixel_bits > kMostBits ||
+      (wide && (options.settings.codes || !options.trace_file.empty() || options.engine == PlatformEngine::hls)) ||
+      (options.engine == PlatformEngine::rtl && !has_rtl_of(options.pixel_bits))) {
+    throw std::invalid_argument("there is no build with pixels of so many bits");
   }
   if (options.quantum_lines == 0 || options.trace_from == 0) {
     throw std::invalid_argument("the quantum and the first frame of a trace are at least 1");
@@ -114,6 +121,7 @@ std::unique_ptr<BoardCore> make_core(const PlatformOptions& options, const Camer
       .codes = options.settings.codes,
       .runs =
           options.settings.select == model::Select::strongest || options.settings.compact || options.settings.verdict,
+      .pixel_bits = options.pixel_bits,
       .trace_file = options.trace_file,
       .trace_from_clock = first_clock(options) + (options.trace_from - 1) * timing.frame_clocks};
   if (options.engine == PlatformEngine::model) {
@@ -151,7 +159,7 @@ struct Platform::Parts {
     sink.finished(finished);
     if (expected) {
       reference = std::make_unique<ReferenceModel>("reference", options.settings, options.limits, options.patterns,
-                                                   std::move(expected));
+                                                   options.pixel_bits, std::move(expected));
       camera.video(reference->video);
       conveyor.encoder(reference->encoder_pins);
     }

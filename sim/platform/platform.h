@@ -27,7 +27,8 @@ enum class PlatformEngine : std::uint8_t { rtl, hls, model };
 
 struct PlatformOptions {
   PlatformEngine engine = PlatformEngine::rtl;
-  model::BoardSettings settings = {};             // columns and rows are those of the frames
+  model::BoardSettings settings = {};  // columns and rows are those of the frames
+  int pixel_bits = spec::kPixelBits;   // engine rtl: 8, 10 or 12; the latter without codes and waveforms; hls: 8
   std::vector<model::SectionLimits> limits = {};  // of a verdict, for 15 sections at most; empty: nothing is judged
   double frame_rate_hz = 10000;
   double pixel_clock_hz = model::kDefaultPixelClockHz;
@@ -39,6 +40,9 @@ struct PlatformOptions {
   std::string trace_file = {};      // FST file; empty: none; engine rtl only
   std::uint64_t trace_from = 1;     // first frame with waveforms, from 1
 };
+
+// Whether a Verilated board takes pixels of so many bits.
+constexpr bool has_rtl_of(int pixel_bits) { return pixel_bits == 8 || pixel_bits == 10 || pixel_bits == 12; }
 
 // The outcome of a run.
 struct PlatformReport {
@@ -53,8 +57,9 @@ struct PlatformReport {
 // Only one may exist in a process at a time.
 class Platform {
  public:
-  // The next frame, of the size in the settings, valid until the next call; nothing if there are no more.
-  using NextFrame = std::function<std::optional<model::ImageView>()>;
+  // The next frame, of the size in the settings and of pixel_bits, valid until the next call; nothing if there are no
+  // more.
+  using NextFrame = std::function<std::optional<model::SensorView>()>;
   // Receives a packet and the time (in ps) at which its last beat was taken from the bus.
   using PacketSink = std::function<void(std::span<const std::uint8_t> bytes, std::uint64_t time_ps)>;
 

@@ -24,6 +24,7 @@ class RtlCore : public BoardCore {
                  .video_period_ps = model::pixel_clock_period_ps(options.pixel_clock_hz),
                  .bus_period_ps = options.bus.period_ps,
                  .bus_phase_ps = options.bus.phase_ps,
+                 .pixel_bits = options.pixel_bits,
                  .bus_stall_percent = options.bus.stall_percent,
                  .trace_file = options.trace_file}),
         codes_(options.codes),
@@ -55,7 +56,7 @@ class RtlCore : public BoardCore {
 
   [[nodiscard]] std::uint64_t clock() const override { return device_.clock(); }
 
-  void line(std::uint64_t clock, std::span<const std::uint8_t> pixels, bool frame_start) override {
+  void line(std::uint64_t clock, std::span<const std::uint16_t> pixels, bool frame_start) override {
     wait_until(clock);
     model::VideoBeat beat;
     beat.start = frame_start;

@@ -4,6 +4,8 @@
 #include "Vboard.h"
 #include "Vboard_hls.h"
 #include "Vboard_runs.h"
+#include "Vboard_runs_ten.h"
+#include "Vboard_runs_twelve.h"
 #include "Vboard_scanner.h"
 #include "Vboard_scanner_hls.h"
 #include "Vboard_traced.h"
@@ -38,6 +40,12 @@ class HlsScannerCore final : private DecoderShells, public RtlCore<Vboard_scanne
 std::unique_ptr<BoardCore> make_rtl_core(const BoardCoreOptions& options) {
   if (options.codes) {
     return std::make_unique<RtlCore<Vboard_scanner>>(options);
+  }
+  if (options.pixel_bits == 10) {
+    return std::make_unique<RtlCore<Vboard_runs_ten>>(options);
+  }
+  if (options.pixel_bits == 12) {
+    return std::make_unique<RtlCore<Vboard_runs_twelve>>(options);
   }
   if (options.runs) {
     return std::make_unique<RtlCore<Vboard_runs>>(options);

@@ -7,6 +7,7 @@ camera obeys the register `region`.
 
 import json
 import pathlib
+import re
 import struct
 import subprocess
 import sys
@@ -66,18 +67,18 @@ class Follow(unittest.TestCase):
     def sim(cls, *words, status=0):
         return cls.run_program("selfproj-sim", words, status)
 
-    def inspect(self, name, images, *words, status=0):
+    def inspect(self, name, images, *words, rig="few.yaml", status=0):
         """Inspects these images. Returns what was said, and the counts."""
         files = [file for folder in images for file in sorted((self.folder / folder).glob("*.png"))]
         board = subprocess.Popen([PROGRAMS / "selfproj-sim", "board", "--images", *files, "--sensor", "--rig",
-                                  "few.yaml", "--rate", str(RATE), "--ring", f"follow-{name}", "--control", ADDRESS], cwd=self.folder,
+                                  rig, "--rate", str(RATE), "--ring", f"follow-{name}", "--control", ADDRESS], cwd=self.folder,
                                  stdout=subprocess.DEVNULL)
         try:
             info = [PROGRAMS / "selfproj", "board", "info", "--device", f"udp:{ADDRESS}"]
             while subprocess.run(info, capture_output=True, check=False).returncode:
                 self.assertIsNone(board.poll())
                 time.sleep(0.05)
-            said = self.host("inspect", "--rig", "few.yaml", "--device", f"ring:follow-{name}", "--control",
+            said = self.host("inspect", "--rig", rig, "--device", f"ring:follow-{name}", "--control",
                              f"udp:{ADDRESS}", "--out", name, "--json", f"{name}.json", *words, status=status)
             if not status:
                 self.assertEqual(board.wait(timeout=20), 0)
@@ -108,6 +109,20 @@ class Follow(unittest.TestCase):
             belt = json.loads((self.folder / f"{part}-followed/summary.json").read_text())["belt"]
             self.assertEqual(belt["x_from"], "encoder")
             self.assertAlmostEqual(belt["mm_per_frame"], 1000 / 50000)
+
+    def test_a_part_of_twelve_bits(self):
+        for name, rig in (("twelve", (self.folder / "few.yaml").read_text()), ("whole", self.host("rig", "light-section"))):
+            threshold = int(re.search(r"  threshold: (\d+)", rig)[1])
+            (self.folder / f"{name}.yaml").write_text(
+                rig.replace(f"  threshold: {threshold}\n", f"  threshold: {16 * threshold}\n  pixel_bits: 12\n"))
+        self.sim("scene", "render", "--height-map", "plate.tiff", "--mm-per-pixel", 1, "--rig", "whole.yaml",
+                 "--region-of", "twelve.yaml", "--uncropped", "--first", 3000, "--count", FRAMES, "--lift", SHIFT_MM, "--out", "high-of-twelve")
+        said, followed = self.inspect("twelve", ["high-of-twelve"], "--follow", "--count", FRAMES, rig="twelve.yaml")
+        self.assertIn("region moved 1 times", said)
+        self.assertEqual(followed["profiles"], FRAMES)
+        found = self.off("twelve", "high")
+        self.assertGreater(found["compared"], 0.6 * found["of_a"], found)
+        self.assertLess(found["largest_mm"], OFF_MM, found)
 
     def test_part_after_part(self):
         parts = ["high", "low", "low", "high", "low"]

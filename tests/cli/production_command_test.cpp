@@ -340,8 +340,51 @@ TEST_F(ProductionCommand, ImagesOfTwelveBits) {
   const std::vector<float> all = images::read_float_tiff(folder_ / "twelve-out/height.tiff").values;
   EXPECT_TRUE(
       std::ranges::equal(strongest, all, [](float a, float b) { return a == b || (std::isnan(a) && std::isnan(b)); }));
-  EXPECT_NE(sim({"cosim", "--rig", "twelve.yaml", "--count", "1"}).err.find("co-simulation takes pixels of 8 bits"),
+  // The same image, recorded, through the Verilated board and the model, and played by the simulated board: the packets
+  // that the board of a laboratory would send.
+  for (const std::string engine : {"rtl", "model"}) {
+    const Outcome run = sim({"cosim", "--frames", "twelve/frame_00300.png", "--rig", "twelve.yaml", "--engine", engine,
+                             "--packets", engine + ".slfp", "--select", "strongest"});
+    ASSERT_EQ(run.status, 0) << run.err;
+    EXPECT_NE(run.out.find("512 columns in 1 frames, 0 mismatches"), std::string::npos) << run.out;
+  }
+  EXPECT_EQ(read_text(folder_ / "rtl.slfp"), read_text(folder_ / "model.slfp"));
+  ASSERT_EQ(sim({"board", "--images", "twelve/frame_00300.png", "--rig", "twelve.yaml", "--threshold", "48", "--record",
+                 "played.slfp"})
+                .status,
+            0);
+  ASSERT_EQ(host({"inspect", "--rig", "twelve.yaml", "--device", "file:played.slfp", "--out", "played-out"}).status, 0);
+  EXPECT_EQ(read_text(folder_ / "played-out/height.tiff"), read_text(folder_ / "twelve-out/height.tiff"));
+  const auto no_board = [&](const Words& words) { return sim(words).err; };
+  EXPECT_NE(no_board({"cosim", "--rig", "twelve.yaml", "--engine", "hls"}).find("--engine rtl and model"),
             std::string::npos);
+  EXPECT_NE(no_board({"cosim", "--threshold", "256"}).find("pixels of 8 bits are 255 at most"), std::string::npos);
+  EXPECT_NE(no_board({"board", "--images", "twelve/frame_00300.png", "--rig", "twelve.yaml", "--bits", "2", "--record",
+                      "none.slfp"})
+                .find("--bits takes pixels of 8 bits"),
+            std::string::npos);
+}
+
+// Scenes of 10 and 12 bits under the simulated camera: exact and divided columns, the strongest run, and a bus that
+// stalls.
+TEST_F(ProductionCommand, CosimulationOfMoreBits) {
+  rig::Rig rig = rig::load_rig("light-section");
+  for (const int bits : {10, 12}) {
+    rig.measure.pixel_bits = bits;
+    rig.measure.threshold = 20 << (bits - 8);
+    write_text(folder_ / "wide.yaml", rig::to_yaml(rig));
+    for (const Words& words : std::vector<Words>{{"--mode", "binary"}, {"--compact"}, {"--select", "strongest"}}) {
+      Words all = {"cosim", "--scene", "stairs-marked", "--first",     "700", "--count",
+                   "3",     "--rig",   "wide.yaml",     "--bus-stall", "40"};
+      all.insert(all.end(), words.begin(), words.end());
+      const Outcome run = sim(all);
+      EXPECT_EQ(run.status, 0) << run.err;
+      EXPECT_NE(run.out.find("1536 columns in 3 frames, 0 mismatches"), std::string::npos) << run.out;
+    }
+  }
+  rig.measure.pixel_bits = 11;
+  write_text(folder_ / "wide.yaml", rig::to_yaml(rig));
+  EXPECT_NE(sim({"cosim", "--rig", "wide.yaml"}).err.find("the Verilated boards 8, 10 and 12"), std::string::npos);
 }
 
 // The sweep of a part in images of 12 bits: its pattern, without its residual; and plates at known heights.

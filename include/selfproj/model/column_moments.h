@@ -17,6 +17,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <variant>
 #include <vector>
 
 #include "selfproj/model/generated/selfproj_spec.h"
@@ -57,6 +58,7 @@ struct PixelView {
 };
 using ImageView = PixelView<std::uint8_t>;
 using WideImageView = PixelView<std::uint16_t>;  // pixels of more than 8 bits, one in each word, from bit 0 on
+using SensorView = std::variant<ImageView, WideImageView>;  // of a sensor of 8 bits, or of more
 inline constexpr int kMaxPixelBits = 12;
 
 // Moments that someone else owns: three arrays with one entry for each column.
