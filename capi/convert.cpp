@@ -44,6 +44,7 @@ void each_field(Header& header, Packet& packet, const Each& each) {
   each(header.region_row, packet.region_row);
   each(header.region_column, packet.region_column);
   each(header.pixel_bits, packet.pixel_bits);
+  each(header.tall, packet.tall);
 }
 
 }  // namespace
@@ -79,9 +80,9 @@ model::Measure measure_of(const selfproj_measure* measure) {
   const selfproj_measure from = copy_of(measure, kOldestMeasure, "measure: null pointer, or size is not set");
   require(from.threshold >= 0 && from.threshold <= 255, "threshold is not in 0..255");
   require(from.gap >= 0 && from.gap <= model::kMaxGap, "gap is not in 0..3");
-  require(
-      from.first_row >= 0 && from.first_row <= spec::kMaxRows && from.last_row >= 0 && from.last_row <= spec::kMaxRows,
-      "first_row or last_row are not in 0..1023");
+  require(from.first_row >= 0 && from.first_row <= spec::kRowLimit && from.last_row >= 0 &&
+              from.last_row <= spec::kRowLimit,
+          "first_row or last_row are not in 0..2047");
   return {.mode = mode_of(from.mode),
           .threshold = from.threshold,
           .select = select_of(from.select),
@@ -126,10 +127,10 @@ void check_packet(const selfproj_packet* out) {
 
 void write_packet(const model::PacketView& packet, selfproj_packet* out) {
   check_packet(out);
-  require(packet.header.pixel_bits == spec::kPixelBits || out->size >= offsetof(selfproj_packet, header) +
-                                                                           offsetof(selfproj_header, pixel_bits) +
-                                                                           sizeof(std::uint32_t),
-          "packet: its pixels have more than 8 bits, of which this version of selfproj_packet cannot tell");
+  require(!model::has_wide_words(packet.header) ||
+              out->size >= offsetof(selfproj_packet, header) + offsetof(selfproj_header, tall) + sizeof(std::uint32_t),
+          "packet: its pixels have more than 8 bits, or its board more than 1023 rows, of which this version of "
+          "selfproj_packet cannot tell");
   selfproj_packet value{};
   value.status = packet.status;
   value.bytes = packet.bytes().data();

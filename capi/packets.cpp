@@ -102,6 +102,20 @@ std::int32_t selfproj_unpack_wide_runs(std::int32_t mode, std::int32_t columns, 
   });
 }
 
+std::int32_t selfproj_unpack_columns(const selfproj_header* header, const std::uint8_t* payload,
+                                     std::size_t payload_bytes, std::uint32_t* m0, std::uint32_t* m1, std::uint32_t* n,
+                                     std::uint8_t* runs, std::uint8_t* second) {
+  return guarded([&] {
+    require(payload != nullptr, "null pointer");
+    const model::PacketHeader of = header_of(header);
+    require(model::has_columns(of.kind), "header: the packet has no columns");
+    const model::Select select = select_of(static_cast<std::int32_t>(of.select));
+    static_cast<void>(mode_of(static_cast<std::int32_t>(of.mode)));
+    require(payload_bytes >= model::columns_payload_bytes(of), "payload_bytes are too few for the columns");
+    model::unpack_columns(of, payload, runs_of(select, {m0, m1, n}, runs, second));
+  });
+}
+
 std::int32_t selfproj_unpack_compact(std::int32_t select, std::int32_t columns, const std::uint8_t* payload,
                                      std::size_t payload_bytes, std::uint32_t* m0, std::uint32_t* m1, std::uint32_t* n,
                                      std::uint8_t* runs, std::uint8_t* second) {

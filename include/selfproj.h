@@ -47,7 +47,7 @@ const char* selfproj_last_error(void);
 #define SELFPROJ_GREY 1      /* p */
 #define SELFPROJ_GREY_OVER 2 /* p - T */
 
-/* An image: pixel (row r, column c), both from 0, is pixels[r * stride + c]. Rows 1..1023, columns 1 or more (a board
+/* An image: pixel (row r, column c), both from 0, is pixels[r * stride + c]. Rows 1..2047, columns 1 or more (a board
  * takes multiples of 4 up to 4096). |stride| is at least columns; negative for an image that is upside down. */
 typedef struct selfproj_image {
   const uint8_t* pixels;
@@ -67,8 +67,8 @@ typedef struct selfproj_measure {
   int32_t threshold; /* T, 0..255 */
   int32_t select;    /* SELFPROJ_ALL, SELFPROJ_STRONGEST */
   int32_t gap;       /* dark rows between two lit pixels of one run, 0..3 */
-  int32_t first_row; /* first row that counts, 0..1023, from 1; 0: the first */
-  int32_t last_row;  /* last row that counts, 0..1023; 0: the last */
+  int32_t first_row; /* first row that counts, 0..2047, from 1; 0: the first */
+  int32_t last_row;  /* last row that counts, 0..2047; 0: the last */
 } selfproj_measure;
 
 /* Column moments (3.1): for each column M0 = sum w, M1 = sum row * w with rows from 1, and N = lit pixels, of what
@@ -134,6 +134,7 @@ typedef struct selfproj_header {
   uint16_t region_row; /* row and column of the sensor, from 1, at which the frame begins; 0: not said */
   uint16_t region_column;
   uint32_t pixel_bits; /* of a pixel, 8..12; images and codes have the upper 8; 0 counts as 8 */
+  uint32_t tall;       /* 1: of a board for more than 1023 rows, whose columns are other words */
 } selfproj_header;
 
 /* A packet that was found right. The pointers lead into the bytes where it was found. */
@@ -174,6 +175,11 @@ int32_t selfproj_unpack_wide_runs(int32_t mode, int32_t columns, const uint8_t* 
  * m1 the centroid in 1/512 rows; n, `runs` and `second` at most 63, 3 and 15. With SELFPROJ_ALL the last two may be
  * null. */
 int32_t selfproj_unpack_compact(int32_t select, int32_t columns, const uint8_t* payload, size_t payload_bytes,
+                                uint32_t* m0, uint32_t* m1, uint32_t* n, uint8_t* runs, uint8_t* second);
+
+/* Reads the columns of a packet of moments or compact columns with this header, whatever their words are: one of the
+ * functions above, or what boards for more than 1023 rows send. With SELFPROJ_ALL `runs` and `second` may be null. */
+int32_t selfproj_unpack_columns(const selfproj_header* header, const uint8_t* payload, size_t payload_bytes,
                                 uint32_t* m0, uint32_t* m1, uint32_t* n, uint8_t* runs, uint8_t* second);
 
 /* Reads the code words of one line. */

@@ -116,6 +116,7 @@ PacketHeader BoardModel::header(std::uint8_t kind) const {
   header.encoder = inputs_.encoder;
   header.pattern = inputs_.pattern;
   describe_frame(header, settings_.rows, settings_.columns, measure());
+  header.tall = tall_;
   header.flags = stray_before_ ? spec::kFlagStrayBefore : 0;
   return header;
 }

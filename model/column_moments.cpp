@@ -37,7 +37,7 @@ void require(bool good, const char* what) {
 
 template <typename Pixel>
 void check(const PixelView<Pixel>& image, Mode mode, const MomentsView& out, int max_rows) {
-  require(image.rows >= 1 && image.rows <= max_rows, "rows are not in 1..kMaxRows");
+  require(image.rows >= 1 && image.rows <= max_rows, "rows are less than 1, or too many");
   require(image.columns >= 1, "columns are less than 1");
   require(mode == Mode::binary || mode == Mode::grey || mode == Mode::grey_over, "unknown mode");
   require(image.pixels != nullptr && out.m0 != nullptr && out.m1 != nullptr && out.n != nullptr, "null pointer");
@@ -63,7 +63,7 @@ void check_column_moments(const ImageView& image, Mode mode, int threshold, cons
 }
 
 void check_column_moments(const WideImageView& image, int bits, Mode mode, int threshold, const MomentsView& out) {
-  check(image, mode, out, spec::kMaxRows);
+  check(image, mode, out, row_limit(bits));
   require(bits >= 8 && bits <= kMaxPixelBits, "bits are not in 8..12");
   require(threshold >= 0 && threshold < 1 << bits, "threshold is not in 0..2^bits - 1");
 }

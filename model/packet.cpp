@@ -96,6 +96,7 @@ PacketHeader read_header(const std::uint8_t* bytes) {
   const std::uint32_t pixel = bytes[spec::kHeaderPixel];
   header.pixel_bits = static_cast<std::uint8_t>(
       spec::kPixelBits + field_of(pixel, spec::kHeaderPixelMoreBitsLsb, spec::kHeaderPixelMoreBitsBits));
+  header.tall = field_of(pixel, spec::kHeaderPixelTallLsb, spec::kHeaderPixelTallBits) != 0;
   header.threshold = static_cast<std::uint16_t>(
       bytes[spec::kHeaderThreshold] |
       field_of(pixel, spec::kHeaderPixelThresholdHighLsb, spec::kHeaderPixelThresholdHighBits) << 8U);
@@ -135,7 +136,8 @@ void write_header(const PacketHeader& header, std::uint32_t payload_size, std::u
   store_little_endian(bytes + spec::kHeaderThreshold, static_cast<std::uint8_t>(header.threshold & 0xFFU));
   store_little_endian(
       bytes + spec::kHeaderPixel,
-      static_cast<std::uint8_t>((header.pixel_bits - spec::kPixelBits) << spec::kHeaderPixelMoreBitsLsb |
+      static_cast<std::uint8_t>((header.tall ? 1 : 0) << spec::kHeaderPixelTallLsb |
+                                (header.pixel_bits - spec::kPixelBits) << spec::kHeaderPixelMoreBitsLsb |
                                 header.threshold >> 8U << spec::kHeaderPixelThresholdHighLsb));
   store_little_endian(bytes + spec::kHeaderFirstLine, header.first_line);
   store_little_endian(bytes + spec::kHeaderLines, header.lines);
@@ -165,11 +167,14 @@ bool lines_in_frame(const PacketHeader& header) {
 // Whether mode, select, gap, columns, rows, lines and pixels are possible. Lines matter only if the payload has lines.
 bool geometry_is_right(const PacketHeader& header) {
   if (!is_known(static_cast<Mode>(header.mode)) || !is_known(static_cast<Select>(header.select)) ||
-      header.gap > kMaxGap || header.first_row > spec::kMaxRows || header.last_row > spec::kMaxRows) {
+      header.gap > kMaxGap || header.first_row > spec::kRowLimit || header.last_row > spec::kRowLimit) {
     return false;
   }
   if (header.columns < 1 || header.columns > spec::kColumnLimit || header.columns % spec::kPixelsPerBeat != 0 ||
-      header.rows < 1 || header.rows > spec::kMaxRows) {
+      header.rows < 1 || header.rows > (header.tall ? spec::kRowLimit : spec::kMaxRows)) {
+    return false;
+  }
+  if (header.tall && (header.pixel_bits > kMaxTallBits || has_verdict(header))) {
     return false;
   }
   if (header.pixel_bits > kMaxPixelBits || header.threshold >= 1 << header.pixel_bits) {
@@ -314,6 +319,7 @@ void describe_frame(PacketHeader& header, int rows, int columns, const Measure& 
   header.last_row = static_cast<std::uint16_t>(measure.window.last);
   header.first_line = 1;
   header.lines = header.rows;
+  header.tall = rows > spec::kMaxRows;
 }
 
 Measure measure_of(const PacketHeader& header) {
@@ -337,31 +343,33 @@ std::size_t frame_payload_bytes(const PacketHeader& header) {
 
 void pack_columns(const PacketHeader& header, const RunsView& runs, std::uint8_t* payload) {
   const auto select = static_cast<Select>(header.select);
+  const auto mode = static_cast<Mode>(header.mode);
   if (header.kind == spec::kKindCompact) {
-    pack_compact(select, header.columns, runs, payload, header.pixel_bits);
-  } else if (header.pixel_bits > spec::kPixelBits) {
-    if (select == Select::strongest) {
-      pack_wide_runs(static_cast<Mode>(header.mode), header.columns, runs, payload);
-    } else {
-      pack_wide_moments(static_cast<Mode>(header.mode), header.columns, runs.moments, payload);
-    }
+    pack_compact(select, header.columns, runs, payload, header.pixel_bits, header.tall);
+  } else if (header.tall && mode == Mode::binary) {
+    pack_tall_binary(header.columns, runs.moments, payload);
+  } else if (!has_wide_words(header)) {
+    pack_columns(select, mode, header.columns, runs, payload);
+  } else if (select == Select::strongest) {
+    pack_wide_runs(mode, header.columns, runs, payload);
   } else {
-    pack_columns(select, static_cast<Mode>(header.mode), header.columns, runs, payload);
+    pack_wide_moments(mode, header.columns, runs.moments, payload);
   }
 }
 
 void unpack_columns(const PacketHeader& header, const std::uint8_t* payload, const RunsView& out) {
   const auto select = static_cast<Select>(header.select);
+  const auto mode = static_cast<Mode>(header.mode);
   if (header.kind == spec::kKindCompact) {
     unpack_compact(select, header.columns, payload, out);
-  } else if (header.pixel_bits > spec::kPixelBits) {
-    if (select == Select::strongest) {
-      unpack_wide_runs(static_cast<Mode>(header.mode), header.columns, payload, out);
-    } else {
-      unpack_wide_moments(static_cast<Mode>(header.mode), header.columns, payload, out.moments);
-    }
+  } else if (header.tall && mode == Mode::binary) {
+    unpack_tall_binary(select, header.columns, payload, out);
+  } else if (!has_wide_words(header)) {
+    unpack_columns(select, mode, header.columns, payload, out);
+  } else if (select == Select::strongest) {
+    unpack_wide_runs(mode, header.columns, payload, out);
   } else {
-    unpack_columns(select, static_cast<Mode>(header.mode), header.columns, payload, out);
+    unpack_wide_moments(mode, header.columns, payload, out.moments);
   }
 }
 

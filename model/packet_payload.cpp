@@ -17,7 +17,11 @@ constexpr std::size_t kPixelBytes = spec::kPixelBits / 8;
 
 // The words of runs and of wide pixels are as long as those of moments.
 static_assert(spec::kBinaryRunWordBits == spec::kBinaryWordBits && spec::kGreyRunWordBits == spec::kGreyWordBits &&
-              spec::kWideGreyWordBits == spec::kGreyWordBits && spec::kWideGreyRunWordBits == spec::kGreyWordBits);
+              spec::kWideGreyWordBits == spec::kGreyWordBits && spec::kWideGreyRunWordBits == spec::kGreyWordBits &&
+              spec::kTallBinaryWordBits == spec::kBinaryWordBits);
+// The words of a grey mode and more rows are wide ones.
+static_assert(spec::kTallGreyM0Lsb == spec::kWideGreyM0Lsb && spec::kTallGreyNLsb == spec::kWideGreyNLsb &&
+              spec::kTallGreyM0Lsb == spec::kWideGreyRunM0Lsb && spec::kTallGreyNLsb == spec::kWideGreyRunNLsb);
 
 constexpr int kHalf = 8;  // the second run has half of the strongest, in sixteenths
 
@@ -149,6 +153,28 @@ void unpack_wide_moments(Mode mode, int columns, const std::uint8_t* payload, co
   });
 }
 
+void pack_tall_binary(int columns, const MomentsView& moments, std::uint8_t* payload) {
+  const std::size_t count = checked(columns);
+  for (std::size_t i = 0; i < count; ++i) {
+    store_little_endian(payload + i * kBinaryBytes,
+                        (moments.m1[i] & ones32(spec::kTallBinaryM1Bits)) << spec::kTallBinaryM1Lsb |
+                            (moments.m0[i] & ones32(spec::kTallBinaryM0Bits)) << spec::kTallBinaryM0Lsb);
+  }
+  std::fill(payload + count * kBinaryBytes, payload + moments_bytes(Mode::binary, count), std::uint8_t{0});
+}
+
+void unpack_tall_binary(Select select, int columns, const std::uint8_t* payload, const RunsView& out) {
+  for_each_tall_binary_word(payload, 0, columns, [&](int i, std::uint32_t m0, std::uint32_t m1, std::uint32_t n) {
+    out.moments.m0[i] = m0;
+    out.moments.m1[i] = m1;
+    out.moments.n[i] = n;
+    if (select == Select::strongest) {
+      out.runs[i] = m0 != 0 ? 1 : 0;
+      out.second[i] = 0;
+    }
+  });
+}
+
 void pack_runs(Mode mode, int columns, const RunsView& runs, std::uint8_t* payload) {
   const std::size_t count = checked(mode, columns);
   const MomentsView& moments = runs.moments;
@@ -226,13 +252,13 @@ void unpack_columns(Select select, Mode mode, int columns, const std::uint8_t* p
 }
 
 std::uint32_t compact_word(Select select, std::uint32_t m0, std::uint32_t m1, std::uint32_t n, std::uint8_t runs,
-                           std::uint8_t second, int bits) {
+                           std::uint8_t second, int bits, bool tall) {
   if (n == 0 || m0 == 0) {
     return 0;
   }
   constexpr std::uint32_t kMostSecond = 15;
   const auto centroid = static_cast<std::uint32_t>((std::uint64_t{kCompactM0} * m1 + m0 / 2) / m0);
-  const std::uint32_t told = bits == spec::kPixelBits ? runs : second != 0 ? 2 : 1;
+  const std::uint32_t told = bits == spec::kPixelBits && !tall ? runs : second != 0 ? 2 : 1;
   const std::uint32_t quality = select == Select::strongest ? 16U * told + std::min<std::uint32_t>(second, kMostSecond)
                                                             : (m0 >> (bits - spec::kCompactQualityBits)) / n;
   return (centroid & ones32(spec::kCompactCentroidBits)) << spec::kCompactCentroidLsb |
@@ -242,14 +268,14 @@ std::uint32_t compact_word(Select select, std::uint32_t m0, std::uint32_t m1, st
 
 std::size_t compact_payload_bytes(int columns) { return whole_beats(checked(columns) * kCompactBytes); }
 
-void pack_compact(Select select, int columns, const RunsView& runs, std::uint8_t* payload, int bits) {
+void pack_compact(Select select, int columns, const RunsView& runs, std::uint8_t* payload, int bits, bool tall) {
   const bool strongest = select == Select::strongest;
   const MomentsView& of = runs.moments;
   std::uint8_t* word = payload;
   for (std::size_t i = 0; i < checked(columns); ++i) {
     store_little_endian(word,
                         compact_word(select, of.m0[i], of.m1[i], of.n[i], strongest ? runs.runs[i] : std::uint8_t{0},
-                                     strongest ? runs.second[i] : std::uint8_t{0}, bits));
+                                     strongest ? runs.second[i] : std::uint8_t{0}, bits, tall));
     word += kCompactBytes;
   }
   std::fill(word, payload + compact_payload_bytes(columns), std::uint8_t{0});

@@ -75,7 +75,8 @@ std::uint32_t RegisterFile::capability() const {
   const auto bit = [](bool set, int lsb) { return static_cast<std::uint32_t>(set ? 1U : 0U) << lsb; };
   constexpr int kColumns = 1 << spec::kRegCapabilityMaxColumnsBits;  // as 0
   return static_cast<std::uint32_t>(build_.max_columns % kColumns) << spec::kRegCapabilityMaxColumnsLsb |
-         static_cast<std::uint32_t>(build_.max_rows) << spec::kRegCapabilityMaxRowsLsb |
+         static_cast<std::uint32_t>(build_.max_rows > spec::kMaxRows ? 0 : build_.max_rows)
+             << spec::kRegCapabilityMaxRowsLsb |
          bit(build_.grey, spec::kRegCapabilityGreyLsb) | bit(build_.image, spec::kRegCapabilityImageLsb) |
          bit(build_.codes, spec::kRegCapabilityCodesLsb) |
          bit(build_.codes && build_.median, spec::kRegCapabilityMedianLsb) |
@@ -260,6 +261,10 @@ bool RegisterFile::good(std::uint32_t address, std::uint32_t data) const {
 
 RegisterAnswer RegisterFile::write(std::uint32_t address, std::uint32_t data) {
   const spec::Register* const one = register_at(address);
+  if (address == spec::kRegWindow && build_.max_rows <= spec::kMaxRows) {  // no such bits
+    constexpr std::uint32_t kHighest = 1U << (spec::kRegWindowFirstBits - 1);
+    data &= ~(kHighest << spec::kRegWindowFirstLsb | kHighest << spec::kRegWindowLastLsb);
+  }
   if (!has_register(build_, address) || !one->writable || !good(address, data)) {
     return {.error = true, .data = 0};
   }

@@ -81,7 +81,7 @@ std::string gap_in(const std::vector<std::string>& files) {
 }
 
 void measure(const model::ImageView& image, const model::Measure& how, const model::RunsView& out) {
-  if (image.rows > spec::kMaxRows) {
+  if (image.rows > spec::kRowLimit) {
     model::measure_tall_columns(image, how, out);
   } else {
     light_section::fast_measure_columns(image, how, out);
@@ -137,9 +137,9 @@ ImageSource::ImageSource(const ImageSourceOptions& options, const rig::Rig& rig,
   if (sent_.rows > model::kMaxSoftwareRows) {
     throw UserError(first(), fmt::format("has {} rows; at most {} are possible", sent_.rows, model::kMaxSoftwareRows));
   }
-  if (sent_.rows > spec::kMaxRows && measure.bits > spec::kPixelBits) {
+  if (sent_.rows > model::row_limit(measure.bits) && measure.bits > spec::kPixelBits) {
     throw UserError(first(), fmt::format("has {} rows; at most {} are possible with pixels of {} bits", sent_.rows,
-                                         spec::kMaxRows, measure.bits));
+                                         model::row_limit(measure.bits), measure.bits));
   }
   if (rig.sources && rig.sources->speed != rig::ValueSource::assumed && !options.spacing_mm && count() > 1) {
     throw UserError(
@@ -147,9 +147,9 @@ ImageSource::ImageSource(const ImageSourceOptions& options, const rig::Rig& rig,
         "nothing says how far the belt moves from one to the next, as the frame rate of a calibrated rig is "
         "the drawing's: say it with --mm-per-image");
   }
-  if (sent_.rows > spec::kMaxRows) {
+  if (sent_.rows > spec::kRowLimit) {
     files::note(fmt::format("{}: has {} rows and a board takes at most {}: this program alone measures them", first(),
-                            sent_.rows, spec::kMaxRows));
+                            sent_.rows, spec::kRowLimit));
   }
 }
 

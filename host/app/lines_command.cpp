@@ -62,12 +62,12 @@ void run_lines(const LinesOptions& options) {
                                                         "--transpose",
                                                         images.rows(), model::kMaxSoftwareRows));
   }
-  const bool tall = images.rows() > spec::kMaxRows;
+  const bool tall = images.rows() > spec::kRowLimit;
   if (tall) {
     files::note(
         fmt::format("{}: has {} rows and a board takes at most {}: this command measures them all; for a board, take "
                     "a part with --roi, or --transpose",
-                    images.files().front(), images.rows(), spec::kMaxRows));
+                    images.files().front(), images.rows(), spec::kRowLimit));
   }
   report::LineImages lines(images.rows(), images.columns(), rig_measure);
   std::vector<report::CameraPicture> pictures;
@@ -138,7 +138,7 @@ void add_lines_command(CLI::App& app) {
       app,
       {.name = "lines",
        .purpose = "Finds the laser line in recorded images, column by column, as a board would.",
-       .details = "Each image is a frame of any width. A board takes up to 1023 rows; this command measures up to 5803 "
+       .details = "Each image is a frame of any width. A board takes up to 2047 rows; this command measures up to 5803 "
                   "and says so. A line that runs from top to bottom needs --transpose. The folder of --out gets "
                   "frame_K.png, the images with the line drawn over them, "
                   "moments.csv, centroid.tiff (rows are images; pixel rows count from 1), summary.json and "

@@ -57,7 +57,7 @@ SoftwareBoard make_board(const Camera& camera, const CameraBoardSettings& given)
     throw UserError(camera.uri(),
                     fmt::format("its images have {} x {} pixels; a board takes 4 to {} columns, a multiple of 4, and 1 "
                                 "to {} rows; choose a region",
-                                camera.columns(), camera.rows(), spec::kColumnLimit, spec::kMaxRows));
+                                camera.columns(), camera.rows(), spec::kColumnLimit, model::row_limit(bits)));
   }
 }
 

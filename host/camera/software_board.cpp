@@ -25,12 +25,12 @@ bool within(int value, int min, int max) { return value >= min && value <= max; 
 
 void check_settings(const model::BoardSettings& settings, int pixel_bits) {
   const bool good = within(settings.columns, spec::kPixelsPerBeat, spec::kColumnLimit) &&
-                    settings.columns % spec::kPixelsPerBeat == 0 && within(settings.rows, 1, spec::kMaxRows) &&
-                    model::is_known(settings.mode) && model::is_known(settings.select) &&
-                    within(pixel_bits, spec::kPixelBits, model::kMaxPixelBits) &&
+                    settings.columns % spec::kPixelsPerBeat == 0 &&
+                    within(settings.rows, 1, model::row_limit(pixel_bits)) && model::is_known(settings.mode) &&
+                    model::is_known(settings.select) && within(pixel_bits, spec::kPixelBits, model::kMaxPixelBits) &&
                     within(settings.threshold, 0, (1 << pixel_bits) - 1) && within(settings.gap, 0, model::kMaxGap) &&
-                    within(settings.stream, 0, UINT8_MAX) && within(settings.window.first, 0, spec::kMaxRows) &&
-                    within(settings.window.last, 0, spec::kMaxRows) && within(settings.region_row, 0, UINT16_MAX) &&
+                    within(settings.stream, 0, UINT8_MAX) && within(settings.window.first, 0, spec::kRowLimit) &&
+                    within(settings.window.last, 0, spec::kRowLimit) && within(settings.region_row, 0, UINT16_MAX) &&
                     within(settings.region_column, 0, UINT16_MAX);
   if (!good) {
     throw std::invalid_argument("software board: a setting is out of range");

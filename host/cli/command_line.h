@@ -81,7 +81,7 @@ struct SelectOptions {
   std::string rows = {};
 
   // Changes `measure` where an option says so. Throws UserError about --rows, or about --gap without the strongest run.
-  void apply(model::Measure& measure, int max_rows = spec::kMaxRows) const;
+  void apply(model::Measure& measure, int max_rows = spec::kRowLimit) const;
 };
 
 // Adds --select, --gap and --rows. `by_default` is what --help says of --select; with kRigsSelect of all three.

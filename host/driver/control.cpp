@@ -83,9 +83,11 @@ Control::Control(std::unique_ptr<RegisterPort> port) : port_(std::move(port)) {
   const std::uint32_t can = words[3];
   const auto max_columns =
       static_cast<int>(field_of(can, spec::kRegCapabilityMaxColumnsLsb, spec::kRegCapabilityMaxColumnsBits));
+  const auto max_rows =
+      static_cast<int>(field_of(can, spec::kRegCapabilityMaxRowsLsb, spec::kRegCapabilityMaxRowsBits));
   build_ = {
       .max_columns = max_columns == 0 ? spec::kColumnLimit : max_columns,
-      .max_rows = static_cast<int>(field_of(can, spec::kRegCapabilityMaxRowsLsb, spec::kRegCapabilityMaxRowsBits)),
+      .max_rows = max_rows == 0 ? spec::kRowLimit : max_rows,
       .pixel_bits = spec::kPixelBits +
                     static_cast<int>(field_of(words[4], spec::kRegStatusMoreBitsLsb, spec::kRegStatusMoreBitsBits)),
       .lanes = spec::kPixelsPerBeat << field_of(words[4], spec::kRegStatusLanesLsb, spec::kRegStatusLanesBits),
@@ -157,6 +159,14 @@ void Control::write_word(const spec::Register& one, std::uint32_t value) {
   need(one);
   if (!one.writable) {
     throw UserError(uri(), "register " + std::string(one.name) + " can only be read");
+  }
+  if (one.address == spec::kRegWindow) {  // a board with fewer rows than these ignores their highest bit
+    const auto last = std::max(field_of(value, spec::kRegWindowFirstLsb, spec::kRegWindowFirstBits),
+                               field_of(value, spec::kRegWindowLastLsb, spec::kRegWindowLastBits));
+    if (last > static_cast<std::uint32_t>(build_.max_rows)) {
+      throw UserError(
+          uri(), "window: " + std::to_string(last) + " is a row beyond the board's " + std::to_string(build_.max_rows));
+    }
   }
   const Written written = port_->write(one.address, value);
   const std::uint32_t mask = one.address == spec::kRegSize ? ~0U : one.mask();  // bits that are not ignored

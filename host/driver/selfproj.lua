@@ -111,6 +111,12 @@ local format = {
       {"code", 0, 12, "space code, from 0"},
       {"measurable", 15, 1, "1: at most one bit plane is ambiguous; 0: do not use the code"},
     }},
+    tall_binary = {bits = 32, fields = {
+      {"m1", 0, 21, "1st moment"},
+      {"m0", 21, 11,
+        "0th moment, which is also the number of lit pixels; with select strongest those of the strongest run, " ..
+        "and nothing of the others"},
+    }},
     wide_grey = {bits = 64, fields = {
       {"m1", 0, 31, "1st moment"},
       {"m0", 31, 22, "0th moment"},
@@ -124,9 +130,17 @@ local format = {
         "floor(16 M0 of the second run / M0 of the strongest), 16 where they are equal; 0 where there is one run " ..
         "at most"},
     }},
+    tall_grey = {bits = 64, fields = {
+      {"m1", 0, 31, "1st moment"},
+      {"m0", 31, 22, "0th moment"},
+      {"n", 53, 11, "number of lit pixels"},
+    }},
     header_pixel = {bits = 8, fields = {
       {"threshold_high", 0, 4, "bits 11..8 of the threshold"},
-      {"more_bits", 4, 4, "bits of a pixel, less 8; images and codes are of the upper eight bits"},
+      {"more_bits", 4, 3, "bits of a pixel, less 8; images and codes are of the upper eight bits"},
+      {"tall", 7, 1,
+        "1: words of columns are those of a build for more than 1,023 rows: tall_binary, wide_grey and " ..
+        "wide_grey_run"},
     }},
     compact = {bits = 32, fields = {
       {"centroid", 0, 20, "M1 / M0 in 1/512 rows, rounded to the nearest, halves up; 0: no light"},
@@ -301,9 +315,11 @@ local function word_of(buffer)
   local kind = format.kinds[number(buffer, format.header, "kind")]
   if kind == "moments" then
     local run = format.selects[number(buffer, format.header, "select")] == "strongest" and "_run" or ""
-    local wide = number(buffer, format.header, "pixel") ~= 0
-    local grey = wide and "wide_grey" or "grey"
-    return (format.modes[number(buffer, format.header, "mode")] == "binary" and "binary" or grey) .. run
+    local pixel = number(buffer, format.header, "pixel")
+    if format.modes[number(buffer, format.header, "mode")] ~= "binary" then
+      return (pixel ~= 0 and "wide_grey" or "grey") .. run
+    end
+    return pixel >= 128 and "tall_binary" or "binary" .. run  -- bit 7: words of more than 1,023 rows
   end
   return (kind == "codes" and "code") or (kind == "compact" and "compact") or nil
 end

@@ -321,10 +321,10 @@ void Camera::describe_measurement(FeatureSet& features) {
               {.name = "RunGap", .tip = "Dark rows between two lit pixels of one run.", .max = model::kMaxGap},
               "measure.gap", [](const model::Measure& measure) { return std::int64_t{measure.gap}; });
   add_setting(features,
-              {.name = "WindowFirstRow", .tip = "First row that counts, from 1; 0: the first.", .max = spec::kMaxRows},
+              {.name = "WindowFirstRow", .tip = "First row that counts, from 1; 0: the first.", .max = spec::kRowLimit},
               "window.first", [](const model::Measure& measure) { return std::int64_t{measure.window.first}; });
   add_setting(features,
-              {.name = "WindowLastRow", .tip = "Last row that counts, from 1; 0: the last.", .max = spec::kMaxRows},
+              {.name = "WindowLastRow", .tip = "Last row that counts, from 1; 0: the last.", .max = spec::kRowLimit},
               "window.last", [](const model::Measure& measure) { return std::int64_t{measure.window.last}; });
 }
 

@@ -33,7 +33,7 @@ std::string select_name(model::Select select);
 
 // The window of a text "A..B", first and last row that count, from 1. Throws UserError about `option` unless
 // 1 <= A <= B <= max_rows.
-model::RowWindow rows_of_text(const std::string& option, const std::string& text, int max_rows = spec::kMaxRows);
+model::RowWindow rows_of_text(const std::string& option, const std::string& text, int max_rows = spec::kRowLimit);
 
 // "strongest, gap 1, rows 10..80": what `measure` has that is not what a board measures by default; empty if nothing.
 std::string select_text(const model::Measure& measure);

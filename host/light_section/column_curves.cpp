@@ -378,6 +378,10 @@ SELFPROJ_CLONES void unpack_binary(const std::uint8_t* payload, int first, int c
   model::for_each_binary_word(payload, first, count, take_moments(moments));
 }
 
+SELFPROJ_CLONES void unpack_tall_binary(const std::uint8_t* payload, int first, int count, StripMoments& moments) {
+  model::for_each_tall_binary_word(payload, first, count, take_moments(moments));
+}
+
 SELFPROJ_CLONES void unpack_grey(const std::uint8_t* payload, int first, int count, StripMoments& moments) {
   model::for_each_grey_word(payload, first, count, take_moments(moments));
 }
@@ -432,7 +436,9 @@ void profile_by_curves(const ColumnCurves& curves, const LineRules& rules, const
                        const std::uint8_t* payload, int begin, int end, const ProfileView& out) {
   const bool runs = words.select == model::Select::strongest;
   const auto unpack = words.compact                       ? (runs ? unpack_runs_compact : unpack_compact)
-                      : words.mode == model::Mode::binary ? (runs ? unpack_runs_binary : unpack_binary)
+                      : words.mode == model::Mode::binary ? (words.tall ? unpack_tall_binary
+                                                             : runs     ? unpack_runs_binary
+                                                                        : unpack_binary)
                       : words.wide                        ? (runs ? unpack_runs_wide_grey : unpack_wide_grey)
                                                           : (runs ? unpack_runs_grey : unpack_grey);
   for_each_strip(curves, rules, begin, end, out,

@@ -116,6 +116,13 @@ SELFPROJ_CLONES void strip_binary(const std::uint8_t* payload, int first, int co
   triangulate(moments, columns, tables, out);
 }
 
+SELFPROJ_CLONES void strip_tall_binary(const std::uint8_t* payload, int first, int columns, const ProfileTables& tables,
+                                       const ProfileView& out) {
+  StripMoments moments;
+  model::for_each_tall_binary_word(payload, first, columns, take_moments(moments));
+  triangulate(moments, columns, tables, out);
+}
+
 SELFPROJ_CLONES void strip_grey(const std::uint8_t* payload, int first, int columns, const ProfileTables& tables,
                                 const ProfileView& out) {
   StripMoments moments;
@@ -277,7 +284,9 @@ void DifferentialProfiler::profile(const ColumnWords& words, const std::uint8_t*
   }
   const bool runs = words.select == model::Select::strongest;
   const auto strip_of = words.compact                       ? (runs ? strip_compact_runs : strip_compact)
-                        : words.mode == model::Mode::binary ? (runs ? strip_binary_runs : strip_binary)
+                        : words.mode == model::Mode::binary ? (words.tall ? strip_tall_binary
+                                                               : runs     ? strip_binary_runs
+                                                                          : strip_binary)
                         : words.wide                        ? (runs ? strip_wide_grey_runs : strip_wide_grey)
                                                             : (runs ? strip_grey_runs : strip_grey);
   for (int first = begin; first < end; first += kStrip) {

@@ -40,7 +40,7 @@ struct Lanes<std::uint8_t> {
 template <>
 struct Lanes<std::uint16_t> {
   using Wide = std::uint32_t;
-  static constexpr int kBlockRows = 64;
+  static constexpr int kBlockRows = 32;
   static constexpr int kBrightest = (1 << model::kMaxPixelBits) - 1;
 };
 template <typename Pixel>
@@ -52,7 +52,7 @@ constexpr bool lanes_hold() {
   constexpr int kPairs = L::kBlockRows * (L::kBlockRows + 1) / 2;
   return kPairs <= std::numeric_limits<Pixel>::max() && sizeof(Wide<Pixel>) == 2 * sizeof(Pixel) &&
          std::int64_t{L::kBrightest} * kPairs <= std::numeric_limits<Wide<Pixel>>::max() &&
-         L::kBlockRows * spec::kMaxRows <= std::numeric_limits<std::uint16_t>::max();
+         L::kBlockRows * spec::kRowLimit <= std::numeric_limits<std::uint16_t>::max();
 }
 static_assert(lanes_hold<std::uint8_t>() && lanes_hold<std::uint16_t>());
 

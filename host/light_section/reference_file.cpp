@@ -267,7 +267,8 @@ Selection read_measured(Lines& lines, std::optional<std::string_view> line) {
     }
     return *value;
   };
-  return {images::select_of(values[0]), whole(1, model::kMaxGap), {whole(2, spec::kMaxRows), whole(3, spec::kMaxRows)}};
+  return {
+      images::select_of(values[0]), whole(1, model::kMaxGap), {whole(2, spec::kRowLimit), whole(3, spec::kRowLimit)}};
 }
 
 // One column. Its fields are those of the rig's form.

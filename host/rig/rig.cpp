@@ -220,8 +220,8 @@ void visit_rig(RigT& rig, Visitor& v) {
   }
   if (v.has_any({"window"}, rig.measure.window)) {
     v.begin("window");
-    v.integer("first_row", rig.measure.window->first, 1, spec::kMaxRows);
-    v.integer("last_row", rig.measure.window->last, 1, spec::kMaxRows);
+    v.integer("first_row", rig.measure.window->first, 1, spec::kRowLimit);
+    v.integer("last_row", rig.measure.window->last, 1, spec::kRowLimit);
     v.end();
   }
   if (v.has_any({"words"}, rig.measure.compact)) {

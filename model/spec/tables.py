@@ -17,11 +17,13 @@ def bit_range(lsb, bits):
 
 
 def formats(spec):
-    out = [f"Largest image: {spec.sizes['column_limit']} columns, {spec.sizes['max_rows']} rows; pixels 0..255 where "
+    out = [f"Largest image: {spec.sizes['column_limit']} columns, {spec.sizes['max_rows']} rows and pixels 0..255 where "
            "nothing else is said.",
            "", "| word | bits | field | meaning | largest value | it fits |", "|---|---|---|---|---|---|"]
     for fmt in spec.raw["formats"]:
         pixels = f", pixels of {fmt['pixel_bits']}" if "pixel_bits" in fmt else ""
+        if fmt.get("rows", spec.sizes["max_rows"]) != spec.sizes["max_rows"]:
+            pixels += f", {fmt['rows']:,} rows"
         for field in fmt["fields"]:
             out.append(f"| {fmt['name']}, {fmt['word_bits']} bits{pixels} | {bit_range(field['lsb'], field['bits'])} | "
                        f"{field['name']} | {field['description']} | {field['max'].replace('*', ' · ')} | "

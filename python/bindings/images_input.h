@@ -10,38 +10,45 @@
 #include <cstdint>
 #include <cstring>
 #include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
 #include "host/images/image_files.h"
 #include "host/images/image_sequence.h"
 #include "python/bindings/arrays.h"
+#include "selfproj/files/user_error.h"
 #include "selfproj/model/gray_decoder.h"
 
 namespace selfproj::python {
 
 // An array of (images, rows, columns) or of one image, a folder or file, several of them, or several arrays.
-using ImagesArgument = std::variant<In<std::uint8_t>, Path, Paths, std::vector<In<std::uint8_t>>>;
+using ImagesArgument = std::variant<In<std::uint8_t>, In<std::uint16_t>, Path, Paths, std::vector<In<std::uint8_t>>,
+                                    std::vector<In<std::uint16_t>>>;
 
 // The images of an argument, which must outlive this object.
 class GivenImages {
  public:
-  // Throws ValueError if there are none, for arrays of another shape, and for options of files with arrays.
-  GivenImages(const ImagesArgument& images, const images::PixelOptions& pixels) : rule_(pixels.rule()) {
+  // Of pixels of so many bits: arrays are uint8 or, with more than 8, uint16. Throws ValueError if there are none, for
+  // arrays of another shape or other bits, and for options of files with arrays.
+  GivenImages(const ImagesArgument& images, const images::PixelOptions& pixels, int bits = spec::kPixelBits)
+      : rule_(pixels.rule()) {
+    rule_.bits = bits;
     if (const auto* path = std::get_if<Path>(&images)) {
       names_ = images::image_arguments({path->string()});
     } else if (const auto* paths = std::get_if<Paths>(&images)) {
       require(!paths->empty(), "images: none are given");
       names_ = images::image_arguments(names_of(*paths));
     } else {
-      require(pixels.given().empty(), "channel, shift: are for files; arrays have 8 bits already");
+      require(pixels.given().empty(), "channel, shift: are for files; arrays have their bits already");
       if (const auto* array = std::get_if<In<std::uint8_t>>(&images)) {
         add(*array);
+      } else if (const auto* wide = std::get_if<In<std::uint16_t>>(&images)) {
+        add(*wide);
+      } else if (const auto* several = std::get_if<std::vector<In<std::uint8_t>>>(&images)) {
+        add_each(*several);
       } else {
-        for (const In<std::uint8_t>& one : std::get<std::vector<In<std::uint8_t>>>(images)) {
-          require(one.ndim() == 2, "images: each array of a list must have 2 dimensions");
-          add(one);
-        }
+        add_each(std::get<std::vector<In<std::uint16_t>>>(images));
       }
       require(!views_.empty(), "images: none are given");
     }
@@ -59,12 +66,45 @@ class GivenImages {
     if (views_.empty()) {
       return {names_, rule_};
     }
-    return {names_, [this](std::size_t i) { return images::copy_of(views_[i]); }};
+    return {names_, [this](std::size_t i) { return images::copy_of(std::get<model::ImageView>(views_[i])); }};
+  }
+
+  // Image i, from 0, of the bits given above. May be called without the GIL. Throws as read_image, and UserError for an
+  // array with brighter pixels.
+  [[nodiscard]] images::SensorImage read(std::size_t i) const {
+    if (views_.empty()) {
+      return images::read_sensor_image(names_[i], rule_);
+    }
+    return std::visit(
+        [&](const auto& view) {
+          auto image = images::copy_of(view);
+          for (const auto pixel : image.pixels) {
+            if (pixel >> rule_.bits != 0) {
+              throw UserError(names_[i], "has a pixel of " + std::to_string(pixel) + "; the rig's have " +
+                                             std::to_string(rule_.bits) + " bits");
+            }
+          }
+          return images::SensorImage(std::move(image));
+        },
+        views_[i]);
   }
 
  private:
-  void add(const In<std::uint8_t>& array) {
-    const Images several(array);
+  template <typename Pixel>
+  void add_each(const std::vector<In<Pixel>>& arrays) {
+    for (const In<Pixel>& one : arrays) {
+      require(one.ndim() == 2, "images: each array of a list must have 2 dimensions");
+      add(one);
+    }
+  }
+
+  template <typename Pixel>
+  void add(const In<Pixel>& array) {
+    require((sizeof(Pixel) > 1) == (rule_.bits > spec::kPixelBits),
+            rule_.bits > spec::kPixelBits
+                ? "images: arrays of uint16 are needed; the rig's pixels have more than 8 bits"
+                : "images: arrays of uint8 are needed");
+    const ImagesOf<Pixel> several(array);
     for (std::size_t i = 0; i < several.count(); ++i) {
       require(several.rows() > 0 && several.columns() > 0, "images: have no pixels");
       names_.push_back("image " + std::to_string(views_.size()));
@@ -74,7 +114,7 @@ class GivenImages {
 
   images::PixelRule rule_;
   std::vector<std::string> names_;
-  std::vector<model::ImageView> views_;  // empty: files
+  std::vector<model::SensorView> views_;  // empty: files
 };
 
 // How a decoder shows itself.

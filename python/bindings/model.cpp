@@ -154,7 +154,7 @@ void bind_model(nb::module_& module) {
       module, kernel,
       "Column moments of an image, as sp_column_moments gives them, to the last bit.\n\n"
       "image: uint8, (rows, columns), or (images, rows, columns), not of 3 or 4 columns, which are taken for\n"
-      "colours. Rows 1..1023. It is not copied.\n"
+      "colours. Rows 1..2047, of pixels of more than 10 bits 1..1023. It is not copied.\n"
       "threshold: T, 0..255. gap: dark rows between two lit pixels of one run, 0..3. first_row, last_row: rows that\n"
       "count, from 1; 0 stands for the first and the last. ValueError if something is out of range.");
   auto decoder =

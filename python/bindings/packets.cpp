@@ -63,8 +63,8 @@ Out<std::uint8_t> moments_packet(const In<std::uint8_t>& image, int threshold, m
   const model::ImageView view = image_of(image);
   require(view.columns % spec::kPixelsPerBeat == 0 && view.columns <= spec::kColumnLimit,
           "image: a board takes multiples of 4 columns up to 4096");
-  require(first_row >= 0 && first_row <= spec::kMaxRows && last_row >= 0 && last_row <= spec::kMaxRows,
-          "first_row, last_row: must be in 0..1023");
+  require(first_row >= 0 && first_row <= spec::kRowLimit && last_row >= 0 && last_row <= spec::kRowLimit,
+          "first_row, last_row: must be in 0..2047");
   const model::Measure measure{.mode = mode,
                                .threshold = threshold,
                                .select = select,
@@ -107,7 +107,7 @@ template <class Header>
 auto fields_of(Header& h) {
   return std::tie(h.kind, h.stream, h.lost, h.sequence, h.time_stamp, h.encoder, h.payload_size, h.columns, h.rows,
                   h.pattern, h.mode, h.threshold, h.first_line, h.lines, h.flags, h.select, h.first_row, h.last_row,
-                  h.gap, h.region_row, h.region_column, h.pixel_bits);
+                  h.gap, h.region_row, h.region_column, h.pixel_bits, h.tall);
 }
 
 template <class... Fields>
@@ -134,6 +134,7 @@ void bind_header(nb::module_& module) {
       .def_rw("mode", &model::PacketHeader::mode)
       .def_rw("threshold", &model::PacketHeader::threshold)
       .def_rw("pixel_bits", &model::PacketHeader::pixel_bits)
+      .def_rw("tall", &model::PacketHeader::tall)
       .def_rw("first_line", &model::PacketHeader::first_line)
       .def_rw("lines", &model::PacketHeader::lines)
       .def_rw("flags", &model::PacketHeader::flags)

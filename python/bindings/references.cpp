@@ -17,6 +17,7 @@
 #include <string>
 #include <tuple>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "host/files/output_folder.h"
@@ -52,7 +53,8 @@ Out<double> valid_values(const ReferenceProfile& reference, std::vector<double> 
   return array_of_values(std::move(values));
 }
 
-void check_camera(const rig::Rig& rig, const std::string& name, const images::Image& image) {
+template <typename Pixel>
+void check_camera(const rig::Rig& rig, const std::string& name, const images::ImageOf<Pixel>& image) {
   if (image.rows != rig.camera.rows || image.columns != rig.camera.columns) {
     throw UserError(name, "has " + std::to_string(image.rows) + " x " + std::to_string(image.columns) +
                               " pixels; the rig's camera has " + std::to_string(rig.camera.rows) + " x " +
@@ -60,8 +62,13 @@ void check_camera(const rig::Rig& rig, const std::string& name, const images::Im
   }
 }
 
+images::SensorImage image_of_camera(const rig::Rig& rig, const GivenImages& given, std::size_t i) {
+  images::SensorImage image = given.read(i);
+  std::visit([&](const auto& one) { check_camera(rig, given.names()[i], one); }, image);
+  return image;
+}
+
 std::vector<int> lines_of_sweep(const rig::Rig& rig, int every) {
-  rig::need_eight_bits(rig, "rig " + rig.name, "a sweep");
   require(every >= 1 && every <= 1024, "every: must be in 1..1024");
   std::vector<int> lines = light_section::sweep_lines(rig, every);
   require(!lines.empty(), "rig: its line is wider than the projector's image");
@@ -72,22 +79,20 @@ std::vector<int> lines_of_sweep(const rig::Rig& rig, int every) {
 template <typename Take>
 void for_each_line(const rig::Rig& rig, const GivenImages& given, const std::vector<int>& lines, const Take& take) {
   require(given.count() == lines.size(), "images: one is needed for each line of light_section.sweep_lines");
-  images::ImageSequence sequence = given.sequence();
   for (std::size_t i = 0; i < lines.size(); ++i) {
-    const images::Image image = sequence.read(i);
-    check_camera(rig, given.names()[i], image);
-    take(lines[i], image.view());
+    const images::SensorImage image = image_of_camera(rig, given, i);
+    take(lines[i], light_section::view_of(image));
   }
 }
 
 ReferenceProfile sweep_reference(const rig::Rig& rig, const ImagesArgument& images, int every,
                                  const std::string& channel, std::optional<int> shift) {
   const std::vector<int> lines = lines_of_sweep(rig, every);
-  const GivenImages given(images, {channel, shift});
+  const GivenImages given(images, {channel, shift}, rig.measure.bits());
   return checked(without_gil([&] {
                    light_section::LineScan scan(rig, every);
                    for_each_line(rig, given, lines,
-                                 [&](int line, const model::ImageView& image) { scan.add(line, image); });
+                                 [&](int line, const model::SensorView& image) { scan.add(line, image); });
                    return scan.reference();
                  }),
                  "images: no camera column sees the line cross its middle row");
@@ -95,15 +100,12 @@ ReferenceProfile sweep_reference(const rig::Rig& rig, const ImagesArgument& imag
 
 ReferenceProfile residual_out(const rig::Rig& rig, const ReferenceProfile& reference, const ImagesArgument& images,
                               const std::string& channel, std::optional<int> shift, bool unchecked) {
-  rig::need_eight_bits(rig, "rig " + rig.name, "the residual");
-  const GivenImages given(images, {channel, shift});
+  const GivenImages given(images, {channel, shift}, rig.measure.bits());
   return checked(without_gil([&] {
                    light_section::CentroidMean mean(rig);
-                   images::ImageSequence sequence = given.sequence();
                    for (std::size_t i = 0; i < given.count(); ++i) {
-                     const images::Image image = sequence.read(i);
-                     check_camera(rig, given.names()[i], image);
-                     mean.add(image.view());
+                     const images::SensorImage image = image_of_camera(rig, given, i);
+                     mean.add(light_section::view_of(image));
                    }
                    if (const std::string contradiction = mean.contradiction(); !unchecked && !contradiction.empty()) {
                      throw UserError("images", contradiction);
@@ -206,10 +208,12 @@ void bind_reference_class(nb::module_& module) {
       },
       nb::arg("rig"), nb::arg("heights").noconvert(),
       "The reference of a part whose height above the belt, mm, each camera column has: float64, NaN for no part.");
-  module.def("reference_of_sweep", &sweep_reference, nb::arg("rig"), nb::arg("images").noconvert(),
-             nb::arg("every") = 1, nb::arg("channel") = "", nb::arg("shift") = nb::none(),
-             "The reference that a sweep of straight lines found: one image under each line of sweep_lines(rig,\n"
-             "every), as an array (images, rows, columns), a list of arrays, a folder or files.");
+  module.def(
+      "reference_of_sweep", &sweep_reference, nb::arg("rig"), nb::arg("images").noconvert(), nb::arg("every") = 1,
+      nb::arg("channel") = "", nb::arg("shift") = nb::none(),
+      "The reference that a sweep of straight lines found: one image under each line of sweep_lines(rig,\n"
+      "every), as an array (images, rows, columns), a list of arrays, a folder or files. Arrays are uint8, or uint16\n"
+      "where the rig's pixels have more than 8 bits.");
   module.def("without_residual", &residual_out, nb::arg("rig"), nb::arg("reference"), nb::arg("images").noconvert(),
              nb::arg("channel") = "", nb::arg("shift") = nb::none(), nb::arg("unchecked") = false,
              "The reference with its residual taken out: images of its pattern on the reference part itself. "
@@ -261,7 +265,7 @@ light_section::HeightFit fit_sweeps(const rig::Rig& rig, const std::vector<Image
   const std::vector<int> lines = lines_of_sweep(rig, every);
   std::vector<GivenImages> given;
   for (const ImagesArgument& sweep : sweeps) {
-    given.emplace_back(sweep, images::PixelOptions{channel, shift});
+    given.emplace_back(sweep, images::PixelOptions{channel, shift}, rig.measure.bits());
   }
   return without_gil([&] {
     std::vector<light_section::HeightPosition> positions;
@@ -270,7 +274,7 @@ light_section::HeightFit fit_sweeps(const rig::Rig& rig, const std::vector<Image
       position.name = "sweep " + std::to_string(i);
       position.height_mm = heights.empty() ? 0 : heights[i];
       light_section::LineFinder finder(rig);
-      for_each_line(rig, given[i], lines, [&](int line, const model::ImageView& image) {
+      for_each_line(rig, given[i], lines, [&](int line, const model::SensorView& image) {
         light_section::add_sightings(finder, line, image, position.seen);
       });
     }

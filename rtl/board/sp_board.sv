@@ -13,7 +13,7 @@
 
 module sp_board #(
   parameter int MaxColumns = sp_spec_pkg::MaxColumns,  // image width: a multiple of 4, 12..4096; with more lanes of Lanes, from 3 Lanes on
-  parameter int MaxRows = sp_spec_pkg::MaxRows,  // image height: 2..1023
+  parameter int MaxRows = sp_spec_pkg::MaxRows,  // image height: 2..1023, or 2047
   // Bits of a pixel: 8..12. With more than 8, images and codes are of the upper eight.
   parameter int PixelBits = sp_spec_pkg::PixelBits,  // 8..12
   // Pixels in a beat. With more than 4, frames need more rows to follow each other without a gap: see
@@ -77,6 +77,15 @@ module sp_board #(
 
   if (VerdictLogSections < 0 || VerdictLogSections > 6) begin : gen_verdict_log_sections
     verdict_log_sections_is_not_in_0_to_6 u_error ();
+  end
+
+  // Words of columns are then those of tall images, and headers say so.
+  localparam bit Tall = MaxRows > sp_spec_pkg::MaxRows;
+  if (Tall && MaxRows != sp_spec_pkg::RowLimit) begin : gen_max_rows
+    max_rows_is_not_in_2_to_1023_or_2047 u_error ();
+  end
+  if (Tall && (PixelBits > 10 || Verdict)) begin : gen_tall
+    more_than_1023_rows_exclude_more_than_10_bits_and_verdicts u_error ();
   end
 
   localparam int GroupBits = $clog2(MaxColumns / Lanes);
@@ -453,7 +462,7 @@ module sp_board #(
       .MaxRows   (MaxRows),
       .Lanes     (Lanes),
       .Region    (Region),
-      .Wide      (PixelBits > 8),
+      .Wide      (PixelBits > 8 || Tall),
       .LogDepth  (ImageLogDepth)
     ) u_image_path (
       .clk_i              (clk_i),
@@ -494,7 +503,7 @@ module sp_board #(
       .Lanes     (Lanes),
       .Median    (CodesMedian),
       .Region    (Region),
-      .Wide      (PixelBits > 8),
+      .Wide      (PixelBits > 8 || Tall),
       .LogDepth  (CodesLogDepth)
     ) u_codes_path (
       .clk_i              (clk_i),

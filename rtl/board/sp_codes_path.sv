@@ -19,7 +19,7 @@ module sp_codes_path #(
   parameter int Lanes = sp_spec_pkg::PixelsPerBeat,  // pixels in a beat: 4, 8 or 16
   parameter bit Median = 1'b1,
   parameter bit Region = 1'b1,  // headers say where on the sensor frames begin
-  parameter bit Wide = 1'b0,  // headers tell of pixels of more than 8 bits
+  parameter bit Wide = 1'b0,  // headers have the byte pixel
   parameter int LogDepth = 9,  // log2 of the depth of the packet FIFO, in beats of 16 bytes: 3..15
   // derived, do not set
   parameter int ColumnBits = $clog2(MaxColumns + 1),

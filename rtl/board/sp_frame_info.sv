@@ -249,16 +249,19 @@ module sp_frame_info #(
     assign unused        = ^region_i;
   end
 
-  // Pixels of more than 8 bits: how many more, and the upper bits of the threshold
+  // Pixels of more than 8 bits: how many more, and the upper bits of the threshold. Words of tall
+  // images: that they are.
+  localparam logic [7:0] Tall = 8'(RowBits > $clog2(sp_spec_pkg::MaxRows + 1))
+                                << sp_spec_pkg::HeaderPixelTallLsb;
   if (PixelBits > 8) begin : gen_pixel
     logic [PixelBits-9:0] threshold_high_q;
     always_ff @(posedge clk_i) begin
       if (taken_q[3+PixelBeat]) threshold_high_q <= threshold_i[PixelBits-1:8];
     end
-    assign pixel = 8'(PixelBits - 8) << sp_spec_pkg::HeaderPixelMoreBitsLsb |
+    assign pixel = Tall | 8'(PixelBits - 8) << sp_spec_pkg::HeaderPixelMoreBitsLsb |
                    8'(threshold_high_q) << sp_spec_pkg::HeaderPixelThresholdHighLsb;
   end else begin : gen_no_pixel
-    assign pixel = 8'd0;
+    assign pixel = Tall;
   end
 
   // The kind of the frame's packet, only where there are several, and the flag of a verdict

@@ -31,7 +31,7 @@
 
 module sp_frame_tracker #(
   parameter int MaxColumns = sp_spec_pkg::MaxColumns,  // a multiple of 4, 12..4096; with more lanes of Lanes, from 3 Lanes on
-  parameter int MaxRows = sp_spec_pkg::MaxRows,  // 2..1023
+  parameter int MaxRows = sp_spec_pkg::MaxRows,  // 2..2047
   parameter int PixelBits = sp_spec_pkg::PixelBits,  // 8..12
   parameter int Lanes = sp_spec_pkg::PixelsPerBeat,  // pixels in a beat: 4, 8 or 16
   parameter bit Region = 1'b1,  // hand region_i on; else region_o is 0
@@ -114,8 +114,8 @@ module sp_frame_tracker #(
   if (Lanes != 4 && Lanes != 8 && Lanes != 16) begin : gen_lanes
     lanes_is_not_4_or_8_or_16 u_error ();
   end
-  if (MaxRows < 2 || MaxRows > sp_spec_pkg::MaxRows) begin : gen_max_rows
-    max_rows_is_not_in_2_to_1023 u_error ();
+  if (MaxRows < 2 || MaxRows > sp_spec_pkg::RowLimit) begin : gen_max_rows
+    max_rows_is_not_in_2_to_2047 u_error ();
   end
 
   if (PixelBits < 8 || PixelBits > 12) begin : gen_pixel_bits

@@ -21,7 +21,7 @@ module sp_image_packer #(
   parameter int ColumnBits = $clog2(MaxColumns + 1),
   parameter int RowBits = $clog2(MaxRows + 1),
   parameter int WordBits = $clog2(MaxColumns * PixelBytes / 16 + 2),
-  parameter int LogDepth =  // of the ring; of four lines where it is twice as wide
+  parameter int LogDepth =
     MaxColumns * PixelBytes > 256 ? $clog2(MaxColumns / 8 * PixelBytes) : 5
 ) (
   input  wire logic                  clk_i,
@@ -231,7 +231,7 @@ module sp_image_packer #(
   end
 
   // A line is read at once when it is accepted. At the earliest, the line after the next overwrites
-  // it.
+  // it; with entries of two words, of which the ring has as many, the third after that.
   sp_ram #(
     .Width   (RingBits),
     .LogDepth(LogDepth)

@@ -12,7 +12,7 @@
 
 module sp_moments_path #(
   parameter int MaxColumns = sp_spec_pkg::MaxColumns,  // a multiple of 4, 8..4096; with more lanes of Lanes, from 2 Lanes on
-  parameter int MaxRows = sp_spec_pkg::MaxRows,  // 2..1023
+  parameter int MaxRows = sp_spec_pkg::MaxRows,  // 2..2047
   parameter int PixelBits = sp_spec_pkg::PixelBits,  // 8..12
   parameter int Lanes = sp_spec_pkg::PixelsPerBeat,  // pixels in a beat: 4, 8 or 16
   parameter bit Grey = 1'b1,
@@ -333,7 +333,7 @@ module sp_moments_path #(
     .ColumnBits (ColumnBits),
     .RowBits    (RowBits),
     .Region     (Region),
-    .Wide       (PixelBits > 8),
+    .Wide       (PixelBits > 8 || MaxRows > sp_spec_pkg::MaxRows),
     .Tail       (Verdict),
     .PayloadBits(PayloadBits),
     .LogDepth   (LogDepth)

@@ -10,7 +10,7 @@ module sp_packet_output #(
   parameter int         ColumnBits = 12,  // 1..16
   parameter int         RowBits = 10,  // 1..16
   parameter bit         Region = 1'b1,  // headers say where on the sensor frames begin
-  parameter bit         Wide = 1'b0,  // headers tell of pixels of more than 8 bits
+  parameter bit         Wide = 1'b0,  // headers have the byte pixel
   parameter bit         Tail = 1'b0,  // there is tail_i
   parameter int         PayloadBits = 11,  // of the number of payload beats: 1..28
   parameter int         LogDepth = 11  // log2 of the depth of the FIFO, in beats of 16 bytes: 3..15

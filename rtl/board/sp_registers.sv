@@ -22,7 +22,7 @@
 
 module sp_registers #(
   parameter int MaxColumns = sp_spec_pkg::MaxColumns,  // a multiple of 4, 4..4096; of Lanes
-  parameter int MaxRows = sp_spec_pkg::MaxRows,  // 1..1023
+  parameter int MaxRows = sp_spec_pkg::MaxRows,  // 1..2047
   parameter int PixelBits = sp_spec_pkg::PixelBits,  // 8..12
   parameter int Lanes = sp_spec_pkg::PixelsPerBeat,  // pixels in a beat: 4, 8 or 16
   parameter bit Grey = 1'b1,
@@ -97,8 +97,8 @@ module sp_registers #(
   if (Lanes != 4 && Lanes != 8 && Lanes != 16) begin : gen_lanes
     lanes_is_not_4_or_8_or_16 u_error ();
   end
-  if (MaxRows < 1 || MaxRows > sp_spec_pkg::MaxRows) begin : gen_max_rows
-    max_rows_is_not_in_1_to_1023 u_error ();
+  if (MaxRows < 1 || MaxRows > sp_spec_pkg::RowLimit) begin : gen_max_rows
+    max_rows_is_not_in_1_to_2047 u_error ();
   end
   if (PixelBits < 8 || PixelBits > 12) begin : gen_pixel_bits
     pixel_bits_is_not_in_8_to_12 u_error ();
@@ -120,7 +120,8 @@ module sp_registers #(
                  GapLsb = sp_spec_pkg::RegMeasureGapLsb;
   localparam int WindowFirstLsb = sp_spec_pkg::RegWindowFirstLsb,
                  WindowLastLsb = sp_spec_pkg::RegWindowLastLsb,
-                 WindowBits = sp_spec_pkg::RegWindowFirstBits;
+                 // its highest bit only where rows need it
+                 WindowBits = sp_spec_pkg::RegWindowFirstBits - 32'(MaxRows <= sp_spec_pkg::MaxRows);
   localparam int DecodeBitsLsb = sp_spec_pkg::RegDecodeBitsLsb,
                  DecodeBitsBits = sp_spec_pkg::RegDecodeBitsBits;
   // Width of each of the two with the unused bits above it, which must be 0
@@ -163,8 +164,9 @@ module sp_registers #(
 
   // What this build can do
   localparam int ColumnsShown = MaxColumns % 2 ** sp_spec_pkg::RegCapabilityMaxColumnsBits;
+  localparam int RowsShown = MaxRows > sp_spec_pkg::MaxRows ? 0 : MaxRows;
   localparam logic [31:0] Capability = 32'(ColumnsShown) << sp_spec_pkg::RegCapabilityMaxColumnsLsb |
-                                       32'(MaxRows) << sp_spec_pkg::RegCapabilityMaxRowsLsb |
+                                       32'(RowsShown) << sp_spec_pkg::RegCapabilityMaxRowsLsb |
                                        32'(Grey) << sp_spec_pkg::RegCapabilityGreyLsb |
                                        32'(Runs) << sp_spec_pkg::RegCapabilityRunsLsb |
                                        32'(Region) << sp_spec_pkg::RegCapabilityRegionLsb |

@@ -14,8 +14,9 @@
 //
 // Output: the payload of the packet format, 4 Lanes bytes at once, without back-pressure. In mode
 // binary this is a group of columns, and leaves 8 clocks after its pixels (10 in a grey build). In
-// the grey modes it is half a group, as words wide_grey if pixels have more than 8 bits; the first
-// leaves after 16 clocks, the last of G groups G + 16 clocks after its pixels.
+// the grey modes it is half a group, as words wide_grey if pixels have more than 8 bits or MaxRows
+// is above 1,023, where mode binary has words tall_binary; the first leaves after 16 clocks, the
+// last of G groups G + 16 clocks after its pixels.
 //
 // spoiled_o: a frame of three or more rows came while a larger frame before it was still draining,
 // which only a change of size in a grey build can cause. Its sums are void; its packet counts as
@@ -24,7 +25,7 @@
 
 module sp_column_moments #(
   parameter int MaxColumns = sp_spec_pkg::MaxColumns,  // image width: a multiple of 4, 8..4096; with more lanes of Lanes, from 2 Lanes on
-  parameter int MaxRows = sp_spec_pkg::MaxRows,  // image height: 2..1023
+  parameter int MaxRows = sp_spec_pkg::MaxRows,  // image height: 2..2047
   parameter bit Grey = 1'b1,  // modes grey and grey_over
   parameter int PixelBits = sp_spec_pkg::PixelBits,  // 8..12
   parameter int Lanes = sp_spec_pkg::PixelsPerBeat,  // pixels in a beat: 4, 8 or 16
@@ -245,7 +246,9 @@ module sp_column_moments #(
           sum_m[lane*LaneMBits+:RowBits];
       assign {m0, m1} = {m0_q[lane*RowBits+:RowBits], sum_a[lane*LaneABits+:M1Bits]};
     end
-    assign word = 32'(m1) << sp_spec_pkg::BinaryM1Lsb | 32'(m0) << sp_spec_pkg::BinaryM0Lsb;
+    assign word = 32'(m1) << sp_spec_pkg::BinaryM1Lsb |
+                  32'(m0) << (MaxRows > sp_spec_pkg::MaxRows ? sp_spec_pkg::TallBinaryM0Lsb :
+                                                               sp_spec_pkg::BinaryM0Lsb);
     assign direct_data[32*lane+:32] = word;
   end
 

@@ -5,8 +5,9 @@
 // run has the largest M0, of equals the one with the smaller rows. Weights, rows, M0, M1 and N are
 // those of sp_column_moments. The words also tell how many runs there are, up to 3, and how strong
 // the second one is; both are 0 where select is `all`, and the words those of sp_column_moments.
-// With pixels of more than 8 bits, words of the grey modes are wide_grey_run or wide_grey, and the
-// former tell no number of runs.
+// With pixels of more than 8 bits, or MaxRows above 1,023, words of the grey modes are wide_grey_run
+// or wide_grey, and the former tell no number of runs; tall_binary, which mode binary has with so
+// many rows, tells of one run only.
 //
 // Input, accept_i, break_i and spoiled_o are those of sp_column_moments. Latency: in a binary build
 // a group of columns leaves 12 clocks after its pixels. In a grey build half a group is completed
@@ -20,7 +21,7 @@
 
 module sp_column_runs #(
   parameter int MaxColumns = sp_spec_pkg::MaxColumns,  // image width: a multiple of 4, 8..4096; with more lanes of Lanes, from 2 Lanes on
-  parameter int MaxRows = sp_spec_pkg::MaxRows,  // image height: 2..1023
+  parameter int MaxRows = sp_spec_pkg::MaxRows,  // image height: 2..2047
   parameter bit Grey = 1'b1,  // modes grey and grey_over
   parameter int PixelBits = sp_spec_pkg::PixelBits,  // 8..12
   parameter int Lanes = sp_spec_pkg::PixelsPerBeat,  // pixels in a beat: 4, 8 or 16
@@ -272,10 +273,17 @@ module sp_column_runs #(
       logic              half;  // the second run has half the M0 of the strongest, or more
       assign half = runs[1] && {second, 1'b0} >= {1'b0, m0};
       assign told = strongest_q[OutStage-1] ? {half, runs} : 3'd0;
-      always_ff @(posedge clk_i) word_q <=
-          32'(m1) << sp_spec_pkg::BinaryRunM1Lsb | 32'(m0) << sp_spec_pkg::BinaryRunM0Lsb |
-          32'(told[2]) << sp_spec_pkg::BinaryRunSecondLsb |
-          32'(told[1:0]) << sp_spec_pkg::BinaryRunRunsLsb;
+      if (MaxRows > sp_spec_pkg::MaxRows) begin : gen_tall
+        always_ff @(posedge clk_i) word_q <=
+            32'(m1) << sp_spec_pkg::TallBinaryM1Lsb | 32'(m0) << sp_spec_pkg::TallBinaryM0Lsb;
+        logic unused_told;
+        assign unused_told = ^told;
+      end else begin : gen_run
+        always_ff @(posedge clk_i) word_q <=
+            32'(m1) << sp_spec_pkg::BinaryRunM1Lsb | 32'(m0) << sp_spec_pkg::BinaryRunM0Lsb |
+            32'(told[2]) << sp_spec_pkg::BinaryRunSecondLsb |
+            32'(told[1:0]) << sp_spec_pkg::BinaryRunRunsLsb;
+      end
       assign moments_data_o[32*lane+:32] = word_q;
     end
     assign moments_valid_o = push_q[OutStage];

@@ -3,7 +3,8 @@
 // Words come in as sp_column_moments or sp_column_runs gives them. While compact_i is high each
 // column is divided (sp_compact_column), and a group leaves with its second half. Else words pass
 // as they are. compact_i and strongest_i change only while nothing is on its way. Words of pixels
-// of more than 8 bits tell no number of runs: it counts as 2 where the second run is not 0, else 1.
+// of more than 8 bits, and of MaxRows above 1,023, tell no number of runs: it counts as 2 where the
+// second run is not 0, else 1.
 //
 // Guarantees: groups leave in order. break_o comes after the last one, or with it. Latency: none
 // for words that pass; RowBits + 12 clocks from the second half of a group and from words_break_i.
@@ -15,7 +16,7 @@
 `default_nettype none
 
 module sp_compact_words #(
-  parameter int MaxRows = 1023,  // 2..1023
+  parameter int MaxRows = 1023,  // 2..2047
   parameter int PixelBits = sp_spec_pkg::PixelBits,  // 8..12
   parameter int Lanes = sp_spec_pkg::PixelsPerBeat  // pixels in a beat: 4, 8 or 16
 ) (
@@ -60,7 +61,7 @@ module sp_compact_words #(
     logic [1:0]         runs;
     logic [4:0]         second;
     assign word = words_data_i[64*c+:64];
-    if (PixelBits > 8) begin : gen_wide
+    if (PixelBits > 8 || MaxRows > sp_spec_pkg::MaxRows) begin : gen_wide
       assign m0     = word[sp_spec_pkg::WideGreyRunM0Lsb+:M0Bits];
       assign m1     = word[sp_spec_pkg::WideGreyRunM1Lsb+:M1Bits];
       assign n      = strongest_i ?

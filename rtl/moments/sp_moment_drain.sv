@@ -31,7 +31,7 @@
 `default_nettype none
 
 module sp_moment_drain #(
-  parameter int MaxRows = 1023,  // 2..1023
+  parameter int MaxRows = 1023,  // 2..2047
   parameter int GroupBits = 9,  // 1..24
   parameter int PixelBits = sp_spec_pkg::PixelBits,  // 8..12
   parameter int Lanes = sp_spec_pkg::PixelsPerBeat,  // pixels in a beat: 4, 8 or 16
@@ -73,8 +73,8 @@ module sp_moment_drain #(
   output logic                        break_o
 );
 
-  if (MaxRows < 2 || MaxRows > sp_spec_pkg::MaxRows) begin : gen_max_rows
-    max_rows_is_not_in_2_to_1023 u_error ();
+  if (MaxRows < 2 || MaxRows > sp_spec_pkg::RowLimit) begin : gen_max_rows
+    max_rows_is_not_in_2_to_2047 u_error ();
   end
   if (PixelBits < 8 || PixelBits > 12) begin : gen_pixel_bits
     pixel_bits_is_not_in_8_to_12 u_error ();
@@ -84,7 +84,8 @@ module sp_moment_drain #(
   end
 
   localparam int Half = Lanes / 2;  // columns that leave per clock
-  localparam bit Wide = PixelBits > 8;  // the words have more bits for the moments
+  // the words have more bits for the moments
+  localparam bit Wide = PixelBits > 8 || MaxRows > sp_spec_pkg::MaxRows;
   localparam int Latency = 8;  // from stage 2 to stage 10, where the words are complete
   localparam int MLow = PixelBits;
   localparam int MHigh = M0Bits - MLow;

@@ -26,7 +26,7 @@
 `default_nettype none
 
 module sp_moment_sums #(
-  parameter int MaxRows = 1023,  // 2..1023
+  parameter int MaxRows = 1023,  // 2..2047
   parameter int GroupBits = 9,  // 1..24
   parameter bit Grey = 1'b1,
   parameter int PixelBits = sp_spec_pkg::PixelBits,  // 8..12
@@ -66,8 +66,8 @@ module sp_moment_sums #(
   output logic                          sum_a_comes_o   // the next sum_a_o is of a beat in stage 4
 );
 
-  if (MaxRows < 2 || MaxRows > sp_spec_pkg::MaxRows) begin : gen_max_rows
-    max_rows_is_not_in_2_to_1023 u_error ();
+  if (MaxRows < 2 || MaxRows > sp_spec_pkg::RowLimit) begin : gen_max_rows
+    max_rows_is_not_in_2_to_2047 u_error ();
   end
   if (PixelBits < 8 || PixelBits > 12) begin : gen_pixel_bits
     pixel_bits_is_not_in_8_to_12 u_error ();

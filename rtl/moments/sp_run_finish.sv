@@ -13,7 +13,7 @@
 `default_nettype none
 
 module sp_run_finish #(
-  parameter int MaxRows = 1023,  // 2..1023
+  parameter int MaxRows = 1023,  // 2..2047
   parameter int PixelBits = sp_spec_pkg::PixelBits,  // 8..12
   // derived, do not set
   parameter int RowBits = $clog2(MaxRows + 1),
@@ -36,8 +36,8 @@ module sp_run_finish #(
   output logic      [ABits-1:0]   m1_o
 );
 
-  if (MaxRows < 2 || MaxRows > sp_spec_pkg::MaxRows) begin : gen_max_rows
-    max_rows_is_not_in_2_to_1023 u_error ();
+  if (MaxRows < 2 || MaxRows > sp_spec_pkg::RowLimit) begin : gen_max_rows
+    max_rows_is_not_in_2_to_2047 u_error ();
   end
   if (PixelBits < 8 || PixelBits > 12) begin : gen_pixel_bits
     pixel_bits_is_not_in_8_to_12 u_error ();

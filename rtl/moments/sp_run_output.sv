@@ -14,7 +14,7 @@
 `default_nettype none
 
 module sp_run_output #(
-  parameter int MaxRows = 1023,  // 2..1023
+  parameter int MaxRows = 1023,  // 2..2047
   parameter int PixelBits = sp_spec_pkg::PixelBits,  // 8..12
   parameter int Lanes = sp_spec_pkg::PixelsPerBeat,  // pixels in a beat: 4, 8 or 16
   // derived, do not set
@@ -45,6 +45,7 @@ module sp_run_output #(
   end
 
   localparam int Half = Lanes / 2;  // columns that are completed per clock
+  localparam bit Tall = MaxRows > sp_spec_pkg::MaxRows;
   localparam int BinaryM1Bits = $clog2(MaxRows * (MaxRows + 1) / 2 + 1);
   localparam int OutStage = 7;     // best_valid_i is of stage 0, the payload beat of this one
   localparam int DrainStages = 6;  // from a drain to best_valid_i
@@ -98,7 +99,7 @@ module sp_run_output #(
     logic [4:0]         second;
     assign {runs, second} = strongest_i ? {runs6, second6} : 7'd0;
     logic [63:0]        grey_word;
-    if (PixelBits > 8) begin : gen_wide
+    if (PixelBits > 8 || Tall) begin : gen_wide
       localparam int NBits = sp_spec_pkg::WideGreyRunNBits;
       logic [NBits-1:0] n;
       logic [63:0]      rest;
@@ -114,13 +115,23 @@ module sp_run_output #(
           64'(n6) << sp_spec_pkg::GreyRunNLsb | 64'(runs) << sp_spec_pkg::GreyRunRunsLsb |
           64'(second) << sp_spec_pkg::GreyRunSecondLsb;
     end
-    always_ff @(posedge clk_i) begin
-      grey_words_q[64*c+:64] <= grey_word;
-      // In mode binary M0 is N, M1 needs no more bits than its word has, and half of M0 is 8 / 16.
-      binary_words_q[32*c+:32] <=
-          32'(m1_6[BinaryM1Bits-1:0]) << sp_spec_pkg::BinaryRunM1Lsb |
-          32'(n6) << sp_spec_pkg::BinaryRunM0Lsb | 32'(runs) << sp_spec_pkg::BinaryRunRunsLsb |
+    // In mode binary M0 is N, M1 needs no more bits than its word has, and half of M0 is 8 / 16.
+    logic [31:0] binary_m1, binary_word;
+    assign binary_m1 = 32'(m1_6[BinaryM1Bits-1:0]);
+    if (Tall) begin : gen_tall
+      assign binary_word = binary_m1 << sp_spec_pkg::TallBinaryM1Lsb |
+                           32'(n6) << sp_spec_pkg::TallBinaryM0Lsb;
+      logic unused_runs;
+      assign unused_runs = ^runs;
+    end else begin : gen_run
+      assign binary_word =
+          binary_m1 << sp_spec_pkg::BinaryRunM1Lsb | 32'(n6) << sp_spec_pkg::BinaryRunM0Lsb |
+          32'(runs) << sp_spec_pkg::BinaryRunRunsLsb |
           32'(second >= 5'd8) << sp_spec_pkg::BinaryRunSecondLsb;
+    end
+    always_ff @(posedge clk_i) begin
+      grey_words_q[64*c+:64]   <= grey_word;
+      binary_words_q[32*c+:32] <= binary_word;
     end
   end
   always_ff @(posedge clk_i) first_words_q <= binary_words_q;

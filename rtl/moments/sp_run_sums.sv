@@ -24,7 +24,7 @@
 `default_nettype none
 
 module sp_run_sums #(
-  parameter int MaxRows = 1023,  // 2..1023
+  parameter int MaxRows = 1023,  // 2..2047
   parameter int GroupBits = 9,  // 1..24
   parameter bit Grey = 1'b1,
   parameter int PixelBits = sp_spec_pkg::PixelBits,  // 8..12

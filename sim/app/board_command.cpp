@@ -262,7 +262,7 @@ void run_board(const BoardOptions& options) {
     }
     const int bits = pixel_bits_of(options.source);
     const model::BoardBuild build{
-        .max_rows = spec::kMaxRows, .pixel_bits = bits, .runs = true, .region = true, .compact = true};
+        .max_rows = model::row_limit(bits), .pixel_bits = bits, .runs = true, .region = true, .compact = true};
     PlayedRegisters registers(options.pixel_clock_hz, build);
     SensorBoard source(read_sensor_images(options.source), bits, counts_per_image(options.source), registers);
     play(options, source, registers);

@@ -48,11 +48,11 @@ images::PreparedSensorImages images_of(const BoardSource& options) {
 
 PacketRecording make_line(const BoardSource& options) {
   const auto [rows, columns] =
-      images::size_of_text("--line", options.line, std::max(spec::kColumnLimit, spec::kMaxRows));
-  if (columns > spec::kColumnLimit || columns % spec::kPixelsPerBeat != 0 || rows > spec::kMaxRows) {
+      images::size_of_text("--line", options.line, std::max(spec::kColumnLimit, spec::kRowLimit));
+  if (columns > spec::kColumnLimit || columns % spec::kPixelsPerBeat != 0 || rows > spec::kRowLimit) {
     throw UserError("--line " + options.line,
                     fmt::format("is not an image size such as 512x96: columns a multiple of {} up to {}, rows up to {}",
-                                spec::kPixelsPerBeat, spec::kColumnLimit, spec::kMaxRows));
+                                spec::kPixelsPerBeat, spec::kColumnLimit, spec::kRowLimit));
   }
   return moving_line(rows, columns, options.line_frames, measure_of(options));
 }
@@ -69,11 +69,12 @@ PacketRecording make_images(const BoardSource& options, std::uint64_t frames) {
   }
   const int rows = images.rows();
   const int columns = images.columns();
-  if (rows > spec::kMaxRows || columns > spec::kColumnLimit || columns % spec::kPixelsPerBeat != 0) {
-    throw UserError(images.files().front(), fmt::format("is {}; the board takes columns that are a multiple of {}, up "
-                                                        "to {}, and up to {} rows",
-                                                        images::size_text(rows, columns), spec::kPixelsPerBeat,
-                                                        spec::kColumnLimit, spec::kMaxRows));
+  const int most_rows = model::row_limit(pixel_bits_of(options));
+  if (rows > most_rows || columns > spec::kColumnLimit || columns % spec::kPixelsPerBeat != 0) {
+    throw UserError(images.files().front(),
+                    fmt::format("is {}; the board takes columns that are a multiple of {}, up "
+                                "to {}, and up to {} rows",
+                                images::size_text(rows, columns), spec::kPixelsPerBeat, spec::kColumnLimit, most_rows));
   }
   const model::Measure measure = measure_of(options, pixel_bits_of(options));
   const model::BoardSettings settings{.image = !codes,

@@ -85,7 +85,7 @@ PacketRecording moving_line(int rows, int columns, int frames, const model::Meas
   constexpr double kBackground = 10;
   constexpr double kSigma = 2;
   constexpr std::uint32_t kEncoderPerFrame = 10;
-  if (rows < 1 || rows > spec::kMaxRows || columns < spec::kPixelsPerBeat || columns > spec::kColumnLimit ||
+  if (rows < 1 || rows > spec::kRowLimit || columns < spec::kPixelsPerBeat || columns > spec::kColumnLimit ||
       columns % spec::kPixelsPerBeat != 0 || frames < 1) {
     throw std::invalid_argument("moving line: the size is out of range");
   }
@@ -131,7 +131,7 @@ PacketRecording recording_of_images(const model::BoardSettings& settings, int pi
         model::append_packet(made.header, made.payload, made.status, packet);
         recording.add(made.header, packet);
       },
-      settings.median, pixel_bits);
+      settings.median, pixel_bits, spec::kPixelsPerBeat, settings.rows > spec::kMaxRows);
   board.write(settings);
   model::BoardInputs inputs;
   model::VideoBeat beat;

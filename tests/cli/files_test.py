@@ -178,7 +178,7 @@ class TallImages(Files):
                                             b"\0" * 8 * (rows - 2501))
         for select in ("strongest", "all"):
             errors = self.shell(f"selfproj lines --threshold 20 --select {select} --mode grey --out out a.pgm")
-            self.assertIn("a board takes at most 1023", errors)
+            self.assertIn("a board takes at most 2047", errors)
             with open(self.folder / "out/moments.csv", encoding="utf-8") as file:
                 self.assertEqual({(row["m0"], row["m1"]) for row in csv.DictReader(file)}, {("255", str(255 * 2501))})
         self.shell("selfproj lines --threshold 20 --rows 1..2000 --out out a.pgm")

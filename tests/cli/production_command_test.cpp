@@ -650,13 +650,13 @@ TEST_F(ProductionCommand, TallImagesAreMeasured) {
   ASSERT_EQ(sim(with({"scene", "render", "plane", "--out", "low"}, quiet)).status, 0);
   ASSERT_EQ(host({"inspect", "--images", "low/frame_00001.png", "--out", "low-out"}).status, 0);
   rig::Rig rig = rig::load_rig("light-section");
-  rig.camera.rows = 1200;  // the line is still on the middle row
+  rig.camera.rows = 2400;  // the line is still on the middle row
   write_text(folder_ / "tall.yaml", rig::to_yaml(rig));
   ASSERT_EQ(sim(with({"scene", "render", "plane", "--rig", "tall.yaml", "--out", "tall"}, quiet)).status, 0);
   const Outcome run =
       host({"inspect", "--rig", "tall.yaml", "--images", "tall/frame_00001.png", "--out", "tall-out", "--check"});
   ASSERT_EQ(run.status, 0) << run.err;
-  EXPECT_NE(run.err.find("has 1200 rows and a board takes at most 1023: this program alone measures them"),
+  EXPECT_NE(run.err.find("has 2400 rows and a board takes at most 2047: this program alone measures them"),
             std::string::npos)
       << run.err;
   const images::FloatImage low = images::read_float_tiff(folder_ / "low-out/height.tiff");

@@ -102,7 +102,7 @@ class Calls {
     made.select = value(0, 1);
     made.gap = value(0, 3);
     made.first_row = value(0, 10);
-    made.last_row = value(0, 1023);
+    made.last_row = value(0, 2047);
     return made;
   }
   selfproj_header header() {

@@ -228,6 +228,39 @@ TEST(CInterface, PacketsOfTwelveBits) {
   EXPECT_EQ(selfproj_unpack_wide_runs(SELFPROJ_GREY, kColumns, found.payload, found.payload_bytes, back.m0.data(),
                                       back.m1.data(), back.n.data(), nullptr, nullptr),
             SELFPROJ_BAD_ARGUMENT);
+  std::vector<std::uint8_t> same_runs(kColumns);
+  ASSERT_EQ(selfproj_unpack_columns(&found.header, found.payload, found.payload_bytes, back.m0.data(), back.m1.data(),
+                                    back.n.data(), same_runs.data(), found_second.data()),
+            SELFPROJ_OK);
+  EXPECT_EQ(same_runs, runs);
+
+  // A board for 2,047 rows, in mode binary.
+  model::Moments tall{.m0 = m0, .m1 = m1, .n = m0};
+  std::ranges::fill(tall.m0, 2047U);
+  std::ranges::fill(tall.m1, 2047U * 1024U);
+  tall.n = tall.m0;
+  std::vector<std::uint8_t> tall_payload(model::moments_payload_bytes(model::Mode::binary, kColumns));
+  model::pack_tall_binary(kColumns, tall.view(), tall_payload.data());
+  selfproj_header of_tall = header;
+  of_tall.mode = SELFPROJ_BINARY;
+  of_tall.pixel_bits = 8;
+  of_tall.threshold = 100;
+  of_tall.rows = 2047;
+  of_tall.lines = 2047;
+  of_tall.tall = 1;
+  ASSERT_EQ(selfproj_build_packet(&of_tall, tall_payload.data(), tall_payload.size(), 0, packet.data(), packet.size(),
+                                  &written),
+            SELFPROJ_OK);
+  ASSERT_EQ(selfproj_parse_packet(packet.data(), written, &found), SELFPROJ_OK);
+  EXPECT_EQ(found.header.tall, 1U);
+  ASSERT_EQ(selfproj_unpack_columns(&found.header, found.payload, found.payload_bytes, back.m0.data(), back.m1.data(),
+                                    back.n.data(), same_runs.data(), found_second.data()),
+            SELFPROJ_OK);
+  EXPECT_EQ(back, tall);
+  EXPECT_EQ(selfproj_unpack_columns(&found.header, found.payload, found.payload_bytes - 16, back.m0.data(),
+                                    back.m1.data(), back.n.data(), same_runs.data(), found_second.data()),
+            SELFPROJ_BAD_ARGUMENT);
+
   header.select = SELFPROJ_ALL;
   ASSERT_EQ(build(), SELFPROJ_OK);
 
@@ -374,7 +407,7 @@ TEST(CInterface, ErrorsNameTheReasonAndWriteNothing) {
   for (const selfproj_measure& bad : {measure_of(3, 0), measure_of(-1, 0), measure_of(0, 256), selfproj_measure{},
                                       selfproj_measure{sizeof(selfproj_measure), 0, 0, 2, 0, 0, 0},
                                       selfproj_measure{sizeof(selfproj_measure), 0, 0, 1, 4, 0, 0},
-                                      selfproj_measure{sizeof(selfproj_measure), 0, 0, 0, 0, 0, 1024}}) {
+                                      selfproj_measure{sizeof(selfproj_measure), 0, 0, 0, 0, 0, 2048}}) {
     EXPECT_EQ(selfproj_moments(&image, &bad, words, words + 1, words + 2, nullptr, nullptr), SELFPROJ_BAD_ARGUMENT);
   }
   EXPECT_EQ(words[0] + words[1] + words[2], 21U);

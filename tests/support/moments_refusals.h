@@ -27,7 +27,7 @@ void expect_refusals_of_moments(Compute compute) {
   };
   refuses({pixels.data(), 0, 8, 8}, 0, 128, moments.view());
   refuses({pixels.data(), -1, 8, 8}, 0, 128, moments.view());
-  refuses({pixels.data(), spec::kMaxRows + 1, 8, 0}, 0, 128, moments.view());
+  refuses({pixels.data(), spec::kRowLimit + 1, 8, 0}, 0, 128, moments.view());
   refuses({pixels.data(), 4, 0, 8}, 0, 128, moments.view());
   refuses({pixels.data(), 4, -8, 8}, 0, 128, moments.view());
   refuses({nullptr, 4, 8, 8}, 0, 128, moments.view());

@@ -207,7 +207,7 @@ TEST(Packet, NamesWhatIsWrong) {
   EXPECT_EQ(verdict(forged(moments, spec::kHeaderKind, 1, spec::kKindCompact)), model::PacketError::size);
   EXPECT_EQ(verdict(forged(moments, spec::kHeaderKind, 1, spec::kKindVerdict)), model::PacketError::size);
   EXPECT_EQ(verdict(forged(moments, spec::kHeaderFlags, 1, spec::kFlagVerdict)), model::PacketError::size);
-  EXPECT_EQ(verdict(forged(moments, spec::kHeaderPixel, 1, 0x80)), model::PacketError::geometry);
+  EXPECT_EQ(verdict(forged(moments, spec::kHeaderPixel, 1, 0x50)), model::PacketError::geometry);
   for (const Bytes& packet : {moments, image}) {
     EXPECT_EQ(verdict(forged(packet, spec::kHeaderMode, 1, 3)), model::PacketError::geometry);
     for (const std::uint64_t columns : {0, 2, 33, spec::kColumnLimit + 4, 65532}) {
@@ -219,9 +219,9 @@ TEST(Packet, NamesWhatIsWrong) {
   }
   EXPECT_EQ(verdict(forged(moments, spec::kHeaderSelect, 1, 2)), model::PacketError::geometry);
   EXPECT_EQ(verdict(forged(moments, spec::kHeaderGap, 1, 4)), model::PacketError::geometry);
-  EXPECT_EQ(verdict(forged(moments, spec::kHeaderFirstRow, 2, spec::kMaxRows + 1)), model::PacketError::geometry);
-  EXPECT_EQ(verdict(forged(moments, spec::kHeaderLastRow, 2, spec::kMaxRows + 1)), model::PacketError::geometry);
-  EXPECT_EQ(verdict(forged(moments, spec::kHeaderLastRow, 2, spec::kMaxRows)), model::PacketError::none);
+  EXPECT_EQ(verdict(forged(moments, spec::kHeaderFirstRow, 2, spec::kRowLimit + 1)), model::PacketError::geometry);
+  EXPECT_EQ(verdict(forged(moments, spec::kHeaderLastRow, 2, spec::kRowLimit + 1)), model::PacketError::geometry);
+  EXPECT_EQ(verdict(forged(moments, spec::kHeaderLastRow, 2, spec::kRowLimit)), model::PacketError::none);
   EXPECT_EQ(verdict(forged(image, spec::kHeaderFirstLine, 2, 0)), model::PacketError::geometry);
   EXPECT_EQ(verdict(forged(image, spec::kHeaderFirstLine, 2, 96)), model::PacketError::none);
   EXPECT_EQ(verdict(forged(image, spec::kHeaderFirstLine, 2, 97)), model::PacketError::geometry);
@@ -283,6 +283,55 @@ TEST(Packet, PixelsOfMoreThanEightBits) {
   Bytes image = packet_of(header_of(spec::kKindImage, model::Mode::grey, 16));
   image = forged(image, spec::kHeaderSelect, 1, spec::kSelectStrongest);
   EXPECT_EQ(verdict(forged(image, 59, 1, 0x49)), model::PacketError::none);  // its upper eight bits
+}
+
+// Frames of more than 1,023 rows have words of their own, and bit 7 of byte 59 says so; a build for them sends these
+// words of short frames, too.
+TEST(Packet, FramesOfManyRows) {
+  for (const int rows : {96, spec::kRowLimit}) {
+    for (const int bits : {8, 10}) {
+      for (const model::Mode mode : {model::Mode::binary, model::Mode::grey, model::Mode::grey_over}) {
+        for (const model::Select select : {model::Select::all, model::Select::strongest}) {
+          const auto most = static_cast<std::uint32_t>(mode == model::Mode::binary ? 1 : (1 << bits) - 1);
+          model::PacketHeader header;
+          header.kind = spec::kKindMoments;
+          model::describe_frame(header, rows, 4, {.mode = mode, .threshold = 0, .select = select, .bits = bits});
+          EXPECT_EQ(header.tall, rows > spec::kMaxRows);
+          header.tall = true;
+          const std::uint32_t n = select == model::Select::strongest && mode != model::Mode::binary ? 40 : 2047;
+          model::Runs runs;
+          runs.resize(select, 4);
+          runs.moments = {
+              .m0 = {most * 2047, 0, most, 3}, .m1 = {most * 2047 * 1024, 0, most * 2047, 3}, .n = {n, 0, 1, 3}};
+          if (mode == model::Mode::binary) {
+            runs.moments.n = runs.moments.m0;
+          }
+          if (select == model::Select::strongest) {
+            runs.runs = {1, 0, 1, 1};
+          }
+          Bytes payload(model::columns_payload_bytes(header));
+          model::pack_columns(header, runs.view(), payload.data());
+          Bytes packet;
+          model::append_packet(header, payload, 0, packet);
+          EXPECT_EQ(packet[59], 0x80 + 16 * (bits - 8));
+          model::PacketView view;
+          ASSERT_EQ(model::parse_packet(packet, view), model::PacketError::none);
+          EXPECT_TRUE(view.header.tall);
+          EXPECT_EQ(view.header.rows, rows);
+          model::Runs back;
+          back.resize(select, 4);
+          model::unpack_columns(view.header, view.payload.data(), back.view());
+          EXPECT_EQ(back, runs);
+          const bool tall = rows > spec::kMaxRows;
+          EXPECT_EQ(verdict(forged(packet, 59, 1, packet[59] & 0x7FU)),
+                    tall ? model::PacketError::geometry : model::PacketError::none);
+          EXPECT_EQ(verdict(forged(packet, spec::kHeaderRows, 2, spec::kRowLimit + 1)), model::PacketError::geometry);
+          EXPECT_EQ(verdict(forged(packet, 59, 1, 0x80 + 16 * 3)), model::PacketError::geometry);  // of 11 bits
+          EXPECT_EQ(verdict(forged(packet, spec::kHeaderFlags, 1, spec::kFlagVerdict)), model::PacketError::geometry);
+        }
+      }
+    }
+  }
 }
 
 // A packet of version 1.0, as a program of that time wrote it: 4 columns of 6 rows, binary, sequence 2, two columns

@@ -15,7 +15,7 @@ class ImageAssembler {
  public:
   // `kind` is spec::kKindImage or spec::kKindCodes; images may have up to max_rows x max_columns. Throws
   // std::invalid_argument if an argument is out of range.
-  ImageAssembler(std::uint8_t kind, int stream, int max_rows = spec::kMaxRows, int max_columns = spec::kColumnLimit);
+  ImageAssembler(std::uint8_t kind, int stream, int max_rows = spec::kRowLimit, int max_columns = spec::kColumnLimit);
 
   // Takes a packet; ignores those of other kinds or streams. Returns true if the packet completes an image whose lines
   // have all come, in order and with a good status. header() and pixels() or codes() then hold it until the next call.

@@ -33,7 +33,8 @@ struct ColumnWords {
   model::Select select = model::Select::all;
   model::Mode mode = model::Mode::grey_over;
   bool compact = false;
-  bool wide = false;  // of pixels of more than 8 bits
+  bool wide = false;  // model::has_wide_words
+  bool tall = false;  // of a build for more than 1,023 rows
 };
 
 // Those of a packet for which has_columns holds.
@@ -41,7 +42,8 @@ inline ColumnWords words_of(const model::PacketHeader& header) {
   return {.select = static_cast<model::Select>(header.select),
           .mode = static_cast<model::Mode>(header.mode),
           .compact = header.kind == spec::kKindCompact,
-          .wide = header.pixel_bits > spec::kPixelBits};
+          .wide = model::has_wide_words(header),
+          .tall = header.tall};
 }
 
 // Which lines count.
@@ -132,7 +134,7 @@ constexpr std::int32_t second_on_board(model::Mode mode, std::uint32_t runs, std
         const auto at = static_cast<std::size_t>(i);
         moments.m0[at] = static_cast<std::int32_t>(m0);
         moments.m1[at] = static_cast<std::int32_t>(m1);
-        moments.n[at] = static_cast<std::int32_t>(n == spec::kWideGreyRunNMax ? spec::kMaxRows : n);
+        moments.n[at] = static_cast<std::int32_t>(n == spec::kWideGreyRunNMax ? spec::kRowLimit : n);
         moments.second[at] = second;
       });
 }
@@ -150,7 +152,7 @@ template <model::Select Select>
         const std::uint32_t second = Select == model::Select::strongest ? quality & kMostSecond : 0;
         moments.m0[at] = static_cast<std::int32_t>(centroid != 0 ? model::kCompactM0 : 0);
         moments.m1[at] = static_cast<std::int32_t>(centroid);
-        moments.n[at] = static_cast<std::int32_t>(n == kMany ? spec::kMaxRows : n);
+        moments.n[at] = static_cast<std::int32_t>(n == kMany ? spec::kRowLimit : n);
         moments.second[at] = static_cast<std::int32_t>(second == kMostSecond ? kMostSecond + 1 : second);
       });
 }

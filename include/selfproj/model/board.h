@@ -86,11 +86,11 @@ class BoardModel {
   //
   // `median_built`: the build contains the median. Codes then leave one line later, whether or not the median is used.
   // `pixel_bits`: bits of a pixel in the build, 8..kMaxPixelBits. With more than 8, moments are of all of them, images
-  // and codes of the upper 8. `lanes`: pixels in a beat, 4, 8 or 16; columns are a multiple of them. With more than 4
-  // the build has no compact columns or verdicts, with 16 no codes.
+  // and codes of the upper 8. `lanes`: pixels in a beat, 4, 8 or 16; columns are a multiple of them. `tall`:
+  // the build is for more than spec::kMaxRows rows.
   explicit BoardModel(Sink sink, bool median_built = true, int pixel_bits = spec::kPixelBits,
-                      int lanes = spec::kPixelsPerBeat)
-      : sink_(std::move(sink)), median_built_(median_built), pixel_bits_(pixel_bits), lanes_(lanes) {}
+                      int lanes = spec::kPixelsPerBeat, bool tall = false)
+      : sink_(std::move(sink)), median_built_(median_built), pixel_bits_(pixel_bits), lanes_(lanes), tall_(tall) {}
 
   // Judges frames with `verdict`, which holds the limits and must live longer. The model judges all frames; the board
   // leaves out those that come too soon (register verdict_state, missed).
@@ -147,6 +147,7 @@ class BoardModel {
   bool median_built_;
   int pixel_bits_;
   int lanes_;
+  bool tall_;
   BoardSettings written_;
   BoardSettings settings_;  // in force
   Verdict* verdict_ = nullptr;

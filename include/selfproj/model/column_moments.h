@@ -60,6 +60,10 @@ using ImageView = PixelView<std::uint8_t>;
 using WideImageView = PixelView<std::uint16_t>;  // pixels of more than 8 bits, one in each word, from bit 0 on
 using SensorView = std::variant<ImageView, WideImageView>;  // of a sensor of 8 bits, or of more
 inline constexpr int kMaxPixelBits = 12;
+inline constexpr int kMaxTallBits = 10;  // with more than spec::kMaxRows rows
+
+// The most rows of an image whose pixels have so many bits.
+constexpr int row_limit(int bits) { return bits > kMaxTallBits ? spec::kMaxRows : spec::kRowLimit; }
 
 // Moments that someone else owns: three arrays with one entry for each column.
 struct MomentsView {
@@ -84,27 +88,28 @@ struct Moments {
 };
 
 // Writes the moments of every column of `image`, over the rows that count in `window`, to the first image.columns
-// entries of the arrays of `out`, which must not overlap each other or the image. Rows 1..spec::kMaxRows; columns 1 or
+// entries of the arrays of `out`, which must not overlap each other or the image. Rows 1..spec::kRowLimit; columns 1 or
 // more (the circuit takes only multiples of 4 up to spec::kColumnLimit); threshold 0..255. If one of these is out of
 // range, the mode is unknown, or a pointer is null, throws std::invalid_argument and writes nothing. Allocates nothing
 // and keeps no state; any number of threads may call it at once.
 //
 // `max_rows` up to kMaxSoftwareRows takes images with more rows than a circuit does.
 void column_moments(const ImageView& image, Mode mode, int threshold, const MomentsView& out,
-                    const RowWindow& window = {}, int max_rows = spec::kMaxRows);
+                    const RowWindow& window = {}, int max_rows = spec::kRowLimit);
 
 // The most rows of which M1 always fits in 32 bits: 255 R (R + 1) / 2 < 2^32.
 inline constexpr int kMaxSoftwareRows = 5803;
 
-// The same for pixels of `bits` bits, 8 to kMaxPixelBits, and a threshold of 0..2^bits - 1. M1 fits in 32 bits, because
-// 4095 · 1023 · 1024 / 2 < 2^31. Pixels of 2^bits and more are not looked for; they give wrong sums.
+// The same for pixels of `bits` bits, 8 to kMaxPixelBits, and a threshold of 0..2^bits - 1. Rows 1..row_limit(bits). M1
+// fits in 32 bits, because 4095 · 1023 · 1024 / 2 < 2^31, and 1023 · 2047 · 2048 / 2 is, too. Pixels of 2^bits and more
+// are not looked for; they give wrong sums.
 void column_moments(const WideImageView& image, int bits, Mode mode, int threshold, const MomentsView& out,
                     const RowWindow& window = {});
 void check_column_moments(const WideImageView& image, int bits, Mode mode, int threshold, const MomentsView& out);
 
 // Throws std::invalid_argument under the conditions of column_moments.
 void check_column_moments(const ImageView& image, Mode mode, int threshold, const MomentsView& out,
-                          int max_rows = spec::kMaxRows);
+                          int max_rows = spec::kRowLimit);
 
 }  // namespace selfproj::model
 

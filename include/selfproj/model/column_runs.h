@@ -76,7 +76,7 @@ struct Runs {
 
 // Writes the strongest run of every column of `image` to `out`, whatever measure.select is. Arguments and errors as
 // those of column_moments; throws also if the gap is not in 0..kMaxGap.
-void column_runs(const ImageView& image, const Measure& measure, const RunsView& out, int max_rows = spec::kMaxRows);
+void column_runs(const ImageView& image, const Measure& measure, const RunsView& out, int max_rows = spec::kRowLimit);
 
 // The same for pixels of measure.bits bits.
 void column_runs(const WideImageView& image, const Measure& measure, const RunsView& out);
@@ -93,7 +93,7 @@ void measure_tall_columns(const ImageView& image, const Measure& measure, const 
 
 // Throws std::invalid_argument under the conditions of column_runs.
 void check_column_runs(const ImageView& image, const Measure& measure, const RunsView& out,
-                       int max_rows = spec::kMaxRows);
+                       int max_rows = spec::kRowLimit);
 void check_column_runs(const WideImageView& image, const Measure& measure, const RunsView& out);
 
 }  // namespace selfproj::model

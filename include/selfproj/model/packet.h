@@ -35,16 +35,17 @@ struct PacketHeader {
   std::uint16_t pattern = 0;                   // index of the projected pattern
   std::uint8_t mode = 0;                       // a value of Mode
   std::uint8_t pixel_bits = spec::kPixelBits;  // bits of a pixel, 8..kMaxPixelBits; images and codes have the upper 8
-  std::uint16_t threshold = 0;                 // a pixel is lit if it is greater than this
-  std::uint16_t first_line = 0;                // first image line in the payload, counted from 1
-  std::uint16_t lines = 0;                     // image lines in the payload
-  std::uint8_t flags = 0;                      // spec::kFlag...
-  std::uint8_t select = 0;                     // a value of Select
-  std::uint16_t first_row = 0;                 // first row that counts for the moments, from 1; 0: the first
-  std::uint16_t last_row = 0;                  // last row that counts, from 1; 0: the last
-  std::uint8_t gap = 0;                        // dark rows between two lit pixels of one run
-  std::uint16_t region_row = 0;                // row of the sensor, from 1, at which the frame begins; 0: not said
-  std::uint16_t region_column = 0;             // column of the sensor, from 1, at which the frame begins; 0: not said
+  bool tall = false;                // words of columns are those of a build for more than spec::kMaxRows rows
+  std::uint16_t threshold = 0;      // a pixel is lit if it is greater than this
+  std::uint16_t first_line = 0;     // first image line in the payload, counted from 1
+  std::uint16_t lines = 0;          // image lines in the payload
+  std::uint8_t flags = 0;           // spec::kFlag...
+  std::uint8_t select = 0;          // a value of Select
+  std::uint16_t first_row = 0;      // first row that counts for the moments, from 1; 0: the first
+  std::uint16_t last_row = 0;       // last row that counts, from 1; 0: the last
+  std::uint8_t gap = 0;             // dark rows between two lit pixels of one run
+  std::uint16_t region_row = 0;     // row of the sensor, from 1, at which the frame begins; 0: not said
+  std::uint16_t region_column = 0;  // column of the sensor, from 1, at which the frame begins; 0: not said
 
   bool operator==(const PacketHeader&) const = default;
 
@@ -130,6 +131,11 @@ constexpr bool one_for_a_frame(std::uint8_t kind) { return has_columns(kind) || 
 // Whether the packet has a verdict (unpack_verdict), which is the end of its payload.
 constexpr bool has_verdict(const PacketHeader& header) {
   return header.kind == spec::kKindVerdict || (has_columns(header.kind) && (header.flags & spec::kFlagVerdict) != 0);
+}
+
+// Whether columns of the grey modes are words wide_grey or wide_grey_run.
+constexpr bool has_wide_words(const PacketHeader& header) {
+  return header.tall || header.pixel_bits > spec::kPixelBits;
 }
 
 // The kind of the packets that tell of columns: exact words in mode binary, which have 32 bits already, else as asked.

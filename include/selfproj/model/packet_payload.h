@@ -40,6 +40,12 @@ void unpack_moments(Mode mode, int columns, const std::uint8_t* payload, const M
 void pack_wide_moments(Mode mode, int columns, const MomentsView& moments, std::uint8_t* payload);
 void unpack_wide_moments(Mode mode, int columns, const std::uint8_t* payload, const MomentsView& out);
 
+// The same of a build for more than spec::kMaxRows rows, in mode binary: words tall_binary, which tell nothing of
+// further runs. With Select::strongest `runs` come back as 1, or 0 without light, and `second` as 0. In the grey modes
+// such a build has the words above.
+void pack_tall_binary(int columns, const MomentsView& moments, std::uint8_t* payload);
+void unpack_tall_binary(Select select, int columns, const std::uint8_t* payload, const RunsView& out);
+
 // The same with Select::strongest. In mode binary a word tells of `second` only whether it is 8 or more (half the
 // strongest run, or more), and comes back as 8 or 0.
 void pack_runs(Mode mode, int columns, const RunsView& runs, std::uint8_t* payload);
@@ -60,11 +66,11 @@ void unpack_columns(Select select, Mode mode, int columns, const std::uint8_t* p
 //     quality  = 16 runs + min(second, 15)  with Select::strongest
 //                floor(64 M0 / (2^bits N))  with Select::all: the mean weight of a lit pixel, in 1/64
 //
-// 0 where N is 0. With pixels of more than 8 bits `runs` counts as 1, or as 2 where `second` is not 0, because the
-// circuit's words tell no more (wide_grey_run). With M1 <= 1023 M0 and M0 < 2^bits N no field overflows. The centroid
-// is within 1/1024 row of M1 / M0, because it is the nearest multiple of 1/512; halves are rounded up.
+// 0 where N is 0. With pixels of more than 8 bits, or `tall`, `runs` counts as 1, or as 2 where `second` is not 0,
+// because the circuit's words tell no more (wide_grey_run). With M1 <= 2047 M0 and M0 < 2^bits N no field overflows.
+// The centroid is within 1/1024 row of M1 / M0, because it is the nearest multiple of 1/512; halves are rounded up.
 std::uint32_t compact_word(Select select, std::uint32_t m0, std::uint32_t m1, std::uint32_t n, std::uint8_t runs,
-                           std::uint8_t second, int bits = spec::kPixelBits);
+                           std::uint8_t second, int bits = spec::kPixelBits, bool tall = false);
 
 // What unpack_compact gives as M0 of a column with light.
 inline constexpr std::uint32_t kCompactM0 = 512;
@@ -73,7 +79,8 @@ inline constexpr std::uint32_t kCompactM0 = 512;
 std::size_t compact_payload_bytes(int columns);
 
 // Writes compact_word of each column, compact_payload_bytes(columns) bytes.
-void pack_compact(Select select, int columns, const RunsView& runs, std::uint8_t* payload, int bits = spec::kPixelBits);
+void pack_compact(Select select, int columns, const RunsView& runs, std::uint8_t* payload, int bits = spec::kPixelBits,
+                  bool tall = false);
 
 // Reads compact columns back: M0 is kCompactM0 or 0, M1 the centroid in 1/512 rows, so that M1 / M0 is the centroid;
 // n, runs and `second` are as the word has them, at most 63, 3 and 15. With Select::all it does not touch `runs` and
@@ -106,6 +113,19 @@ template <typename Take>
     const auto word = load_little_endian<std::uint32_t>(words + i * kBytes);
     const std::uint32_t m0 = field_of(word, spec::kBinaryM0Lsb, spec::kBinaryM0Bits);
     take(i, m0, field_of(word, spec::kBinaryM1Lsb, spec::kBinaryM1Bits), m0);
+  }
+}
+
+// The same for a payload of words tall_binary.
+template <typename Take>
+[[gnu::always_inline]] inline void for_each_tall_binary_word(const std::uint8_t* payload, int first, int columns,
+                                                             const Take& take) {
+  constexpr std::ptrdiff_t kBytes = spec::kTallBinaryWordBits / 8;
+  const std::uint8_t* words = payload + first * kBytes;
+  for (int i = 0; i < columns; ++i) {
+    const auto word = load_little_endian<std::uint32_t>(words + i * kBytes);
+    const std::uint32_t m0 = field_of(word, spec::kTallBinaryM0Lsb, spec::kTallBinaryM0Bits);
+    take(i, m0, field_of(word, spec::kTallBinaryM1Lsb, spec::kTallBinaryM1Bits), m0);
   }
 }
 

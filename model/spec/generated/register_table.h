@@ -51,7 +51,7 @@ inline constexpr std::array<RegisterField, 1> kFieldsOfSpecHash{{
 }};
 inline constexpr std::array<RegisterField, 9> kFieldsOfCapability{{
     {"max_columns", 0, 12, "largest image width; 0: 4,096"},
-    {"max_rows", 12, 10, "largest image height"},
+    {"max_rows", 12, 10, "largest image height; 0: 2,047"},
     {"grey", 22, 1, "1: modes grey and grey_over are built in"},
     {"image", 23, 1, "1: raw-image packets are built in"},
     {"codes", 24, 1, "1: the Gray-code decoder is built in"},
@@ -67,7 +67,7 @@ inline constexpr std::array<RegisterField, 3> kFieldsOfControl{{
 }};
 inline constexpr std::array<RegisterField, 2> kFieldsOfSize{{
     {"columns", 0, 13, "a multiple of the pixels in a beat, up to the build's maximum"},
-    {"rows", 16, 10, "from 1 to the build's maximum"},
+    {"rows", 16, 11, "from 1 to the build's maximum"},
 }};
 inline constexpr std::array<RegisterField, 6> kFieldsOfMeasure{{
     {"threshold", 0, 8, "a pixel is lit where it is greater; bits 7..0 where pixels have more than 8"},
@@ -142,8 +142,8 @@ inline constexpr std::array<RegisterField, 1> kFieldsOfAbandoned{{
     {"count", 0, 32, "since reset; wraps"},
 }};
 inline constexpr std::array<RegisterField, 2> kFieldsOfWindow{{
-    {"first", 0, 10, "first row that counts, from 1; 0: the first"},
-    {"last", 16, 10, "last row that counts, from 1; 0: the last"},
+    {"first", 0, 11, "first row that counts, from 1; 0: the first"},
+    {"last", 16, 11, "last row that counts, from 1; 0: the last"},
 }};
 inline constexpr std::array<RegisterField, 2> kFieldsOfRegion{{
     {"row", 0, 16, "row of the sensor, from 1; 0: it is not said"},

@@ -124,7 +124,7 @@ TEST(SoftwareBoard, GivesThePacketsOfTheModel) {
 TEST(SoftwareBoard, RefusesWhatNoBoardHas) {
   EXPECT_THROW(camera::SoftwareBoard({.columns = 510}), std::invalid_argument);
   EXPECT_THROW(camera::SoftwareBoard({.columns = 4100}), std::invalid_argument);
-  EXPECT_THROW(camera::SoftwareBoard({.rows = 1024}), std::invalid_argument);
+  EXPECT_THROW(camera::SoftwareBoard({.rows = 2048}), std::invalid_argument);
   EXPECT_THROW(camera::SoftwareBoard({.threshold = 256}), std::invalid_argument);
   EXPECT_NO_THROW(camera::SoftwareBoard({.threshold = 256}, 10));
   EXPECT_THROW(camera::SoftwareBoard({.threshold = 1024}, 10), std::invalid_argument);
@@ -149,7 +149,7 @@ TEST(SoftwareBoard, LimitsOfTheSettings) {
   for (const Settings& good :
        {Settings{.columns = 4, .rows = 1}, Settings{.columns = 4096, .rows = 1}, Settings{.columns = 4, .rows = 1023},
         Settings{.threshold = 0}, Settings{.threshold = 255}, Settings{.select = model::Select::strongest, .gap = 3},
-        Settings{.window = {0, 0}}, Settings{.window = {1023, 1023}}, Settings{.stream = 255},
+        Settings{.window = {0, 0}}, Settings{.window = {2047, 2047}}, Settings{.stream = 255},
         Settings{.region_row = 65535, .region_column = 65535}}) {
     EXPECT_TRUE(takes(good)) << good.columns << " x " << good.rows;
   }
@@ -157,7 +157,7 @@ TEST(SoftwareBoard, LimitsOfTheSettings) {
        {Settings{.columns = 0}, Settings{.columns = 4100}, Settings{.columns = 6}, Settings{.rows = 0},
         Settings{.threshold = -1}, Settings{.select = model::Select::strongest, .gap = model::kMaxGap + 1},
         Settings{.select = model::Select::strongest, .gap = -1}, Settings{.window = {-1, 5}},
-        Settings{.window = {0, 1024}}, Settings{.window = {1024, 1024}}, Settings{.stream = -1},
+        Settings{.window = {0, 2048}}, Settings{.window = {2048, 2048}}, Settings{.stream = -1},
         Settings{.stream = 256}, Settings{.region_row = -1}, Settings{.region_row = 65536},
         Settings{.region_column = -1}, Settings{.region_column = 65536},
         Settings{.mode = static_cast<model::Mode>(3)}}) {

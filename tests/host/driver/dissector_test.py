@@ -27,6 +27,9 @@ WORDS = {
     ("moments", "grey", "all"): ("grey", 64, [("m1", 27), ("m0", 18), ("n", 10)]),
     ("moments", "grey", "wide"): ("wide_grey", 64, [("m1", 31), ("m0", 22), ("n", 11)]),  # pixels of more than 8 bits
     ("moments", "grey", "wide strongest"): ("wide_grey_run", 64, [("m1", 31), ("m0", 22), ("n", 6), ("second", 5)]),
+    ("moments", "binary", "tall"): ("tall_binary", 32, [("m1", 21), ("m0", 11)]),  # of a build for more than 1,023 rows
+    ("moments", "grey", "tall"): ("wide_grey", 64, [("m1", 31), ("m0", 22), ("n", 11)]),
+    ("moments", "binary", "tall strongest"): ("tall_binary", 32, [("m1", 21), ("m0", 11)]),
     ("moments", "binary", "strongest"): ("binary_run", 32, [("m1", 19), ("second", 1), ("m0", 10), ("runs", 2)]),
     ("moments", "grey", "strongest"): ("grey_run", 64, [("m1", 27), ("m0", 18), ("n", 10), ("runs", 2),
                                                         ("second", 5)]),
@@ -72,16 +75,18 @@ def packet(r, spec_hash, kind, mode, select, columns, good_check=True):
     payload += bytes(-len(payload) % 16)
     status = r.choice([0, 1, 16])
     more_bits, threshold_high = (r.randint(1, 4), r.getrandbits(4)) if "wide" in select else (0, 0)
+    tall = int("tall" in select)
     of_header = {"version": 0x0200, "kind": KINDS[kind], "stream": r.getrandbits(8), "pattern": r.getrandbits(16),
                  "mode": MODES[mode], "threshold": r.getrandbits(8), "sequence": r.getrandbits(64),
                  "time_stamp": r.getrandbits(64), "encoder": r.getrandbits(32) - (1 << 31), "lost": r.getrandbits(32),
                  "columns": columns, "rows": 96, "payload_size": len(payload), "first_line": 1, "lines": 1,
                  "flags": r.getrandbits(1), "select": int("strongest" in select), "first_row": 3, "last_row": 90,
-                 "gap": r.randrange(4), "pixel": more_bits << 4 | threshold_high,
+                 "gap": r.randrange(4), "pixel": tall << 7 | more_bits << 4 | threshold_high,
                  "region_row": r.getrandbits(16), "region_column": r.getrandbits(16)}
     shown |= {"selfproj." + key: [str(value)] for key, value in of_header.items() if key != "flags"}
     shown["selfproj.flags.stray_before"] = [str(of_header["flags"])]
     shown["selfproj.header_pixel.more_bits"] = [str(more_bits)]
+    shown["selfproj.header_pixel.tall"] = [str(tall)]
     shown["selfproj.header_pixel.threshold_high"] = [str(threshold_high)]
     shown["selfproj.status.short_line"] = [str(status & 1)]
     shown["selfproj.status.incomplete"] = [str(status >> 4)]

@@ -133,10 +133,10 @@ TEST_F(FastMoments, EveryValueAndThreshold) {
 
 // The largest image, as bright as can be: the largest sums of all.
 TEST_F(FastMoments, LargestSums) {
-  const std::vector<std::uint8_t> pixels(area(spec::kMaxRows, spec::kMaxColumns), 255);
+  const std::vector<std::uint8_t> pixels(area(spec::kRowLimit, spec::kMaxColumns), 255);
   for (const model::Mode mode : kModes) {
     for (const int threshold : {0, 254, 255}) {
-      expect_right(view_of(pixels, spec::kMaxRows, spec::kMaxColumns), mode, threshold);
+      expect_right(view_of(pixels, spec::kRowLimit, spec::kMaxColumns), mode, threshold);
     }
   }
 }
@@ -145,15 +145,15 @@ TEST_F(FastMoments, LargestSums) {
 TEST_F(FastMoments, BrightColumnsBesideDarkOnes) {
   for (const int first_bright : {0, 1}) {
     for (const int columns : {16, 33, 64, 131}) {
-      std::vector<std::uint8_t> pixels(area(spec::kMaxRows, columns), 0);
-      for (int row = 0; row < spec::kMaxRows; ++row) {
+      std::vector<std::uint8_t> pixels(area(spec::kRowLimit, columns), 0);
+      for (int row = 0; row < spec::kRowLimit; ++row) {
         for (int column = first_bright; column < columns; column += 2) {
           pixels[area(row, columns) + static_cast<std::size_t>(column)] = 255;
         }
       }
       for (const model::Mode mode : kModes) {
         for (const int threshold : {0, 1, 254}) {
-          expect_right(view_of(pixels, spec::kMaxRows, columns), mode, threshold);
+          expect_right(view_of(pixels, spec::kRowLimit, columns), mode, threshold);
         }
       }
     }
@@ -215,7 +215,7 @@ TEST_F(FastMoments, RandomImages) {
   for (const std::uint64_t seed : seeds(300)) {
     SCOPED_TRACE(how_to_repeat(seed));
     Random random(seed);
-    const int rows = random.between(1, random.chance(10) ? spec::kMaxRows : 120);
+    const int rows = random.between(1, random.chance(10) ? spec::kRowLimit : 120);
     const int columns = random.between(1, random.chance(10) ? spec::kMaxColumns : 600);
     const int stride = columns + random.between(0, 40);
     std::vector<std::uint8_t> pixels = random.bytes(area(rows, stride));
@@ -290,14 +290,17 @@ TEST_F(FastWideMoments, EverySizeThatEndsWhereItsMemoryEnds) {
 // The largest sums of all, and the largest beside the least: the grey modes add two columns as one word.
 TEST_F(FastWideMoments, LargestSums) {
   constexpr int kColumns = 131;
-  for (const int step : {1, 2}) {
-    std::vector<std::uint16_t> pixels(area(spec::kMaxRows, kColumns), 0);
-    for (std::size_t i = 0; i < pixels.size(); i += static_cast<std::size_t>(step)) {
-      pixels[i] = 4095;
-    }
-    for (const model::Mode mode : kModes) {
-      for (const int threshold : {0, 1, 4094, 4095}) {
-        expect_right({pixels.data(), spec::kMaxRows, kColumns, kColumns}, 12, mode, threshold);
+  for (const int bits : {10, 12}) {
+    const int rows = model::row_limit(bits), white = (1 << bits) - 1;
+    for (const int step : {1, 2}) {
+      std::vector<std::uint16_t> pixels(area(rows, kColumns), 0);
+      for (std::size_t i = 0; i < pixels.size(); i += static_cast<std::size_t>(step)) {
+        pixels[i] = static_cast<std::uint16_t>(white);
+      }
+      for (const model::Mode mode : kModes) {
+        for (const int threshold : {0, 1, white - 1, white}) {
+          expect_right({pixels.data(), rows, kColumns, kColumns}, bits, mode, threshold);
+        }
       }
     }
   }
@@ -308,7 +311,7 @@ TEST_F(FastWideMoments, RandomImages) {
     SCOPED_TRACE(how_to_repeat(seed));
     Random random(seed);
     const int bits = random.between(8, model::kMaxPixelBits);
-    const int rows = random.between(1, random.chance(10) ? spec::kMaxRows : 120);
+    const int rows = random.between(1, random.chance(10) ? model::row_limit(bits) : 120);
     const int columns = random.between(1, random.chance(10) ? spec::kMaxColumns : 600);
     const int stride = columns + random.between(0, 40);
     const std::vector<std::uint16_t> pixels = random_pixels(random, area(rows, stride), bits);
@@ -431,15 +434,15 @@ TEST_F(FastRuns, LinesWithAFewHotPixels) {
 
 // 512 runs in a column are more than 8 bits count.
 TEST_F(FastRuns, ManyRuns) {
-  std::vector<std::uint8_t> pixels(static_cast<std::size_t>(spec::kMaxRows) * 300, 0);
-  for (std::size_t row = 0; row < spec::kMaxRows; row += 2) {
+  std::vector<std::uint8_t> pixels(static_cast<std::size_t>(spec::kRowLimit) * 300, 0);
+  for (std::size_t row = 0; row < spec::kRowLimit; row += 2) {
     for (std::size_t column = 0; column < 300; ++column) {
       pixels[row * 300 + column] = static_cast<std::uint8_t>(100 + column % 7);
     }
   }
   for (int gap = 0; gap <= model::kMaxGap; ++gap) {
     expect_right_runs(
-        model::ImageView{pixels.data(), spec::kMaxRows, 300, 300},
+        model::ImageView{pixels.data(), spec::kRowLimit, 300, 300},
         {.mode = model::Mode::grey_over, .threshold = 50, .select = model::Select::strongest, .gap = gap});
   }
 }

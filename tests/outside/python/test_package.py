@@ -427,6 +427,27 @@ class References(Case):
         self.assertEqual([level["height_mm"] for level in fit.levels], [0, 10, 20])
         with self.assertRaisesRegex(ValueError, "one is needed for each line"):
             light_section.reference_of_sweep(rig, sweeps[0][1:], every)
+        # The same light in 12 bits: 16 times the values and the threshold.
+        text = rig.to_yaml()
+        threshold = int(text.split("  threshold: ")[1].split("\n")[0])
+        (self.folder / "twelve.yaml").write_text(
+            text.replace(f"  threshold: {threshold}\n", f"  threshold: {16 * threshold}\n  pixel_bits: 12\n"))
+        twelve = light_section.load_rig(self.folder / "twelve.yaml")
+        wide = [16 * sweep.astype("uint16") for sweep in sweeps]
+        same(light_section.reference_of_sweep(twelve, wide[1], every).z, swept.z)
+        self.assertEqual(light_section.fit_heights(twelve, wide, heights_mm=[0, 10, 20], every=every).rms_mm, fit.rms_mm)
+        of_twelve = self.folder / "of-twelve"
+        run(SIMULATION, "capture", "--rig", self.folder / "twelve.yaml", "--plate", 10, "--patterns", lines, "--out",
+            of_twelve)
+        run(SELFPROJ, "pattern", "--rig", self.folder / "twelve.yaml", "--scan", of_twelve, "--every", every, "--out",
+            self.folder / "plate-of-twelve")
+        same(light_section.reference_of_sweep(twelve, of_twelve, every).z,
+             light_section.load_reference(twelve, self.folder / "plate-of-twelve").z)
+        for given, images, words in ((twelve, sweeps[1], "uint16 are needed"), (rig, wide[1], "uint8 are needed")):
+            with self.assertRaisesRegex(ValueError, words):
+                light_section.reference_of_sweep(given, images, every)
+        with self.assertRaisesRegex(selfproj.InputError, "has a pixel of 65535; the rig's have 12 bits"):
+            light_section.reference_of_sweep(twelve, wide[1] | 0xFFFF, every)
         with self.assertRaisesRegex(selfproj.InputError, r"\(scale_tolerance\): all are likely wrong"):
             light_section.fit_heights(rig, sweeps, heights_mm=[0, 10, 20], every=every, scale_tolerance=1e-6)
 

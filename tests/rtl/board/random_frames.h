@@ -16,7 +16,7 @@ namespace selfproj::test {
 // The abilities of the build under test, and how much of them to try.
 struct RandomFrames {
   int max_columns = 64;
-  int max_rows = 40;
+  int max_rows = 40;  // more than spec::kMaxRows: of a build for them
   int pixel_bits = spec::kPixelBits;
   int lanes = spec::kPixelsPerBeat;  // pixels in a beat
   bool grey = true;                  // modes grey and grey_over
@@ -52,7 +52,8 @@ inline nlohmann::ordered_json figures_of(const FrameCounts& counts) {
 template <class Model>
 void play_random_frames(std::uint64_t seed, const RandomFrames& limits, FrameCounts& counts) {
   Random random(seed);
-  Scoreboard<Model> board(random_board_clocks(random, seed, limits.pixel_bits, limits.lanes));
+  Scoreboard<Model> board(random_board_clocks(random, seed, limits.pixel_bits, limits.lanes), true,
+                          limits.max_rows > spec::kMaxRows);
   const int largest = (1 << limits.pixel_bits) - 1;
   board.turn_encoder(random.between(4, 40));
   board.count_patterns_on_frames(random.between(0, 23));

@@ -39,13 +39,15 @@ struct BoardCounts {
 template <class Model>
 class Scoreboard {
  public:
-  // `median_built`: see BoardModel; ignored in a build without codes.
-  explicit Scoreboard(const sim::BoardDeviceOptions& options = {}, bool median_built = true)
+  // `median_built` and `tall`: see BoardModel; the former is ignored in a build without codes.
+  explicit Scoreboard(const sim::BoardDeviceOptions& options = {}, bool median_built = true, bool tall = false)
       : device_(options),
         median_built_(median_built),
         pixel_bits_(options.pixel_bits),
         lanes_(options.lanes),
-        model_([this](model::BoardPacket&& packet) { expect(std::move(packet)); }, median_built, pixel_bits_, lanes_) {
+        tall_(tall),
+        model_([this](model::BoardPacket&& packet) { expect(std::move(packet)); }, median_built, pixel_bits_, lanes_,
+               tall) {
     device_.on_packet([this](std::span<const std::uint8_t> bytes) { receive(bytes); });
     device_.on_clock([this](std::uint64_t clock) { before_clock(clock); });
     device_.on_beat([this](std::uint64_t clock, const model::VideoBeat& beat) {
@@ -79,7 +81,7 @@ class Scoreboard {
     before_ = {};
     device_.reset();
     model_ = model::BoardModel([this](model::BoardPacket&& packet) { expect(std::move(packet)); }, median_built_,
-                               pixel_bits_, lanes_);
+                               pixel_bits_, lanes_, tall_);
     scoreboard_ = {};
     on_frame_ = false;
     pattern_ = 0;
@@ -187,6 +189,7 @@ class Scoreboard {
   bool median_built_;
   int pixel_bits_;
   int lanes_;
+  bool tall_;
   model::BoardModel model_;
   sim::PacketScoreboard scoreboard_;
 

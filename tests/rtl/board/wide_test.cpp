@@ -11,6 +11,9 @@
 #include "Vboard_eight.h"
 #include "Vboard_eight_of_twelve.h"
 #include "Vboard_sixteen.h"
+#include "Vboard_tall.h"
+#include "Vboard_tall_binary.h"
+#include "Vboard_tall_of_ten.h"
 #include "Vboard_ten.h"
 #include "Vboard_twelve.h"
 #include "Vboard_verdict_eight_of_twelve.h"
@@ -64,6 +67,67 @@ TEST(WideBoard, RandomFramesOfManyColumnsEqualTheModel) {
                                              .changes = 40});
   play_all_random_frames<Vboard_widest>(
       12, {.max_columns = 4096, .max_rows = 15, .runs = true, .compact = true, .fault_percent = 10, .changes = 40});
+}
+
+// Words of columns of a build for more than 1,023 rows, in short frames and in tall ones.
+TEST(WideBoard, RandomFramesOfManyRowsEqualTheModel) {
+  RandomFrames limits{.max_rows = spec::kRowLimit, .runs = true, .compact = true, .changes = 25};
+  play_all_random_frames<Vboard_tall>(10, limits);
+  limits.fault_percent = 20;
+  play_all_random_frames<Vboard_tall>(6, limits);
+  play_all_random_frames<Vboard_tall_of_ten>(10, {.max_rows = spec::kRowLimit,
+                                                  .pixel_bits = 10,
+                                                  .lanes = 8,
+                                                  .region = false,
+                                                  .compact = true,
+                                                  .fault_percent = 10,
+                                                  .changes = 25});
+  play_all_random_frames<Vboard_tall_binary>(
+      10, {.max_rows = spec::kRowLimit, .grey = false, .image = false, .runs = true, .region = false, .changes = 25});
+}
+
+// The brightest frame of 2,047 rows fills every field; registers take rows up to it, and `capability` says 0.
+TEST(WideBoard, TwoThousandRows) {
+  constexpr int kRows = spec::kRowLimit, kColumns = 16;
+  const auto play = [&]<class Board>(Scoreboard<Board>& board, int bits, int lanes, bool compact) {
+    EXPECT_EQ(board.device().read(spec::kRegCapability) >> spec::kRegCapabilityMaxRowsLsb &
+                  ((1U << spec::kRegCapabilityMaxRowsBits) - 1),
+              0U);
+    const auto refused = [&](std::uint32_t address, std::uint32_t word) {
+      return board.device().access(true, address, word).error;
+    };
+    const auto size = [&](std::uint32_t rows) { return rows << spec::kRegSizeRowsLsb | kColumns; };
+    EXPECT_TRUE(refused(spec::kRegSize, size(kRows + 1)));
+    EXPECT_FALSE(refused(spec::kRegSize, size(kRows)));
+    const std::uint32_t window = 1500U << spec::kRegWindowFirstLsb | 2047U << spec::kRegWindowLastLsb;
+    EXPECT_FALSE(refused(spec::kRegWindow, window));
+    EXPECT_EQ(board.device().read(spec::kRegWindow), window);
+    int frames = 0;
+    for (const model::Mode mode : {model::Mode::binary, model::Mode::grey, model::Mode::grey_over}) {
+      for (const model::RowWindow& counts : {model::RowWindow{}, model::RowWindow{1024, 2046}}) {
+        board.write(
+            {.columns = kColumns, .rows = kRows, .mode = mode, .threshold = 0, .window = counts, .compact = compact});
+        for (const auto& line : lines_of(constant_image(kRows, kColumns, 0), lanes)) {
+          for (model::VideoBeat beat : line) {
+            beat.pixels.fill(static_cast<std::uint16_t>((1 << bits) - 1));
+            board.device().send(beat);
+          }
+        }
+        board.play();
+        ++frames;
+      }
+    }
+    board.finish();
+    EXPECT_EQ(board.delivered(spec::kKindMoments), static_cast<unsigned>(frames));  // compact ones among them
+    EXPECT_EQ(board.last_header(spec::kKindMoments).rows, kRows);
+    EXPECT_TRUE(board.last_header(spec::kKindMoments).tall);
+  };
+  for (const bool compact : {false, true}) {
+    Scoreboard<Vboard_tall> eight({}, true, true);
+    play(eight, 8, 4, compact);
+    Scoreboard<Vboard_tall_of_ten> ten({.pixel_bits = 10, .lanes = 8}, true, true);
+    play(ten, 10, 8, compact);
+  }
 }
 
 // The widest frame: its size in the registers, every packet of it, and its codes.

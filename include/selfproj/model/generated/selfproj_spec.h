@@ -30,7 +30,8 @@ constexpr int kPixelBits = 8;  // bits of a pixel
 constexpr int kPixelsPerBeat = 4;  // pixels that come in one clock; the number of columns is a multiple of it
 constexpr int kMaxColumns = 2048;  // largest image width of a build, unless it is given another
 constexpr int kColumnLimit = 4096;  // largest image width that a build can have
-constexpr int kMaxRows = 1023;  // largest image height; a build may have a smaller one
+constexpr int kMaxRows = 1023;  // largest image height of a build, unless it is given another
+constexpr int kRowLimit = 2047;  // largest image height that a build can have; pixels of more than 10 bits: max_rows
 constexpr int kPacketBeatBytes = 16;  // width of the packet stream; the length of every packet is a multiple of it
 
 // Modes of the moments
@@ -119,6 +120,15 @@ constexpr int kCodeMeasurableLsb = 15;
 constexpr int kCodeMeasurableBits = 1;
 constexpr std::uint64_t kCodeMeasurableMax = 1;  // 1
 static_assert(kCodeMeasurableMax >> kCodeMeasurableBits == 0, "code.measurable does not fit");
+constexpr int kTallBinaryWordBits = 32;
+constexpr int kTallBinaryM1Lsb = 0;
+constexpr int kTallBinaryM1Bits = 21;
+constexpr std::uint64_t kTallBinaryM1Max = 2096128;  // rows*(rows+1)/2
+static_assert(kTallBinaryM1Max >> kTallBinaryM1Bits == 0, "tall_binary.m1 does not fit");
+constexpr int kTallBinaryM0Lsb = 21;
+constexpr int kTallBinaryM0Bits = 11;
+constexpr std::uint64_t kTallBinaryM0Max = 2047;  // rows
+static_assert(kTallBinaryM0Max >> kTallBinaryM0Bits == 0, "tall_binary.m0 does not fit");
 constexpr int kWideGreyWordBits = 64;
 constexpr int kWideGreyM1Lsb = 0;
 constexpr int kWideGreyM1Bits = 31;
@@ -149,15 +159,32 @@ constexpr int kWideGreyRunSecondLsb = 59;
 constexpr int kWideGreyRunSecondBits = 5;
 constexpr std::uint64_t kWideGreyRunSecondMax = 16;  // 16
 static_assert(kWideGreyRunSecondMax >> kWideGreyRunSecondBits == 0, "wide_grey_run.second does not fit");
+constexpr int kTallGreyWordBits = 64;
+constexpr int kTallGreyM1Lsb = 0;
+constexpr int kTallGreyM1Bits = 31;
+constexpr std::uint64_t kTallGreyM1Max = 2144338944;  // pixel*rows*(rows+1)/2
+static_assert(kTallGreyM1Max >> kTallGreyM1Bits == 0, "tall_grey.m1 does not fit");
+constexpr int kTallGreyM0Lsb = 31;
+constexpr int kTallGreyM0Bits = 22;
+constexpr std::uint64_t kTallGreyM0Max = 2094081;  // pixel*rows
+static_assert(kTallGreyM0Max >> kTallGreyM0Bits == 0, "tall_grey.m0 does not fit");
+constexpr int kTallGreyNLsb = 53;
+constexpr int kTallGreyNBits = 11;
+constexpr std::uint64_t kTallGreyNMax = 2047;  // rows
+static_assert(kTallGreyNMax >> kTallGreyNBits == 0, "tall_grey.n does not fit");
 constexpr int kHeaderPixelWordBits = 8;
 constexpr int kHeaderPixelThresholdHighLsb = 0;
 constexpr int kHeaderPixelThresholdHighBits = 4;
 constexpr std::uint64_t kHeaderPixelThresholdHighMax = 15;  // 15
 static_assert(kHeaderPixelThresholdHighMax >> kHeaderPixelThresholdHighBits == 0, "header_pixel.threshold_high does not fit");
 constexpr int kHeaderPixelMoreBitsLsb = 4;
-constexpr int kHeaderPixelMoreBitsBits = 4;
+constexpr int kHeaderPixelMoreBitsBits = 3;
 constexpr std::uint64_t kHeaderPixelMoreBitsMax = 4;  // 4
 static_assert(kHeaderPixelMoreBitsMax >> kHeaderPixelMoreBitsBits == 0, "header_pixel.more_bits does not fit");
+constexpr int kHeaderPixelTallLsb = 7;
+constexpr int kHeaderPixelTallBits = 1;
+constexpr std::uint64_t kHeaderPixelTallMax = 1;  // 1
+static_assert(kHeaderPixelTallMax >> kHeaderPixelTallBits == 0, "header_pixel.tall does not fit");
 constexpr int kCompactWordBits = 32;
 constexpr int kCompactCentroidLsb = 0;
 constexpr int kCompactCentroidBits = 20;
@@ -305,7 +332,7 @@ constexpr std::uint32_t kRegSizeReset = 0x00600200U;
 constexpr int kRegSizeColumnsLsb = 0;
 constexpr int kRegSizeColumnsBits = 13;
 constexpr int kRegSizeRowsLsb = 16;
-constexpr int kRegSizeRowsBits = 10;
+constexpr int kRegSizeRowsBits = 11;
 constexpr std::uint32_t kRegMeasure = 0x18;  // rw
 constexpr std::uint32_t kRegMeasureReset = 0x00000080U;
 constexpr int kRegMeasureThresholdLsb = 0;
@@ -415,9 +442,9 @@ constexpr int kRegAbandonedCountBits = 32;
 constexpr std::uint32_t kRegWindow = 0x64;  // rw
 constexpr std::uint32_t kRegWindowReset = 0x00000000U;
 constexpr int kRegWindowFirstLsb = 0;
-constexpr int kRegWindowFirstBits = 10;
+constexpr int kRegWindowFirstBits = 11;
 constexpr int kRegWindowLastLsb = 16;
-constexpr int kRegWindowLastBits = 10;
+constexpr int kRegWindowLastBits = 11;
 constexpr std::uint32_t kRegRegion = 0x68;  // rw
 constexpr std::uint32_t kRegRegionReset = 0x00000000U;
 constexpr int kRegRegionRowLsb = 0;
