@@ -166,8 +166,8 @@ module sp_image_packer #(
   logic [3:1]          broken_q;
   logic                go_q;
   logic                reading_q, read_q;
-  logic                part_q;     // of the entry that is read; the word that is read is part1_q of one
-  logic                part1_q;
+  logic                part_q;     // the half that is due of the entry
+  logic                part1_q;    // the half of entry_read that is word_read
   logic                last_part;  // this is the last of its entry
   logic                last_word;
   logic [LogDepth-1:0] rd_ptr_q;
@@ -231,7 +231,7 @@ module sp_image_packer #(
   end
 
   // A line is read at once when it is accepted. At the earliest, the line after the next overwrites
-  // it; with entries of two words, of which the ring has as many, the third after that.
+  // it. Where an entry has two words a line takes twice as long to leave: the ring has room for four.
   sp_ram #(
     .Width   (RingBits),
     .LogDepth(LogDepth)

@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "host/images/frame_options.h"
 #include "selfproj/images/float_image.h"
 #include "selfproj/rig/calibration.h"
 #include "selfproj/rig/rig.h"
@@ -659,6 +660,28 @@ TEST_F(ProductionCommand, TallImagesAreMeasured) {
   EXPECT_NE(run.err.find("has 2400 rows and a board takes at most 2047: this program alone measures them"),
             std::string::npos)
       << run.err;
+  // With 1,200 rows a board takes them, if it is built for so many; its packets have other words.
+  rig.camera.rows = 1200;
+  for (const auto& [mode, select] : {std::pair{model::Mode::binary, model::Select::strongest},
+                                     {model::Mode::grey_over, model::Select::all},
+                                     {model::Mode::grey, model::Select::strongest}}) {
+    rig.measure.mode = mode;
+    model::Measure measure = rig.measure.of_board();
+    measure.select = select;
+    rig.measure.apply(measure);
+    write_text(folder_ / "board.yaml", rig::to_yaml(rig));
+    ASSERT_EQ(sim(with({"scene", "render", "plane", "--rig", "board.yaml", "--out", "of-board"}, quiet)).status, 0);
+    ASSERT_EQ(sim({"board", "--images", "of-board/frame_00001.png", "--rig", "board.yaml", "--mode",
+                   images::mode_name(mode), "--threshold", std::to_string(rig.measure.threshold), "--select",
+                   select == model::Select::strongest ? "strongest" : "all", "--record", "tall.slfp"})
+                  .status,
+              0);
+    const Outcome of_images =
+        host({"inspect", "--rig", "board.yaml", "--images", "of-board/frame_00001.png", "--out", "images-out"});
+    EXPECT_EQ(of_images.err.find("this program alone"), std::string::npos) << of_images.err;
+    ASSERT_EQ(host({"inspect", "--rig", "board.yaml", "--device", "file:tall.slfp", "--out", "packets-out"}).status, 0);
+    EXPECT_EQ(read_text(folder_ / "images-out/height.tiff"), read_text(folder_ / "packets-out/height.tiff"));
+  }
   const images::FloatImage low = images::read_float_tiff(folder_ / "low-out/height.tiff");
   const images::FloatImage tall = images::read_float_tiff(folder_ / "tall-out/height.tiff");
   ASSERT_EQ(tall.values.size(), low.values.size());

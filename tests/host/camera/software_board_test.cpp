@@ -69,6 +69,10 @@ TEST(SoftwareBoard, GivesThePacketsOfTheModel) {
     Random random(seed);
     const int bits = random.chance(50) ? 8 : 2 * random.between(5, 6);
     model::BoardSettings settings = random_settings(random, bits);
+    if (bits <= model::kMaxTallBits && random.chance(5)) {
+      settings.rows = random.between(spec::kMaxRows + 1, spec::kRowLimit);
+      settings.columns = 4 * random.between(1, 4);
+    }
     // Of a broken frame the model has a beat and the camera nothing, which makes no difference to these.
     const bool breaks = !settings.image && settings.rows > 1 && settings.columns > 4 && random.chance(50);
     PacketsOfKind expected;
@@ -78,7 +82,7 @@ TEST(SoftwareBoard, GivesThePacketsOfTheModel) {
           model::append_packet(packet.header, packet.payload, packet.status, bytes);
           expected[packet.header.kind].push_back(bytes);
         },
-        true, bits);
+        true, bits, spec::kPixelsPerBeat, settings.rows > spec::kMaxRows);
     model.write(settings);
     camera::SoftwareBoard board(settings, bits);
     PacketsOfKind got;

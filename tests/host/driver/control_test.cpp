@@ -427,6 +427,8 @@ TEST(Control, EarlierVersions) {
                 "sim:: this board has no register for the region of the sensor");
       EXPECT_EQ(error_of([&] { control->set({.mode = model::Mode::grey, .compact = true}); }),
                 "sim:: this board has no compact columns");
+      EXPECT_EQ(error_of([&] { control->write("window.last", 2047); }),
+                "sim:: window: 2047 is a row beyond the board's 1023");
     }
   }
 }
