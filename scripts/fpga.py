@@ -129,7 +129,8 @@ ROUTE_SECONDS = 1200  # a seed that takes longer counts as not routed
 PLACES = [("iCE40 HX8K", CONFIGURATIONS[0]), ("iCE40 HX8K", CONFIGURATIONS[1]), ("LFE5U-85F-8", CONFIGURATIONS[0]),
           ("LFE5U-85F-8", CONFIGURATIONS[1]), ("LFE5U-85F-8", SCANNER), ("iCE40 HX8K", CONFIGURATIONS[4]),
           ("LFE5U-85F-8", GREY_RUNS), ("LFE5U-85F-8", CONFIGURATIONS[5]),
-          ("LFE5U-85F-8", CONFIGURATIONS[6]), ("LFE5U-85F-8", CONFIGURATIONS[7])]
+          ("LFE5U-85F-8", CONFIGURATIONS[6]), ("LFE5U-85F-8", CONFIGURATIONS[7]),
+          ("LFE5U-85F-8", CONFIGURATIONS[8])]
 GOAL = 151.2  # MHz, the original's pixel clock
 
 # Descriptions in the files of results/
