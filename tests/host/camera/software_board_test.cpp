@@ -419,8 +419,10 @@ TEST(CameraDevice, SizesThatNoBoardTakes) {
       camera::make_camera_device(std::make_unique<ListedCamera>(2, 10, std::vector<ListedCamera::Listed>{}), {}),
       UserError);
   EXPECT_THROW(
-      camera::make_camera_device(std::make_unique<ListedCamera>(1080, 1920, std::vector<ListedCamera::Listed>{}), {}),
+      camera::make_camera_device(std::make_unique<ListedCamera>(2160, 3840, std::vector<ListedCamera::Listed>{}), {}),
       UserError);
+  EXPECT_NO_THROW(
+      camera::make_camera_device(std::make_unique<ListedCamera>(1080, 1920, std::vector<ListedCamera::Listed>{}), {}));
 }
 
 }  // namespace
