@@ -119,9 +119,9 @@ rig::Rig perturbed_rig_of(const CosimOptions& options, const rig::Rig& rig) {
                                 images::size_text(rig.camera.rows, rig.camera.columns)));
   }
   if (actual.measure.bits() != rig.measure.bits()) {
-    throw UserError("--perturbed-rig " + options.perturbed_rig,
-                    fmt::format("has pixels of {} bits, but --rig has pixels of {}", actual.measure.bits(),
-                                rig.measure.bits()));
+    throw UserError(
+        "--perturbed-rig " + options.perturbed_rig,
+        fmt::format("has pixels of {} bits, but --rig has pixels of {}", actual.measure.bits(), rig.measure.bits()));
   }
   if (actual.light_plane.has_value() != rig.light_plane.has_value()) {
     throw UserError("--perturbed-rig " + options.perturbed_rig,
