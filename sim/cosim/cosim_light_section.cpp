@@ -57,6 +57,12 @@ rig::Rig light_section_rig(const std::string& name) {
   if (rig.kind != rig::RigKind::light_section) {
     throw UserError("--rig " + name, "is not a rig of kind light-section");
   }
+  const rig::RigRegion sent = rig.camera.sent();
+  if (sent.rows > spec::kMaxRows || sent.columns > spec::kMaxColumns) {
+    throw UserError("--rig " + name, fmt::format("its camera sends {}; the boards of co-simulation take up to {}",
+                                                 images::size_text(sent.rows, sent.columns),
+                                                 images::size_text(spec::kMaxRows, spec::kMaxColumns)));
+  }
   return rig;
 }
 

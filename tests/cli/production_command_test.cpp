@@ -386,6 +386,12 @@ TEST_F(ProductionCommand, CosimulationOfMoreBits) {
   rig.measure.pixel_bits = 11;
   write_text(folder_ / "wide.yaml", rig::to_yaml(rig));
   EXPECT_NE(sim({"cosim", "--rig", "wide.yaml"}).err.find("the Verilated boards 8, 10 and 12"), std::string::npos);
+  rig.camera.rows = 1500;
+  write_text(folder_ / "wide.yaml", rig::to_yaml(rig));
+  EXPECT_NE(
+      sim({"cosim", "--rig", "wide.yaml"})
+          .err.find("--rig wide.yaml: its camera sends 512 x 1500; the boards of co-simulation take up to 2048 x 1023"),
+      std::string::npos);
 }
 
 // The sweep of a part in images of 12 bits: its pattern, without its residual; and plates at known heights.
