@@ -58,7 +58,7 @@ std::int32_t selfproj_pack_moments(std::int32_t select, std::int32_t mode, std::
     const model::MomentsView moments{const_cast<std::uint32_t*>(m0), const_cast<std::uint32_t*>(m1),
                                      const_cast<std::uint32_t*>(n)};
     const model::Select what = select_of(select);
-    model::pack_columns(what, mode_of(mode), count,
+    model::pack_columns(model::column_word(what, mode_of(mode)), count,
                         runs_of(what, moments, const_cast<std::uint8_t*>(runs), const_cast<std::uint8_t*>(second)),
                         payload);
   });
@@ -73,7 +73,8 @@ std::int32_t selfproj_unpack_moments(std::int32_t select, std::int32_t mode, std
     require(payload_bytes >= model::moments_payload_bytes(mode_of(mode), count),
             "payload_bytes are too few for the columns");
     const model::Select what = select_of(select);
-    model::unpack_columns(what, mode_of(mode), count, payload, runs_of(what, {m0, m1, n}, runs, second));
+    model::unpack_columns(model::column_word(what, mode_of(mode)), count, payload,
+                          runs_of(what, {m0, m1, n}, runs, second));
   });
 }
 
@@ -85,7 +86,8 @@ std::int32_t selfproj_unpack_wide_moments(std::int32_t mode, std::int32_t column
     const int count = checked_columns(columns);
     require(payload_bytes >= model::moments_payload_bytes(mode_of(mode), count),
             "payload_bytes are too few for the columns");
-    model::unpack_wide_moments(mode_of(mode), count, payload, {m0, m1, n});
+    model::unpack_columns(model::column_word(model::Select::all, mode_of(mode), true), count, payload,
+                          {.moments = {m0, m1, n}});
   });
 }
 
@@ -97,8 +99,8 @@ std::int32_t selfproj_unpack_wide_runs(std::int32_t mode, std::int32_t columns, 
     const int count = checked_columns(columns);
     require(payload_bytes >= model::moments_payload_bytes(mode_of(mode), count),
             "payload_bytes are too few for the columns");
-    model::unpack_wide_runs(mode_of(mode), count, payload,
-                            runs_of(model::Select::strongest, {m0, m1, n}, runs, second));
+    model::unpack_columns(model::column_word(model::Select::strongest, mode_of(mode), true), count, payload,
+                          runs_of(model::Select::strongest, {m0, m1, n}, runs, second));
   });
 }
 
@@ -124,7 +126,9 @@ std::int32_t selfproj_unpack_compact(std::int32_t select, std::int32_t columns, 
     const int count = checked_columns(columns);
     require(payload_bytes >= model::compact_payload_bytes(count), "payload_bytes are too few for the columns");
     const model::Select what = select_of(select);
-    model::unpack_compact(what, count, payload, runs_of(what, {m0, m1, n}, runs, second));
+    model::unpack_columns(
+        what == model::Select::strongest ? model::ColumnWord::compact_run : model::ColumnWord::compact, count, payload,
+        runs_of(what, {m0, m1, n}, runs, second));
   });
 }
 

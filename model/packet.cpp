@@ -341,36 +341,24 @@ std::size_t frame_payload_bytes(const PacketHeader& header) {
          (has_verdict(header) ? static_cast<std::size_t>(spec::kVerdictWordBits / 8) : 0);
 }
 
-void pack_columns(const PacketHeader& header, const RunsView& runs, std::uint8_t* payload) {
+ColumnWord column_word(const PacketHeader& header) {
   const auto select = static_cast<Select>(header.select);
-  const auto mode = static_cast<Mode>(header.mode);
   if (header.kind == spec::kKindCompact) {
-    pack_compact(select, header.columns, runs, payload, header.pixel_bits, header.tall);
-  } else if (header.tall && mode == Mode::binary) {
-    pack_tall_binary(header.columns, runs.moments, payload);
-  } else if (!has_wide_words(header)) {
-    pack_columns(select, mode, header.columns, runs, payload);
-  } else if (select == Select::strongest) {
-    pack_wide_runs(mode, header.columns, runs, payload);
+    return select == Select::strongest ? ColumnWord::compact_run : ColumnWord::compact;
+  }
+  return column_word(select, static_cast<Mode>(header.mode), header.pixel_bits > spec::kPixelBits, header.tall);
+}
+
+void pack_columns(const PacketHeader& header, const RunsView& runs, std::uint8_t* payload) {
+  if (header.kind == spec::kKindCompact) {
+    pack_compact(static_cast<Select>(header.select), header.columns, runs, payload, header.pixel_bits, header.tall);
   } else {
-    pack_wide_moments(mode, header.columns, runs.moments, payload);
+    pack_columns(column_word(header), header.columns, runs, payload);
   }
 }
 
 void unpack_columns(const PacketHeader& header, const std::uint8_t* payload, const RunsView& out) {
-  const auto select = static_cast<Select>(header.select);
-  const auto mode = static_cast<Mode>(header.mode);
-  if (header.kind == spec::kKindCompact) {
-    unpack_compact(select, header.columns, payload, out);
-  } else if (header.tall && mode == Mode::binary) {
-    unpack_tall_binary(select, header.columns, payload, out);
-  } else if (!has_wide_words(header)) {
-    unpack_columns(select, mode, header.columns, payload, out);
-  } else if (select == Select::strongest) {
-    unpack_wide_runs(mode, header.columns, payload, out);
-  } else {
-    unpack_wide_moments(mode, header.columns, payload, out.moments);
-  }
+  unpack_columns(column_word(header), header.columns, payload, out);
 }
 
 PacketError parse_packet(std::span<const std::uint8_t> bytes, PacketView& out) {

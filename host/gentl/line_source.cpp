@@ -150,7 +150,7 @@ driver::Next LineSource::next(std::chrono::nanoseconds timeout) {
 
 void LineSource::compute_line() {
   header_ = packet_.header;
-  profiler_.profile(light_section::words_of(header_), packet_.payload.data(), profile_.view());
+  profiler_.profile(model::column_word(header_), packet_.payload.data(), profile_.view());
   model::unpack_columns(header_, packet_.payload.data(), runs_.view());
   const double travel = belt_.add(header_);
   if (carried_) {

@@ -374,40 +374,9 @@ SELFPROJ_CLONES void strip_8(const StripMoments& moments, int count, const Curve
   triangulate<ColumnCurves::kDegrees[2]>(moments, count, tables, rules, out);
 }
 
-SELFPROJ_CLONES void unpack_binary(const std::uint8_t* payload, int first, int count, StripMoments& moments) {
-  model::for_each_binary_word(payload, first, count, take_moments(moments));
-}
-
-SELFPROJ_CLONES void unpack_tall_binary(const std::uint8_t* payload, int first, int count, StripMoments& moments) {
-  model::for_each_tall_binary_word(payload, first, count, take_moments(moments));
-}
-
-SELFPROJ_CLONES void unpack_grey(const std::uint8_t* payload, int first, int count, StripMoments& moments) {
-  model::for_each_grey_word(payload, first, count, take_moments(moments));
-}
-
-SELFPROJ_CLONES void unpack_wide_grey(const std::uint8_t* payload, int first, int count, StripMoments& moments) {
-  model::for_each_wide_grey_word(payload, first, count, take_moments(moments));
-}
-
-SELFPROJ_CLONES void unpack_runs_binary(const std::uint8_t* payload, int first, int count, StripMoments& moments) {
-  unpack_binary_runs(payload, first, count, moments);
-}
-
-SELFPROJ_CLONES void unpack_runs_grey(const std::uint8_t* payload, int first, int count, StripMoments& moments) {
-  unpack_grey_runs(payload, first, count, moments);
-}
-
-SELFPROJ_CLONES void unpack_runs_wide_grey(const std::uint8_t* payload, int first, int count, StripMoments& moments) {
-  unpack_wide_grey_runs(payload, first, count, moments);
-}
-
-SELFPROJ_CLONES void unpack_compact(const std::uint8_t* payload, int first, int count, StripMoments& moments) {
-  unpack_compact_columns<model::Select::all>(payload, first, count, moments);
-}
-
-SELFPROJ_CLONES void unpack_runs_compact(const std::uint8_t* payload, int first, int count, StripMoments& moments) {
-  unpack_compact_columns<model::Select::strongest>(payload, first, count, moments);
+SELFPROJ_CLONES void unpack_words(model::ColumnWord word, const std::uint8_t* payload, int first, int count,
+                                  StripMoments& moments) {
+  unpack_strip(word, payload, first, count, moments);
 }
 
 // Calls unpack(first, count, moments) and the kernel for each strip of the columns from `begin` up to `end`.
@@ -432,17 +401,11 @@ void for_each_strip(const ColumnCurves& curves, const LineRules& rules, int begi
 
 }  // namespace
 
-void profile_by_curves(const ColumnCurves& curves, const LineRules& rules, const ColumnWords& words,
+void profile_by_curves(const ColumnCurves& curves, const LineRules& rules, model::ColumnWord word,
                        const std::uint8_t* payload, int begin, int end, const ProfileView& out) {
-  const bool runs = words.select == model::Select::strongest;
-  const auto unpack = words.compact                       ? (runs ? unpack_runs_compact : unpack_compact)
-                      : words.mode == model::Mode::binary ? (words.tall ? unpack_tall_binary
-                                                             : runs     ? unpack_runs_binary
-                                                                        : unpack_binary)
-                      : words.wide                        ? (runs ? unpack_runs_wide_grey : unpack_wide_grey)
-                                                          : (runs ? unpack_runs_grey : unpack_grey);
-  for_each_strip(curves, rules, begin, end, out,
-                 [&](int first, int count, StripMoments& moments) { unpack(payload, first - begin, count, moments); });
+  for_each_strip(curves, rules, begin, end, out, [&](int first, int count, StripMoments& moments) {
+    unpack_words(word, payload, first - begin, count, moments);
+  });
 }
 
 void profile_by_curves(const ColumnCurves& curves, const LineRules& rules, const model::RunsView& runs,

@@ -109,66 +109,10 @@ namespace {
   }
 }
 
-SELFPROJ_CLONES void strip_binary(const std::uint8_t* payload, int first, int columns, const ProfileTables& tables,
-                                  const ProfileView& out) {
+SELFPROJ_CLONES void strip_words(model::ColumnWord word, const std::uint8_t* payload, int first, int columns,
+                                 const ProfileTables& tables, const ProfileView& out) {
   StripMoments moments;
-  model::for_each_binary_word(payload, first, columns, take_moments(moments));
-  triangulate(moments, columns, tables, out);
-}
-
-SELFPROJ_CLONES void strip_tall_binary(const std::uint8_t* payload, int first, int columns, const ProfileTables& tables,
-                                       const ProfileView& out) {
-  StripMoments moments;
-  model::for_each_tall_binary_word(payload, first, columns, take_moments(moments));
-  triangulate(moments, columns, tables, out);
-}
-
-SELFPROJ_CLONES void strip_grey(const std::uint8_t* payload, int first, int columns, const ProfileTables& tables,
-                                const ProfileView& out) {
-  StripMoments moments;
-  model::for_each_grey_word(payload, first, columns, take_moments(moments));
-  triangulate(moments, columns, tables, out);
-}
-
-SELFPROJ_CLONES void strip_wide_grey(const std::uint8_t* payload, int first, int columns, const ProfileTables& tables,
-                                     const ProfileView& out) {
-  StripMoments moments;
-  model::for_each_wide_grey_word(payload, first, columns, take_moments(moments));
-  triangulate(moments, columns, tables, out);
-}
-
-SELFPROJ_CLONES void strip_binary_runs(const std::uint8_t* payload, int first, int columns, const ProfileTables& tables,
-                                       const ProfileView& out) {
-  StripMoments moments;
-  unpack_binary_runs(payload, first, columns, moments);
-  triangulate(moments, columns, tables, out);
-}
-
-SELFPROJ_CLONES void strip_grey_runs(const std::uint8_t* payload, int first, int columns, const ProfileTables& tables,
-                                     const ProfileView& out) {
-  StripMoments moments;
-  unpack_grey_runs(payload, first, columns, moments);
-  triangulate(moments, columns, tables, out);
-}
-
-SELFPROJ_CLONES void strip_wide_grey_runs(const std::uint8_t* payload, int first, int columns,
-                                          const ProfileTables& tables, const ProfileView& out) {
-  StripMoments moments;
-  unpack_wide_grey_runs(payload, first, columns, moments);
-  triangulate(moments, columns, tables, out);
-}
-
-SELFPROJ_CLONES void strip_compact(const std::uint8_t* payload, int first, int columns, const ProfileTables& tables,
-                                   const ProfileView& out) {
-  StripMoments moments;
-  unpack_compact_columns<model::Select::all>(payload, first, columns, moments);
-  triangulate(moments, columns, tables, out);
-}
-
-SELFPROJ_CLONES void strip_compact_runs(const std::uint8_t* payload, int first, int columns,
-                                        const ProfileTables& tables, const ProfileView& out) {
-  StripMoments moments;
-  unpack_compact_columns<model::Select::strongest>(payload, first, columns, moments);
+  unpack_strip(word, payload, first, columns, moments);
   triangulate(moments, columns, tables, out);
 }
 
@@ -276,22 +220,15 @@ ProfileTables DifferentialProfiler::tables_from(int first, const LineRules& rule
 }
 
 // The payload begins with column `begin` of the sensor.
-void DifferentialProfiler::profile(const ColumnWords& words, const std::uint8_t* payload, int begin, int end,
+void DifferentialProfiler::profile(model::ColumnWord word, const std::uint8_t* payload, int begin, int end,
                                    const LineRules& rules, const ProfileView& out) const {
   if (curves_) {
-    profile_by_curves(*curves_, rules, words, payload, begin, end, out);
+    profile_by_curves(*curves_, rules, word, payload, begin, end, out);
     return;
   }
-  const bool runs = words.select == model::Select::strongest;
-  const auto strip_of = words.compact                       ? (runs ? strip_compact_runs : strip_compact)
-                        : words.mode == model::Mode::binary ? (words.tall ? strip_tall_binary
-                                                               : runs     ? strip_binary_runs
-                                                                          : strip_binary)
-                        : words.wide                        ? (runs ? strip_wide_grey_runs : strip_wide_grey)
-                                                            : (runs ? strip_grey_runs : strip_grey);
   for (int first = begin; first < end; first += kStrip) {
     const int count = std::min(kStrip, end - first);
-    strip_of(payload, first - begin, count, tables_from(first, rules), from_column(out, first));
+    strip_words(word, payload, first - begin, count, tables_from(first, rules), from_column(out, first));
   }
 }
 
@@ -303,7 +240,8 @@ bool DifferentialProfiler::profile(const model::PacketView& packet, const Profil
   }
   const auto [row, column] = place_of_frame(camera_, header).value_or(FramePlace{});
   const int end = column + header.columns;
-  profile(words_of(header), packet.payload.data(), column, end, line_rules(camera_, measure_, row, header.rows), out);
+  profile(model::column_word(header), packet.payload.data(), column, end,
+          line_rules(camera_, measure_, row, header.rows), out);
   blank(out, 0, column);
   blank(out, end, columns());
   return true;

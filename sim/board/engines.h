@@ -32,7 +32,7 @@ class MomentsEngine {
   [[nodiscard]] virtual std::string name() const = 0;
 
   // Writes what settings.measure asks for of frames[i] to out[i], which is resized to settings.columns. In mode binary
-  // `second` is 8 or 0, as in a packet (unpack_runs). All frames have the size in the
+  // `second` is 8 or 0, as in a packet (ColumnWord::binary_run). All frames have the size in the
   // settings, and `out` has as many entries as `frames`. Throws std::runtime_error if the engine itself fails, for
   // example if a simulated board lost a frame.
   virtual void process(std::span<const model::ImageView> frames, const MomentsSettings& settings,

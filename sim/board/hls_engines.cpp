@@ -55,7 +55,8 @@ class HlsEngine final : public MomentsEngine {
         throw std::runtime_error("engine hls: frame " + std::to_string(i + 1) + " gave no whole payload");
       }
       out[i].resize(measure.select, settings.columns);
-      model::unpack_columns(measure.select, measure.mode, settings.columns, bytes.data(), out[i].view());
+      model::unpack_columns(model::column_word(measure.select, measure.mode), settings.columns, bytes.data(),
+                            out[i].view());
     }
   }
 };

@@ -29,8 +29,9 @@ class ModelEngine final : public MomentsEngine {
       out[i].resize(measure.select, settings.columns);
       model::measure_columns(frames[i], measure, out[i].view());
       if (measure.select == model::Select::strongest) {  // as a packet tells it
-        model::pack_runs(measure.mode, settings.columns, out[i].view(), payload.data());
-        model::unpack_runs(measure.mode, settings.columns, payload.data(), out[i].view());
+        const model::ColumnWord word = model::column_word(measure.select, measure.mode);
+        model::pack_columns(word, settings.columns, out[i].view(), payload.data());
+        model::unpack_columns(word, settings.columns, payload.data(), out[i].view());
       }
     }
   }

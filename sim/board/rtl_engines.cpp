@@ -57,7 +57,7 @@ class RtlEngine final : public MomentsEngine {
         problem = "frame " + std::to_string(received + 1) + " was lost or broken on the board";
       } else {
         out[received].resize(measure.select, settings.columns);
-        model::unpack_columns(measure.select, measure.mode, settings.columns, packet.payload.data(),
+        model::unpack_columns(model::column_word(measure.select, measure.mode), settings.columns, packet.payload.data(),
                               out[received].view());
         ++received;
       }

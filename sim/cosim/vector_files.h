@@ -25,7 +25,7 @@ namespace selfproj::sim {
 //                                                        first beat of all. levels: a + 2 b. Both are low before
 //     packets.hex    last (2), data (32)                 beats of the packets. last: 1 for the last beat of a packet
 //     columns.hex    m0 (8), m1 (8)                      columns of the packets that have any, in their order, as
-//                                                        unpack_columns and unpack_compact give them. Nothing stands
+//                                                        unpack_columns gives them. Nothing stands
 //                                                        between frames: each has as many lines as columns
 //
 // The board takes the registers before the first beat. Limits of a verdict are for a build with as many columns as the

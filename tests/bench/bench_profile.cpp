@@ -45,9 +45,9 @@ constexpr int kInMemory = 40000;  // 88 MB in mode binary
 // Good packets of random lines 3 to 9 rows wide, one after another. With Select::strongest half the columns have a
 // second run, of less than half the strongest.
 struct Packets {
-  Packets(const rig::Rig& packet_rig, model::Mode packet_mode, int packet_count,
-          model::Select packet_select = model::Select::all, bool packet_compact = false)
-      : select(packet_select), mode(packet_mode), count(packet_count), compact(packet_compact) {
+  Packets(const rig::Rig& rig, model::Mode mode, int packet_count, model::Select packet_select = model::Select::all,
+          bool compact = false)
+      : select(packet_select), count(packet_count) {
     std::mt19937 engine(1);
     const auto random = [&] { return static_cast<std::uint32_t>(engine()); };
     model::Runs runs;
@@ -56,9 +56,10 @@ struct Packets {
     model::PacketHeader header;
     header.kind = compact ? spec::kKindCompact : spec::kKindMoments;
     header.columns = kColumns;
-    header.rows = static_cast<std::uint16_t>(packet_rig.camera.rows);
+    header.rows = static_cast<std::uint16_t>(rig.camera.rows);
     header.mode = static_cast<std::uint8_t>(mode);
     header.select = static_cast<std::uint8_t>(select);
+    word = model::column_word(header);
     std::vector<std::uint8_t> payload(model::columns_payload_bytes(header));
     for (int i = 0; i < kInCache; ++i) {
       for (std::size_t k = 0; k < kColumns; ++k) {
@@ -87,9 +88,8 @@ struct Packets {
   }
 
   model::Select select;
-  model::Mode mode;
   int count;
-  bool compact;
+  model::ColumnWord word{};
   std::size_t size;
   std::vector<std::uint8_t> bytes;
 };
@@ -158,7 +158,7 @@ void work(benchmark::State& state, const light_section::DifferentialProfiler& pr
       }
       benchmark::DoNotOptimize(view);
       if (what != Work::parse) {
-        profiler.profile({packets.select, packets.mode, packets.compact}, view.payload.data(), out);
+        profiler.profile(packets.word, view.payload.data(), out);
       }
       benchmark::ClobberMemory();
     }

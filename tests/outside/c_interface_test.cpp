@@ -178,7 +178,8 @@ TEST(CInterface, PacketsOfTwelveBits) {
   std::vector<std::uint32_t> m1(kColumns, 4095 * 20 * 48);
   std::vector<std::uint32_t> n(kColumns, 20);
   std::vector<std::uint8_t> payload(model::moments_payload_bytes(model::Mode::grey, kColumns));
-  model::pack_wide_moments(model::Mode::grey, kColumns, {m0.data(), m1.data(), n.data()}, payload.data());
+  model::pack_columns(model::ColumnWord::wide_grey, kColumns, {.moments = {m0.data(), m1.data(), n.data()}},
+                      payload.data());
   selfproj_header header = sized<selfproj_header>();
   header.kind = SELFPROJ_KIND_MOMENTS;
   header.columns = kColumns;
@@ -211,8 +212,8 @@ TEST(CInterface, PacketsOfTwelveBits) {
 
   std::vector<std::uint8_t> runs(kColumns, 2);
   std::vector<std::uint8_t> second(kColumns, 5);
-  model::pack_wide_runs(model::Mode::grey, kColumns, {{m0.data(), m1.data(), n.data()}, runs.data(), second.data()},
-                        payload.data());
+  model::pack_columns(model::ColumnWord::wide_grey_run, kColumns,
+                      {{m0.data(), m1.data(), n.data()}, runs.data(), second.data()}, payload.data());
   header.select = SELFPROJ_STRONGEST;
   ASSERT_EQ(build(), SELFPROJ_OK);
   ASSERT_EQ(selfproj_parse_packet(packet.data(), packet.size(), &found), SELFPROJ_OK);
@@ -240,7 +241,7 @@ TEST(CInterface, PacketsOfTwelveBits) {
   std::ranges::fill(tall.m1, 2047U * 1024U);
   tall.n = tall.m0;
   std::vector<std::uint8_t> tall_payload(model::moments_payload_bytes(model::Mode::binary, kColumns));
-  model::pack_tall_binary(kColumns, tall.view(), tall_payload.data());
+  model::pack_columns(model::ColumnWord::tall_binary, kColumns, {.moments = tall.view()}, tall_payload.data());
   selfproj_header of_tall = header;
   of_tall.mode = SELFPROJ_BINARY;
   of_tall.pixel_bits = 8;

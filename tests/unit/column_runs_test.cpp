@@ -281,7 +281,8 @@ TEST(ColumnRuns, PacketsOfTheBoard) {
       }
       model::Runs found;
       found.resize(model::Select::strongest, 8);
-      model::unpack_runs(mode, 8, packets[frame].payload.data(), found.view());
+      model::unpack_columns(model::column_word(model::Select::strongest, mode), 8, packets[frame].payload.data(),
+                            found.view());
       EXPECT_EQ(found, right);
     }
   }

@@ -97,12 +97,13 @@ TEST(PayloadWords, WideFieldsAtTheirBits) {
   const auto word_of = [](model::Mode mode, std::uint32_t m0, std::uint32_t m1, std::uint32_t n) {
     std::array<std::uint8_t, kBeat> bytes{};
     bytes.fill(0xEE);
-    model::pack_wide_moments(mode, 1, {&m0, &m1, &n}, bytes.data());
+    const model::ColumnWord wide = model::column_word(model::Select::all, mode, true);
+    model::pack_columns(wide, 1, {.moments = {&m0, &m1, &n}}, bytes.data());
     EXPECT_TRUE(std::all_of(bytes.begin() + 8, bytes.end(), [](std::uint8_t b) { return b == 0; }));
     std::uint32_t found_m0 = 0;
     std::uint32_t found_m1 = 0;
     std::uint32_t found_n = 0;
-    model::unpack_wide_moments(mode, 1, bytes.data(), {&found_m0, &found_m1, &found_n});
+    model::unpack_columns(wide, 1, bytes.data(), {.moments = {&found_m0, &found_m1, &found_n}});
     EXPECT_EQ(found_m1, mode == model::Mode::binary ? m1 & 0xFFFFF : m1 & 0x7FFFFFFF);
     EXPECT_EQ(found_m0, mode == model::Mode::binary ? m0 & 0xFFF : m0 & 0x3FFFFF);
     EXPECT_EQ(found_n, mode == model::Mode::binary ? found_m0 : n & 0x7FF);
@@ -122,14 +123,15 @@ TEST(PayloadWords, WideRunsAtTheirBits) {
                           std::uint8_t second) {
     std::array<std::uint8_t, kBeat> bytes{};
     bytes.fill(0xEE);
-    model::pack_wide_runs(mode, 1, {{&m0, &m1, &n}, &runs, &second}, bytes.data());
+    const model::ColumnWord wide = model::column_word(model::Select::strongest, mode, true);
+    model::pack_columns(wide, 1, {{&m0, &m1, &n}, &runs, &second}, bytes.data());
     EXPECT_TRUE(std::all_of(bytes.begin() + 8, bytes.end(), [](std::uint8_t b) { return b == 0; }));
     std::uint32_t found_m0 = 0;
     std::uint32_t found_m1 = 0;
     std::uint32_t found_n = 0;
     std::uint8_t found_runs = 9;
     std::uint8_t found_second = 99;
-    model::unpack_wide_runs(mode, 1, bytes.data(), {{&found_m0, &found_m1, &found_n}, &found_runs, &found_second});
+    model::unpack_columns(wide, 1, bytes.data(), {{&found_m0, &found_m1, &found_n}, &found_runs, &found_second});
     if (mode != model::Mode::binary) {
       EXPECT_EQ(found_m1, m1 & 0x7FFFFFFF);
       EXPECT_EQ(found_m0, m0 & 0x3FFFFF);
@@ -203,7 +205,11 @@ TEST(PayloadWords, CompactColumnsAndBack) {
     EXPECT_EQ(payload.back(), 0xEE);
     model::Runs back;
     back.resize(select, kColumns);
-    model::unpack_compact(select, kColumns, payload.data(), back.view());
+    model::unpack_columns(
+        select == model::Select::strongest ? model::ColumnWord::compact_run : model::ColumnWord::compact, kColumns,
+        payload.data(), back.view());
+    EXPECT_THROW(model::pack_columns(model::ColumnWord::compact, kColumns, runs.view(), payload.data()),
+                 std::invalid_argument);
     EXPECT_EQ(back.moments.m0, (std::vector<std::uint32_t>{0, 512, 512, 512, 512, 512}));
     EXPECT_EQ(back.moments.m1, (std::vector<std::uint32_t>{0, 5376, 523776, 512, 523776, 1280}));
     EXPECT_EQ(back.moments.n, (std::vector<std::uint32_t>{0, 2, 63, 3, 1, 2}));
@@ -221,10 +227,11 @@ TEST(PayloadWords, RunsAtTheirBitsAndBack) {
                     .second = {static_cast<std::uint8_t>(second)}};
     std::array<std::uint8_t, kBeat + 1> bytes{};
     bytes.back() = 0xEE;
-    model::pack_runs(mode, 1, all.view(), bytes.data());
+    const model::ColumnWord run = model::column_word(model::Select::strongest, mode);
+    model::pack_columns(run, 1, all.view(), bytes.data());
     model::Runs back;
     back.resize(model::Select::strongest, 1);
-    model::unpack_columns(model::Select::strongest, mode, 1, bytes.data(), back.view());
+    model::unpack_columns(run, 1, bytes.data(), back.view());
     all.second[0] = mode == model::Mode::binary ? second >= 8 ? 8 : 0 : all.second[0];
     if (mode == model::Mode::binary) {
       all.moments.n = all.moments.m0;

@@ -70,7 +70,7 @@ class ColumnCurves {
 
 // What DifferentialProfiler::profile does, for the columns from `begin` up to, without, `end`; the payload begins with
 // column `begin`.
-void profile_by_curves(const ColumnCurves& curves, const LineRules& rules, const ColumnWords& words,
+void profile_by_curves(const ColumnCurves& curves, const LineRules& rules, model::ColumnWord word,
                        const std::uint8_t* payload, int begin, int end, const ProfileView& out);
 // The same for all columns, from runs.
 void profile_by_curves(const ColumnCurves& curves, const LineRules& rules, const model::RunsView& runs,

@@ -70,12 +70,12 @@ class DifferentialProfiler {
   // The same for a payload with the strongest run of each column. A column is ambiguous if its second run has at least
   // the share of the strongest one's M0 that the rig calls ambiguous. Unknown selects count as `all`.
   void profile(model::Select select, model::Mode mode, const std::uint8_t* payload, const ProfileView& out) const {
-    profile(ColumnWords{.select = select, .mode = mode}, payload, out);
+    profile(model::column_word(select, mode), payload, out);
   }
 
   // The same for a payload of these words, perhaps compact ones.
-  void profile(const ColumnWords& words, const std::uint8_t* payload, const ProfileView& out) const {
-    profile(words, payload, 0, columns(), rules_, out);
+  void profile(model::ColumnWord word, const std::uint8_t* payload, const ProfileView& out) const {
+    profile(word, payload, 0, columns(), rules_, out);
   }
 
   // Why a frame of this size and place is not one of the rig's camera; empty if it is: the whole sensor, or a region of
@@ -97,7 +97,7 @@ class DifferentialProfiler {
 
  private:
   [[nodiscard]] ProfileTables tables_from(int first, const LineRules& rules) const;
-  void profile(const ColumnWords& words, const std::uint8_t* payload, int begin, int end, const LineRules& rules,
+  void profile(model::ColumnWord word, const std::uint8_t* payload, int begin, int end, const LineRules& rules,
                const ProfileView& out) const;
 
   int columns_ = 0;

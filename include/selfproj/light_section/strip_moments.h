@@ -28,24 +28,6 @@ struct StripMoments {
   alignas(64) std::array<std::int32_t, kStrip> second;
 };
 
-// What the words of a payload are.
-struct ColumnWords {
-  model::Select select = model::Select::all;
-  model::Mode mode = model::Mode::grey_over;
-  bool compact = false;
-  bool wide = false;  // model::has_wide_words
-  bool tall = false;  // of a build for more than 1,023 rows
-};
-
-// Those of a packet for which has_columns holds.
-inline ColumnWords words_of(const model::PacketHeader& header) {
-  return {.select = static_cast<model::Select>(header.select),
-          .mode = static_cast<model::Mode>(header.mode),
-          .compact = header.kind == spec::kKindCompact,
-          .wide = model::has_wide_words(header),
-          .tall = header.tall};
-}
-
 // Which lines count.
 struct LineRules {
   float rows;    // of the sensor
@@ -87,74 +69,36 @@ constexpr std::int32_t second_on_board(model::Mode mode, std::uint32_t runs, std
   return mode == model::Mode::binary ? max_of_binary_second(runs, second) : static_cast<std::int32_t>(second);
 }
 
-// What for_each_binary_word and for_each_grey_word call: takes the moments of all lit pixels, which have no second run.
-[[gnu::always_inline]] inline auto take_moments(StripMoments& moments) {
-  moments.second.fill(0);
-  return [&moments](int i, std::uint32_t m0, std::uint32_t m1, std::uint32_t n) {
+// What a word leaves open counts against the column: 63 lit pixels may be as many as rows, and a second run of 15/16 as
+// strong as the first.
+template <model::ColumnWord Word>
+[[gnu::always_inline]] inline void unpack_strip(const std::uint8_t* payload, int first, int count,
+                                                StripMoments& moments) {
+  using model::ColumnWord;
+  constexpr bool kIsCompact = Word == ColumnWord::compact || Word == ColumnWord::compact_run;
+  constexpr std::uint32_t kMany = kIsCompact                          ? spec::kCompactNMax
+                                  : Word == ColumnWord::wide_grey_run ? spec::kWideGreyRunNMax
+                                                                      : UINT32_MAX;
+  constexpr std::int32_t kMostSecond = 15;
+  model::for_each_column<Word>(payload, first, count, [&moments](int i, const model::Column& column) {
     const auto at = static_cast<std::size_t>(i);
-    moments.m0[at] = static_cast<std::int32_t>(m0);
-    moments.m1[at] = static_cast<std::int32_t>(m1);
-    moments.n[at] = static_cast<std::int32_t>(n);
+    moments.m0[at] = static_cast<std::int32_t>(column.m0);
+    moments.m1[at] = static_cast<std::int32_t>(column.m1);
+    moments.n[at] = static_cast<std::int32_t>(column.n == kMany ? spec::kRowLimit : column.n);
+    const std::int32_t second = model::is_run(Word) ? column.second : 0;
+    moments.second[at] = Word == ColumnWord::binary_run ? max_of_binary_second(column.runs, column.second)
+                         : Word == ColumnWord::compact_run && second == kMostSecond ? kMostSecond + 1
+                                                                                    : second;
+  });
+}
+
+// The same of any words.
+[[gnu::always_inline]] inline void unpack_strip(model::ColumnWord word, const std::uint8_t* payload, int first,
+                                                int count, StripMoments& moments) {
+  const auto unpack = [&]<model::ColumnWord Word>() __attribute__((always_inline)) {
+    unpack_strip<Word>(payload, first, count, moments);
   };
-}
-
-// Words with the strongest run, and runs as numbers.
-[[gnu::always_inline]] inline void unpack_binary_runs(const std::uint8_t* payload, int first, int count,
-                                                      StripMoments& moments) {
-  model::for_each_binary_run_word(
-      payload, first, count,
-      [&](int i, std::uint32_t m0, std::uint32_t m1, std::uint32_t n, std::uint8_t runs, std::uint8_t second) {
-        const auto at = static_cast<std::size_t>(i);
-        moments.m0[at] = static_cast<std::int32_t>(m0);
-        moments.m1[at] = static_cast<std::int32_t>(m1);
-        moments.n[at] = static_cast<std::int32_t>(n);
-        moments.second[at] = max_of_binary_second(runs, second);
-      });
-}
-
-[[gnu::always_inline]] inline void unpack_grey_runs(const std::uint8_t* payload, int first, int count,
-                                                    StripMoments& moments) {
-  model::for_each_grey_run_word(
-      payload, first, count,
-      [&](int i, std::uint32_t m0, std::uint32_t m1, std::uint32_t n, std::uint8_t /*runs*/, std::uint8_t second) {
-        const auto at = static_cast<std::size_t>(i);
-        moments.m0[at] = static_cast<std::int32_t>(m0);
-        moments.m1[at] = static_cast<std::int32_t>(m1);
-        moments.n[at] = static_cast<std::int32_t>(n);
-        moments.second[at] = second;
-      });
-}
-
-// 63 lit pixels may be as many as rows, which counts against the column.
-[[gnu::always_inline]] inline void unpack_wide_grey_runs(const std::uint8_t* payload, int first, int count,
-                                                         StripMoments& moments) {
-  model::for_each_wide_grey_run_word(
-      payload, first, count,
-      [&](int i, std::uint32_t m0, std::uint32_t m1, std::uint32_t n, std::uint8_t /*runs*/, std::uint8_t second) {
-        const auto at = static_cast<std::size_t>(i);
-        moments.m0[at] = static_cast<std::int32_t>(m0);
-        moments.m1[at] = static_cast<std::int32_t>(m1);
-        moments.n[at] = static_cast<std::int32_t>(n == spec::kWideGreyRunNMax ? spec::kRowLimit : n);
-        moments.second[at] = second;
-      });
-}
-
-// Compact columns. `Select` is known to the compiler, so that the loop has no branch. What a word leaves open counts
-// against the column: 63 lit pixels may be as many as rows, and a second run of 15/16 as strong as the first.
-template <model::Select Select>
-[[gnu::always_inline]] inline void unpack_compact_columns(const std::uint8_t* payload, int first, int count,
-                                                          StripMoments& moments) {
-  constexpr std::uint32_t kMany = spec::kCompactNMax;
-  constexpr std::uint32_t kMostSecond = 15;
-  model::for_each_compact_word(
-      payload, first, count, [&](int i, std::uint32_t centroid, std::uint32_t n, std::uint32_t quality) {
-        const auto at = static_cast<std::size_t>(i);
-        const std::uint32_t second = Select == model::Select::strongest ? quality & kMostSecond : 0;
-        moments.m0[at] = static_cast<std::int32_t>(centroid != 0 ? model::kCompactM0 : 0);
-        moments.m1[at] = static_cast<std::int32_t>(centroid);
-        moments.n[at] = static_cast<std::int32_t>(n == kMany ? spec::kRowLimit : n);
-        moments.second[at] = static_cast<std::int32_t>(second == kMostSecond ? kMostSecond + 1 : second);
-      });
+  model::with_word(word, unpack);
 }
 
 [[gnu::always_inline]] inline void copy_runs(const model::RunsView& from, int first, int count, StripMoments& moments) {

@@ -143,13 +143,13 @@ constexpr std::uint8_t kind_of_columns(bool compact, Mode mode) {
   return compact && mode != Mode::binary ? spec::kKindCompact : spec::kKindMoments;
 }
 
-// The columns in a payload of a packet with this header, for which has_columns(header.kind) holds: pack_columns,
-// unpack_columns, or those of compact columns. The header must be one that parse_packet finds right, but for
-// payload_size.
-std::size_t columns_payload_bytes(const PacketHeader& header);
-
 // The payload of a packet of a frame, if it is not empty: its columns, if it has them, and its verdict, if it has one.
+// The header must be one that parse_packet finds right, but for payload_size.
 std::size_t frame_payload_bytes(const PacketHeader& header);
+
+// The same of its columns alone. For these, has_columns(header.kind) must hold.
+std::size_t columns_payload_bytes(const PacketHeader& header);
+ColumnWord column_word(const PacketHeader& header);
 void pack_columns(const PacketHeader& header, const RunsView& runs, std::uint8_t* payload);
 void unpack_columns(const PacketHeader& header, const std::uint8_t* payload, const RunsView& out);
 

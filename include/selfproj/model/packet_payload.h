@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <type_traits>
 
 #include "selfproj/model/column_moments.h"
 #include "selfproj/model/column_runs.h"
@@ -29,36 +30,65 @@ std::size_t image_line_payload_bytes(int columns);
 // Bytes of one line of a code image: 2 for each pixel, filled up with zeros to a multiple of 16. Throws as above.
 std::size_t codes_line_payload_bytes(int columns);
 
-// Writes the moments of `columns` columns as payload words, moments_payload_bytes(mode, columns) bytes. Ignores n in
-// mode binary. A value wider than its field loses its high bits; column_moments never gives one.
-void pack_moments(Mode mode, int columns, const MomentsView& moments, std::uint8_t* payload);
+// The words that a payload has for its columns. Those that end in _run are those with Select::strongest: they tell of
+// the strongest run, and of what there is besides it as far as they have room.
+enum class ColumnWord : std::uint8_t {
+  binary,       // of mode binary
+  grey,         // of the grey modes
+  wide_grey,    // of the grey modes, with pixels of 9 to 12 bits or a build for more than spec::kMaxRows rows
+  tall_binary,  // of mode binary and such a build
+  compact,      // divided by the circuit, in a grey mode
+  binary_run,
+  grey_run,
+  wide_grey_run,
+  tall_binary_run,  // is tall_binary
+  compact_run,
+};
 
-// Reads the moments back. In mode binary n becomes m0. Ignores bits that belong to no field.
-void unpack_moments(Mode mode, int columns, const std::uint8_t* payload, const MomentsView& out);
+constexpr bool is_run(ColumnWord word) { return word >= ColumnWord::binary_run; }
 
-// The same of pixels of 9 to 12 bits: words wide_grey in the grey modes. Payloads are as long.
-void pack_wide_moments(Mode mode, int columns, const MomentsView& moments, std::uint8_t* payload);
-void unpack_wide_moments(Mode mode, int columns, const std::uint8_t* payload, const MomentsView& out);
+// The word of exact columns. `wide`: pixels have more than 8 bits; `tall`: a build for more than spec::kMaxRows rows.
+constexpr ColumnWord column_word(Select select, Mode mode, bool wide = false, bool tall = false) {
+  const bool run = select == Select::strongest;
+  if (mode == Mode::binary) {
+    return tall ? (run ? ColumnWord::tall_binary_run : ColumnWord::tall_binary)
+                : (run ? ColumnWord::binary_run : ColumnWord::binary);
+  }
+  return wide || tall ? (run ? ColumnWord::wide_grey_run : ColumnWord::wide_grey)
+                      : (run ? ColumnWord::grey_run : ColumnWord::grey);
+}
 
-// The same of a build for more than spec::kMaxRows rows, in mode binary: words tall_binary, which tell nothing of
-// further runs. With Select::strongest `runs` come back as 1, or 0 without light, and `second` as 0. In the grey modes
-// such a build has the words above.
-void pack_tall_binary(int columns, const MomentsView& moments, std::uint8_t* payload);
-void unpack_tall_binary(Select select, int columns, const std::uint8_t* payload, const RunsView& out);
+// A column as a word tells it. Where the word has no field, or a smaller one:
+//
+//     n        m0 in mode binary; at most 63 in wide_grey_run and compact words
+//     runs     0, 1, or 2 where `second` is not 0; at most 3
+//     second   in sixteenths, as in RunsView: 0 or 8 (half the strongest run, or more) in binary_run, at most 15 in
+//              compact_run, else 0
+//     m0, m1   of compact words kCompactM0 or 0, and the centroid in 1/512 rows, so that M1 / M0 is the centroid
+struct Column {
+  std::uint32_t m0, m1, n;
+  std::uint8_t runs, second;
+};
 
-// The same with Select::strongest. In mode binary a word tells of `second` only whether it is 8 or more (half the
-// strongest run, or more), and comes back as 8 or 0.
-void pack_runs(Mode mode, int columns, const RunsView& runs, std::uint8_t* payload);
-void unpack_runs(Mode mode, int columns, const std::uint8_t* payload, const RunsView& out);
+// M0 of a compact column with light.
+inline constexpr std::uint32_t kCompactM0 = 512;
 
-// The same of pixels of 9 to 12 bits: words wide_grey_run in the grey modes. N comes back as 63 where it is more, and
-// the number of runs as 0, 1, or 2 where `second` is not 0, because a word does not tell it.
-void pack_wide_runs(Mode mode, int columns, const RunsView& runs, std::uint8_t* payload);
-void unpack_wide_runs(Mode mode, int columns, const std::uint8_t* payload, const RunsView& out);
+// Writes exact columns as payload words, moments_payload_bytes bytes. `runs` need what the word has. A value wider than
+// its field loses its high bits, but N in wide_grey_run is at most 63; measure_columns never gives another one. Throws
+// std::invalid_argument if columns are negative, or the words are compact (pack_compact).
+void pack_columns(ColumnWord word, int columns, const RunsView& runs, std::uint8_t* payload);
 
-// Either of the two, as `select` says. With Select::all they do not touch `runs` and `second`.
-void pack_columns(Select select, Mode mode, int columns, const RunsView& runs, std::uint8_t* payload);
-void unpack_columns(Select select, Mode mode, int columns, const std::uint8_t* payload, const RunsView& out);
+// Reads columns back, as in Column. Does not touch `runs` and `second` unless is_run(word). Ignores bits that belong to
+// no field.
+void unpack_columns(ColumnWord word, int columns, const std::uint8_t* payload, const RunsView& out);
+
+// The same with Select::all and pixels of 8 bits.
+inline void pack_moments(Mode mode, int columns, const MomentsView& moments, std::uint8_t* payload) {
+  pack_columns(column_word(Select::all, mode), columns, {.moments = moments}, payload);
+}
+inline void unpack_moments(Mode mode, int columns, const std::uint8_t* payload, const MomentsView& out) {
+  unpack_columns(column_word(Select::all, mode), columns, payload, {.moments = out});
+}
 
 // A column as the circuit divides it (kind compact), from its moments in a grey mode, as measure_columns gives them:
 //
@@ -72,20 +102,12 @@ void unpack_columns(Select select, Mode mode, int columns, const std::uint8_t* p
 std::uint32_t compact_word(Select select, std::uint32_t m0, std::uint32_t m1, std::uint32_t n, std::uint8_t runs,
                            std::uint8_t second, int bits = spec::kPixelBits, bool tall = false);
 
-// What unpack_compact gives as M0 of a column with light.
-inline constexpr std::uint32_t kCompactM0 = 512;
-
 // Bytes of compact columns: 4 for each, filled up with zeros to a multiple of 16. Throws as moments_payload_bytes.
 std::size_t compact_payload_bytes(int columns);
 
 // Writes compact_word of each column, compact_payload_bytes(columns) bytes.
 void pack_compact(Select select, int columns, const RunsView& runs, std::uint8_t* payload, int bits = spec::kPixelBits,
                   bool tall = false);
-
-// Reads compact columns back: M0 is kCompactM0 or 0, M1 the centroid in 1/512 rows, so that M1 / M0 is the centroid;
-// n, runs and `second` are as the word has them, at most 63, 3 and 15. With Select::all it does not touch `runs` and
-// `second`.
-void unpack_compact(Select select, int columns, const std::uint8_t* payload, const RunsView& out);
 
 // Writes the first `columns` words of a line of a code image (include/selfproj/model/gray_decoder.h), two bytes each,
 // without the zeros that follow. Throws as above.
@@ -94,7 +116,69 @@ void pack_codes(int columns, const std::uint16_t* codes, std::uint8_t* payload);
 // Reads them back.
 void unpack_codes(int columns, const std::uint8_t* payload, std::uint16_t* codes);
 
-// The words of a moments packet, unpacked inside the caller's loop, for code that processes them immediately.
+// Where a word has its fields. Those without bits are not in it.
+struct WordField {
+  int lsb = 0;
+  int bits = 0;
+};
+struct WordFields {
+  int word_bits = 0;
+  WordField m1 = {}, m0 = {}, n = {}, runs = {}, second = {};
+};
+
+constexpr WordFields fields_of(ColumnWord word) {
+  switch (word) {
+    case ColumnWord::binary:
+      return {.word_bits = spec::kBinaryWordBits,
+              .m1 = {spec::kBinaryM1Lsb, spec::kBinaryM1Bits},
+              .m0 = {spec::kBinaryM0Lsb, spec::kBinaryM0Bits}};
+    case ColumnWord::grey:
+      return {.word_bits = spec::kGreyWordBits,
+              .m1 = {spec::kGreyM1Lsb, spec::kGreyM1Bits},
+              .m0 = {spec::kGreyM0Lsb, spec::kGreyM0Bits},
+              .n = {spec::kGreyNLsb, spec::kGreyNBits}};
+    case ColumnWord::wide_grey:
+      return {.word_bits = spec::kWideGreyWordBits,
+              .m1 = {spec::kWideGreyM1Lsb, spec::kWideGreyM1Bits},
+              .m0 = {spec::kWideGreyM0Lsb, spec::kWideGreyM0Bits},
+              .n = {spec::kWideGreyNLsb, spec::kWideGreyNBits}};
+    case ColumnWord::tall_binary:
+    case ColumnWord::tall_binary_run:
+      return {.word_bits = spec::kTallBinaryWordBits,
+              .m1 = {spec::kTallBinaryM1Lsb, spec::kTallBinaryM1Bits},
+              .m0 = {spec::kTallBinaryM0Lsb, spec::kTallBinaryM0Bits}};
+    case ColumnWord::binary_run:
+      return {.word_bits = spec::kBinaryRunWordBits,
+              .m1 = {spec::kBinaryRunM1Lsb, spec::kBinaryRunM1Bits},
+              .m0 = {spec::kBinaryRunM0Lsb, spec::kBinaryRunM0Bits},
+              .runs = {spec::kBinaryRunRunsLsb, spec::kBinaryRunRunsBits},
+              .second = {spec::kBinaryRunSecondLsb, spec::kBinaryRunSecondBits}};
+    case ColumnWord::grey_run:
+      return {.word_bits = spec::kGreyRunWordBits,
+              .m1 = {spec::kGreyRunM1Lsb, spec::kGreyRunM1Bits},
+              .m0 = {spec::kGreyRunM0Lsb, spec::kGreyRunM0Bits},
+              .n = {spec::kGreyRunNLsb, spec::kGreyRunNBits},
+              .runs = {spec::kGreyRunRunsLsb, spec::kGreyRunRunsBits},
+              .second = {spec::kGreyRunSecondLsb, spec::kGreyRunSecondBits}};
+    case ColumnWord::wide_grey_run:
+      return {.word_bits = spec::kWideGreyRunWordBits,
+              .m1 = {spec::kWideGreyRunM1Lsb, spec::kWideGreyRunM1Bits},
+              .m0 = {spec::kWideGreyRunM0Lsb, spec::kWideGreyRunM0Bits},
+              .n = {spec::kWideGreyRunNLsb, spec::kWideGreyRunNBits},
+              .second = {spec::kWideGreyRunSecondLsb, spec::kWideGreyRunSecondBits}};
+    case ColumnWord::compact:
+      return {.word_bits = spec::kCompactWordBits,
+              .m1 = {spec::kCompactCentroidLsb, spec::kCompactCentroidBits},
+              .n = {spec::kCompactNLsb, spec::kCompactNBits}};
+    case ColumnWord::compact_run:  // its quality is 16 runs + second
+      return {.word_bits = spec::kCompactWordBits,
+              .m1 = {spec::kCompactCentroidLsb, spec::kCompactCentroidBits},
+              .n = {spec::kCompactNLsb, spec::kCompactNBits},
+              .runs = {spec::kCompactQualityLsb + 4, spec::kCompactQualityBits - 4},
+              .second = {spec::kCompactQualityLsb, 4}};
+  }
+  return {};
+}
 
 // A field of `bits` bits that begins at bit `lsb`.
 template <typename Word>
@@ -102,123 +186,51 @@ template <typename Word>
   return word >> static_cast<unsigned>(lsb) & ((Word{1} << static_cast<unsigned>(bits)) - 1);
 }
 
-// Calls take(i, m0, m1, n) with the moments of column first + i, i = 0..columns - 1, of a payload in mode binary. All
-// are unsigned 32-bit integers, and n is m0. Ignores bits that belong to no field.
-template <typename Take>
-[[gnu::always_inline]] inline void for_each_binary_word(const std::uint8_t* payload, int first, int columns,
-                                                        const Take& take) {
-  constexpr std::ptrdiff_t kBytes = spec::kBinaryWordBits / 8;
+// Calls take(i, column) with the columns first + i, i = 0..columns - 1, of a payload of such words: for code that
+// processes them immediately, inside its own loop.
+template <ColumnWord Word, typename Take>
+[[gnu::always_inline]] inline void for_each_column(const std::uint8_t* payload, int first, int columns,
+                                                   const Take& take) {
+  constexpr WordFields kAt = fields_of(Word);
+  using Bits = std::conditional_t<kAt.word_bits == 32, std::uint32_t, std::uint64_t>;
+  constexpr std::ptrdiff_t kBytes = sizeof(Bits);
   const std::uint8_t* words = payload + first * kBytes;
   for (int i = 0; i < columns; ++i) {
-    const auto word = load_little_endian<std::uint32_t>(words + i * kBytes);
-    const std::uint32_t m0 = field_of(word, spec::kBinaryM0Lsb, spec::kBinaryM0Bits);
-    take(i, m0, field_of(word, spec::kBinaryM1Lsb, spec::kBinaryM1Bits), m0);
+    const auto word = load_little_endian<Bits>(words + i * kBytes);
+    const auto field = [word](WordField at) { return static_cast<std::uint32_t>(field_of(word, at.lsb, at.bits)); };
+    const std::uint32_t m1 = field(kAt.m1);
+    const std::uint32_t m0 = kAt.m0.bits != 0 ? field(kAt.m0) : m1 != 0 ? kCompactM0 : 0;
+    const std::uint32_t second = kAt.second.bits == 1 ? 8 * field(kAt.second) : field(kAt.second);
+    const std::uint32_t runs = kAt.runs.bits != 0 ? field(kAt.runs) : (m0 != 0 ? 1U : 0U) + (second != 0 ? 1U : 0U);
+    take(i, Column{m0, m1, kAt.n.bits != 0 ? field(kAt.n) : m0, static_cast<std::uint8_t>(runs),
+                   static_cast<std::uint8_t>(second)});
   }
 }
 
-// The same for a payload of words tall_binary.
-template <typename Take>
-[[gnu::always_inline]] inline void for_each_tall_binary_word(const std::uint8_t* payload, int first, int columns,
-                                                             const Take& take) {
-  constexpr std::ptrdiff_t kBytes = spec::kTallBinaryWordBits / 8;
-  const std::uint8_t* words = payload + first * kBytes;
-  for (int i = 0; i < columns; ++i) {
-    const auto word = load_little_endian<std::uint32_t>(words + i * kBytes);
-    const std::uint32_t m0 = field_of(word, spec::kTallBinaryM0Lsb, spec::kTallBinaryM0Bits);
-    take(i, m0, field_of(word, spec::kTallBinaryM1Lsb, spec::kTallBinaryM1Bits), m0);
-  }
-}
-
-// The same for a payload in a grey mode.
-template <typename Take>
-[[gnu::always_inline]] inline void for_each_grey_word(const std::uint8_t* payload, int first, int columns,
-                                                      const Take& take) {
-  constexpr std::ptrdiff_t kBytes = spec::kGreyWordBits / 8;
-  const std::uint8_t* words = payload + first * kBytes;
-  for (int i = 0; i < columns; ++i) {
-    const auto word = load_little_endian<std::uint64_t>(words + i * kBytes);
-    take(i, static_cast<std::uint32_t>(field_of(word, spec::kGreyM0Lsb, spec::kGreyM0Bits)),
-         static_cast<std::uint32_t>(field_of(word, spec::kGreyM1Lsb, spec::kGreyM1Bits)),
-         static_cast<std::uint32_t>(field_of(word, spec::kGreyNLsb, spec::kGreyNBits)));
-  }
-}
-
-// The same for a payload of words wide_grey.
-template <typename Take>
-[[gnu::always_inline]] inline void for_each_wide_grey_word(const std::uint8_t* payload, int first, int columns,
-                                                           const Take& take) {
-  constexpr std::ptrdiff_t kBytes = spec::kWideGreyWordBits / 8;
-  const std::uint8_t* words = payload + first * kBytes;
-  for (int i = 0; i < columns; ++i) {
-    const auto word = load_little_endian<std::uint64_t>(words + i * kBytes);
-    take(i, static_cast<std::uint32_t>(field_of(word, spec::kWideGreyM0Lsb, spec::kWideGreyM0Bits)),
-         static_cast<std::uint32_t>(field_of(word, spec::kWideGreyM1Lsb, spec::kWideGreyM1Bits)),
-         static_cast<std::uint32_t>(field_of(word, spec::kWideGreyNLsb, spec::kWideGreyNBits)));
-  }
-}
-
-// The words with Select::strongest: calls take(i, m0, m1, n, runs, second), the latter two as std::uint8_t, with the
-// strongest run of column first + i of a payload in mode binary. `second` is in sixteenths, as in RunsView; here it is
-// 8 or 0, because a word tells only whether it is 8 or more.
-template <typename Take>
-[[gnu::always_inline]] inline void for_each_binary_run_word(const std::uint8_t* payload, int first, int columns,
-                                                            const Take& take) {
-  constexpr std::ptrdiff_t kBytes = spec::kBinaryRunWordBits / 8;
-  const std::uint8_t* words = payload + first * kBytes;
-  for (int i = 0; i < columns; ++i) {
-    const auto word = load_little_endian<std::uint32_t>(words + i * kBytes);
-    const std::uint32_t m0 = field_of(word, spec::kBinaryRunM0Lsb, spec::kBinaryRunM0Bits);
-    const std::uint32_t half = field_of(word, spec::kBinaryRunSecondLsb, spec::kBinaryRunSecondBits);
-    take(i, m0, field_of(word, spec::kBinaryRunM1Lsb, spec::kBinaryRunM1Bits), m0,
-         static_cast<std::uint8_t>(field_of(word, spec::kBinaryRunRunsLsb, spec::kBinaryRunRunsBits)),
-         static_cast<std::uint8_t>(8 * half));
-  }
-}
-
-// The same for a payload in a grey mode.
-template <typename Take>
-[[gnu::always_inline]] inline void for_each_grey_run_word(const std::uint8_t* payload, int first, int columns,
-                                                          const Take& take) {
-  constexpr std::ptrdiff_t kBytes = spec::kGreyRunWordBits / 8;
-  const std::uint8_t* words = payload + first * kBytes;
-  for (int i = 0; i < columns; ++i) {
-    const auto word = load_little_endian<std::uint64_t>(words + i * kBytes);
-    take(i, static_cast<std::uint32_t>(field_of(word, spec::kGreyRunM0Lsb, spec::kGreyRunM0Bits)),
-         static_cast<std::uint32_t>(field_of(word, spec::kGreyRunM1Lsb, spec::kGreyRunM1Bits)),
-         static_cast<std::uint32_t>(field_of(word, spec::kGreyRunNLsb, spec::kGreyRunNBits)),
-         static_cast<std::uint8_t>(field_of(word, spec::kGreyRunRunsLsb, spec::kGreyRunRunsBits)),
-         static_cast<std::uint8_t>(field_of(word, spec::kGreyRunSecondLsb, spec::kGreyRunSecondBits)));
-  }
-}
-
-// The same for a payload of words wide_grey_run. `runs` is what pack_wide_runs leaves of it.
-template <typename Take>
-[[gnu::always_inline]] inline void for_each_wide_grey_run_word(const std::uint8_t* payload, int first, int columns,
-                                                               const Take& take) {
-  constexpr std::ptrdiff_t kBytes = spec::kWideGreyRunWordBits / 8;
-  const std::uint8_t* words = payload + first * kBytes;
-  for (int i = 0; i < columns; ++i) {
-    const auto word = load_little_endian<std::uint64_t>(words + i * kBytes);
-    const auto m0 = static_cast<std::uint32_t>(field_of(word, spec::kWideGreyRunM0Lsb, spec::kWideGreyRunM0Bits));
-    const auto second =
-        static_cast<std::uint8_t>(field_of(word, spec::kWideGreyRunSecondLsb, spec::kWideGreyRunSecondBits));
-    take(i, m0, static_cast<std::uint32_t>(field_of(word, spec::kWideGreyRunM1Lsb, spec::kWideGreyRunM1Bits)),
-         static_cast<std::uint32_t>(field_of(word, spec::kWideGreyRunNLsb, spec::kWideGreyRunNBits)),
-         static_cast<std::uint8_t>((m0 != 0 ? 1 : 0) + (second != 0 ? 1 : 0)), second);
-  }
-}
-
-// Compact words: calls take(i, centroid, n, quality), unsigned 32-bit integers, of column first + i.
-template <typename Take>
-[[gnu::always_inline]] inline void for_each_compact_word(const std::uint8_t* payload, int first, int columns,
-                                                         const Take& take) {
-  constexpr std::ptrdiff_t kBytes = spec::kCompactWordBits / 8;
-  const std::uint8_t* words = payload + first * kBytes;
-  for (int i = 0; i < columns; ++i) {
-    const auto word = load_little_endian<std::uint32_t>(words + i * kBytes);
-    take(i, field_of(word, spec::kCompactCentroidLsb, spec::kCompactCentroidBits),
-         field_of(word, spec::kCompactNLsb, spec::kCompactNBits),
-         field_of(word, spec::kCompactQualityLsb, spec::kCompactQualityBits));
+// Calls call.operator()<Word>(), where Word is the constant of this value.
+template <typename Call>
+[[gnu::always_inline]] inline void with_word(ColumnWord word, const Call& call) {
+  switch (word) {
+    case ColumnWord::binary:
+      return call.template operator()<ColumnWord::binary>();
+    case ColumnWord::grey:
+      return call.template operator()<ColumnWord::grey>();
+    case ColumnWord::wide_grey:
+      return call.template operator()<ColumnWord::wide_grey>();
+    case ColumnWord::tall_binary:
+      return call.template operator()<ColumnWord::tall_binary>();
+    case ColumnWord::compact:
+      return call.template operator()<ColumnWord::compact>();
+    case ColumnWord::binary_run:
+      return call.template operator()<ColumnWord::binary_run>();
+    case ColumnWord::grey_run:
+      return call.template operator()<ColumnWord::grey_run>();
+    case ColumnWord::wide_grey_run:
+      return call.template operator()<ColumnWord::wide_grey_run>();
+    case ColumnWord::tall_binary_run:
+      return call.template operator()<ColumnWord::tall_binary_run>();
+    case ColumnWord::compact_run:
+      return call.template operator()<ColumnWord::compact_run>();
   }
 }
 

@@ -53,7 +53,7 @@ class StrongestRun : public ::testing::TestWithParam<model::Mode> {
     runs.resize(select, columns);
     model::measure_columns({pixels_.data(), rig_.camera.rows, columns, columns}, measure, runs.view());
     std::vector<std::uint8_t> payload(model::moments_payload_bytes(measure.mode, columns));
-    model::pack_columns(select, measure.mode, columns, runs.view(), payload.data());
+    model::pack_columns(model::column_word(select, measure.mode), columns, runs.view(), payload.data());
     const double far = rig_.plane_z_mm;
     const light_section::ReferenceProfile reference =
         light_section::reference_of_curve(rig_, {{-far, far}, {far, far}});
