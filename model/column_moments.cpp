@@ -37,7 +37,10 @@ void require(bool good, const char* what) {
 
 template <typename Pixel>
 void check(const PixelView<Pixel>& image, Mode mode, const MomentsView& out, int max_rows) {
-  require(image.rows >= 1 && image.rows <= max_rows, "rows are less than 1, or too many");
+  if (image.rows < 1 || image.rows > max_rows) {
+    throw std::invalid_argument("moments: " + std::to_string(image.rows) + " rows; 1 to " + std::to_string(max_rows) +
+                                " can be summed");
+  }
   require(image.columns >= 1, "columns are less than 1");
   require(mode == Mode::binary || mode == Mode::grey || mode == Mode::grey_over, "unknown mode");
   require(image.pixels != nullptr && out.m0 != nullptr && out.m1 != nullptr && out.n != nullptr, "null pointer");

@@ -66,7 +66,10 @@ void print_status(driver::Control& control) {
     const std::uint32_t word = control.read({&one, nullptr});
     std::string fields;
     for (const spec::RegisterField& field : one.fields) {
-      fields += fmt::format("  {}={}", field.name, driver::field_of(word, field.lsb, field.bits));
+      const driver::RegisterPart part{&one, &field};
+      if (!driver::Control::is_in_another(part)) {
+        fields += fmt::format("  {}={}", field.name, control.value_in(word, part));
+      }
     }
     fmt::print("0x{:02X} {:16} 0x{:08X}{}\n", one.address, one.name, word, fields);
   }

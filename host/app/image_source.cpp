@@ -137,10 +137,6 @@ ImageSource::ImageSource(const ImageSourceOptions& options, const rig::Rig& rig,
   if (sent_.rows > model::kMaxSoftwareRows) {
     throw UserError(first(), fmt::format("has {} rows; at most {} are possible", sent_.rows, model::kMaxSoftwareRows));
   }
-  if (sent_.rows > model::row_limit(measure.bits) && measure.bits > spec::kPixelBits) {
-    throw UserError(first(), fmt::format("has {} rows; at most {} are possible with pixels of {} bits", sent_.rows,
-                                         model::row_limit(measure.bits), measure.bits));
-  }
   if (rig.sources && rig.sources->speed != rig::ValueSource::assumed && !options.spacing_mm && count() > 1) {
     throw UserError(
         "--images",

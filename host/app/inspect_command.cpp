@@ -172,7 +172,7 @@ class Run {
         json_(options.json.empty() ? nullptr : std::make_unique<files::OutputFile>(options.json)),
         reference_(reference_of(options, rig_)),
         profiler_(rig_, reference_),
-        section_(profiler_, rig_.measure.bits(),
+        section_(profiler_, rig_.measure,
                  options.select.empty() ? std::nullopt : std::optional(images::select_of(options.select))),
         measure_(measure_of_rig(rig_, options.select)) {
     if (!options.verdict.empty()) {

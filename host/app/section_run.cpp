@@ -136,6 +136,28 @@ std::string delay_text(const driver::DurationHistogram& delay) {
                      production::time_text(delay.percentile_ns(0.99)), production::time_text(delay.longest_ns()));
 }
 
+void SectionRun::note_differences(const model::PacketHeader& header, const std::string& uri) const {
+  const model::Measure of = model::measure_of(header);
+  if (of.bits != measure_.bits) {
+    files::note(
+        fmt::format("{}: its moments are of pixels of {} bits, and measure.pixel_bits of the rig is {}: heights "
+                    "are the same, M0 and thresholds are values of {} bits",
+                    uri, of.bits, measure_.bits, of.bits));
+  } else if (of.threshold != measure_.threshold) {
+    files::note(fmt::format("{}: was measured with the threshold {}, and that of the rig is {}", uri, of.threshold,
+                            measure_.threshold));
+  }
+  if (!select_ && of.select != measure_.select) {
+    files::note(fmt::format("{}: its packets are of select {}, and the rig says {} (measure.runs)", uri,
+                            images::select_name(of.select), images::select_name(measure_.select)));
+  } else if (of.select == model::Select::strongest &&
+             model::column_word(header) == model::ColumnWord::tall_binary_run) {
+    files::note(
+        fmt::format("{}: words of mode binary and more than {} rows tell of no second run: no column is ambiguous", uri,
+                    spec::kMaxRows));
+  }
+}
+
 bool SectionRun::is_usable(const model::PacketView& packet, const std::string& uri) {
   const model::PacketHeader& header = packet.header;
   if (!model::has_columns(header.kind)) {
@@ -171,13 +193,13 @@ bool SectionRun::is_usable(const model::PacketView& packet, const std::string& u
   }
   if (bits_ == 0) {
     bits_ = header.pixel_bits;
-    if (bits_ != rig_bits_) {
-      files::note(
-          fmt::format("{}: its moments are of pixels of {} bits, and measure.pixel_bits of the rig is {}: heights "
-                      "are the same, M0 and thresholds are values of {} bits",
-                      uri, bits_, rig_bits_, bits_));
-    }
+    note_differences(header, uri);
   } else if (header.pixel_bits != bits_) {
+    if (!other_bits_) {
+      files::note(fmt::format("{}: some frames are of pixels of {} bits, those before of {}: they give no profile", uri,
+                              header.pixel_bits, bits_));
+      other_bits_ = true;
+    }
     ++counts_.other_select;
     return false;
   }

@@ -96,10 +96,10 @@ std::string delay_text(const driver::DurationHistogram& delay);
 class SectionRun {
  public:
   // The profiler must outlive it. `select` is what the board must have selected; nothing: whatever comes. Notes if the
-  // pixels of the first frame have not the bits of the rig; frames of other bits than the first give no profile.
-  SectionRun(const light_section::DifferentialProfiler& profiler, int rig_bits,
+  // first frame is not measured as the rig says; frames of other bits than the first give no profile, and a note.
+  SectionRun(const light_section::DifferentialProfiler& profiler, const rig::RigMeasure& measure,
              std::optional<model::Select> select = {})
-      : profiler_(profiler), rig_bits_(rig_bits), select_(select) {}
+      : profiler_(profiler), measure_(measure.of_board()), select_(select) {}
 
   // Computes the newest packet of the device. Returns false if it gives no profile. Throws UserError if the device
   // sends frames of another rig, or measured otherwise than `select` or the reference says, from the first on.
@@ -114,11 +114,13 @@ class SectionRun {
 
  private:
   bool is_usable(const model::PacketView& packet, const std::string& uri);
+  void note_differences(const model::PacketHeader& header, const std::string& uri) const;
   void count(const model::PacketHeader& header, const light_section::ProfileView& made, std::int64_t arrival_ns);
 
   const light_section::DifferentialProfiler& profiler_;
-  int rig_bits_;
-  int bits_ = 0;  // of the first frame
+  model::Measure measure_;   // of the rig
+  int bits_ = 0;             // of the first frame
+  bool other_bits_ = false;  // there were frames of other bits
   std::optional<model::Select> select_;
   SectionCounts counts_;
 };

@@ -153,7 +153,7 @@ void learn_section(const LearnCommandOptions& options) {
       rig, production::section_of(rig, reference, profiler),
       learn_options(options, {.edge_mm = kEdgeCells * rig.parts.value_or(rig::RigParts{}).grid_mm}));
   production::ProfileCutter cutter(rig);
-  SectionRun section(profiler, rig.measure.bits());
+  SectionRun section(profiler, rig.measure);
   const model::Measure measure = measure_of_rig(rig);
   light_section::Profile profile;
   profile.resize(profiler.columns());

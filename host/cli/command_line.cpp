@@ -212,7 +212,7 @@ void add_pixel_options(CLI::App& command, images::PixelOptions& pixels) {
       .add_option(
           "--shift", pixels.shift,
           "Images of more than 8 bits: a value becomes value / 2^N, rounded down; 4 takes values of 12 bits, 8 "
-          "of 16. Without it they are refused, unless the file says its bits, as a PGM does. With a rig of more bits "
+          "of 16. Without it they are refused, unless the file says its bits, as a PGM does. With a --rig of more bits "
           "(measure.pixel_bits) as many are taken, and N is 0 unless values are shifted up.")
       ->transform(whole_number(0, images::kMaxShift))
       ->type_name("N");

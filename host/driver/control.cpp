@@ -118,12 +118,15 @@ void Control::need(const spec::Register& one) const {
 
 std::uint32_t Control::read(const RegisterPart& part) {
   need(*part.in);
-  const std::uint32_t value = port_->word(part.in->address);
+  return value_in(port_->word(part.in->address), part);
+}
+
+std::uint32_t Control::value_in(std::uint32_t word, const RegisterPart& part) const {
   if (part.field == nullptr) {
-    return value;
+    return word;
   }
-  const std::uint32_t high = in_two_fields(part) ? field_of(value, kHighLsb, kHighBits) << part.field->bits : 0;
-  return field_of(value, part.field->lsb, part.field->bits) | high;
+  const std::uint32_t high = in_two_fields(part) ? field_of(word, kHighLsb, kHighBits) << part.field->bits : 0;
+  return field_of(word, part.field->lsb, part.field->bits) | high;
 }
 
 // The threshold of pixels of more than 8 bits.
@@ -132,14 +135,19 @@ bool Control::in_two_fields(const RegisterPart& part) const {
          part.field->lsb == spec::kRegMeasureThresholdLsb;
 }
 
+bool Control::is_in_another(const RegisterPart& part) {
+  return part.in->address == spec::kRegMeasure && part.field != nullptr && part.field->lsb == kHighLsb;
+}
+
 // The word with this value in this part of it.
 std::uint32_t Control::word_with(std::uint32_t word, const RegisterPart& part, std::uint32_t value) const {
   if (part.field == nullptr) {
     return value;
   }
-  if (build_.pixel_bits == spec::kPixelBits && part.in->address == spec::kRegMeasure && part.field->lsb == kHighLsb &&
-      value != 0) {
-    throw UserError(uri(), "measure.threshold_high is 0 on this board, whose pixels have 8 bits");
+  if (is_in_another(part) && (value != 0 || build_.pixel_bits > spec::kPixelBits)) {
+    throw UserError(uri(), build_.pixel_bits > spec::kPixelBits
+                               ? "measure.threshold_high is part of measure.threshold, which holds all bits"
+                               : "measure.threshold_high is 0 on this board, whose pixels have 8 bits");
   }
   const int bits = in_two_fields(part) ? build_.pixel_bits : part.field->bits;
   if ((std::uint64_t{value} >> bits) != 0) {

@@ -80,6 +80,11 @@ class Control {
   // Everything that only the board changes, read register by register; the time as one number.
   [[nodiscard]] model::BoardState state();
 
+  // The value of a part in a word of its register: the threshold of pixels of more than 8 bits whole. Whether a part
+  // is only the upper bits of another one.
+  [[nodiscard]] std::uint32_t value_in(std::uint32_t word, const RegisterPart& part) const;
+  [[nodiscard]] static bool is_in_another(const RegisterPart& part);
+
  private:
   void write_word(const spec::Register& one, std::uint32_t value);
   void need(const spec::Register& one) const;

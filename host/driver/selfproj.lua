@@ -131,7 +131,7 @@ local format = {
         "at most"},
     }},
     tall_grey = {bits = 64, fields = {
-      {"m1", 0, 31, "1st moment"},
+      {"m1", 0, 31, "1st moment; these are the words wide_grey and wide_grey_run, which fit more rows as well"},
       {"m0", 31, 22, "0th moment"},
       {"n", 53, 11, "number of lit pixels"},
     }},
@@ -147,8 +147,8 @@ local format = {
       {"n", 20, 6, "number of lit pixels; 63: as many or more"},
       {"quality", 26, 6,
         "select strongest: runs in 5..4, second in 3..0, 15 there for 15 or 16; select all: floor(64 M0 / (256 " ..
-        "N)), the mean weight of a lit pixel in 1/64 of 256; pixels of more bits: 2^bits for 256, and runs 1, or " ..
-        "2 where second is not 0"},
+        "N)), the mean weight of a lit pixel in 1/64 of 256; pixels of more bits: 2^bits for 256; these, and " ..
+        "builds for more than 1,023 rows: runs 1, or 2 where second is not 0"},
     }},
     verdict = {bits = 128, fields = {
       {"first_column", 0, 13, "first column of the leftmost defect, from 1; 0 without one"},

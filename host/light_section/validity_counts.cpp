@@ -24,8 +24,10 @@ std::string reason_of(Validity validity, const rig::RigMeasure& measure) {
     case Validity::unlit:
       return fmt::format(
           "show no light above the threshold of {}: raise the exposure or lower the threshold, and look "
-          "whether the line falls into the camera's view",
-          measure.threshold);
+          "whether the line falls into the camera's view{}",
+          measure.threshold,
+          measure.bits() > spec::kPixelBits ? "; where images are read, whether --shift leaves the values as they are"
+                                            : "");
     case Validity::too_few:
       return fmt::format("have fewer than {} lit pixels: raise the exposure, or lower the threshold or min_lit_px",
                          measure.min_lit_px);

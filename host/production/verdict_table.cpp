@@ -245,6 +245,12 @@ VerdictTables::VerdictTables(const rig::Rig& rig, const light_section::Reference
                     "a verdict needs parts along a belt with an encoder that counts up: section `parts` with "
                     "belt: encoder, conveyor.encoder_mm_per_count greater than 0 (`selfproj calibrate belt --counts`)");
   }
+  if (sent_.rows > spec::kMaxRows) {
+    throw UserError(rig.name,
+                    fmt::format("sends {} rows; boards for more than {} give no verdicts (camera.region takes "
+                                "fewer)",
+                                sent_.rows, spec::kMaxRows));
+  }
   check_tolerance(tolerance, rig, section_, source);
   widest_mm_ = 3 * pixel_mm(rig);
   jumps_ = section_.jumps(rig, widest_mm_);

@@ -286,6 +286,11 @@ void check_sections(const Rig& rig, const std::string& source) {
   }
   if (rig.kind != RigKind::light_section) {
     need_eight_bits(rig, source, "a rig of kind scanner");
+  } else if (rig.measure.bits() > spec::kPixelBits && rig.camera.sent().rows > model::row_limit(rig.measure.bits())) {
+    throw UserError(source,
+                    fmt::format("the camera sends {} rows; with measure.pixel_bits {} at most {} can be "
+                                "measured (camera.region takes fewer)",
+                                rig.camera.sent().rows, rig.measure.bits(), model::row_limit(rig.measure.bits())));
   }
   if (rig.light_plane) {
     expect_unit("light_plane.normal", rig.light_plane->normal);

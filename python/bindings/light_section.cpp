@@ -96,6 +96,8 @@ void bind_rig(nb::module_& module) {
           "mode", [](const rig::Rig& rig) { return rig.measure.mode; }, "How the board weighs pixels.")
       .def_prop_ro(
           "threshold", [](const rig::Rig& rig) { return rig.measure.threshold; }, "From where pixels are lit.")
+      .def_prop_ro(
+          "pixel_bits", [](const rig::Rig& rig) { return rig.measure.bits(); }, "Bits of a pixel that count, 8 to 12.")
       .def("to_yaml", &rig::to_yaml, "The rig as the text of a rig file.")
       .def("__repr__",
            [](const rig::Rig& rig) {

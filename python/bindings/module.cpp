@@ -1,6 +1,7 @@
 // The extension module selfproj._core: a submodule for each subject.
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/variant.h>
 
 #include <algorithm>
 #include <cstddef>
@@ -9,12 +10,14 @@
 #include <regex>
 #include <string>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "host/files/text.h"
 #include "host/images/image_files.h"
 #include "python/bindings/arrays.h"
 #include "selfproj/files/user_error.h"
+#include "selfproj/model/column_moments.h"
 #include "selfproj/model/generated/selfproj_spec.h"
 
 namespace {
@@ -91,16 +94,25 @@ NB_MODULE(_core, module) {
   module.attr("__version__") = SELFPROJ_VERSION;
   module.def(
       "read_image",
-      [](const Path& file, const std::string& channel, std::optional<int> shift) {
-        const selfproj::images::PixelRule rule = selfproj::images::PixelOptions{channel, shift}.rule();
-        selfproj::images::Image image = without_gil([&] { return selfproj::images::read_image(file.string(), rule); });
-        return array_of(std::move(image.pixels),
-                        {static_cast<std::size_t>(image.rows), static_cast<std::size_t>(image.columns)});
+      [](const Path& file, const std::string& channel, std::optional<int> shift,
+         int bits) -> std::variant<Out<std::uint8_t>, Out<std::uint16_t>> {
+        require(bits >= selfproj::spec::kPixelBits && bits <= selfproj::model::kMaxPixelBits, "bits: must be in 8..12");
+        selfproj::images::PixelRule rule = selfproj::images::PixelOptions{channel, shift}.rule();
+        rule.bits = bits;
+        selfproj::images::SensorImage image =
+            without_gil([&] { return selfproj::images::read_sensor_image(file.string(), rule); });
+        return std::visit(
+            [](auto& of) -> std::variant<Out<std::uint8_t>, Out<std::uint16_t>> {
+              return array_of(std::move(of.pixels),
+                              {static_cast<std::size_t>(of.rows), static_cast<std::size_t>(of.columns)});
+            },
+            image);
       },
-      nb::arg("file"), nb::arg("channel") = "", nb::arg("shift") = nb::none(),
+      nb::arg("file"), nb::arg("channel") = "", nb::arg("shift") = nb::none(), nb::arg("bits") = 8,
       "Reads an image as one channel of 8 bits: uint8, (rows, columns). Of a colour image it takes `channel`: red,\n"
       "green, blue, grey, or for the light of a laser red-difference, green-difference or blue-difference. Values of\n"
-      "more bits become value >> shift: 4 for 12 bits, 8 for 16. InputError names the file and the reason.");
+      "more bits become value >> shift: 4 for 12 bits, 8 for 16. With bits of 9 to 12 all of them are taken: uint16.\n"
+      "InputError names the file and the reason.");
   module.attr("SPEC_HASH") = selfproj::spec::kHash;
   module.def(
       "kernel_ns", [] { return kernel_ns().load(); },

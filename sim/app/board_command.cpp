@@ -273,7 +273,7 @@ void run_board(const BoardOptions& options) {
     record(options, source);
     return;
   }
-  PlayedRegisters registers(options.pixel_clock_hz, {.pixel_bits = pixel_bits_of(options.source)});
+  PlayedRegisters registers(options.pixel_clock_hz, source.build());
   play(options, source, registers);
 }
 }  // namespace

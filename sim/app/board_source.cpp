@@ -30,16 +30,21 @@
 namespace selfproj::sim {
 namespace {
 
-// Of images of pixels of so many bits.
-model::Measure measure_of(const BoardSource& options, int bits = spec::kPixelBits) {
-  if (options.threshold >= 1 << bits) {
-    throw UserError(fmt::format("--threshold {}", options.threshold),
-                    fmt::format("pixels of {} bits are {} at most", bits, (1 << bits) - 1));
+// What the options say; the rest as `measure` has it.
+model::Measure measure_of(const BoardSource& options, model::Measure measure) {
+  if (!options.mode.empty()) {
+    measure.mode = images::mode_of(options.mode);
   }
-  model::Measure measure{.mode = images::mode_of(options.mode), .threshold = options.threshold, .bits = bits};
+  measure.threshold = options.threshold.value_or(measure.threshold);
+  if (measure.threshold >= 1 << measure.bits) {
+    throw UserError(fmt::format("--threshold {}", measure.threshold),
+                    fmt::format("pixels of {} bits are {} at most", measure.bits, (1 << measure.bits) - 1));
+  }
   options.select.apply(measure);
   return measure;
 }
+
+constexpr model::Measure kWithoutRig{.mode = model::Mode::grey_over, .threshold = 60};
 
 images::PreparedSensorImages images_of(const BoardSource& options) {
   return {images::files_of_patterns("--images", options.images),
@@ -54,7 +59,7 @@ PacketRecording make_line(const BoardSource& options) {
                     fmt::format("is not an image size such as 512x96: columns a multiple of {} up to {}, rows up to {}",
                                 spec::kPixelsPerBeat, spec::kColumnLimit, spec::kRowLimit));
   }
-  return moving_line(rows, columns, options.line_frames, measure_of(options));
+  return moving_line(rows, columns, options.line_frames, measure_of(options, kWithoutRig));
 }
 
 PacketRecording make_images(const BoardSource& options, std::uint64_t frames) {
@@ -71,12 +76,14 @@ PacketRecording make_images(const BoardSource& options, std::uint64_t frames) {
   const int columns = images.columns();
   const int most_rows = model::row_limit(pixel_bits_of(options));
   if (rows > most_rows || columns > spec::kColumnLimit || columns % spec::kPixelsPerBeat != 0) {
-    throw UserError(images.files().front(),
-                    fmt::format("is {}; the board takes columns that are a multiple of {}, up "
-                                "to {}, and up to {} rows",
-                                images::size_text(rows, columns), spec::kPixelsPerBeat, spec::kColumnLimit, most_rows));
+    throw UserError(images.files().front(), fmt::format("is {}; the board takes columns that are a multiple of {}, up "
+                                                        "to {}, and up to {} rows with pixels of {} bits",
+                                                        images::size_text(rows, columns), spec::kPixelsPerBeat,
+                                                        spec::kColumnLimit, most_rows, pixel_bits_of(options)));
   }
-  const model::Measure measure = measure_of(options, pixel_bits_of(options));
+  const rig::RigMeasure of_rig = options.rig.empty() ? rig::RigMeasure{} : rig::load_any_rig(options.rig).measure;
+  const bool light_section = !options.rig.empty() && !codes;
+  const model::Measure measure = measure_of(options, light_section ? of_rig.of_board() : kWithoutRig);
   const model::BoardSettings settings{.image = !codes,
                                       .columns = columns,
                                       .rows = rows,
@@ -85,6 +92,8 @@ PacketRecording make_images(const BoardSource& options, std::uint64_t frames) {
                                       .select = measure.select,
                                       .gap = measure.gap,
                                       .window = measure.window,
+                                      .compact = light_section && of_rig.sends_compact() &&
+                                                 model::kind_of_columns(true, measure.mode) == spec::kKindCompact,
                                       .codes = codes,
                                       .code_bits = codes ? options.bits : 1,
                                       .code_threshold = options.code_threshold.value_or(kDefaultThreshold)};
@@ -188,9 +197,11 @@ void add_source_options(CLI::App& command, BoardSource& options) {
       "the registers `region` and `size` say. It is measured as the registers say. The board begins when a "
       "host starts it and ends when one stops it.");
   command
-      .add_option("--rig", options.rig,
-                  "With --images: the rig that they are of. The encoder counts as its belt moves from image to image, "
-                  "at the rig's frame rate, whatever --rate says; pixels have its bits (measure.pixel_bits).")
+      .add_option(
+          "--rig", options.rig,
+          "With --images: the rig that they are of. The encoder counts as its belt moves from image to image, "
+          "at the rig's frame rate, whatever --rate says. They are measured as it says (measure) where no option "
+          "says otherwise.")
       ->type_name("RIG")
       ->default_str("the encoder stands still");
   command
@@ -213,13 +224,13 @@ void add_source_options(CLI::App& command, BoardSource& options) {
   command.add_option("--mode", options.mode, "With --line and --images: what a lit pixel weighs.")
       ->check(cli::one_of(images::mode_names()))
       ->type_name("MODE")
-      ->capture_default_str();
+      ->default_str("the rig's, or grey-over");
   command
       .add_option("--threshold", options.threshold,
                   "With --line and --images: a pixel is lit where its grey value is greater.")
       ->transform(cli::whole_number(0, 4095))
       ->type_name("T")
-      ->capture_default_str();
+      ->default_str("the rig's, or 60");
   cli::add_select_options(command, options.select);
   command.add_option("--line-frames", options.line_frames, "With --line: frames until the line is where it began.")
       ->transform(cli::whole_number(1, 100000))

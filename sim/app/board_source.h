@@ -24,8 +24,8 @@ struct BoardSource {
   int bits = 0;     // of the Gray code in the images; 0: the images are sent as they are
   std::optional<int> code_threshold;
   std::string line;  // COLUMNSxROWS
-  std::string mode = "grey-over";
-  int threshold = 60;
+  std::string mode;  // empty: the rig's, or grey-over without one
+  std::optional<int> threshold;
   cli::SelectOptions select;
   int line_frames = 100;
 };

@@ -26,6 +26,12 @@ void PacketRecording::add(const model::PacketHeader& header, std::span<const std
     frames_.push_back({header.sequence, header.encoder, packets_.size(), 0});
   }
   ++frames_.back().packets;
+  build_.pixel_bits = std::max<int>(build_.pixel_bits, header.pixel_bits);
+  build_.max_rows = header.tall ? spec::kRowLimit : build_.max_rows;
+  build_.max_columns = header.columns > build_.max_columns ? spec::kColumnLimit : build_.max_columns;
+  build_.runs = build_.runs || header.select == spec::kSelectStrongest;
+  build_.region = build_.region || header.region_row != 0 || header.region_column != 0;
+  build_.compact = build_.compact || header.kind == spec::kKindCompact;
   packets_.push_back({bytes_.size(), packet.size()});
   bytes_.insert(bytes_.end(), packet.begin(), packet.end());
 }
@@ -107,12 +113,12 @@ PacketRecording moving_line(int rows, int columns, int frames, const model::Meas
       }
     }
     model::measure_columns({pixels.data(), rows, columns, columns}, measure, runs.view());
-    model::pack_columns(measure.select, measure.mode, columns, runs.view(), payload.data());
     model::PacketHeader header;
     header.kind = spec::kKindMoments;
     header.sequence = static_cast<std::uint64_t>(frame);
     header.encoder = static_cast<std::uint32_t>(frame) * kEncoderPerFrame;
     model::describe_frame(header, rows, columns, measure);
+    model::pack_columns(header, runs.view(), payload.data());
     packet.clear();
     model::append_packet(header, payload, 0, packet);
     recording.add(header, packet);

@@ -44,6 +44,8 @@ class PacketRecording {
   }
 
   [[nodiscard]] std::size_t frames() const { return frames_.size(); }
+  // A board that sends such columns
+  [[nodiscard]] const model::BoardBuild& build() const { return build_; }
   [[nodiscard]] std::size_t packets() const { return packets_.size(); }
   [[nodiscard]] std::size_t bytes() const { return bytes_.size(); }
 
@@ -74,6 +76,7 @@ class PacketRecording {
   std::vector<std::uint8_t> bytes_;
   std::vector<Packet> packets_;  // frame by frame
   std::vector<Frame> frames_;
+  model::BoardBuild build_;
 };
 
 // Reads a recorded stream to its end. The driver's counts go to `counters`. Throws UserError if the file cannot be read

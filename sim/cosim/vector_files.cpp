@@ -67,7 +67,10 @@ VectorFiles::VectorFiles(const std::string& folder, const PlatformOptions& optio
     fmt::format_to(std::back_inserter(text), "{:02x}{:08x}\n", address, data);
   }
   folder_.append(kRegisters, text);
-  folder_.append(kCamera, "// beats: idle clocks before it, flags (1: frame start, 2: line end), 4 pixels\n");
+  folder_.append(kCamera,
+                 fmt::format("// pixels of {} bits; beats: idle clocks before it, flags (1: frame start, 2: line "
+                             "end), {} pixels\n",
+                             pixel_bits_, spec::kPixelsPerBeat));
   folder_.append(kEncoder, "// changes of the pins: clocks after the first beat, levels (1: a, 2: b)\n");
   folder_.append(kPackets, "// beats: 1 if the last of a packet, 128 bits of data\n");
   folder_.append(kColumns, "// columns: m0, m1\n");

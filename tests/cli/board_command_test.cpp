@@ -131,19 +131,27 @@ TEST_F(Board, ReplaysARecordingWithItsHolesClosed) {
 }
 
 TEST_F(Board, MovingLineIsWhereItShouldBe) {
-  const sim::PacketRecording recording = sim::moving_line(96, 32, 8, {.mode = model::Mode::grey_over, .threshold = 60});
-  model::Moments moments;
-  moments.resize(32);
-  for (std::uint64_t frame = 0; frame < 8; ++frame) {
-    recording.play(frame, 1, [&](std::size_t size, const auto& stamp) {
-      std::vector<std::uint8_t> room(size);
-      stamp(room.data());
-      model::unpack_moments(model::Mode::grey_over, 32, model::payload_of(room).data(), moments.view());
-    });
-    for (std::size_t column = 0; column < 32; ++column) {
-      const double phase = static_cast<double>(column) / 32 + static_cast<double>(frame) / 8;
-      const double right = 47.5 + 24 * std::sin(2 * 3.14159265358979 * phase) + 1;  // rows count from 1
-      EXPECT_NEAR(static_cast<double>(moments.m1[column]) / moments.m0[column], right, 0.05);
+  for (const int rows : {96, 1500}) {
+    for (const model::Mode mode : {model::Mode::binary, model::Mode::grey_over}) {
+      const sim::PacketRecording recording = sim::moving_line(rows, 32, 8, {.mode = mode, .threshold = 60});
+      model::Moments moments;
+      moments.resize(32);
+      for (std::uint64_t frame = 0; frame < 8; ++frame) {
+        recording.play(frame, 1, [&](std::size_t size, const auto& stamp) {
+          std::vector<std::uint8_t> room(size);
+          stamp(room.data());
+          model::PacketView packet;
+          ASSERT_EQ(model::parse_packet(room, packet), model::PacketError::none);
+          model::unpack_columns(packet.header, packet.payload.data(), {.moments = moments.view()});
+        });
+        for (std::size_t column = 0; column < 32; ++column) {
+          const double phase = static_cast<double>(column) / 32 + static_cast<double>(frame) / 8;
+          const double right =  // rows count from 1
+              0.5 * (rows - 1) + 0.25 * rows * std::sin(2 * 3.14159265358979 * phase) + 1;
+          EXPECT_NEAR(static_cast<double>(moments.m1[column]) / moments.m0[column], right,
+                      mode == model::Mode::binary ? 0.5 : 0.05);
+        }
+      }
     }
   }
 }

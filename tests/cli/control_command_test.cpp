@@ -104,10 +104,24 @@ TEST_F(BoardCommand, OverTheNetwork) {
   EXPECT_EQ(nobody.err, "selfproj: udp:127.0.0.9: no board answers\n");
 }
 
-// inspect gives the board the rig's settings, and leaves it stopped as it was.
+// A board that plays packets is one that sends such packets.
+TEST_F(BoardCommand, APlayedBoard) {
+  const auto is_strongest = model::Select::strongest;
+  const model::BoardBuild tall = sim::moving_line(1500, 4096, 2, {.threshold = 50, .select = is_strongest}).build();
+  EXPECT_EQ(tall.max_rows, spec::kRowLimit);
+  EXPECT_EQ(tall.max_columns, spec::kColumnLimit);
+  EXPECT_TRUE(tall.runs);
+  const model::BoardBuild usual = sim::moving_line(96, 512, 2, {.threshold = 50}).build();
+  EXPECT_EQ(usual.max_rows, spec::kMaxRows);
+  EXPECT_EQ(usual.max_columns, spec::kMaxColumns);
+  EXPECT_FALSE(usual.runs);
+}
+
+// inspect gives the board the rig's settings, and leaves it stopped as it was. It notes what these packets have not.
 TEST_F(BoardCommand, InspectAppliesTheRig) {
   const Outcome made =
-      run_program(SELFPROJ_SIM_PROGRAM, {"board", "--line", "512x96", "--record", "line.slfp"}, folder_.path());
+      run_program(SELFPROJ_SIM_PROGRAM, {"board", "--line", "512x96", "--threshold", "20", "--record", "line.slfp"},
+                  folder_.path());
   ASSERT_EQ(made.status, 0) << made.err;
   EXPECT_EQ(board({"set", "size.columns=64", "size.rows=3"}).status, 0);
   const Outcome outcome = run({"inspect", "--device", "file:line.slfp", "--control", "bar:bar", "--count", "5"});
@@ -133,7 +147,8 @@ TEST_F(BoardCommand, InspectAppliesTheRig) {
   model::BoardBuild build;
   build.runs = true;
   write_text(folder_ / "runs", register_bytes(build));
-  EXPECT_EQ(with("bar:runs").err, "");
+  EXPECT_EQ(with("bar:runs").err,
+            "selfproj: file:line.slfp: its packets are of select all, and the rig says strongest (measure.runs)\n");
   const std::string told = run({"board", "status", "--device", "bar:runs"}).out;
   EXPECT_NE(told.find("select=1  gap=2"), std::string::npos) << told;
   EXPECT_NE(told.find("first=3  last=90"), std::string::npos) << told;

@@ -387,6 +387,7 @@ TEST_F(ProductionCommand, CosimulationOfMoreBits) {
   write_text(folder_ / "wide.yaml", rig::to_yaml(rig));
   EXPECT_NE(sim({"cosim", "--rig", "wide.yaml"}).err.find("the Verilated boards 8, 10 and 12"), std::string::npos);
   rig.camera.rows = 1500;
+  rig.measure.pixel_bits = 10;
   write_text(folder_ / "wide.yaml", rig::to_yaml(rig));
   EXPECT_NE(
       sim({"cosim", "--rig", "wide.yaml"})

@@ -83,6 +83,13 @@ def main():
             status, out = bench("images")
             if status == 0:
                 sys.exit(f"a changed word of {file} was not found\n{out}")
+        if not with_vhdl:
+            camera = folder / "images" / "camera.hex"
+            camera.write_text(camera.read_text(encoding="ascii").replace("pixels of 8 bits", "pixels of 12 bits"),
+                              encoding="ascii")
+            status, out = bench("images")
+            if status == 0 or "pixels have 12 bits; camera_to_dma takes 8" not in out:
+                sys.exit(f"pixels of 12 bits: status {status}\n{out}")
     print("as expected")
 
 

@@ -57,6 +57,18 @@ TEST(Control, AFieldLeavesTheOthers) {
             "sim:: this board has no register decode: it has no Gray-code decoder");
 }
 
+// The threshold of pixels of more than 8 bits is in two fields of the register, and one value here.
+TEST(Control, AThresholdOfTwelveBits) {
+  model::RegisterFile board({.pixel_bits = 12});
+  driver::Control control(port_of(board));
+  control.write("measure.threshold", 4000);
+  EXPECT_EQ(control.read("measure.threshold"), 4000U);
+  control.write("measure.threshold", 200);
+  EXPECT_EQ(control.read("measure.threshold"), 200U);
+  EXPECT_EQ(error_of([&] { control.write("measure.threshold_high", 0); }),
+            "sim:: measure.threshold_high is part of measure.threshold, which holds all bits");
+}
+
 // While settings are written, frames go on with the old ones.
 TEST(Control, SettingsChangeTogether) {
   model::RegisterFile board;

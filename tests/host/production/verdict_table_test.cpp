@@ -247,6 +247,14 @@ TEST(VerdictTables, ShortSectionsJudgeMoreOnABeltThatRunsAskew) {
             0U);
 }
 
+TEST(VerdictTables, BoardsForMoreRowsGiveNoVerdicts) {
+  GoodPart setup = treads();
+  setup.rig.camera.rows = 1500;
+  EXPECT_EQ(
+      error_of([&] { (void)VerdictTables(setup.rig, setup.reference, setup.tolerance, evenly(), "tolerance"); }),
+      setup.rig.name + ": sends 1500 rows; boards for more than 1023 give no verdicts (camera.region takes fewer)");
+}
+
 TEST(VerdictTables, WallsAndPlacesOutsideOfRegionsAreNotJudged) {
   const GoodPart setup = treads();
   const VerdictTable table =

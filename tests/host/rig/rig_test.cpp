@@ -253,6 +253,11 @@ TEST(Rig, PixelBitsAreReadBackAndChecked) {
   rig::Rig ten = rig;
   ten.measure.pixel_bits = 10;
   EXPECT_NE(error(ten).find("threshold"), std::string::npos);  // 1023 at most
+  rig::Rig tall = rig;
+  tall.camera.rows = 1500;
+  EXPECT_EQ(error(tall),
+            "rig.yaml: the camera sends 1500 rows; with measure.pixel_bits 12 at most 1023 can be measured "
+            "(camera.region takes fewer)");
   rig::Rig all = rig;
   all.measure.runs = rig::RigRuns{};
   all.measure.compact = true;

@@ -443,6 +443,10 @@ class References(Case):
             self.folder / "plate-of-twelve")
         same(light_section.reference_of_sweep(twelve, of_twelve, every).z,
              light_section.load_reference(twelve, self.folder / "plate-of-twelve").z)
+        read = [selfproj.read_image(file, bits=twelve.pixel_bits) for file in sorted(of_twelve.glob("*.png"))]
+        self.assertEqual((read[0].dtype, twelve.pixel_bits, rig.pixel_bits), ("uint16", 12, 8))
+        same(light_section.reference_of_sweep(twelve, read, every).z,
+             light_section.reference_of_sweep(twelve, of_twelve, every).z)
         for given, images, words in ((twelve, sweeps[1], "uint16 are needed"), (rig, wide[1], "uint8 are needed")):
             with self.assertRaisesRegex(ValueError, words):
                 light_section.reference_of_sweep(given, images, every)

@@ -64,11 +64,12 @@ module vectors_tb;
     .s_axil_rresp        (unused_rresp)
   );
 
-  string folder;
+  string            folder;
+  logic [8*120-1:0] comment;  // the first line of the file that was opened last
+  int               bits;     // of a pixel
 
   // Opens a file, and passes its first line, which says what it holds.
   function automatic int opened(input string name);
-    logic [8*120-1:0] comment;
     opened = $fopen({folder, "/", name}, "r");
     if (opened == 0 || $fgets(comment, opened) == 0) $fatal(1, "cannot read %s/%s", folder, name);
   endfunction
@@ -84,6 +85,9 @@ module vectors_tb;
     if (!$value$plusargs("vectors=%s", folder)) $fatal(1, "+vectors=DIR is missing");
     registers_file = opened("registers.hex");
     camera_file    = opened("camera.hex");
+    if ($sscanf(comment, "// pixels of %d bits", bits) != 1 || bits != 8) begin
+      $fatal(1, "%s/camera.hex: pixels have %0d bits; camera_to_dma takes 8", folder, bits);
+    end
     encoder_file   = opened("encoder.hex");
     packets_file   = opened("packets.hex");
     #500 reset = 1'b0;
