@@ -114,7 +114,11 @@ std::string doubt_about(const SectionCounts& counts, const rig::Rig& rig) {
   }
   rig::RigMeasure measure = rig.measure;
   measure.threshold = counts.threshold;
-  return light_section::doubt_about_columns(counts.columns, measure);
+  const std::string doubt = light_section::doubt_about_columns(counts.columns, measure);
+  return doubt.empty() || counts.profiles == 0 || counts.threshold == rig.measure.threshold
+             ? doubt
+             : fmt::format("{} (measured with the threshold {}; the rig's is {})", doubt, counts.threshold,
+                           rig.measure.threshold);
 }
 
 const std::string& NewestDoubt::about(const SectionCounts& counts, const rig::Rig& rig) {
@@ -143,9 +147,6 @@ void SectionRun::note_differences(const model::PacketHeader& header, const std::
         fmt::format("{}: its moments are of pixels of {} bits, and measure.pixel_bits of the rig is {}: heights "
                     "are the same, M0 and thresholds are values of {} bits",
                     uri, of.bits, measure_.bits, of.bits));
-  } else if (of.threshold != measure_.threshold) {
-    files::note(fmt::format("{}: was measured with the threshold {}, and that of the rig is {}", uri, of.threshold,
-                            measure_.threshold));
   }
   if (!select_ && of.select != measure_.select) {
     files::note(fmt::format("{}: its packets are of select {}, and the rig says {} (measure.runs)", uri,

@@ -74,16 +74,20 @@ PacketRecording make_images(const BoardSource& options, std::uint64_t frames) {
   }
   const int rows = images.rows();
   const int columns = images.columns();
-  const int most_rows = model::row_limit(pixel_bits_of(options));
+  const int bits = pixel_bits_of(options);
+  const int most_rows = model::row_limit(bits);
   if (rows > most_rows || columns > spec::kColumnLimit || columns % spec::kPixelsPerBeat != 0) {
     throw UserError(images.files().front(), fmt::format("is {}; the board takes columns that are a multiple of {}, up "
                                                         "to {}, and up to {} rows with pixels of {} bits",
                                                         images::size_text(rows, columns), spec::kPixelsPerBeat,
-                                                        spec::kColumnLimit, most_rows, pixel_bits_of(options)));
+                                                        spec::kColumnLimit, most_rows, bits));
   }
-  const rig::RigMeasure of_rig = options.rig.empty() ? rig::RigMeasure{} : rig::load_any_rig(options.rig).measure;
-  const bool light_section = !options.rig.empty() && !codes;
-  const model::Measure measure = measure_of(options, light_section ? of_rig.of_board() : kWithoutRig);
+  rig::RigMeasure said;
+  said.apply(kWithoutRig);
+  if (!options.rig.empty() && !codes) {
+    said = rig::load_rig(options.rig).measure;
+  }
+  const model::Measure measure = measure_of(options, said.of_board());
   const model::BoardSettings settings{.image = !codes,
                                       .columns = columns,
                                       .rows = rows,
@@ -92,8 +96,7 @@ PacketRecording make_images(const BoardSource& options, std::uint64_t frames) {
                                       .select = measure.select,
                                       .gap = measure.gap,
                                       .window = measure.window,
-                                      .compact = light_section && of_rig.sends_compact() &&
-                                                 model::kind_of_columns(true, measure.mode) == spec::kKindCompact,
+                                      .compact = said.sends_compact(),
                                       .codes = codes,
                                       .code_bits = codes ? options.bits : 1,
                                       .code_threshold = options.code_threshold.value_or(kDefaultThreshold)};

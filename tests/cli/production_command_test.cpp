@@ -350,10 +350,9 @@ TEST_F(ProductionCommand, ImagesOfTwelveBits) {
     EXPECT_NE(run.out.find("512 columns in 1 frames, 0 mismatches"), std::string::npos) << run.out;
   }
   EXPECT_EQ(read_text(folder_ / "rtl.slfp"), read_text(folder_ / "model.slfp"));
-  ASSERT_EQ(sim({"board", "--images", "twelve/frame_00300.png", "--rig", "twelve.yaml", "--threshold", "48", "--record",
-                 "played.slfp"})
-                .status,
-            0);
+  ASSERT_EQ(
+      sim({"board", "--images", "twelve/frame_00300.png", "--rig", "twelve.yaml", "--record", "played.slfp"}).status,
+      0);
   ASSERT_EQ(host({"inspect", "--rig", "twelve.yaml", "--device", "file:played.slfp", "--out", "played-out"}).status, 0);
   EXPECT_EQ(read_text(folder_ / "played-out/height.tiff"), read_text(folder_ / "twelve-out/height.tiff"));
   const auto no_board = [&](const Words& words) { return sim(words).err; };
